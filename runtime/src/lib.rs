@@ -1,0 +1,16 @@
+//! Mechanics with impacts: simulation and optimal control of Lagrangian systems with unilateral
+//! contacts.
+//!
+//! ```text
+//! model  ->  time_freezing  ->  dcs  ->  fesd  ->  mpcc  ->  nlp  ->  linalg
+//!   \------------------------------->  simulation
+//! ```
+//!
+//! Arrows point one way: `nlp` knows nothing of time, `linalg` nothing of optimization.
+
+pub mod model;
+pub mod mpcc;
+pub mod nlp;
+pub mod simulation;
+
+pub use hangtime_macros::model;

@@ -1,0 +1,115 @@
+//! What a mechanical scene is to the solvers: a Lagrangian system with unilateral contacts.
+//!
+//! The equations of motion in coordinates `q`, velocities `v` and controls `u` are
+//!
+//! ```text
+//! q' = v
+//! v' = a(q, v, u, t) + sum_i d_i(q) r_i          a = M(q)^-1 f(q, v, u, t)
+//! 0 <= g_i(q)  _|_  r_i >= 0                     gap and normal contact acceleration
+//! ```
+//!
+//! `n_i = grad g_i` is the contact normal and `d_i = w_i / (n_i' w_i)` the *contact direction*, scaled
+//! so that `n_i' d_i = 1`. Unless the scene declares another one, `w_i = M^-1 n_i`. The unknown
+//! `r_i` [unit of the gap / s^2] is the normal acceleration that contact `i` provides; the contact
+//! force is `lambda_i = r_i / D_i` with `D_i = n_i' M^-1 n_i`. The same direction carries the impulse
+//! of an impact, `v+ = v- + sum_i d_i p_i`, and the auxiliary dynamics of the time-freezing
+//! reformulation, `v' = a_bar d_i`.
+//!
+//! Every kernel reads one *input vector* `x = (q, v, u)`, with the physical time appended if the
+//! scene depends on it explicitly ([`Declaration::explicit_time`]).
+
+mod declaration;
+
+pub use declaration::{
+    ContactDeclaration, ControlDeclaration, CoordinateDeclaration, Declaration, Equation,
+    ImpactLaw, Kernel, ParameterDeclaration, SparsityPattern,
+};
+
+/// A Lagrangian system with unilateral contacts: the interface between scenes and solvers.
+///
+/// [`model!`](crate::model!) implements it; a hand-written scene may do so as well. All slices have
+/// exactly the length stated; kernels are pure arithmetic and do not allocate.
+pub trait Model: Send + Sync {
+    /// What the scene declares: names, units, sparsity patterns, operation counts.
+    fn declaration(&self) -> &'static Declaration;
+
+    /// Value of parameter `index`, in the unit of its declaration.
+    fn parameter(&self, index: usize) -> f64;
+
+    /// Sets parameter `index`, in the unit of its declaration.
+    fn set_parameter(&mut self, index: usize, value: f64);
+
+    /// The declared initial coordinates `q` and velocities `v`, each of length `n_q`.
+    fn start(&self, q: &mut [f64], v: &mut [f64]);
+
+    /// The declared length of a simulation [s], if the scene declares one.
+    fn horizon(&self) -> Option<f64>;
+
+    /// Declared bounds of the coordinates and then the controls; infinite where none is declared.
+    /// Both slices have length `n_q + n_u`.
+    fn bounds(&self, lower: &mut [f64], upper: &mut [f64]);
+
+    /// Acceleration without contact, `a = M^-1 f`, length `n_q`.
+    fn free_acceleration(&self, x: &[f64], a: &mut [f64]);
+
+    /// Jacobian of [`free_acceleration`](Self::free_acceleration) with respect to `x`: the values of
+    /// [`Declaration::free_jacobian`], in its order.
+    fn free_jacobian(&self, x: &[f64], values: &mut [f64]);
+
+    /// Hessian of `multipliers' a` with respect to `x`: the values of [`Declaration::free_hessian`]
+    /// (lower triangle), in its order. `multipliers` has length `n_q`.
+    fn free_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]);
+
+    /// Mass matrix `M(q)`, row-major, length `n_q * n_q`.
+    fn mass_matrix(&self, x: &[f64], m: &mut [f64]);
+
+    /// Kinetic and potential energy, `(v' dL/dv - L_0, ...)`: length 2. The potential is the part of
+    /// `-L` that remains at `v = 0`; the kinetic energy is the rest of `v' dL/dv - L`.
+    fn energy(&self, x: &[f64], energy: &mut [f64]);
+
+    /// Gap `g_i(q)` of one contact.
+    fn gap(&self, contact: usize, x: &[f64]) -> f64;
+
+    /// Everything about one contact that needs no derivative of a force, length
+    /// [`contact_point::length`]: see [`contact_point`] for the layout.
+    fn contact(&self, contact: usize, x: &[f64], point: &mut [f64]);
+
+    /// Jacobian with respect to `x` of the rows `(g, v_n, d_1..d_nq)`: the values of
+    /// [`ContactDeclaration::jacobian`], in its order.
+    fn contact_jacobian(&self, contact: usize, x: &[f64], values: &mut [f64]);
+
+    /// Hessian with respect to `x` of `multipliers' (g, v_n, d_1..d_nq)`: the values of
+    /// [`ContactDeclaration::hessian`] (lower triangle), in its order. `multipliers` has length
+    /// `2 + n_q`.
+    fn contact_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut [f64]);
+
+    /// A copy behind a fresh box.
+    fn boxed(&self) -> Box<dyn Model>;
+}
+
+/// Layout of the output of [`Model::contact`].
+pub mod contact_point {
+    /// Gap `g` [unit of the surface].
+    pub const GAP: usize = 0;
+    /// Normal velocity `v_n = n' v` (plus the gap's explicit time derivative).
+    pub const NORMAL_VELOCITY: usize = 1;
+    /// Velocity-dependent part of the normal acceleration, `v' (hess g) v` (plus explicit time
+    /// terms): `v_n' = n' v' + CURVATURE`.
+    pub const CURVATURE: usize = 2;
+    /// Inverse inertia along the normal, `D = n' M^-1 n` [1/kg for a gap in metres].
+    pub const INVERSE_INERTIA: usize = 3;
+    /// First component of the normal `n = grad g`, `n_q` numbers.
+    pub const NORMAL: usize = 4;
+
+    /// First component of the contact direction `d`, `n_q` numbers.
+    #[must_use]
+    pub const fn direction(coordinates: usize) -> usize {
+        NORMAL + coordinates
+    }
+
+    /// Length of the whole layout.
+    #[must_use]
+    pub const fn length(coordinates: usize) -> usize {
+        NORMAL + 2 * coordinates
+    }
+}

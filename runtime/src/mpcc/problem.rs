@@ -1,0 +1,18 @@
+//! The problem class: a nonlinear program and pairs of variables.
+
+use crate::nlp::NlpProblem;
+
+/// A nonlinear program with complementarity pairs between *variables* (vertical form): for each pair
+/// `(i, j)`, `0 <= x_i  _|_  x_j >= 0`.
+///
+/// The lower bounds of paired variables are 0. A variable may belong to several pairs.
+pub trait Mpcc: NlpProblem {
+    /// The pairs, as variable indices.
+    fn complementarities(&self) -> &[(usize, usize)];
+
+    /// Name of pair `index` in diagnoses.
+    fn complementarity_name(&self, index: usize) -> String {
+        let (i, j) = self.complementarities()[index];
+        format!("{} _|_ {}", self.variable_name(i), self.variable_name(j))
+    }
+}

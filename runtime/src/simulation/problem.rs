@@ -1,0 +1,297 @@
+//! The initial value problem that every simulator takes, and the checks that come before it.
+
+use crate::model::{ImpactLaw, Model};
+
+/// Gaps above `-GAP_TOLERANCE` times the scale of the coordinates count as "on the surface".
+const GAP_TOLERANCE: f64 = 1e-9;
+
+/// Initial state, horizon and controls of a simulation.
+#[derive(Debug, Clone)]
+pub struct InitialValueProblem {
+    /// Initial coordinates, length `n_q`.
+    pub q: Vec<f64>,
+    /// Initial velocities, length `n_q`.
+    pub v: Vec<f64>,
+    /// Length of the simulation [s].
+    pub horizon: f64,
+    /// Controls over time.
+    pub controls: ControlSignal,
+}
+
+/// Controls as a function of physical time.
+#[derive(Debug, Clone, Default)]
+pub enum ControlSignal {
+    /// All controls zero.
+    #[default]
+    Zero,
+    /// Constant on intervals: `values[k]` (length `n_u`) holds on `times[k] <= t < times[k + 1]`; the
+    /// last one holds to the end.
+    PiecewiseConstant {
+        /// Start of each interval [s], increasing, the first at most 0.
+        times: Vec<f64>,
+        /// Control values of each interval.
+        values: Vec<Vec<f64>>,
+    },
+}
+
+impl ControlSignal {
+    /// Writes the controls that hold right after time `t` into `u`.
+    pub fn write(&self, t: f64, u: &mut [f64]) {
+        match self {
+            Self::Zero => u.fill(0.0),
+            Self::PiecewiseConstant { times, values } => {
+                let k = times.partition_point(|&start| start <= t).max(1) - 1;
+                u.copy_from_slice(&values[k]);
+            }
+        }
+    }
+
+    /// The next time after `t` at which the controls jump, if any.
+    #[must_use]
+    pub fn next_jump(&self, t: f64) -> Option<f64> {
+        match self {
+            Self::Zero => None,
+            Self::PiecewiseConstant { times, .. } => times
+                .get(times.partition_point(|&start| start <= t))
+                .copied(),
+        }
+    }
+}
+
+/// Why a problem was refused. Each message names value, unit, bound and remedy.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InputError {
+    /// A number that must be finite is not.
+    #[error("{what} is {value}; give a finite number")]
+    NotFinite {
+        /// Which number.
+        what: String,
+        /// Its value.
+        value: f64,
+    },
+    /// A number lies outside the values that make sense.
+    #[error("{what} = {value} {unit}: must be {bound}")]
+    OutOfRange {
+        /// Which number.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// Its unit, possibly empty.
+        unit: String,
+        /// The bound in words, with the remedy.
+        bound: String,
+    },
+    /// A vector has the wrong length.
+    #[error("{what} has {found} components, expected {expected}")]
+    WrongLength {
+        /// Which vector.
+        what: String,
+        /// Length found.
+        found: usize,
+        /// Length expected.
+        expected: usize,
+    },
+    /// The start violates a surface (E08).
+    #[error(
+        "start inside the ground (E08): gap `{contact}` = {gap:e} {unit} < 0; start at gap >= 0, or \
+         write the surface with the other sign if the free side is meant to be there"
+    )]
+    StartInsideGround {
+        /// Name of the surface.
+        contact: String,
+        /// Gap at the start.
+        gap: f64,
+        /// Unit of the gap.
+        unit: String,
+    },
+    /// The mass matrix is not positive definite at the start (E06).
+    #[error(
+        "mass matrix is not positive definite at the start (E06): {direction} carries no positive \
+         inertia; check the masses in the Lagrangian"
+    )]
+    SingularMass {
+        /// The direction without inertia, in the names of the coordinates.
+        direction: String,
+    },
+    /// The method cannot treat the impact law of a contact.
+    #[error("method {method} cannot treat the impact law of `{contact}`")]
+    UnsupportedLaw {
+        /// Name of the method.
+        method: String,
+        /// Name of the surface.
+        contact: String,
+    },
+}
+
+impl InitialValueProblem {
+    /// The problem that the scene declares: its start, `horizon` or else its own, no control.
+    ///
+    /// # Errors
+    /// [`InputError::OutOfRange`] if neither gives a horizon.
+    pub fn of(model: &dyn Model, horizon: Option<f64>) -> Result<Self, InputError> {
+        let n = model.declaration().coordinates.len();
+        let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
+        model.start(&mut q, &mut v);
+        let Some(horizon) = horizon.or_else(|| model.horizon()) else {
+            return Err(InputError::OutOfRange {
+                what: "horizon".into(),
+                value: f64::NAN,
+                unit: "s".into(),
+                bound: "given: the scene declares none".into(),
+            });
+        };
+        Ok(Self {
+            q,
+            v,
+            horizon,
+            controls: ControlSignal::Zero,
+        })
+    }
+
+    /// Checks everything that can be known before the first step.
+    ///
+    /// # Errors
+    /// The first [`InputError`] found: parameters, lengths, finiteness, horizon, controls, mass
+    /// matrix, gaps.
+    pub fn check(&self, model: &dyn Model) -> Result<(), InputError> {
+        let declaration = model.declaration();
+        for (index, parameter) in declaration.parameters.iter().enumerate() {
+            let value = model.parameter(index);
+            finite(&format!("parameter `{}`", parameter.name), value)?;
+            if parameter.positive && value <= 0.0 {
+                return Err(InputError::OutOfRange {
+                    what: format!("parameter `{}`", parameter.name),
+                    value,
+                    unit: parameter.unit.into(),
+                    bound: "above 0".into(),
+                });
+            }
+        }
+        let n = declaration.coordinates.len();
+        length("initial coordinates", self.q.len(), n)?;
+        length("initial velocities", self.v.len(), n)?;
+        for (i, coordinate) in declaration.coordinates.iter().enumerate() {
+            finite(&format!("initial `{}`", coordinate.name), self.q[i])?;
+            finite(&format!("initial d`{}`/dt", coordinate.name), self.v[i])?;
+        }
+        finite("horizon", self.horizon)?;
+        if self.horizon <= 0.0 {
+            return Err(InputError::OutOfRange {
+                what: "horizon".into(),
+                value: self.horizon,
+                unit: "s".into(),
+                bound: "above 0".into(),
+            });
+        }
+        self.check_controls(declaration.controls.len())?;
+        let x = self.input(model);
+        check_mass(model, &x)?;
+        let scale = self.q.iter().fold(1.0_f64, |s, &q| s.max(q.abs()));
+        for (i, contact) in declaration.contacts.iter().enumerate() {
+            let gap = model.gap(i, &x);
+            finite(&format!("initial gap `{}`", contact.name), gap)?;
+            if gap < -GAP_TOLERANCE * scale {
+                return Err(InputError::StartInsideGround {
+                    contact: contact.name.into(),
+                    gap,
+                    unit: contact.unit.into(),
+                });
+            }
+            let ImpactLaw::Inelastic = contact.law;
+        }
+        Ok(())
+    }
+
+    /// The input vector `x = (q, v, u)` at the start.
+    #[must_use]
+    pub fn input(&self, model: &dyn Model) -> Vec<f64> {
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let mut x = vec![0.0; declaration.inputs()];
+        x[..n].copy_from_slice(&self.q);
+        x[n..2 * n].copy_from_slice(&self.v);
+        self.controls
+            .write(0.0, &mut x[2 * n..2 * n + declaration.controls.len()]);
+        x
+    }
+
+    fn check_controls(&self, controls: usize) -> Result<(), InputError> {
+        let ControlSignal::PiecewiseConstant { times, values } = &self.controls else {
+            return Ok(());
+        };
+        length("control values", values.len(), times.len())?;
+        if times.first().is_none_or(|&first| first > 0.0)
+            || times.windows(2).any(|pair| pair[0] >= pair[1])
+        {
+            return Err(InputError::OutOfRange {
+                what: "control times".into(),
+                value: times.first().copied().unwrap_or(f64::NAN),
+                unit: "s".into(),
+                bound: "increasing, the first at most 0".into(),
+            });
+        }
+        for value in values {
+            length("a control value", value.len(), controls)?;
+            for &u in value {
+                finite("a control value", u)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn finite(what: &str, value: f64) -> Result<(), InputError> {
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(InputError::NotFinite {
+            what: what.into(),
+            value,
+        })
+    }
+}
+
+fn length(what: &str, found: usize, expected: usize) -> Result<(), InputError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(InputError::WrongLength {
+            what: what.into(),
+            found,
+            expected,
+        })
+    }
+}
+
+/// Cholesky test of the mass matrix; on failure the eigenvector of the smallest eigenvalue in words.
+fn check_mass(model: &dyn Model, x: &[f64]) -> Result<(), InputError> {
+    let declaration = model.declaration();
+    let n = declaration.coordinates.len();
+    let mut m = vec![0.0; n * n];
+    model.mass_matrix(x, &mut m);
+    let m = nalgebra::DMatrix::from_row_slice(n, n, &m);
+    if m.iter().any(|value| !value.is_finite()) {
+        return Err(InputError::NotFinite {
+            what: "mass matrix at the start".into(),
+            value: f64::NAN,
+        });
+    }
+    let eigen = m.symmetric_eigen();
+    let smallest = eigen.eigenvalues.imin();
+    if eigen.eigenvalues[smallest] > 1e-14 * eigen.eigenvalues.max().abs() {
+        return Ok(());
+    }
+    let direction = eigen.eigenvectors.column(smallest);
+    let largest = direction.amax();
+    let words: Vec<String> = declaration
+        .coordinates
+        .iter()
+        .zip(direction.iter())
+        .filter(|(_, weight)| weight.abs() > 1e-6 * largest)
+        .map(|(coordinate, weight)| format!("{weight:+.3} {}", coordinate.name))
+        .collect();
+    Err(InputError::SingularMass {
+        direction: words.join(" "),
+    })
+}

@@ -1,0 +1,1 @@
+//! Physical units: seven SI base exponents, a scale, and a parser for what people write.
