@@ -11,6 +11,9 @@
 pub mod model;
 pub mod mpcc;
 pub mod nlp;
+#[doc(hidden)]
+#[path = "private.rs"]
+pub mod __private;
 pub mod simulation;
 
 pub use hangtime_macros::model;
