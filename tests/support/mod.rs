@@ -5,7 +5,7 @@ use hangtime::model::{Model, SparsityPattern, contact_point};
 use num_dual::{Dual, Dual64, DualNum, HyperDual, HyperDual64};
 
 /// The generic functions that a declaration emits beside the derived ones.
-pub trait Oracle: Model + Sized {
+pub(crate) trait Oracle: Model + Sized {
     /// The Lagrangian.
     fn lagrangian_of<D: DualNum<Primitive = f64> + Copy>(&self, q: &[D], v: &[D], t: D) -> D;
     /// The generalized forces.
@@ -77,7 +77,7 @@ fn constant<D: DualNum<Primitive = f64> + Copy>(x: &[D]) -> Vec<HyperDual<D>> {
 }
 
 /// Mass matrix, row by row.
-pub fn mass<M: Oracle, D: DualNum<Primitive = f64> + Copy>(model: &M, x: &[D]) -> Vec<Vec<D>> {
+pub(crate) fn mass<M: Oracle, D: DualNum<Primitive = f64> + Copy>(model: &M, x: &[D]) -> Vec<Vec<D>> {
     let (q, v, _, t) = split(model, x);
     let n = q.len();
     let mut m = vec![vec![D::from(0.0); n]; n];
@@ -96,7 +96,7 @@ pub fn mass<M: Oracle, D: DualNum<Primitive = f64> + Copy>(model: &M, x: &[D]) -
 }
 
 /// Free acceleration from the Lagrangian by hyper-dual numbers and elimination.
-pub fn acceleration<M: Oracle, D: DualNum<Primitive = f64> + Copy>(model: &M, x: &[D]) -> Vec<D> {
+pub(crate) fn acceleration<M: Oracle, D: DualNum<Primitive = f64> + Copy>(model: &M, x: &[D]) -> Vec<D> {
     let (q, v, u, t) = split(model, x);
     let n = q.len();
     let mut right = model.forces_of(q, v, u, t);
@@ -143,7 +143,7 @@ fn solve<D: DualNum<Primitive = f64> + Copy>(mut m: Vec<Vec<D>>, mut b: Vec<D>, 
 }
 
 /// Rows `(g, v_n, d)` of a contact.
-pub fn contact_rows<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
+pub(crate) fn contact_rows<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
     model: &M,
     contact: usize,
     x: &[D],
@@ -173,7 +173,7 @@ pub fn contact_rows<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
 
 /// Relative tolerance: products and quotients of a few hundred roundings, times the condition of the
 /// mass matrices in these tests (below 1e3).
-pub const TOLERANCE: f64 = 1e-12;
+pub(crate) const TOLERANCE: f64 = 1e-12;
 
 fn agree(what: &str, found: &[f64], wanted: &[f64]) -> Result<(), String> {
     let scale = wanted.iter().fold(1.0_f64, |scale, w| scale.max(w.abs()));
@@ -245,7 +245,7 @@ fn check_second(
 ///
 /// # Errors
 /// The first disagreement.
-pub fn compare<M: Oracle>(model: &M, x: &[f64], weights: &[f64]) -> Result<(), String> {
+pub(crate) fn compare<M: Oracle>(model: &M, x: &[f64], weights: &[f64]) -> Result<(), String> {
     let declaration = model.declaration();
     let n = declaration.coordinates.len();
     let mut m = vec![0.0; n * n];

@@ -280,6 +280,14 @@ impl Oracle<'_> {
         right: &Expr,
         body: &mut Body,
     ) -> Option<Vec<String>> {
+        // The square of a norm has no root in it, which would not be differentiable at 0.
+        if operator == Operator::Power
+            && let Kind::Norm(inner) = &left.kind
+            && matches!(&right.kind, Kind::Number { value, unit: None, .. } if *value == 2.0)
+        {
+            let inner = self.expr(inner, body)?;
+            return Some(vec![inner_product(&inner, &inner, body)]);
+        }
         let own = self.expr(left, body)?;
         if operator == Operator::Power {
             return self.power(&own, right, body);
