@@ -40,8 +40,12 @@ pub fn expand(input: TokenStream) -> TokenStream {
         Ok(tokens) => tokens,
         Err(mistakes) => {
             let mut tokens = diagnostics::to_tokens(&mistakes);
-            if let Some((visibility, name)) = parse::name_of(stub_of) {
-                tokens.extend(emit::stub(&visibility, &name.ident));
+            if let Some(outline) = parse::outline(stub_of) {
+                tokens.extend(emit::stub(
+                    &outline.visibility,
+                    &outline.name.ident,
+                    &outline.parameters,
+                ));
             }
             tokens
         }
