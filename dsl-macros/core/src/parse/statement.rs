@@ -20,12 +20,10 @@ pub(super) fn statements(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> 
         match statement(cursor, documentation, diagnostics) {
             Ok(statement) => statements.push(statement),
             Err(Reported) => {
-                // A name with a block behind it is a statement too, if a misspelt one.
                 cursor.skip_until(|cursor| {
                     cursor.ident().is_some_and(|ident| {
-                        begins_statement(&ident.to_string())
-                            || matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
-                                if group.delimiter() == Delimiter::Brace)
+                        let word = ident.to_string();
+                        begins_statement(&word) || is_misspelt_block(cursor, &word)
                     })
                 });
             }
@@ -33,6 +31,13 @@ pub(super) fn statements(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> 
         while cursor.eat_symbol(";") || cursor.eat_symbol(",") {}
     }
     statements
+}
+
+/// Whether a name with a block behind it was meant to begin a statement.
+fn is_misspelt_block(cursor: &Cursor, word: &str) -> bool {
+    matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
+        if group.delimiter() == Delimiter::Brace)
+        && closest(word, words::STATEMENTS).is_some()
 }
 
 fn begins_statement(word: &str) -> bool {
