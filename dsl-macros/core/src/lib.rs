@@ -26,6 +26,11 @@ mod scene;
 mod tape;
 mod words;
 
+#[cfg(test)]
+mod random_models;
+#[cfg(test)]
+mod testing;
+
 pub use diagnostics::Mistake;
 
 use crate::diagnostics::{Checked, Diagnostics};
