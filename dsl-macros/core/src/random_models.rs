@@ -66,7 +66,13 @@ fn source(random: &mut Random) -> String {
         let _ = write!(text, "{name}, ");
     }
     text.push_str("} controls { u } ");
-    let functions = ["tanh(s) + s^2", "s*exp(-s)", "a*(1 - cos(b*s))", "atan(s + 1)", "ln(3 + s^2)"];
+    let functions = [
+        "tanh(s) + s^2",
+        "s*exp(-s)",
+        "a*(1 - cos(b*s))",
+        "atan(s + 1)",
+        "ln(3 + s^2)",
+    ];
     let _ = write!(
         text,
         "fn f(s) = {} ",
@@ -230,7 +236,15 @@ fn random_models_agree_with_nested_dual_numbers_and_have_minimal_patterns() {
                 let u = values.split_off(2 * n);
                 let v = values.split_off(n);
                 let tag = seeds.len() as u32 + 1;
-                acceleration(&evaluator, &Point { q: values, v, u, tag })
+                acceleration(
+                    &evaluator,
+                    &Point {
+                        q: values,
+                        v,
+                        u,
+                        tag,
+                    },
+                )
             };
             let found = run(&solution.values, input);
             let wanted = at(&[]);
@@ -245,7 +259,14 @@ fn random_models_agree_with_nested_dual_numbers_and_have_minimal_patterns() {
                 }
             }
             let values = run(&solution.jacobian.values, input);
-            compare("jacobian", &source, &solution.jacobian, &values, &wanted, &mut first);
+            compare(
+                "jacobian",
+                &source,
+                &solution.jacobian,
+                &values,
+                &wanted,
+                &mut first,
+            );
             let mut wanted = vec![vec![0.0; inputs]; inputs];
             for i in 0..inputs {
                 for j in 0..=i {
@@ -257,7 +278,14 @@ fn random_models_agree_with_nested_dual_numbers_and_have_minimal_patterns() {
                 }
             }
             let values = run(&solution.hessian.values, input);
-            compare("hessian", &source, &solution.hessian, &values, &wanted, &mut second);
+            compare(
+                "hessian",
+                &source,
+                &solution.hessian,
+                &values,
+                &wanted,
+                &mut second,
+            );
         }
         if first.iter().chain(&second).all(|&nonzero| nonzero) {
             minimal += 1;

@@ -217,7 +217,12 @@ impl<'a> Evaluator<'a> {
         self.value(expr, point, &HashMap::new()).remove(0)
     }
 
-    fn value(&self, expr: &Expr, point: &Point, locals: &HashMap<&str, Vec<Nested>>) -> Vec<Nested> {
+    fn value(
+        &self,
+        expr: &Expr,
+        point: &Point,
+        locals: &HashMap<&str, Vec<Nested>>,
+    ) -> Vec<Nested> {
         let of = |inner: &Expr| self.value(inner, point, locals);
         match &expr.kind {
             Kind::Number { value, .. } => vec![Nested::Real(*value)],
