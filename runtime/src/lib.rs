@@ -8,12 +8,12 @@
 //!
 //! Arrows point one way: `nlp` knows nothing of time, `linalg` nothing of optimization.
 
-pub mod model;
-pub mod mpcc;
-pub mod nlp;
 #[doc(hidden)]
 #[path = "private.rs"]
 pub mod __private;
+pub mod model;
+pub mod mpcc;
+pub mod nlp;
 pub mod simulation;
 
 pub use hangtime_macros::model;
