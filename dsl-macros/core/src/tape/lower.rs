@@ -229,9 +229,19 @@ impl Lowering {
         for &(base, halves) in factors {
             if halves > 0 {
                 self.power(base, halves, &mut above);
-            } else if self.divisions.get(&base).is_some_and(|&count| count > 1) && halves % 2 == 0 {
-                let inverse = self.inverse(base);
-                above.push(self.repeated(inverse, halves.unsigned_abs() / 2));
+            } else if self.divisions.get(&base).is_some_and(|&count| count > 1) {
+                // One division, then products: a division costs as much as several of them.
+                let whole = halves.unsigned_abs() / 2;
+                if whole > 0 {
+                    let inverse = self.inverse(base);
+                    above.push(self.repeated(inverse, whole));
+                }
+                if halves % 2 != 0 {
+                    let root = self.lower(base);
+                    let root = self.push(Nary::Root(root));
+                    let one = self.constant(1.0);
+                    above.push(self.push(Nary::Divide(one, root)));
+                }
             } else {
                 self.power(base, -halves, &mut below);
             }
