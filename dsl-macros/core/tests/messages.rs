@@ -146,6 +146,13 @@ texts! {
     two_laws: beside "surface wall: y >= 0 impact wall: inelastic impact wall: inelastic" =>
         "E20: surface `wall` has two impact laws; keep one";
 
+    // Functions
+    function_of_itself: messages "S { coordinates { y } fn f(x) = 1 + f(x) lagrangian f(1)*dot(y)^2 }" =>
+        "function `f` uses itself; functions are inserted where they are used and cannot do that";
+    functions_of_each_other: messages
+        "S { parameters { k: 1/m = 1 } coordinates { y: m } fn f(x) = g(x) fn g(x) = f(x) lagrangian dot(y)^2 forces { y: f(y) } }" =>
+        "function `f` uses itself; functions are inserted where they are used and cannot do that";
+
     // Syntax
     stacked_power: with "lagrangian m/2*dot(y)^2^2 + m/2*dot(z)^2" =>
         "two powers in a row are easily misread; put the inner one in parentheses, as in `dot(y)^(2^2)`";
@@ -191,6 +198,33 @@ fn deep_nesting_is_refused_without_exhausting_the_stack() {
             "{open}: {messages:?}"
         );
     }
+}
+
+#[test]
+fn long_chains_of_functions_are_refused_without_exhausting_the_stack() {
+    let mut source = String::from("S { parameters { k: kg = 1 } coordinates { y } fn f0(x) = x ");
+    for i in 1..2000 {
+        source += &format!("fn f{i}(x) = f{}(x) ", i - 1);
+    }
+    source += "lagrangian k*dot(y)^2 forces { y: f1999(y) } }";
+    assert!(
+        messages(&source)
+            .contains(&"the functions used here are nested too deeply; simplify them".to_owned())
+    );
+}
+
+#[test]
+fn functions_that_use_each_other_twice_are_refused_in_reasonable_time() {
+    // Evaluated for the start only, after the units have been looked at.
+    let source = "S { parameters { k: 1/m = 1 } coordinates { y: m } fn f(x) = g(x) + g(2*x) \
+                  fn g(x) = f(x) + f(x + 1) lagrangian k*dot(y)^2 start { y: f(k) } }";
+    let messages = messages(source);
+    assert!(
+        messages
+            .iter()
+            .any(|text| text.starts_with("function `f` uses itself")),
+        "{messages:?}"
+    );
 }
 
 #[test]

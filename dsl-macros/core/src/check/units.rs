@@ -8,9 +8,13 @@ use super::values::is_bare;
 use crate::ast::{Assignment, Expr, Kind, Name, Operator, Quantity, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::dimension::{Dimension, Unifier};
+use crate::evaluate::BUDGET;
 use crate::words;
 use hangtime_units::{Ratio, Unit};
 use std::collections::{HashMap, HashSet};
+
+/// Most calls inside each other; the evaluation before this one refuses more.
+const MOST_CALLS: usize = 100;
 
 /// Units of the gaps of all surfaces, by name, as far as they are known.
 /// Statements at the positions `skip` failed before and are passed over.
@@ -30,6 +34,7 @@ pub(super) fn gaps(
         values: HashMap::new(),
         functions: HashMap::new(),
         frames: Vec::new(),
+        visited: 0,
         coordinates: Vec::new(),
         energy,
         gaps: Vec::new(),
@@ -86,6 +91,7 @@ struct Walk<'a> {
     values: HashMap<String, Units>,
     functions: HashMap<String, (Vec<Name>, Expr)>,
     frames: Vec<Vec<(String, Units)>>,
+    visited: usize,
     coordinates: Vec<Name>,
     /// Unit of the Lagrangian.
     energy: Dimension,
@@ -364,6 +370,11 @@ impl Walk<'_> {
     }
 
     fn units(&mut self, expr: &Expr) -> Checked<Units> {
+        // What grows beyond all bounds is reported where it is evaluated.
+        self.visited += 1;
+        if self.visited > BUDGET {
+            return Err(Reported);
+        }
         match &expr.kind {
             Kind::Number { value, unit, .. } => Ok(Units::Scalar(match unit {
                 Some(written) => Dimension::of(written.unit),
@@ -584,6 +595,10 @@ impl Walk<'_> {
     }
 
     fn apply(&mut self, function: &Name, units: Vec<Units>) -> Checked<Units> {
+        // A function that uses itself has been reported.
+        if self.frames.len() > MOST_CALLS {
+            return Err(Reported);
+        }
         let Some((arguments, body)) = self.functions.get(&function.text).cloned() else {
             return Err(Reported);
         };

@@ -12,7 +12,10 @@ use std::rc::Rc;
 
 /// Most nodes of the syntax tree that one scene may evaluate, calls of functions included: far above
 /// any mechanism, and a second or so of compile time.
-const BUDGET: usize = 300_000;
+pub(crate) const BUDGET: usize = 300_000;
+
+/// Deepest evaluation, functions inserted; within the stack of a thread of 2 MB.
+const DEPTH: usize = 800;
 
 /// What an expression stands for.
 #[derive(Debug, Clone)]
@@ -52,13 +55,30 @@ pub(crate) struct Scope {
     pub(crate) later: HashSet<String>,
     /// Arguments of the functions being evaluated, innermost last.
     frames: Vec<Vec<(String, Value)>>,
+    /// Functions being evaluated.
+    active: Vec<String>,
     evaluated: usize,
+    depth: usize,
     arguments: u16,
 }
 
 impl Scope {
     /// Evaluates an expression.
     pub(crate) fn value(&mut self, expr: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
+        self.depth += 1;
+        let value = if self.depth > DEPTH {
+            Err(diagnostics.syntax(
+                expr.place,
+                "the functions used here are nested too deeply; simplify them",
+            ))
+        } else {
+            self.value_unguarded(expr, diagnostics)
+        };
+        self.depth -= 1;
+        value
+    }
+
+    fn value_unguarded(&mut self, expr: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
         self.evaluated += 1;
         if self.evaluated > BUDGET {
             return Err(diagnostics.syntax(
@@ -459,6 +479,16 @@ impl Scope {
             }
         };
         self.used.insert(function.text.clone());
+        if self.active.contains(&function.text) {
+            return Err(diagnostics.syntax(
+                function.place(),
+                format!(
+                    "function `{}` uses itself; functions are inserted where they are used and cannot do \
+                     that",
+                    function.text
+                ),
+            ));
+        }
         if declared.arguments.len() != values.len() {
             return Err(diagnostics.report(
                 "E02",
@@ -483,7 +513,9 @@ impl Scope {
             .zip(values)
             .collect();
         self.frames.push(frame);
+        self.active.push(function.text.clone());
         let value = self.value(&declared.body, diagnostics);
+        self.active.pop();
         self.frames.pop();
         value
     }
