@@ -37,7 +37,7 @@ pub(crate) struct Implicit {
 }
 
 impl Implicit {
-    /// `residual` is `F` in the unknowns of [`unknown`]; `transposed` is `K' mu`.
+    /// `residual` is `F` in the unknowns of [`Self::unknown`]; `transposed` is `K' mu`.
     pub(crate) fn new(
         matrix: Vec<Sym>,
         right: Vec<Sym>,

@@ -113,8 +113,8 @@ pub(super) fn write(declared: &Scene, checked: &CheckedScene) -> Option<(String,
     }
     let _ = write!(
         methods,
-        "/// The gaps of all contacts [SI], for any kind of dual number: `q` in declared units, `t` in \
-         seconds.
+        "/// The gaps of all contacts in SI units, for any kind of dual number: `q` in declared units, \
+         `t` in seconds.
         pub fn gaps<{BOUND}>(&self, q: &[D], t: D) -> [D; {}] {{ let v: &[D] = &[]; [{body}] }}",
         checked.contacts.len()
     );

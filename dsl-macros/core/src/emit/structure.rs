@@ -139,7 +139,8 @@ fn doc(text: &str) -> TokenStream {
 }
 
 fn in_brackets(unit: Option<&WrittenUnit>) -> String {
-    unit.map_or_else(String::new, |unit| format!(" [{}]", unit.text))
+    // Escaped, as rustdoc takes brackets for links.
+    unit.map_or_else(String::new, |unit| format!(" \\[{}\\]", unit.text))
 }
 
 fn parameter_documentation(parameter: &Parameter) -> String {
@@ -147,12 +148,14 @@ fn parameter_documentation(parameter: &Parameter) -> String {
     if text.is_empty() {
         let _ = write!(text, "Parameter `{}`", parameter.name.text);
     }
-    let _ = write!(
-        text,
-        "{}, {} by default.",
-        in_brackets(parameter.unit.as_ref()),
-        parameter.default
+    if !text.ends_with('.') {
+        text.push('.');
+    }
+    let unit = parameter.unit.as_ref().map_or_else(
+        || "a pure number or in no declared unit".to_owned(),
+        |unit| format!("in {}", unit.text),
     );
+    let _ = write!(text, " {} by default, {unit}.", parameter.default);
     text
 }
 

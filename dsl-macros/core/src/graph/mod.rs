@@ -43,7 +43,7 @@ pub(crate) enum Variable {
     Velocity(u16),
     /// Control, in its declared unit.
     Control(u16),
-    /// Physical time [s].
+    /// Physical time, in seconds.
     Time,
     /// Multiplier of an output in a Hessian.
     Multiplier(u16),
