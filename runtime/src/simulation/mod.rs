@@ -6,15 +6,22 @@
 //! first step.
 
 mod event;
+mod fixed;
+mod moreau;
 mod problem;
 mod result;
+mod smooth;
 
 pub use event::EventDriven;
+pub use fixed::FixedStep;
+pub use moreau::Moreau;
 pub use problem::{ControlSignal, InitialValueProblem, InputError};
 pub use result::{
     Counts, Diagnosis, Event, EventKind, ProblemSize, Residuals, Seconds, Simulation,
     SimulationStatus, Trajectory,
 };
+
+pub use smooth::Smooth;
 
 use crate::model::Model;
 
