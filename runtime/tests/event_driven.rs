@@ -47,7 +47,7 @@ fn ski_jump(simulator: &EventDriven, gold: &SkiJumpGold) -> Simulation {
 
 #[test]
 fn ski_jump_from_the_table_agrees_with_certified_solution() {
-    for gold in [&gold::SURFACE_START, &gold::CODE_START] {
+    for gold in [&gold::SURFACE_START, &gold::CODE_START, &gold::FIFTY_METRES] {
         let simulation = ski_jump(&accurate(), gold);
         assert_eq!(
             sequence(&simulation),
