@@ -8,9 +8,11 @@
 //!
 //! Arrows point one way: `nlp` knows nothing of time, `linalg` nothing of optimization.
 
+pub mod linalg;
 pub mod model;
 pub mod mpcc;
 pub mod nlp;
+pub mod rk;
 pub mod simulation;
 
 pub use hangtime_macros::model;
