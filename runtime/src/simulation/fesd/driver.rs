@@ -1,0 +1,725 @@
+//! The stepping loop: elements, switches, impacts, and what is recorded of them.
+
+use super::Fesd;
+use super::switch::{Detector, ElementStart, Switch, SwitchKind};
+use crate::fesd::contact_mode::{Contacts, ModeError, Touching};
+use crate::fesd::finite_element::{ElementError, FiniteElement, State};
+use crate::fesd::numerical_time;
+use crate::model::Model;
+use crate::rk::ButcherTableau;
+use crate::simulation::{
+    ControlSignal, Counts, Diagnosis, Event, EventKind, InitialValueProblem, ProblemSize,
+    Residuals, Seconds, Simulation, SimulationStatus, Trajectory,
+};
+
+/// Rounding error of a gap or a normal velocity, relative to the largest coordinate or velocity.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Gap within which a contact takes part in an impact or a mode, relative to the largest coordinate.
+const TOUCHING_GAP: f64 = 1e-9;
+/// Normal velocity that counts as zero, relative to the largest velocity.
+const TOUCHING_VELOCITY: f64 = 1e-9;
+/// Halvings of the elements of a step before it counts as failed.
+const MAX_HALVINGS: usize = 8;
+/// Switches within one step before the contact mode counts as ambiguous.
+const MAX_SWITCHES: usize = 200;
+/// Evaluations of the switch condition that locate one switch.
+const MAX_LOCATIONS: usize = 30;
+
+/// Why a segment could not be completed.
+enum Stop {
+    /// An element has no solution; shorter elements may have.
+    Element(ElementError),
+    /// The contact mode could not be determined.
+    Mode(ModeError),
+    /// A switch could not be located; shorter elements may help.
+    Location,
+}
+
+impl From<ElementError> for Stop {
+    fn from(error: ElementError) -> Self {
+        Self::Element(error)
+    }
+}
+
+impl From<ModeError> for Stop {
+    fn from(error: ModeError) -> Self {
+        Self::Mode(error)
+    }
+}
+
+pub(super) struct Driver<'a> {
+    settings: &'a Fesd,
+    model: &'a dyn Model,
+    controls: &'a ControlSignal,
+    horizon: f64,
+    n: usize,
+    all_contacts: Vec<usize>,
+    element: FiniteElement<'a>,
+    /// Element used to look at the one after a take-off.
+    next_element: FiniteElement<'a>,
+    contacts: Contacts<'a>,
+    detector: Detector<'a>,
+    tableau: &'a ButcherTableau,
+    state: State,
+    segment_start: State,
+    numerical_time: f64,
+    active: Vec<usize>,
+    u: Vec<f64>,
+    x: Vec<f64>,
+    gaps: Vec<f64>,
+    /// Normal contact accelerations of the active contacts at the present state.
+    forces: Vec<f64>,
+    force_row: Vec<f64>,
+    events: Vec<Event>,
+    trajectory: Trajectory,
+    residuals: Residuals,
+    size: ProblemSize,
+    counts: Counts,
+    notes: Vec<String>,
+}
+
+impl<'a> Driver<'a> {
+    pub(super) fn new(
+        settings: &'a Fesd,
+        tableau: &'a ButcherTableau,
+        model: &'a dyn Model,
+        problem: &'a InitialValueProblem,
+    ) -> Self {
+        let declaration = model.declaration();
+        let contacts = declaration.contacts.len();
+        let state = State {
+            time: 0.0,
+            q: problem.q.clone(),
+            v: problem.v.clone(),
+        };
+        Self {
+            settings,
+            model,
+            controls: &problem.controls,
+            horizon: problem.horizon,
+            n: declaration.coordinates.len(),
+            all_contacts: (0..contacts).collect(),
+            element: FiniteElement::new(model, tableau),
+            next_element: FiniteElement::new(model, tableau),
+            contacts: Contacts::new(model),
+            detector: Detector::new(model, tableau),
+            tableau,
+            segment_start: state.clone(),
+            state,
+            numerical_time: 0.0,
+            active: Vec::with_capacity(contacts),
+            u: vec![0.0; declaration.controls.len()],
+            x: problem.input(model),
+            gaps: vec![0.0; contacts],
+            forces: Vec::with_capacity(contacts),
+            force_row: vec![0.0; contacts],
+            events: Vec::new(),
+            trajectory: Trajectory::default(),
+            residuals: Residuals::default(),
+            size: ProblemSize::default(),
+            counts: Counts::default(),
+            notes: Vec::new(),
+        }
+    }
+
+    pub(super) fn run(mut self, progress: &mut dyn FnMut(f64)) -> Simulation {
+        let clock = std::time::Instant::now();
+        let status = self.steps(progress);
+        let newton = self.element.counts;
+        let other = self.next_element.counts;
+        self.counts.newton = newton.iterations + other.iterations;
+        self.counts.factorizations = newton.factorizations + other.factorizations;
+        self.counts.evaluations =
+            newton.evaluations + other.evaluations + self.contacts.evaluations;
+        Simulation {
+            status,
+            events: self.events,
+            trajectory: self.trajectory,
+            residuals: self.residuals,
+            size: self.size,
+            counts: self.counts,
+            seconds: Seconds {
+                total: clock.elapsed().as_secs_f64(),
+                ..Seconds::default()
+            },
+            notes: self.notes,
+        }
+    }
+
+    fn steps(&mut self, progress: &mut dyn FnMut(f64)) -> SimulationStatus {
+        self.controls.write(0.0, &mut self.u);
+        self.active.clear();
+        if let Err(error) = self.settle(None) {
+            return self.stopped(0, &Stop::Mode(error));
+        }
+        self.record();
+        for step in 0..self.settings.steps {
+            let end = if step + 1 == self.settings.steps {
+                self.horizon
+            } else {
+                self.horizon * (step + 1) as f64 / self.settings.steps as f64
+            };
+            if let Err(status) = self.step(step, end) {
+                return status;
+            }
+            progress(self.state.time);
+        }
+        SimulationStatus::Solved
+    }
+
+    /// Advances to `end`, with as many segments as there are switches and control jumps.
+    fn step(&mut self, step: usize, end: f64) -> Result<(), SimulationStatus> {
+        let begin = self.state.time;
+        let shortest = 1e-14 * self.horizon;
+        let mut halvings = 0;
+        let mut switches = 0;
+        let mut size = ProblemSize::default();
+        while end - self.state.time > shortest {
+            self.take_up_controls(step)?;
+            let segment_end = self
+                .controls
+                .next_jump(self.state.time)
+                .map_or(end, |jump| jump.min(end));
+            let share = (segment_end - self.state.time) / (end - begin);
+            let elements =
+                ((self.settings.elements as f64 * share).round() as usize).max(1) << halvings;
+            match self.segment(segment_end, elements, shortest, &mut size) {
+                Ok(false) => {}
+                Ok(true) => {
+                    switches += 1;
+                    if switches > MAX_SWITCHES {
+                        return Err(SimulationStatus::AmbiguousContact(self.diagnosis(
+                            step,
+                            None,
+                            format!(
+                                "more than {MAX_SWITCHES} switches within one step; the contact \
+                                 mode does not settle: look at the surfaces that meet here"
+                            ),
+                        )));
+                    }
+                }
+                Err(stop @ (Stop::Element(ElementError::NotFinite) | Stop::Mode(_))) => {
+                    return Err(self.stopped(step, &stop));
+                }
+                Err(stop) => {
+                    halvings += 1;
+                    if halvings > MAX_HALVINGS {
+                        return Err(self.stopped(step, &stop));
+                    }
+                }
+            }
+        }
+        self.state.time = end;
+        if let Some(time) = self.trajectory.time.last_mut() {
+            *time = end;
+        }
+        if size.variables > self.size.variables {
+            self.size = size;
+        }
+        Ok(())
+    }
+
+    /// Controls that hold from now on; a jump of theirs may change the contact mode.
+    fn take_up_controls(&mut self, step: usize) -> Result<(), SimulationStatus> {
+        if self.u.is_empty() {
+            return Ok(());
+        }
+        let before = self.u.clone();
+        // A jump within rounding error of the present time has been reached.
+        let now = self.state.time + 4.0 * f64::EPSILON * self.horizon;
+        self.controls.write(now, &mut self.u);
+        if before != self.u && self.state.time > 0.0 {
+            if let Err(error) = self.settle(None) {
+                return Err(self.stopped(step, &Stop::Mode(error)));
+            }
+            self.record();
+        }
+        Ok(())
+    }
+
+    /// Solves `elements` elements of equal length up to `end`, or up to the first switch, which is then
+    /// located, with the elements before it of equal length again, and carried out. True if it switched.
+    fn segment(
+        &mut self,
+        end: f64,
+        elements: usize,
+        shortest: f64,
+        size: &mut ProblemSize,
+    ) -> Result<bool, Stop> {
+        self.segment_start.copy_from(&self.state);
+        let recorded = self.trajectory.time.len();
+        let start_numerical_time = self.numerical_time;
+        let length = (end - self.state.time) / elements as f64;
+        let mut violation = None;
+        for count in 1..=elements {
+            self.element.solve(&self.state, length, &self.u)?;
+            if let Some(switch) = self.violation()? {
+                violation = Some((switch, count));
+                break;
+            }
+            self.accept_element()?;
+        }
+        let Some((switch, count)) = violation else {
+            self.add_size(elements, false, size);
+            return Ok(false);
+        };
+        self.trajectory.truncate(recorded);
+        self.numerical_time = start_numerical_time;
+        self.state.copy_from(&self.segment_start);
+        let offset = (count - 1) as f64 + switch.theta;
+        if offset * length <= shortest || self.free_to_leave(switch, length)? {
+            self.carry_out(switch)?;
+            return Ok(true);
+        }
+        let located = self.locate(
+            switch,
+            offset * length / count as f64,
+            length,
+            count,
+            recorded,
+        )?;
+        self.add_size(count, true, size);
+        self.carry_out(located)?;
+        Ok(true)
+    }
+
+    fn violation(&mut self) -> Result<Option<Switch>, Stop> {
+        let largest = |values: &[f64]| values.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
+        let start = ElementStart {
+            x: &self.x,
+            gaps: &self.gaps,
+            forces: &self.forces,
+            rounding: Touching {
+                gap: ROUNDING * largest(&self.state.q),
+                velocity: ROUNDING * largest(&self.state.v),
+            },
+            touching_gap: TOUCHING_GAP * largest(&self.state.q),
+        };
+        Ok(self
+            .detector
+            .first_violation(&self.element, &mut self.contacts, &start)?)
+    }
+
+    fn touching(&self) -> Touching {
+        let largest = |values: &[f64]| values.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
+        Touching {
+            gap: TOUCHING_GAP * largest(&self.state.q),
+            velocity: TOUCHING_VELOCITY * largest(&self.state.v),
+        }
+    }
+
+    /// Makes the solved element part of the trajectory.
+    fn accept_element(&mut self) -> Result<(), Stop> {
+        let weights = self.tableau.b();
+        let mut numerical = 0.0;
+        for (m, weight) in weights.iter().enumerate() {
+            numerical += weight
+                * numerical_time::rate(
+                    self.element.stage_forces(m),
+                    self.settings.auxiliary_acceleration,
+                );
+        }
+        self.numerical_time += numerical * self.element.length();
+        self.state.copy_from(&self.element.end);
+        self.residuals.primal = self.residuals.primal.max(self.element.residual_norm);
+        self.counts.elements += 1;
+        self.evaluate_state()?;
+        self.record();
+        Ok(())
+    }
+
+    /// Contacts and forces at the present state; measures the residuals there.
+    fn evaluate_state(&mut self) -> Result<(), ModeError> {
+        self.write_input();
+        self.contacts.evaluate(&self.x, &self.all_contacts);
+        self.forces.resize(self.active.len(), 0.0);
+        self.contacts
+            .contact_accelerations(&self.active, &mut self.forces)?;
+        for &i in &self.all_contacts {
+            self.gaps[i] = self.contacts.gap(i);
+        }
+        for (&i, &r) in self.active.iter().zip(&self.forces) {
+            let (gap, velocity) = (self.gaps[i].abs(), self.contacts.normal_velocity(i).abs());
+            self.residuals.primal = self.residuals.primal.max(gap).max(velocity);
+            self.residuals.complementarity = self.residuals.complementarity.max(gap * r.abs());
+            self.residuals.dual = self.residuals.dual.max(-r);
+        }
+        for &gap in &self.gaps {
+            self.residuals.dual = self.residuals.dual.max(-gap);
+        }
+        Ok(())
+    }
+
+    fn write_input(&mut self) {
+        let n = self.n;
+        self.x[..n].copy_from_slice(&self.state.q);
+        self.x[n..2 * n].copy_from_slice(&self.state.v);
+        self.x[2 * n..2 * n + self.u.len()].copy_from_slice(&self.u);
+        if self.model.declaration().explicit_time
+            && let Some(time) = self.x.last_mut()
+        {
+            *time = self.state.time;
+        }
+    }
+
+    fn record(&mut self) {
+        self.force_row.fill(0.0);
+        for (&i, &r) in self.active.iter().zip(&self.forces) {
+            self.force_row[i] = self.contacts.force(i, r);
+        }
+        self.trajectory.push(
+            self.state.time,
+            self.numerical_time,
+            &self.state.q,
+            &self.state.v,
+            &self.u,
+            &self.force_row,
+        );
+    }
+
+    /// Finds the common length of `count` elements at whose end the switch condition holds, and makes
+    /// them part of the trajectory. Another contact that turns out to switch earlier takes over.
+    fn locate(
+        &mut self,
+        mut switch: Switch,
+        mut guess: f64,
+        longest: f64,
+        count: usize,
+        recorded: usize,
+    ) -> Result<Switch, Stop> {
+        let start_numerical_time = self.numerical_time;
+        for _ in 0..=2 * self.all_contacts.len() {
+            self.locate_one(switch, guess, longest, count)?;
+            self.trajectory.truncate(recorded);
+            self.numerical_time = start_numerical_time;
+            let length = self.element.length();
+            // Solve once more along the located length, now recording.
+            self.state.copy_from(&self.segment_start);
+            for _ in 0..count {
+                self.element.solve(&self.state, length, &self.u)?;
+                self.accept_element()?;
+            }
+            match self.earlier_violation(switch) {
+                None => return Ok(switch),
+                Some(other) => {
+                    switch = other;
+                    guess = length;
+                    self.trajectory.truncate(recorded);
+                    self.numerical_time = start_numerical_time;
+                    self.state.copy_from(&self.segment_start);
+                }
+            }
+        }
+        Err(Stop::Location)
+    }
+
+    /// A sign condition other than the located one that is violated at the present state.
+    fn earlier_violation(&self, located: Switch) -> Option<Switch> {
+        let other = |kind, contact, slope| {
+            (contact != located.contact).then_some(Switch {
+                kind,
+                contact,
+                theta: 1.0,
+                slope,
+            })
+        };
+        let closed = self
+            .all_contacts
+            .iter()
+            .filter(|i| !self.active.contains(i))
+            .find(|&&i| self.gaps[i] < -self.touching().gap)
+            .and_then(|&i| {
+                other(
+                    SwitchKind::Entry,
+                    i,
+                    self.contacts.normal_velocity(i).min(-f64::MIN_POSITIVE),
+                )
+            });
+        closed.or_else(|| {
+            self.active
+                .iter()
+                .zip(&self.forces)
+                .find(|&(&i, &r)| r < -TOUCHING_GAP * self.contacts.phi_scale(i))
+                .and_then(|(&i, _)| other(SwitchKind::Exit, i, located.slope))
+        })
+    }
+
+    /// Newton's method with secant slopes on the common element length.
+    fn locate_one(
+        &mut self,
+        switch: Switch,
+        guess: f64,
+        longest: f64,
+        count: usize,
+    ) -> Result<(), Stop> {
+        let scale = self.horizon.min(longest * count as f64);
+        let mut length = guess;
+        let mut slope = switch.slope * count as f64;
+        let mut previous: Option<(f64, f64)> = None;
+        for _ in 0..MAX_LOCATIONS {
+            let value = self.switch_condition(switch, length, longest, count)?;
+            if let Some((earlier, earlier_value)) = previous {
+                let secant = (value - earlier_value) / (length - earlier);
+                if secant.is_finite() && secant != 0.0 {
+                    slope = secant;
+                }
+            }
+            let step = value / slope;
+            if !step.is_finite() {
+                return Err(Stop::Location);
+            }
+            previous = Some((length, value));
+            if value == 0.0 || step.abs() <= 2.0 * f64::EPSILON * self.segment_scale(scale) {
+                return Ok(());
+            }
+            let next = (length - step).clamp(0.1 * length, 1.5 * length);
+            if next > 1.5 * longest {
+                return Err(Stop::Location);
+            }
+            length = next;
+        }
+        Err(Stop::Location)
+    }
+
+    /// Times are known to rounding error relative to the present time.
+    fn segment_scale(&self, scale: f64) -> f64 {
+        self.segment_start.time.max(scale)
+    }
+
+    /// Value of the switching function after `count` elements of `length` from the segment's start.
+    fn switch_condition(
+        &mut self,
+        switch: Switch,
+        length: f64,
+        longest: f64,
+        count: usize,
+    ) -> Result<f64, Stop> {
+        self.state.copy_from(&self.segment_start);
+        for _ in 0..count {
+            self.element.solve(&self.state, length, &self.u)?;
+            self.state.copy_from(&self.element.end);
+        }
+        self.write_input();
+        let value = match switch.kind {
+            SwitchKind::Entry => {
+                self.contacts.evaluate_contacts(&self.x, &[switch.contact]);
+                let gap = self.contacts.gap(switch.contact);
+                if gap >= 0.0 {
+                    gap
+                } else {
+                    gap.max(self.contacts.normal_velocity(switch.contact))
+                }
+            }
+            SwitchKind::Exit if self.settings.exit_condition => {
+                self.contacts.evaluate(&self.x, &self.active);
+                self.forces.resize(self.active.len(), 0.0);
+                self.contacts
+                    .contact_accelerations(&self.active, &mut self.forces)?;
+                let slot = self.active.iter().position(|&i| i == switch.contact);
+                slot.map_or(f64::NAN, |slot| self.forces[slot])
+            }
+            SwitchKind::Exit => self.first_stage_after_release(switch.contact, longest)?,
+        };
+        self.state.copy_from(&self.segment_start);
+        Ok(value)
+    }
+
+    /// Whether, without the exit condition, the contact may leave at the segment's start already.
+    fn free_to_leave(&mut self, switch: Switch, length: f64) -> Result<bool, Stop> {
+        Ok(switch.kind == SwitchKind::Exit
+            && !self.settings.exit_condition
+            && self.first_stage_after_release(switch.contact, length)? >= 0.0)
+    }
+
+    /// `max(g, v_n)` at the first stage of the element after the release of `contact`.
+    ///
+    /// Without the exit condition a take-off is feasible for the published method as soon as this is not
+    /// negative: up to `c_1 h / 2` too early.
+    fn first_stage_after_release(&mut self, contact: usize, length: f64) -> Result<f64, Stop> {
+        let released: Vec<usize> = self
+            .active
+            .iter()
+            .copied()
+            .filter(|&i| i != contact)
+            .collect();
+        self.next_element.set_mode(&released);
+        self.next_element.solve(&self.state, length, &self.u)?;
+        self.contacts
+            .evaluate_contacts(self.next_element.stage_input(0), &[contact]);
+        Ok(self
+            .contacts
+            .gap(contact)
+            .max(self.contacts.normal_velocity(contact)))
+    }
+
+    /// Carries out a located switch at the present state.
+    fn carry_out(&mut self, switch: Switch) -> Result<(), ModeError> {
+        if switch.kind == SwitchKind::Exit && !self.settings.exit_condition {
+            self.release(switch.contact)?;
+        } else {
+            self.settle(Some(switch.contact))?;
+        }
+        self.record();
+        Ok(())
+    }
+
+    /// Ends the contact although its force has not vanished (no exit condition).
+    fn release(&mut self, contact: usize) -> Result<(), ModeError> {
+        self.active.retain(|&i| i != contact);
+        self.element.set_mode(&self.active);
+        self.push_event(EventKind::LiftOff, contact, self.state.v.clone());
+        self.evaluate_state()
+    }
+
+    fn push_event(&mut self, kind: EventKind, contact: usize, v_before: Vec<f64>) {
+        self.events.push(Event {
+            time: self.state.time,
+            kind,
+            contact,
+            q: self.state.q.clone(),
+            v_before,
+            v_after: self.state.v.clone(),
+        });
+    }
+
+    /// Impact of everything that touches and closes, then the contact mode; records the events. The
+    /// contact that `switched` touches whatever the discretization error of its gap.
+    fn settle(&mut self, switched: Option<usize>) -> Result<(), ModeError> {
+        self.write_input();
+        self.contacts.evaluate_contacts(&self.x, &self.all_contacts);
+        let tolerance = self.touching();
+        let touching: Vec<usize> = self
+            .all_contacts
+            .iter()
+            .copied()
+            .filter(|&i| self.contacts.gap(i).abs() <= tolerance.gap || switched == Some(i))
+            .collect();
+        let closing = touching
+            .iter()
+            .any(|&i| self.contacts.normal_velocity(i) < -tolerance.velocity);
+        let v_before = self.state.v.clone();
+        let mut impulses = Vec::new();
+        if closing {
+            self.contacts
+                .impact(&touching, &mut impulses, &mut self.state.v)?;
+            self.numerical_time +=
+                numerical_time::jump(&impulses, self.settings.auxiliary_acceleration);
+            self.write_input();
+            if impulses.iter().filter(|&&p| p > tolerance.velocity).count() > 1 {
+                self.note("simultaneous impacts follow Moreau's law (all touching contacts in one linear complementarity problem)");
+            }
+        }
+        let previous = self.active.clone();
+        let mut active = std::mem::take(&mut self.active);
+        let selected = self
+            .contacts
+            .select(&self.x, &touching, tolerance.velocity, &mut active);
+        self.active = active;
+        selected?;
+        for i in self.all_contacts.clone() {
+            let struck = touching
+                .iter()
+                .zip(&impulses)
+                .any(|(&contact, &p)| contact == i && p > tolerance.velocity);
+            let (before, after) = (previous.contains(&i), self.active.contains(&i));
+            if struck {
+                self.push_event(EventKind::Impact, i, v_before.clone());
+            }
+            if before && !after {
+                self.push_event(EventKind::LiftOff, i, v_before.clone());
+            } else if after && !before && !struck && self.state.time > 0.0 {
+                self.push_event(EventKind::Contact, i, v_before.clone());
+            }
+        }
+        self.element.set_mode(&self.active);
+        self.evaluate_state()
+    }
+
+    fn note(&mut self, text: &str) {
+        if !self.notes.iter().any(|note| note == text) {
+            self.notes.push(text.into());
+        }
+    }
+
+    /// Size of the step's system: stage unknowns and one length an element.
+    fn add_size(&self, elements: usize, switched: bool, size: &mut ProblemSize) {
+        let (n, contacts) = (self.n, self.element.active().len());
+        let stages = self.tableau.stages();
+        let unknowns = elements * self.element.variables();
+        let block = n + 2 * contacts;
+        size.variables += unknowns + elements;
+        // Equal lengths but one, which the end of the segment or the switch condition determines.
+        size.equalities += unknowns + elements;
+        size.inequalities += elements * stages * self.all_contacts.len();
+        size.complementarities += elements * self.all_contacts.len();
+        size.jacobian_nonzeros +=
+            elements * stages * stages * block * block + elements + usize::from(switched);
+    }
+
+    fn diagnosis(&self, step: usize, contact: Option<usize>, message: String) -> Diagnosis {
+        Diagnosis {
+            time: self.state.time,
+            step,
+            contact,
+            message,
+        }
+    }
+
+    fn stopped(&self, step: usize, stop: &Stop) -> SimulationStatus {
+        let names: Vec<&str> = self
+            .active
+            .iter()
+            .map(|&i| self.model.declaration().contacts[i].name)
+            .collect();
+        let mode = if names.is_empty() {
+            "in free motion".to_string()
+        } else {
+            format!("in contact with {}", names.join(", "))
+        };
+        let contact = self.active.first().copied();
+        let describe =
+            |what: &str| format!("step {step} at t = {} s {mode}: {what}", self.state.time);
+        match stop {
+            Stop::Element(ElementError::NotFinite) | Stop::Mode(ModeError::NotFinite) => {
+                SimulationStatus::NotFinite(self.diagnosis(
+                    step,
+                    contact,
+                    describe(
+                        "the model is infinite or not a number here; look for a division by zero \
+                         or a root of a negative number",
+                    ),
+                ))
+            }
+            Stop::Mode(ModeError::Jammed) => SimulationStatus::AmbiguousContact(self.diagnosis(
+                step,
+                contact,
+                describe(
+                    "no impulse or force satisfies the contact law (jamming); look at the impulse \
+                     direction of the contacts that touch",
+                ),
+            )),
+            Stop::Mode(ModeError::Dependent) => SimulationStatus::AmbiguousContact(self.diagnosis(
+                step,
+                contact,
+                describe("the normals of the active contacts are dependent"),
+            )),
+            Stop::Element(ElementError::Singular) => SimulationStatus::StepFailed(self.diagnosis(
+                step,
+                contact,
+                describe("singular element matrix; the active contacts may be dependent"),
+            )),
+            Stop::Element(ElementError::NotConverged) => {
+                SimulationStatus::StepFailed(self.diagnosis(
+                    step,
+                    contact,
+                    describe("Newton's method did not converge; take more steps"),
+                ))
+            }
+            Stop::Location => SimulationStatus::StepFailed(self.diagnosis(
+                step,
+                contact,
+                describe("a switch could not be located; take more steps"),
+            )),
+        }
+    }
+}
