@@ -407,8 +407,10 @@ impl<'a> FiniteElement<'a> {
                 let columns = j * block;
                 for row in 0..n {
                     let line = &mut self.matrix[(rows + row) * size + columns..][..block];
-                    for k in 0..n {
-                        line[k] -= second * self.by_q[row * n + k] + first * self.by_v[row * n + k];
+                    let by_q = &self.by_q[row * n..(row + 1) * n];
+                    let by_v = &self.by_v[row * n..(row + 1) * n];
+                    for (entry, (q, v)) in line.iter_mut().zip(by_q.iter().zip(by_v)) {
+                        *entry -= second * q + first * v;
                     }
                     for i in 0..contacts {
                         let correction: f64 = (0..n)
@@ -418,9 +420,8 @@ impl<'a> FiniteElement<'a> {
                     }
                     if m == j {
                         line[row] += 1.0;
-                        for i in 0..contacts {
-                            line[n + i] -=
-                                self.points[i * length + contact_point::direction(n) + row];
+                        for (i, point) in self.points.chunks_exact(length).enumerate() {
+                            line[n + i] -= point[contact_point::direction(n) + row];
                         }
                     }
                 }

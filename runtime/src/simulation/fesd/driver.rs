@@ -23,7 +23,7 @@ const MAX_HALVINGS: usize = 8;
 /// Switches within one step before the contact mode counts as ambiguous.
 const MAX_SWITCHES: usize = 200;
 /// Evaluations of the switch condition that locate one switch.
-const MAX_LOCATIONS: usize = 30;
+const MAX_LOCATIONS: usize = 60;
 
 /// Why a segment could not be completed.
 enum Stop {
@@ -267,7 +267,7 @@ impl<'a> Driver<'a> {
         self.numerical_time = start_numerical_time;
         self.state.copy_from(&self.segment_start);
         let offset = (count - 1) as f64 + switch.theta;
-        if offset * length <= shortest || self.free_to_leave(switch, length)? {
+        if offset * length <= shortest {
             self.carry_out(switch)?;
             return Ok(true);
         }
@@ -392,7 +392,10 @@ impl<'a> Driver<'a> {
             self.locate_one(switch, guess, longest, count)?;
             self.trajectory.truncate(recorded);
             self.numerical_time = start_numerical_time;
-            let length = self.element.length();
+            let mut length = self.element.length();
+            if switch.kind == SwitchKind::Exit && !self.settings.exit_condition {
+                length = self.earliest_release(switch.contact, length, longest, count)?;
+            }
             // Solve once more along the located length, now recording.
             self.state.copy_from(&self.segment_start);
             for _ in 0..count {
@@ -444,7 +447,7 @@ impl<'a> Driver<'a> {
         })
     }
 
-    /// Newton's method with secant slopes on the common element length.
+    /// Newton's method with secant slopes on the common element length, kept inside a bracket.
     fn locate_one(
         &mut self,
         switch: Switch,
@@ -452,90 +455,97 @@ impl<'a> Driver<'a> {
         longest: f64,
         count: usize,
     ) -> Result<(), Stop> {
-        let scale = self.horizon.min(longest * count as f64);
+        let tolerance = 2.0 * f64::EPSILON * self.segment_start.time.max(longest * count as f64);
+        let (mut before, mut after) = (0.0, 1.5 * longest);
         let mut length = guess;
         let mut slope = switch.slope * count as f64;
         let mut previous: Option<(f64, f64)> = None;
         for _ in 0..MAX_LOCATIONS {
-            let value = self.switch_condition(switch, length, longest, count)?;
+            let value = self.switch_condition(switch, length, count)?;
             if let Some((earlier, earlier_value)) = previous {
                 let secant = (value - earlier_value) / (length - earlier);
                 if secant.is_finite() && secant != 0.0 {
                     slope = secant;
                 }
             }
-            let step = value / slope;
-            if !step.is_finite() {
-                return Err(Stop::Location);
-            }
             previous = Some((length, value));
-            if value == 0.0 || step.abs() <= 2.0 * f64::EPSILON * self.segment_scale(scale) {
+            if value > 0.0 {
+                before = length;
+            } else {
+                after = length;
+            }
+            let step = value / slope;
+            if value == 0.0 || step.abs() <= tolerance || after - before <= tolerance {
                 return Ok(());
             }
-            let next = (length - step).clamp(0.1 * length, 1.5 * length);
-            if next > 1.5 * longest {
-                return Err(Stop::Location);
+            length -= step;
+            if !(before < length && length < after) {
+                length = 0.5 * (before + after);
             }
-            length = next;
         }
         Err(Stop::Location)
     }
 
-    /// Times are known to rounding error relative to the present time.
-    fn segment_scale(&self, scale: f64) -> f64 {
-        self.segment_start.time.max(scale)
-    }
-
-    /// Value of the switching function after `count` elements of `length` from the segment's start.
-    fn switch_condition(
-        &mut self,
-        switch: Switch,
-        length: f64,
-        longest: f64,
-        count: usize,
-    ) -> Result<f64, Stop> {
+    /// Solves `count` elements of `length` from the segment's start, without recording.
+    fn solve_elements(&mut self, length: f64, count: usize) -> Result<(), Stop> {
         self.state.copy_from(&self.segment_start);
         for _ in 0..count {
             self.element.solve(&self.state, length, &self.u)?;
             self.state.copy_from(&self.element.end);
         }
+        Ok(())
+    }
+
+    /// Value of the switching function after `count` elements of `length` from the segment's start.
+    fn switch_condition(&mut self, switch: Switch, length: f64, count: usize) -> Result<f64, Stop> {
+        self.solve_elements(length, count)?;
         self.write_input();
-        let value = match switch.kind {
+        match switch.kind {
             SwitchKind::Entry => {
                 self.contacts.evaluate_contacts(&self.x, &[switch.contact]);
                 let gap = self.contacts.gap(switch.contact);
                 if gap >= 0.0 {
-                    gap
+                    Ok(gap)
                 } else {
-                    gap.max(self.contacts.normal_velocity(switch.contact))
+                    Ok(gap.max(self.contacts.normal_velocity(switch.contact)))
                 }
             }
-            SwitchKind::Exit if self.settings.exit_condition => {
+            SwitchKind::Exit => {
                 self.contacts.evaluate(&self.x, &self.active);
                 self.forces.resize(self.active.len(), 0.0);
                 self.contacts
                     .contact_accelerations(&self.active, &mut self.forces)?;
                 let slot = self.active.iter().position(|&i| i == switch.contact);
-                slot.map_or(f64::NAN, |slot| self.forces[slot])
+                Ok(slot.map_or(f64::NAN, |slot| self.forces[slot]))
             }
-            SwitchKind::Exit => self.first_stage_after_release(switch.contact, longest)?,
-        };
-        self.state.copy_from(&self.segment_start);
-        Ok(value)
+        }
     }
 
-    /// Whether, without the exit condition, the contact may leave at the segment's start already.
-    fn free_to_leave(&mut self, switch: Switch, length: f64) -> Result<bool, Stop> {
-        Ok(switch.kind == SwitchKind::Exit
-            && !self.settings.exit_condition
-            && self.first_stage_after_release(switch.contact, length)? >= 0.0)
+    /// Without the exit condition the published method also admits earlier take-offs: down to the common
+    /// element length at which the gap at the first stage of the following element vanishes. Returns that
+    /// length, by bisection, or `latest` where the scheme admits no earlier one.
+    fn earliest_release(
+        &mut self,
+        contact: usize,
+        latest: f64,
+        next_length: f64,
+        count: usize,
+    ) -> Result<f64, Stop> {
+        let (mut early, mut late) = (0.0, latest);
+        for _ in 0..52 {
+            let middle = 0.5 * (early + late);
+            self.solve_elements(middle, count)?;
+            if self.first_gap_after_release(contact, next_length)? >= 0.0 {
+                late = middle;
+            } else {
+                early = middle;
+            }
+        }
+        Ok(late)
     }
 
-    /// `max(g, v_n)` at the first stage of the element after the release of `contact`.
-    ///
-    /// Without the exit condition a take-off is feasible for the published method as soon as this is not
-    /// negative: up to `c_1 h / 2` too early.
-    fn first_stage_after_release(&mut self, contact: usize, length: f64) -> Result<f64, Stop> {
+    /// Gap at the first stage of an element of length `h` from the present state without `contact`.
+    fn first_gap_after_release(&mut self, contact: usize, h: f64) -> Result<f64, Stop> {
         let released: Vec<usize> = self
             .active
             .iter()
@@ -543,13 +553,8 @@ impl<'a> Driver<'a> {
             .filter(|&i| i != contact)
             .collect();
         self.next_element.set_mode(&released);
-        self.next_element.solve(&self.state, length, &self.u)?;
-        self.contacts
-            .evaluate_contacts(self.next_element.stage_input(0), &[contact]);
-        Ok(self
-            .contacts
-            .gap(contact)
-            .max(self.contacts.normal_velocity(contact)))
+        self.next_element.solve(&self.state, h, &self.u)?;
+        Ok(self.model.gap(contact, self.next_element.stage_input(0)))
     }
 
     /// Carries out a located switch at the present state.
