@@ -79,7 +79,7 @@ impl Default for Settings {
             initial_barrier_parameter: 0.1,
             bound_push: 1e-2,
             bound_fraction: 1e-2,
-            bound_relaxation: 1e-8,
+            bound_relaxation: 0.0,
             scaling_gradient: 100.0,
             maximum_corrections: 4,
             watchdog_trigger: 10,
