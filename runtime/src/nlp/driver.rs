@@ -138,12 +138,34 @@ pub(crate) fn run<'o>(
     start: Option<&WarmStart>,
     observer: Option<&'o mut Observer<'o>>,
 ) -> Result<Solution, InputError> {
-    settings.validate()?;
     if let Some(start) = start {
         check_warm_start(problem, start)?;
     }
-    let formulation =
-        Formulation::new(problem, settings, &products.pairs, start.map(|s| &s.x[..]))?;
+    let point = start.map(|s| &s.x[..]);
+    run_loop(problem, settings, products, path, (point, start), observer)
+}
+
+/// As [`run`], from a point without multipliers.
+pub(crate) fn run_from_point(
+    problem: &mut dyn NlpProblem,
+    settings: &Settings,
+    products: &mut Products,
+    path: &mut dyn BarrierPath,
+    point: Option<&[f64]>,
+) -> Result<Solution, InputError> {
+    run_loop(problem, settings, products, path, (point, None), None)
+}
+
+fn run_loop<'o>(
+    problem: &mut dyn NlpProblem,
+    settings: &Settings,
+    products: &mut Products,
+    path: &mut dyn BarrierPath,
+    (point, start): (Option<&[f64]>, Option<&WarmStart>),
+    observer: Option<&'o mut Observer<'o>>,
+) -> Result<Solution, InputError> {
+    settings.validate()?;
+    let formulation = Formulation::new(problem, settings, &products.pairs, point)?;
     let mut core = Core::new(formulation, settings, observer)?;
     let main = BarrierProblem::main(&core.formulation);
     let mut main_loop = Loop::new(&mut core, main, path, false);

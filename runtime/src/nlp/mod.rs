@@ -33,5 +33,5 @@ pub use solution::{Counts, Residuals, Solution, Violation};
 pub use solver::Observer;
 pub use status::Status;
 
-pub(crate) use barrier::{BarrierPath, Level, PathStep, next_barrier_parameter};
-pub(crate) use driver::{Products, run};
+pub(crate) use barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};
+pub(crate) use driver::{Products, run, run_from_point};

@@ -117,12 +117,7 @@ impl Expression {
     }
 
     /// Adds `weight` times the lower triangle of the Hessian.
-    pub fn add_hessian(
-        &self,
-        x: &[f64],
-        weight: f64,
-        hessian: &mut dyn FnMut(usize, usize, f64),
-    ) {
+    pub fn add_hessian(&self, x: &[f64], weight: f64, hessian: &mut dyn FnMut(usize, usize, f64)) {
         for &j in &self.variables {
             let (_, gradients) = self.sweep(x, Some(j));
             for (i, _, h) in gradients {
