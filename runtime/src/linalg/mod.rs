@@ -5,11 +5,13 @@
 //! rows of a saddle point matrix receive which shift.
 
 mod factorization;
+mod multifrontal;
 mod refined;
 mod simplicial;
 mod symmetric;
 
 pub use factorization::{FactorizationError, Inertia, KktFactorization};
+pub use multifrontal::MultifrontalLdl;
 pub use refined::{RefinedSolver, SolveQuality};
 pub use simplicial::SimplicialLdl;
 pub use symmetric::SymmetricPattern;
