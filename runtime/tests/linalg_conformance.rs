@@ -119,7 +119,9 @@ fn factor_and_solve_every_back_end_gives_inertia_and_solution() {
                 continue;
             }
             let eigenvalues = SymmetricEigen::new(dense(&system)).eigenvalues;
-            let smallest = eigenvalues.iter().fold(f64::INFINITY, |a, e| a.min(e.abs()));
+            let smallest = eigenvalues
+                .iter()
+                .fold(f64::INFINITY, |a, e| a.min(e.abs()));
             if smallest < 1e-4 {
                 // the sign of such an eigenvalue is a matter of rounding
                 continue;
@@ -141,7 +143,11 @@ fn factor_and_solve_every_back_end_gives_inertia_and_solution() {
             let mut solution = vec![0.0; system.n];
             let quality = solver.solve(&b, &mut solution);
             // condition numbers reach 1e5 / smallest eigenvalue 1e-4
-            assert!(quality.residual < 1e-10, "{name}, {}: {quality:?}", system.name);
+            assert!(
+                quality.residual < 1e-10,
+                "{name}, {}: {quality:?}",
+                system.name
+            );
             for (a, b) in x.iter().zip(&solution) {
                 assert!((a - b).abs() < 1e-5, "{name}, {}: {a} {b}", system.name);
             }

@@ -197,6 +197,9 @@ mod tests {
             floor: 1e-8,
             rule: proportional,
         };
-        assert_eq!(path.update(&level(1.1e-8 / 11.0, 1e-8, true, 1)), PathStep::Stay);
+        assert_eq!(
+            path.update(&level(1.1e-8 / 11.0, 1e-8, true, 1)),
+            PathStep::Stay
+        );
     }
 }

@@ -261,15 +261,16 @@ fn reset_range_slacks(problem: &BarrierProblem, trial: &mut [f64], values: &mut 
         let i = problem.n + k;
         let value = trial[i] + values.residual[slack.row];
         let kept = |distance: f64, old: f64| distance >= 0.5 * old;
-        if kept(value - problem.lower[i], trial[i] - problem.lower[i]) | !problem.lower[i].is_finite()
-            && kept(problem.upper[i] - value, problem.upper[i] - trial[i]) | !problem.upper[i].is_finite()
+        if kept(value - problem.lower[i], trial[i] - problem.lower[i])
+            | !problem.lower[i].is_finite()
+            && kept(problem.upper[i] - value, problem.upper[i] - trial[i])
+                | !problem.upper[i].is_finite()
         {
             trial[i] = value;
             values.residual[slack.row] = 0.0;
         }
     }
 }
-
 
 #[cfg(test)]
 mod tests {
