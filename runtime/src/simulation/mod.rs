@@ -12,6 +12,7 @@ mod moreau;
 mod problem;
 mod result;
 mod smooth;
+
 pub use event::EventDriven;
 pub use fesd::{Fesd, StepFormulation};
 pub use fixed::FixedStep;
@@ -21,7 +22,6 @@ pub use result::{
     Counts, Diagnosis, Event, EventKind, ProblemSize, Residuals, Seconds, Simulation,
     SimulationStatus, Trajectory,
 };
-
 pub use smooth::Smooth;
 
 use crate::model::Model;
