@@ -8,6 +8,7 @@
 //!
 //! Arrows point one way: `nlp` knows nothing of time, `linalg` nothing of optimization.
 
+mod fesd;
 pub mod linalg;
 pub mod model;
 pub mod mpcc;

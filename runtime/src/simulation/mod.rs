@@ -5,9 +5,11 @@
 //! [`SimulationStatus`], not an error; an [`InputError`] means that the input was refused before the
 //! first step.
 
+mod fesd;
 mod problem;
 mod result;
 
+pub use fesd::Fesd;
 pub use problem::{ControlSignal, InitialValueProblem, InputError};
 pub use result::{
     Counts, Diagnosis, Event, EventKind, ProblemSize, Residuals, Seconds, Simulation,
