@@ -5,10 +5,12 @@
 //! [`SimulationStatus`], not an error; an [`InputError`] means that the input was refused before the
 //! first step.
 
+mod event;
 mod fesd;
 mod problem;
 mod result;
 
+pub use event::EventDriven;
 pub use fesd::Fesd;
 pub use problem::{ControlSignal, InitialValueProblem, InputError};
 pub use result::{

@@ -1,0 +1,221 @@
+//! The earliest event within a step: found on the continuous extension, confirmed and polished with
+//! true steps of the method.
+
+use super::dop853::{Dop853, System};
+use super::dynamics::Dynamics;
+use super::locate::{self, Sample};
+
+/// Crossings of the continuous extension that true steps do not confirm, before the step is believed.
+const FALSE_ALARMS: usize = 20;
+/// A crossing less deep than this share of the range of values within the step is confirmed by a true
+/// step: it may be an error of the continuous extension.
+const SHALLOW: f64 = 1e-4;
+/// Secant steps before bisection.
+const SECANTS: usize = 12;
+/// Secant steps and bisections together; 64 bisections use up all digits.
+const POLISHING: usize = 80;
+
+/// Buffers of the search.
+#[derive(Debug, Clone)]
+pub(super) struct EventSearch {
+    state: Vec<f64>,
+    slope: Vec<f64>,
+    from: Vec<Option<Sample>>,
+}
+
+/// The step that was just made, from `(t, y)` with length `h`.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a> {
+    pub(super) t: f64,
+    pub(super) h: f64,
+    pub(super) y: &'a [f64],
+    /// Values of the contacts at its start and its end.
+    pub(super) start_values: &'a [f64],
+    pub(super) end_values: &'a [f64],
+}
+
+/// An event: which contact, and the length of the step that ends there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Found {
+    pub(super) contact: usize,
+    pub(super) h: f64,
+}
+
+impl EventSearch {
+    pub(super) fn new(dimension: usize, contacts: usize) -> Self {
+        Self {
+            state: vec![0.0; dimension],
+            slope: vec![0.0; dimension],
+            from: vec![None; contacts],
+        }
+    }
+
+    /// Whether the values seen in the stages of the step leave room for an event: the lowest is smaller
+    /// than the range they span, so that a dip to zero could hide between them.
+    pub(super) fn is_needed(dynamics: &Dynamics<'_>) -> bool {
+        (0..dynamics.contacts).any(|i| may_cross(dynamics, i))
+    }
+
+    /// The earliest event within the step, whose continuous extension is ready. If there is one,
+    /// `method.end()` is the state there, on the surfaces of the active contacts.
+    pub(super) fn earliest(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &mut Dop853,
+        step: Step<'_>,
+    ) -> Option<Found> {
+        for i in 0..dynamics.contacts {
+            self.from[i] = may_cross(dynamics, i).then_some(Sample {
+                at: 0.0,
+                value: step.start_values[i],
+            });
+        }
+        for _ in 0..FALSE_ALARMS {
+            let (contact, left, right) = self.first_bracket(dynamics, method, step)?;
+            match self.polish(dynamics, method, step, contact, left, right) {
+                Ok(h) => return Some(Found { contact, h }),
+                Err(value) => {
+                    self.from[contact] = (right.at < 1.0).then_some(Sample {
+                        at: right.at,
+                        value,
+                    });
+                }
+            }
+        }
+        None
+    }
+
+    fn first_bracket(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &Dop853,
+        step: Step<'_>,
+    ) -> Option<(usize, Sample, Sample)> {
+        let mut earliest: Option<(usize, Sample, Sample)> = None;
+        for i in 0..dynamics.contacts {
+            let Some(from) = self.from[i] else { continue };
+            let zero = dynamics.zero_value(i, step.y);
+            let to = match earliest {
+                None => Sample {
+                    at: 1.0,
+                    value: step.end_values[i],
+                },
+                Some((_, _, right)) if right.at > from.at => Sample {
+                    at: right.at,
+                    value: self.interpolated(dynamics, method, step, i, right.at),
+                },
+                Some(_) => continue,
+            };
+            let mut value = |theta| self.interpolated(dynamics, method, step, i, theta);
+            let found = locate::first_crossing(&mut value, from, to, zero);
+            if let Some((left, right)) = found
+                && earliest.is_none_or(|(_, _, other)| right.at < other.at)
+            {
+                let left = locate::positive_before(&mut value, from, left, right);
+                earliest = Some((i, left, right));
+            }
+        }
+        earliest
+    }
+
+    /// Value of a contact on the continuous extension.
+    fn interpolated(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &Dop853,
+        step: Step<'_>,
+        contact: usize,
+        theta: f64,
+    ) -> f64 {
+        let t = step.t + theta * step.h;
+        method.interpolate(theta, &mut self.state[..2 * dynamics.n]);
+        if dynamics.is_active(contact) {
+            dynamics.derivative(t, &self.state, &mut self.slope);
+            dynamics.values[contact]
+        } else {
+            dynamics.load(t, &self.state);
+            dynamics.gap(contact)
+        }
+    }
+
+    /// Value of a contact after a true step of length `h`, which ends in `method.end()`.
+    fn stepped(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &mut Dop853,
+        step: Step<'_>,
+        contact: usize,
+        h: f64,
+    ) -> f64 {
+        method.step(dynamics, step.t, step.y, h);
+        if !dynamics.project(step.t + h, method.end_mut()) {
+            return f64::NAN;
+        }
+        if dynamics.is_active(contact) {
+            dynamics.derivative(step.t + h, method.end(), &mut self.slope);
+            dynamics.values[contact]
+        } else {
+            dynamics.load(step.t + h, method.end());
+            dynamics.gap(contact)
+        }
+    }
+
+    /// Length of the true step at whose end the value of the contact vanishes; if there is none in the
+    /// bracket, the value at its right end.
+    fn polish(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &mut Dop853,
+        step: Step<'_>,
+        contact: usize,
+        left: Sample,
+        right: Sample,
+    ) -> Result<f64, f64> {
+        let zero = dynamics.zero_value(contact, step.y);
+        let range = dynamics.highest[contact] - dynamics.lowest[contact];
+        if right.at < 1.0 && -right.value < SHALLOW * range {
+            let value = self.stepped(dynamics, method, step, contact, right.at * step.h);
+            if value >= -zero {
+                return Err(value);
+            }
+        }
+        let mut value = |theta| self.interpolated(dynamics, method, step, contact, theta);
+        let theta = locate::root(&mut value, left, right);
+        let around = 1e-3 * (right.at - left.at);
+        let (before, after) = ((theta - around).max(0.0), (theta + around).min(1.0));
+        let mut slope = (value(after) - value(before)) / ((after - before) * step.h);
+
+        let (mut low, mut high) = (left.at * step.h, right.at * step.h);
+        let mut h = theta * step.h;
+        let mut f = self.stepped(dynamics, method, step, contact, h);
+        let resolution = f64::EPSILON * (step.t.abs() + step.h);
+        for iteration in 0..POLISHING {
+            if f > 0.0 {
+                low = h;
+            } else {
+                high = h;
+            }
+            let newton = h - f / slope;
+            let next = if iteration < SECANTS && newton >= low && newton <= high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            if f == 0.0 || (next - h).abs() <= resolution || high - low <= resolution {
+                break;
+            }
+            let f_next = self.stepped(dynamics, method, step, contact, next);
+            let secant = (f_next - f) / (next - h);
+            if secant < 0.0 {
+                slope = secant;
+            }
+            (h, f) = (next, f_next);
+        }
+        if f <= zero { Ok(h) } else { Err(f) }
+    }
+}
+
+fn may_cross(dynamics: &Dynamics<'_>, contact: usize) -> bool {
+    let (lowest, highest) = (dynamics.lowest[contact], dynamics.highest[contact]);
+    lowest <= highest - lowest || lowest <= 0.0
+}
