@@ -8,6 +8,7 @@
 //!
 //! Arrows point one way: `nlp` knows nothing of time, `linalg` nothing of optimization.
 
+mod dcs;
 mod fesd;
 pub mod linalg;
 pub mod model;
@@ -15,5 +16,6 @@ pub mod mpcc;
 pub mod nlp;
 pub mod rk;
 pub mod simulation;
+mod time_freezing;
 
 pub use hangtime_macros::model;

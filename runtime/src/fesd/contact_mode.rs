@@ -162,6 +162,16 @@ impl<'a> Contacts<'a> {
         Ok(())
     }
 
+    /// Acceleration `a + sum d_i r_i` at the last evaluation.
+    pub(crate) fn constrained_acceleration(&self, active: &[usize], r: &[f64], result: &mut [f64]) {
+        result.copy_from_slice(&self.acceleration);
+        for (&i, &force) in active.iter().zip(r) {
+            for (a, d) in result.iter_mut().zip(self.direction(i)) {
+                *a += d * force;
+            }
+        }
+    }
+
     /// Solves the impact of all contacts in `touching` at the last evaluation; writes the normal
     /// velocity increments `p` and adds the jump to `v`.
     pub(crate) fn impact(
@@ -249,12 +259,8 @@ impl<'a> Contacts<'a> {
         let held = strict.clone();
         let mut r = vec![0.0; held.len()];
         self.contact_accelerations(&held, &mut r)?;
-        let mut motion = self.acceleration.clone();
-        for (&i, &force) in held.iter().zip(&r) {
-            for (a, d) in motion.iter_mut().zip(self.direction(i)) {
-                *a += d * force;
-            }
-        }
+        let mut motion = vec![0.0; self.n];
+        self.constrained_acceleration(&held, &r, &mut motion);
         let matrix = self.reduced_couplings(&held, undecided)?;
         let scales: Vec<f64> = undecided.iter().map(|&i| self.phi_scale(i)).collect();
         // Central difference along the motion; its truncation and rounding errors are both near

@@ -7,8 +7,7 @@
 //!
 //! - [`finite_element`]: one element in a fixed contact mode, a smooth square system.
 //! - [`contact_mode`]: which contacts are active, and the velocity jump of an impact.
-//! - [`numerical_time`]: the numerical time of the time-freezing system along an element and a jump.
 
 pub(crate) mod contact_mode;
 pub(crate) mod finite_element;
-pub(crate) mod numerical_time;
+pub(crate) mod transcription;

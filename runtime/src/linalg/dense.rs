@@ -22,15 +22,19 @@ pub fn factorize(a: &mut [f64], pivots: &mut [usize]) -> Result<(), SingularMatr
     let n = pivots.len();
     debug_assert_eq!(a.len(), n * n);
     for k in 0..n {
-        let scale = (0..n).fold(0.0_f64, |s, i| s.max(a[i * n + k].abs()));
-        let mut best = k;
-        for i in k + 1..n {
-            if a[i * n + k].abs() > a[best * n + k].abs() {
-                best = i;
+        let (mut best, mut largest) = (k, 0.0);
+        let mut column = a[k..].iter().step_by(n);
+        // What is above the diagonal already belongs to U; it sets the scale of the column.
+        let mut scale = column.by_ref().take(k).fold(0.0_f64, |s, u| s.max(u.abs()));
+        for (offset, entry) in column.enumerate() {
+            if entry.abs() > largest {
+                largest = entry.abs();
+                best = k + offset;
             }
         }
+        scale = scale.max(largest);
         let pivot = a[best * n + k];
-        if !pivot.is_finite() || pivot.abs() <= 1e-14 * scale || pivot == 0.0 {
+        if !pivot.is_finite() || largest <= 1e-14 * scale {
             return Err(SingularMatrix { column: k });
         }
         pivots[k] = best;

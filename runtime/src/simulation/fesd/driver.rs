@@ -4,13 +4,13 @@ use super::Fesd;
 use super::switch::{Detector, ElementStart, Switch, SwitchKind};
 use crate::fesd::contact_mode::{Contacts, ModeError, Touching};
 use crate::fesd::finite_element::{ElementError, FiniteElement, State};
-use crate::fesd::numerical_time;
 use crate::model::Model;
 use crate::rk::ButcherTableau;
 use crate::simulation::{
     ControlSignal, Counts, Diagnosis, Event, EventKind, InitialValueProblem, ProblemSize,
     Residuals, Seconds, Simulation, SimulationStatus, Trajectory,
 };
+use crate::time_freezing::clock;
 
 /// Rounding error of a gap or a normal velocity, relative to the largest coordinate or velocity.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -24,6 +24,19 @@ const MAX_HALVINGS: usize = 8;
 const MAX_SWITCHES: usize = 200;
 /// Evaluations of the switch condition that locate one switch.
 const MAX_LOCATIONS: usize = 60;
+
+/// Largest and smallest change of the element length by the error control.
+const LENGTH_CHANGE: (f64, f64) = (0.2, 4.0);
+
+/// How a segment ended.
+enum Segment {
+    /// At its planned end.
+    Completed,
+    /// At a switch, which was carried out.
+    Switched,
+    /// Nowhere: the error estimate asks for a shorter element.
+    Rejected,
+}
 
 /// Why a segment could not be completed.
 enum Stop {
@@ -69,6 +82,10 @@ pub(super) struct Driver<'a> {
     gaps: Vec<f64>,
     /// Normal contact accelerations of the active contacts at the present state.
     forces: Vec<f64>,
+    /// Acceleration with contact forces at the present state.
+    acceleration: Vec<f64>,
+    /// Element length that the error control proposes.
+    proposed_length: f64,
     force_row: Vec<f64>,
     events: Vec<Event>,
     trajectory: Trajectory,
@@ -112,6 +129,8 @@ impl<'a> Driver<'a> {
             x: problem.input(model),
             gaps: vec![0.0; contacts],
             forces: Vec::with_capacity(contacts),
+            acceleration: vec![0.0; declaration.coordinates.len()],
+            proposed_length: problem.horizon / 20.0,
             force_row: vec![0.0; contacts],
             events: Vec::new(),
             trajectory: Trajectory::default(),
@@ -180,12 +199,11 @@ impl<'a> Driver<'a> {
                 .controls
                 .next_jump(self.state.time)
                 .map_or(end, |jump| jump.min(end));
-            let share = (segment_end - self.state.time) / (end - begin);
-            let elements =
-                ((self.settings.elements as f64 * share).round() as usize).max(1) << halvings;
+            let (segment_end, elements) = self.plan(begin, segment_end, end, halvings);
             match self.segment(segment_end, elements, shortest, &mut size) {
-                Ok(false) => {}
-                Ok(true) => {
+                Ok(Segment::Rejected) => {}
+                Ok(Segment::Completed) => halvings = halvings.saturating_sub(1),
+                Ok(Segment::Switched) => {
                     switches += 1;
                     if switches > MAX_SWITCHES {
                         return Err(SimulationStatus::AmbiguousContact(self.diagnosis(
@@ -219,6 +237,41 @@ impl<'a> Driver<'a> {
         Ok(())
     }
 
+    /// End and number of elements of the next segment: equal elements up to `segment_end`, or the length
+    /// that the error control proposes.
+    fn plan(&self, begin: f64, segment_end: f64, end: f64, halvings: usize) -> (f64, usize) {
+        let remaining = segment_end - self.state.time;
+        if self.settings.tolerance.is_none() {
+            let share = remaining / (end - begin);
+            let elements = (self.settings.elements as f64 * share).round() as usize;
+            return (segment_end, elements.max(1) << halvings);
+        }
+        let length = self.proposed_length / (1 << halvings) as f64;
+        if remaining <= 1.01 * length {
+            (segment_end, 1)
+        } else {
+            // Two nearly equal elements rather than one and a sliver.
+            (self.state.time + length.min(0.5 * remaining), 1)
+        }
+    }
+
+    /// Updates the proposed element length from the error estimate of the solved element; true if the
+    /// element must be shorter. The tolerance of the estimate, which has order `s`, is raised to the power
+    /// `(s + 1) / (2 s)`, as in the code RADAU of Hairer and Wanner, since the result has about twice its
+    /// order.
+    fn control_error(&mut self) -> bool {
+        let Some(tolerance) = self.settings.tolerance else {
+            return false;
+        };
+        let stages = self.tableau.stages() as f64;
+        let estimated = 0.1 * tolerance.powf((stages + 1.0) / (2.0 * stages));
+        let ratio = self.element.error_ratio(&self.acceleration, estimated);
+        let factor = 0.9 * ratio.max(1e-12).powf(-1.0 / (stages + 1.0));
+        self.proposed_length =
+            self.element.length() * factor.clamp(LENGTH_CHANGE.0, LENGTH_CHANGE.1);
+        ratio > 1.0
+    }
+
     /// Controls that hold from now on; a jump of theirs may change the contact mode.
     fn take_up_controls(&mut self, step: usize) -> Result<(), SimulationStatus> {
         if self.u.is_empty() {
@@ -238,14 +291,14 @@ impl<'a> Driver<'a> {
     }
 
     /// Solves `elements` elements of equal length up to `end`, or up to the first switch, which is then
-    /// located, with the elements before it of equal length again, and carried out. True if it switched.
+    /// located, with the elements before it of equal length again, and carried out.
     fn segment(
         &mut self,
         end: f64,
         elements: usize,
         shortest: f64,
         size: &mut ProblemSize,
-    ) -> Result<bool, Stop> {
+    ) -> Result<Segment, Stop> {
         self.segment_start.copy_from(&self.state);
         let recorded = self.trajectory.time.len();
         let start_numerical_time = self.numerical_time;
@@ -253,6 +306,9 @@ impl<'a> Driver<'a> {
         let mut violation = None;
         for count in 1..=elements {
             self.element.solve(&self.state, length, &self.u)?;
+            if self.control_error() {
+                return Ok(Segment::Rejected);
+            }
             if let Some(switch) = self.violation()? {
                 violation = Some((switch, count));
                 break;
@@ -261,7 +317,7 @@ impl<'a> Driver<'a> {
         }
         let Some((switch, count)) = violation else {
             self.add_size(elements, false, size);
-            return Ok(false);
+            return Ok(Segment::Completed);
         };
         self.trajectory.truncate(recorded);
         self.numerical_time = start_numerical_time;
@@ -269,7 +325,7 @@ impl<'a> Driver<'a> {
         let offset = (count - 1) as f64 + switch.theta;
         if offset * length <= shortest {
             self.carry_out(switch)?;
-            return Ok(true);
+            return Ok(Segment::Switched);
         }
         let located = self.locate(
             switch,
@@ -280,7 +336,7 @@ impl<'a> Driver<'a> {
         )?;
         self.add_size(count, true, size);
         self.carry_out(located)?;
-        Ok(true)
+        Ok(Segment::Switched)
     }
 
     fn violation(&mut self) -> Result<Option<Switch>, Stop> {
@@ -314,7 +370,7 @@ impl<'a> Driver<'a> {
         let mut numerical = 0.0;
         for (m, weight) in weights.iter().enumerate() {
             numerical += weight
-                * numerical_time::rate(
+                * clock::rate(
                     self.element.stage_forces(m),
                     self.settings.auxiliary_acceleration,
                 );
@@ -335,6 +391,8 @@ impl<'a> Driver<'a> {
         self.forces.resize(self.active.len(), 0.0);
         self.contacts
             .contact_accelerations(&self.active, &mut self.forces)?;
+        self.contacts
+            .constrained_acceleration(&self.active, &self.forces, &mut self.acceleration);
         for &i in &self.all_contacts {
             self.gaps[i] = self.contacts.gap(i);
         }
@@ -607,8 +665,7 @@ impl<'a> Driver<'a> {
         if closing {
             self.contacts
                 .impact(&touching, &mut impulses, &mut self.state.v)?;
-            self.numerical_time +=
-                numerical_time::jump(&impulses, self.settings.auxiliary_acceleration);
+            self.numerical_time += clock::jump(&impulses, self.settings.auxiliary_acceleration);
             self.write_input();
             if impulses.iter().filter(|&&p| p > tolerance.velocity).count() > 1 {
                 self.note("simultaneous impacts follow Moreau's law (all touching contacts in one linear complementarity problem)");

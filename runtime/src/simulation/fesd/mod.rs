@@ -31,6 +31,9 @@ pub struct Fesd {
     pub steps: usize,
     /// Finite elements in a step without switches. Default 3, as in the paper.
     pub elements: usize,
+    /// Error control: elements take the length that an embedded error estimate allows for this tolerance
+    /// (relative and absolute), at least one a step; `elements` is ignored. Default `None`: equal elements.
+    pub tolerance: Option<f64>,
     /// Whether the end of a contact arc is pinned by a vanishing force. Default true; `false` gives the
     /// earliest take-off that the published method admits, to show what the condition is worth.
     pub exit_condition: bool,
@@ -46,6 +49,7 @@ impl Default for Fesd {
             stages: 3,
             steps: 60,
             elements: 3,
+            tolerance: None,
             exit_condition: true,
             auxiliary_acceleration: 981.0,
         }
@@ -66,6 +70,13 @@ impl Fesd {
     pub fn with_grid(mut self, steps: usize, elements: usize) -> Self {
         self.steps = steps;
         self.elements = elements;
+        self
+    }
+
+    /// The same settings with element lengths controlled to `tolerance`.
+    #[must_use]
+    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
+        self.tolerance = Some(tolerance);
         self
     }
 
@@ -96,6 +107,11 @@ impl Fesd {
             if value == 0 {
                 return refuse(what, 0.0, "at least 1".into());
             }
+        }
+        if let Some(tolerance) = self.tolerance
+            && !(1e-14..=1e-1).contains(&tolerance)
+        {
+            return refuse("tolerance", tolerance, "from 1e-14 to 0.1".into());
         }
         if !(self.auxiliary_acceleration.is_finite() && self.auxiliary_acceleration > 0.0) {
             return refuse(
