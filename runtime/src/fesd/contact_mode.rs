@@ -192,6 +192,21 @@ impl<'a> Contacts<'a> {
         Ok(())
     }
 
+    /// One Newton step on `q` towards `g_i = 0` of the listed contacts, from the last evaluation.
+    pub(crate) fn close_gaps(&self, contacts: &[usize], q: &mut [f64]) -> Result<(), ModeError> {
+        let mut factors = self.couplings(contacts);
+        let mut pivots = vec![0; contacts.len()];
+        let mut shift: Vec<f64> = contacts.iter().map(|&i| self.gap(i)).collect();
+        dense::factorize(&mut factors, &mut pivots).map_err(|_| ModeError::Dependent)?;
+        dense::solve(&factors, &pivots, &mut shift);
+        for (&i, value) in contacts.iter().zip(&shift) {
+            for (component, d) in q.iter_mut().zip(self.direction(i)) {
+                *component -= d * value;
+            }
+        }
+        Ok(())
+    }
+
     fn couplings(&self, contacts: &[usize]) -> Vec<f64> {
         let mut matrix = Vec::with_capacity(contacts.len() * contacts.len());
         for &i in contacts {

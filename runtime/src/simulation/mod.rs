@@ -9,9 +9,8 @@ mod event;
 mod fesd;
 mod problem;
 mod result;
-
 pub use event::EventDriven;
-pub use fesd::Fesd;
+pub use fesd::{Fesd, StepFormulation};
 pub use problem::{ControlSignal, InitialValueProblem, InputError};
 pub use result::{
     Counts, Diagnosis, Event, EventKind, ProblemSize, Residuals, Seconds, Simulation,

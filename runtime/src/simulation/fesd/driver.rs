@@ -1,7 +1,7 @@
 //! The stepping loop: elements, switches, impacts, and what is recorded of them.
 
-use super::Fesd;
 use super::switch::{Detector, ElementStart, Switch, SwitchKind};
+use super::{Fesd, StepFormulation};
 use crate::fesd::contact_mode::{Contacts, ModeError, Touching};
 use crate::fesd::finite_element::{ElementError, FiniteElement, State};
 use crate::model::Model;
@@ -39,13 +39,15 @@ enum Segment {
 }
 
 /// Why a segment could not be completed.
-enum Stop {
+pub(super) enum Stop {
     /// An element has no solution; shorter elements may have.
     Element(ElementError),
     /// The contact mode could not be determined.
     Mode(ModeError),
     /// A switch could not be located; shorter elements may help.
     Location,
+    /// The complementarity problem of the step was not solved.
+    Program(&'static str),
 }
 
 impl From<ElementError> for Stop {
@@ -61,23 +63,23 @@ impl From<ModeError> for Stop {
 }
 
 pub(super) struct Driver<'a> {
-    settings: &'a Fesd,
-    model: &'a dyn Model,
+    pub(super) settings: &'a Fesd,
+    pub(super) model: &'a dyn Model,
     controls: &'a ControlSignal,
     horizon: f64,
     n: usize,
-    all_contacts: Vec<usize>,
+    pub(super) all_contacts: Vec<usize>,
     element: FiniteElement<'a>,
     /// Element used to look at the one after a take-off.
     next_element: FiniteElement<'a>,
     contacts: Contacts<'a>,
     detector: Detector<'a>,
-    tableau: &'a ButcherTableau,
-    state: State,
+    pub(super) tableau: &'a ButcherTableau,
+    pub(super) state: State,
     segment_start: State,
-    numerical_time: f64,
-    active: Vec<usize>,
-    u: Vec<f64>,
+    pub(super) numerical_time: f64,
+    pub(super) active: Vec<usize>,
+    pub(super) u: Vec<f64>,
     x: Vec<f64>,
     gaps: Vec<f64>,
     /// Normal contact accelerations of the active contacts at the present state.
@@ -89,9 +91,9 @@ pub(super) struct Driver<'a> {
     force_row: Vec<f64>,
     events: Vec<Event>,
     trajectory: Trajectory,
-    residuals: Residuals,
+    pub(super) residuals: Residuals,
     size: ProblemSize,
-    counts: Counts,
+    pub(super) counts: Counts,
     notes: Vec<String>,
 }
 
@@ -168,7 +170,7 @@ impl<'a> Driver<'a> {
     fn steps(&mut self, progress: &mut dyn FnMut(f64)) -> SimulationStatus {
         self.controls.write(0.0, &mut self.u);
         self.active.clear();
-        if let Err(error) = self.settle(None) {
+        if let Err(error) = self.settle(&[]) {
             return self.stopped(0, &Stop::Mode(error));
         }
         self.record();
@@ -199,6 +201,12 @@ impl<'a> Driver<'a> {
                 .controls
                 .next_jump(self.state.time)
                 .map_or(end, |jump| jump.min(end));
+            if self.settings.formulation == StepFormulation::TimeFreezing {
+                if let Err(stop) = self.solve_program(segment_end) {
+                    return Err(self.stopped(step, &stop));
+                }
+                continue;
+            }
             let (segment_end, elements) = self.plan(begin, segment_end, end, halvings);
             match self.segment(segment_end, elements, shortest, &mut size) {
                 Ok(Segment::Rejected) => {}
@@ -219,11 +227,12 @@ impl<'a> Driver<'a> {
                 Err(stop @ (Stop::Element(ElementError::NotFinite) | Stop::Mode(_))) => {
                     return Err(self.stopped(step, &stop));
                 }
-                Err(stop) => {
-                    halvings += 1;
-                    if halvings > MAX_HALVINGS {
+                Err(_) if halvings < MAX_HALVINGS => halvings += 1,
+                Err(_) => {
+                    if let Err(stop) = self.solve_program(segment_end) {
                         return Err(self.stopped(step, &stop));
                     }
+                    halvings = 0;
                 }
             }
         }
@@ -282,7 +291,7 @@ impl<'a> Driver<'a> {
         let now = self.state.time + 4.0 * f64::EPSILON * self.horizon;
         self.controls.write(now, &mut self.u);
         if before != self.u && self.state.time > 0.0 {
-            if let Err(error) = self.settle(None) {
+            if let Err(error) = self.settle(&[]) {
                 return Err(self.stopped(step, &Stop::Mode(error)));
             }
             self.record();
@@ -385,7 +394,7 @@ impl<'a> Driver<'a> {
     }
 
     /// Contacts and forces at the present state; measures the residuals there.
-    fn evaluate_state(&mut self) -> Result<(), ModeError> {
+    pub(super) fn evaluate_state(&mut self) -> Result<(), ModeError> {
         self.write_input();
         self.contacts.evaluate(&self.x, &self.all_contacts);
         self.forces.resize(self.active.len(), 0.0);
@@ -420,7 +429,7 @@ impl<'a> Driver<'a> {
         }
     }
 
-    fn record(&mut self) {
+    pub(super) fn record(&mut self) {
         self.force_row.fill(0.0);
         for (&i, &r) in self.active.iter().zip(&self.forces) {
             self.force_row[i] = self.contacts.force(i, r);
@@ -620,7 +629,7 @@ impl<'a> Driver<'a> {
         if switch.kind == SwitchKind::Exit && !self.settings.exit_condition {
             self.release(switch.contact)?;
         } else {
-            self.settle(Some(switch.contact))?;
+            self.settle(&[switch.contact])?;
         }
         self.record();
         Ok(())
@@ -634,7 +643,7 @@ impl<'a> Driver<'a> {
         self.evaluate_state()
     }
 
-    fn push_event(&mut self, kind: EventKind, contact: usize, v_before: Vec<f64>) {
+    pub(super) fn push_event(&mut self, kind: EventKind, contact: usize, v_before: Vec<f64>) {
         self.events.push(Event {
             time: self.state.time,
             kind,
@@ -646,8 +655,8 @@ impl<'a> Driver<'a> {
     }
 
     /// Impact of everything that touches and closes, then the contact mode; records the events. The
-    /// contact that `switched` touches whatever the discretization error of its gap.
-    fn settle(&mut self, switched: Option<usize>) -> Result<(), ModeError> {
+    /// contacts that `switched` touch whatever the discretization error of their gaps.
+    pub(super) fn settle(&mut self, switched: &[usize]) -> Result<(), ModeError> {
         self.write_input();
         self.contacts.evaluate_contacts(&self.x, &self.all_contacts);
         let tolerance = self.touching();
@@ -655,7 +664,7 @@ impl<'a> Driver<'a> {
             .all_contacts
             .iter()
             .copied()
-            .filter(|&i| self.contacts.gap(i).abs() <= tolerance.gap || switched == Some(i))
+            .filter(|&i| self.contacts.gap(i).abs() <= tolerance.gap || switched.contains(&i))
             .collect();
         let closing = touching
             .iter()
@@ -697,7 +706,17 @@ impl<'a> Driver<'a> {
         self.evaluate_state()
     }
 
-    fn note(&mut self, text: &str) {
+    /// Moves the present positions onto the surfaces of `close` contacts, along their directions.
+    pub(super) fn project(&mut self, close: &[usize]) -> Result<(), ModeError> {
+        for _ in 0..3 {
+            self.write_input();
+            self.contacts.evaluate_contacts(&self.x, close);
+            self.contacts.close_gaps(close, &mut self.state.q)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn note(&mut self, text: &str) {
         if !self.notes.iter().any(|note| note == text) {
             self.notes.push(text.into());
         }
@@ -776,6 +795,9 @@ impl<'a> Driver<'a> {
                     contact,
                     describe("Newton's method did not converge; take more steps"),
                 ))
+            }
+            Stop::Program(what) => {
+                SimulationStatus::StepFailed(self.diagnosis(step, contact, describe(what)))
             }
             Stop::Location => SimulationStatus::StepFailed(self.diagnosis(
                 step,
