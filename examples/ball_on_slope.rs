@@ -31,13 +31,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         tilt: 0.4,
         ..BallOnSlope::default()
     };
-    for event in simulate(&model)?.events {
+    let simulation = simulate(&model)?;
+    for event in &simulation.events {
         let contact = model.declaration().contacts[event.contact].name;
-        let (kind, x) = (event.kind.name(), event.q[0]);
-        println!(
-            "{:.9} s  {kind} on the {contact} at x = {x:.9} m",
-            event.time
-        );
+        let kind = event.kind.name();
+        println!("{:.6} s: {kind} on the {contact}", event.time);
     }
+    println!("{}", simulation.status.name());
     Ok(())
 }

@@ -160,6 +160,40 @@ fn simulate_json_rows_belong_together_and_end_at_the_horizon() {
 }
 
 #[test]
+fn simulate_that_does_not_converge_prints_what_there_is_and_says_why() {
+    // Gravity beyond the range of squares in double precision.
+    let arguments = ["simulate", "ski-jump", "--set", "g=1e300", "--json"];
+    let output = hangtime(&arguments);
+    assert_eq!(output.status.code(), Some(3));
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        stderr.starts_with("error: ski-jump: not_finite at t = 0 s: "),
+        "{stderr}"
+    );
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["status"], "not_finite");
+    assert_eq!(document["diagnosis"]["time"], 0.0);
+    assert_eq!(document["final"]["time"], 0.0);
+}
+
+#[test]
+fn simulate_with_a_tolerance_says_so_in_place_of_the_elements() {
+    let arguments = [
+        "simulate",
+        "ski-jump",
+        "--stages",
+        "5",
+        "--tolerance",
+        "1e-9",
+        "--json",
+    ];
+    let method = json(&arguments)["method"].clone();
+    assert_eq!(method["tolerance"], 1e-9);
+    assert!(method.get("elements").is_none());
+}
+
+#[test]
 fn simulate_twice_gives_the_same_numbers() {
     let run = || {
         let mut document = json(&["simulate", "ski-jump", "--json"]);
@@ -370,6 +404,21 @@ fn bad_input_is_refused_in_one_line_and_leaves_no_file() {
         (
             "--steps has no meaning for --method event",
             &["simulate", "ski-jump", "--method", "event", "--steps", "3"],
+        ),
+        (
+            "--elements and --tolerance exclude each other",
+            &[
+                "simulate",
+                "ski-jump",
+                "--elements",
+                "2",
+                "--tolerance",
+                "1e-9",
+            ],
+        ),
+        (
+            "tolerance = 1",
+            &["simulate", "ski-jump", "--tolerance", "1"],
         ),
         (
             "similar argument exists: '--steps'",

@@ -87,6 +87,9 @@ pub(crate) struct MethodArguments {
     /// Finite elements of a step (fesd).
     #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     pub(crate) elements: Option<usize>,
+    /// How the equations of a step are solved (fesd) [default: active-set].
+    #[arg(long, value_enum)]
+    pub(crate) formulation: Option<FormulationName>,
     /// Relative and absolute error tolerance of a step (event; fesd: its elements get the lengths
     /// that the tolerance allows).
     #[arg(long, value_name = "TOLERANCE", value_parser = above_zero, allow_negative_numbers = true)]
@@ -113,6 +116,15 @@ pub(crate) enum SchemeName {
     RadauIia,
     /// Gauss-Legendre: order 2 n in free motion, less on contact arcs.
     GaussLegendre,
+}
+
+/// Formulations of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FormulationName {
+    /// Newton's method in a fixed contact mode, switches located.
+    ActiveSet,
+    /// The complementarity problem of the time-freezing system: slower, about 1e-7 accurate.
+    TimeFreezing,
 }
 
 /// Arguments of `solve`.

@@ -2,15 +2,16 @@
 
 use std::fmt;
 
+use clap::ValueEnum;
 use cpu_time::ProcessTime;
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
-    EventDriven, Fesd, InitialValueProblem, InputError, Simulation, Simulator,
+    EventDriven, Fesd, InitialValueProblem, InputError, Simulation, Simulator, StepFormulation,
 };
 use serde::Serialize;
 
-use super::arguments::{Method, MethodArguments, SchemeName};
+use super::arguments::{FormulationName, Method, MethodArguments, SchemeName};
 use super::failure::BadInput;
 
 /// The settings of a method, as JSON and people read them; what the method does not have is absent.
@@ -27,6 +28,8 @@ pub(crate) struct MethodSettings {
     elements: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     exit_condition: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    formulation: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<f64>,
 }
@@ -60,6 +63,9 @@ impl fmt::Display for MethodSettings {
         }
         if let Some(tolerance) = self.tolerance {
             write!(f, ", tolerance {tolerance:e}")?;
+        }
+        if let Some(formulation) = &self.formulation {
+            write!(f, ", {formulation}")?;
         }
         match self.exit_condition {
             Some(false) => write!(f, ", no exit condition"),
@@ -131,7 +137,13 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
     fesd.elements = arguments.elements.unwrap_or(fesd.elements);
     fesd.tolerance = arguments.tolerance;
     fesd.exit_condition = !arguments.no_exit_condition;
+    let formulation = arguments.formulation.unwrap_or(FormulationName::ActiveSet);
+    fesd.formulation = match formulation {
+        FormulationName::ActiveSet => StepFormulation::ActiveSet,
+        FormulationName::TimeFreezing => StepFormulation::TimeFreezing,
+    };
     let settings = MethodSettings {
+        formulation: Some(name_of(formulation)),
         scheme: Some(fesd.scheme.name()),
         stages: Some(fesd.stages),
         steps: Some(fesd.steps),
@@ -147,11 +159,12 @@ impl MethodArguments {
     /// Refuses a setting that the method would ignore.
     fn refuse_foreign_settings(&self) -> Result<(), BadInput> {
         use Method::{Event, Fesd};
-        let given: [(&str, bool, &[Method]); 6] = [
+        let given: [(&str, bool, &[Method]); 7] = [
             ("--scheme", self.scheme.is_some(), &[Fesd]),
             ("--stages", self.stages.is_some(), &[Fesd]),
             ("--steps", self.steps.is_some(), &[Fesd]),
             ("--elements", self.elements.is_some(), &[Fesd]),
+            ("--formulation", self.formulation.is_some(), &[Fesd]),
             ("--tolerance", self.tolerance.is_some(), &[Fesd, Event]),
             ("--no-exit-condition", self.no_exit_condition, &[Fesd]),
         ];
@@ -176,9 +189,9 @@ impl MethodArguments {
     }
 }
 
-fn name_of(method: Method) -> String {
-    use clap::ValueEnum as _;
-    method
+/// Name of a choice on the command line; none of them is hidden.
+fn name_of(choice: impl ValueEnum) -> String {
+    choice
         .to_possible_value()
         .map(|value| value.get_name().to_owned())
         .unwrap_or_default()

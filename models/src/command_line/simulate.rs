@@ -51,16 +51,11 @@ pub(super) fn run(arguments: &SimulateArguments) -> Result<Report, BadInput> {
 /// Why a simulation stopped early, in one line, if it did.
 pub(crate) fn diagnosis_line(chosen: &ChosenScene, simulation: &Simulation) -> Option<String> {
     let diagnosis = simulation.status.diagnosis()?;
-    let contact = diagnosis.contact.map_or_else(String::new, |contact| {
-        let name = chosen.model.declaration().contacts[contact].name;
-        format!(", contact `{name}`")
-    });
     let text = format!(
-        "{}: {} at t = {} s, step {}{contact}: {}",
+        "{}: {} at t = {} s: {}",
         chosen.scene.name,
         simulation.status.name(),
         diagnosis.time,
-        diagnosis.step,
         diagnosis.message
     );
     Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
@@ -90,9 +85,13 @@ fn files(chosen: &ChosenScene, json: &str, simulation: &Simulation) -> Vec<(Stri
     files
 }
 
-/// A number with the digits that double precision justifies after a handful of operations.
+/// A number for people: ten decimals, or an exponent where they would fill the line.
 fn digits(value: f64) -> String {
-    format!("{value:.10}")
+    if value.abs() < 1e7 {
+        format!("{value:.10}")
+    } else {
+        format!("{value:.10e}")
+    }
 }
 
 /// The result for people.
