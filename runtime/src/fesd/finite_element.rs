@@ -99,6 +99,8 @@ pub(crate) struct FiniteElement<'a> {
     previous: Vec<f64>,
     previous_length: f64,
     pub(crate) end: State,
+    /// Largest term that the stage accelerations sum up, the scale of their rounding error.
+    acceleration_scale: f64,
     /// Largest stage residual seen before the last correction, in units of velocity.
     pub(crate) residual_norm: f64,
     pub(crate) counts: NewtonCounts,
@@ -144,6 +146,7 @@ impl<'a> FiniteElement<'a> {
                 q: vec![0.0; n],
                 v: vec![0.0; n],
             },
+            acceleration_scale: 0.0,
             residual_norm: 0.0,
             counts: NewtonCounts::default(),
         }
@@ -360,6 +363,7 @@ impl<'a> FiniteElement<'a> {
         let block = n + 2 * contacts;
         let length = contact_point::length(n);
         self.residual_norm = 0.0;
+        self.acceleration_scale = 0.0;
         for m in 0..self.tableau.stages() {
             let x = &self.inputs_of_stages[m * self.inputs..(m + 1) * self.inputs];
             self.model.free_acceleration(x, &mut self.acceleration);
@@ -368,13 +372,16 @@ impl<'a> FiniteElement<'a> {
             let residual = &mut self.residual[m * block..(m + 1) * block];
             for k in 0..n {
                 residual[k] = unknown[k] - self.acceleration[k];
+                self.acceleration_scale = self.acceleration_scale.max(self.acceleration[k].abs());
             }
             for (i, &contact) in self.active.iter().enumerate() {
                 let point = &mut self.points[i * length..(i + 1) * length];
                 self.model.contact(contact, x, point);
                 let direction = &point[contact_point::direction(n)..];
                 for k in 0..n {
-                    residual[k] -= direction[k] * unknown[n + i];
+                    let force = direction[k] * unknown[n + i];
+                    residual[k] -= force;
+                    self.acceleration_scale = self.acceleration_scale.max(force.abs());
                 }
                 residual[n + i] = point[contact_point::NORMAL_VELOCITY] / h;
                 residual[n + contacts + i] = point[contact_point::GAP] / (h * h);
@@ -497,20 +504,15 @@ impl<'a> FiniteElement<'a> {
     fn relative_change(&self) -> f64 {
         let (n, h, contacts) = (self.n, self.length, self.active.len());
         let block = n + 2 * contacts;
-        let (mut step, mut acceleration, mut correction) = (0.0_f64, 0.0_f64, 0.0_f64);
-        for (change, unknown) in self
-            .residual
-            .chunks_exact(block)
-            .zip(self.unknowns.chunks_exact(block))
-        {
-            for k in 0..n {
-                // A comparison that lets NaN through to the caller's test.
-                step = if change[k].abs() <= step {
+        let (mut step, mut correction) = (0.0_f64, 0.0_f64);
+        for change in self.residual.chunks_exact(block) {
+            // Comparisons that let NaN through to the caller's test.
+            for value in &change[..n] {
+                step = if value.abs() <= step {
                     step
                 } else {
-                    change[k].abs()
+                    value.abs()
                 };
-                acceleration = acceleration.max(unknown[k].abs());
             }
             for eta in &change[n + contacts..] {
                 correction = if eta.abs() <= correction {
@@ -522,7 +524,7 @@ impl<'a> FiniteElement<'a> {
         }
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let reach = largest(&self.corrections);
-        let speed = largest(&self.start.v).max(h * acceleration) + f64::MIN_POSITIVE;
+        let speed = largest(&self.start.v).max(h * self.acceleration_scale) + f64::MIN_POSITIVE;
         let position = largest(&self.start.q).max(h * speed) + f64::MIN_POSITIVE;
         let by_velocity = h * step / speed;
         let by_position = h * h * (step + reach * correction) / position;

@@ -82,6 +82,8 @@ pub(super) struct Driver<'a> {
     pub(super) u: Vec<f64>,
     x: Vec<f64>,
     gaps: Vec<f64>,
+    /// Normal velocities of all contacts at the present state.
+    velocities: Vec<f64>,
     /// Normal contact accelerations of the active contacts at the present state.
     forces: Vec<f64>,
     /// Acceleration with contact forces at the present state.
@@ -130,6 +132,7 @@ impl<'a> Driver<'a> {
             u: vec![0.0; declaration.controls.len()],
             x: problem.input(model),
             gaps: vec![0.0; contacts],
+            velocities: vec![0.0; contacts],
             forces: Vec::with_capacity(contacts),
             acceleration: vec![0.0; declaration.coordinates.len()],
             proposed_length: problem.horizon / 20.0,
@@ -336,13 +339,7 @@ impl<'a> Driver<'a> {
             self.carry_out(switch)?;
             return Ok(Segment::Switched);
         }
-        let located = self.locate(
-            switch,
-            offset * length / count as f64,
-            length,
-            count,
-            recorded,
-        )?;
+        let located = self.locate(switch, length, count, recorded)?;
         self.add_size(count, true, size);
         self.carry_out(located)?;
         Ok(Segment::Switched)
@@ -353,6 +350,7 @@ impl<'a> Driver<'a> {
         let start = ElementStart {
             x: &self.x,
             gaps: &self.gaps,
+            velocities: &self.velocities,
             forces: &self.forces,
             rounding: Touching {
                 gap: ROUNDING * largest(&self.state.q),
@@ -404,9 +402,10 @@ impl<'a> Driver<'a> {
             .constrained_acceleration(&self.active, &self.forces, &mut self.acceleration);
         for &i in &self.all_contacts {
             self.gaps[i] = self.contacts.gap(i);
+            self.velocities[i] = self.contacts.normal_velocity(i);
         }
         for (&i, &r) in self.active.iter().zip(&self.forces) {
-            let (gap, velocity) = (self.gaps[i].abs(), self.contacts.normal_velocity(i).abs());
+            let (gap, velocity) = (self.gaps[i].abs(), self.velocities[i].abs());
             self.residuals.primal = self.residuals.primal.max(gap).max(velocity);
             self.residuals.complementarity = self.residuals.complementarity.max(gap * r.abs());
             self.residuals.dual = self.residuals.dual.max(-r);
@@ -449,14 +448,13 @@ impl<'a> Driver<'a> {
     fn locate(
         &mut self,
         mut switch: Switch,
-        mut guess: f64,
         longest: f64,
         count: usize,
         recorded: usize,
     ) -> Result<Switch, Stop> {
         let start_numerical_time = self.numerical_time;
         for _ in 0..=2 * self.all_contacts.len() {
-            self.locate_one(switch, guess, longest, count)?;
+            self.locate_one(switch, longest, count)?;
             self.trajectory.truncate(recorded);
             self.numerical_time = start_numerical_time;
             let mut length = self.element.length();
@@ -473,7 +471,9 @@ impl<'a> Driver<'a> {
                 None => return Ok(switch),
                 Some(other) => {
                     switch = other;
-                    guess = length;
+                    let ratio = length / longest;
+                    switch.theta = ratio * count as f64 - (count - 1) as f64;
+                    switch.violated = switch.theta;
                     self.trajectory.truncate(recorded);
                     self.numerical_time = start_numerical_time;
                     self.state.copy_from(&self.segment_start);
@@ -490,6 +490,7 @@ impl<'a> Driver<'a> {
                 kind,
                 contact,
                 theta: 1.0,
+                violated: 1.0,
                 slope,
             })
         };
@@ -515,16 +516,12 @@ impl<'a> Driver<'a> {
     }
 
     /// Newton's method with secant slopes on the common element length, kept inside a bracket.
-    fn locate_one(
-        &mut self,
-        switch: Switch,
-        guess: f64,
-        longest: f64,
-        count: usize,
-    ) -> Result<(), Stop> {
+    fn locate_one(&mut self, switch: Switch, longest: f64, count: usize) -> Result<(), Stop> {
         let tolerance = 2.0 * f64::EPSILON * self.segment_start.time.max(longest * count as f64);
-        let (mut before, mut after) = (0.0, 1.5 * longest);
-        let mut length = guess;
+        let length_at = |theta: f64| ((count - 1) as f64 + theta) * longest / count as f64;
+        // A little room beyond the violated place, which the dense output of another element named.
+        let (mut before, mut after) = (0.0, length_at(switch.violated) + 0.01 * longest);
+        let mut length = length_at(switch.theta);
         let mut slope = switch.slope * count as f64;
         let mut previous: Option<(f64, f64)> = None;
         for _ in 0..MAX_LOCATIONS {
@@ -568,14 +565,11 @@ impl<'a> Driver<'a> {
         self.solve_elements(length, count)?;
         self.write_input();
         match switch.kind {
-            SwitchKind::Entry => {
+            SwitchKind::Entry => Ok(self.model.gap(switch.contact, &self.x)),
+            SwitchKind::Reentry => {
                 self.contacts.evaluate_contacts(&self.x, &[switch.contact]);
                 let gap = self.contacts.gap(switch.contact);
-                if gap >= 0.0 {
-                    Ok(gap)
-                } else {
-                    Ok(gap.max(self.contacts.normal_velocity(switch.contact)))
-                }
+                Ok(gap.max(self.contacts.normal_velocity(switch.contact)))
             }
             SwitchKind::Exit => {
                 self.contacts.evaluate(&self.x, &self.active);
@@ -666,17 +660,19 @@ impl<'a> Driver<'a> {
             .copied()
             .filter(|&i| self.contacts.gap(i).abs() <= tolerance.gap || switched.contains(&i))
             .collect();
-        let closing = touching
+        let closing: Vec<usize> = touching
             .iter()
-            .any(|&i| self.contacts.normal_velocity(i) < -tolerance.velocity);
+            .copied()
+            .filter(|&i| self.contacts.normal_velocity(i) < -tolerance.velocity)
+            .collect();
         let v_before = self.state.v.clone();
         let mut impulses = Vec::new();
-        if closing {
+        if !closing.is_empty() {
             self.contacts
                 .impact(&touching, &mut impulses, &mut self.state.v)?;
             self.numerical_time += clock::jump(&impulses, self.settings.auxiliary_acceleration);
             self.write_input();
-            if impulses.iter().filter(|&&p| p > tolerance.velocity).count() > 1 {
+            if touching.len() > 1 {
                 self.note("simultaneous impacts follow Moreau's law (all touching contacts in one linear complementarity problem)");
             }
         }
@@ -688,10 +684,8 @@ impl<'a> Driver<'a> {
         self.active = active;
         selected?;
         for i in self.all_contacts.clone() {
-            let struck = touching
-                .iter()
-                .zip(&impulses)
-                .any(|(&contact, &p)| contact == i && p > tolerance.velocity);
+            // A contact that already carried a force takes part in the impact without one of its own.
+            let struck = closing.contains(&i);
             let (before, after) = (previous.contains(&i), self.active.contains(&i));
             if struck {
                 self.push_event(EventKind::Impact, i, v_before.clone());

@@ -1,8 +1,8 @@
 //! Detection of the first violated sign condition inside a solved element.
 //!
-//! The switching functions are those of the time-freezing system: an open contact closes when
-//! `max(g, v_n)` falls below zero (the region `g < 0 < v_n` still carries the free dynamics), an active one
-//! opens when its force does.
+//! The switching functions are those of the time-freezing system: an open contact closes when its gap
+//! falls through zero, or, after a release, when `max(g, v_n)` falls below zero (the region `g < 0 < v_n`
+//! still carries the free dynamics); an active one opens when its force does.
 
 use crate::fesd::contact_mode::{Contacts, ModeError, Touching};
 use crate::fesd::finite_element::FiniteElement;
@@ -15,8 +15,10 @@ const FORCE_TOLERANCE: f64 = 1e-12;
 /// Which sign condition ends the element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SwitchKind {
-    /// An open contact closes.
+    /// The gap of an open contact closes.
     Entry,
+    /// A contact that was released closes again: `max(g, v_n)` falls below zero.
+    Reentry,
     /// The force of an active contact vanishes.
     Exit,
 }
@@ -28,7 +30,9 @@ pub(super) struct Switch {
     pub(super) contact: usize,
     /// Place in the element, `0..=1`.
     pub(super) theta: f64,
-    /// Slope of the switching function with respect to time there.
+    /// Place at which the condition is known to be violated.
+    pub(super) violated: f64,
+    /// Slope of the switching function with respect to time at the root.
     pub(super) slope: f64,
 }
 
@@ -38,6 +42,8 @@ pub(super) struct ElementStart<'a> {
     pub(super) x: &'a [f64],
     /// Gaps of all contacts.
     pub(super) gaps: &'a [f64],
+    /// Normal velocities of all contacts.
+    pub(super) velocities: &'a [f64],
     /// Normal contact accelerations of the active contacts.
     pub(super) forces: &'a [f64],
     /// Rounding errors of a gap and a normal velocity.
@@ -152,18 +158,29 @@ impl<'a> Detector<'a> {
                 continue;
             }
             if gap < -start.rounding.gap {
+                let before = row[k];
                 contacts.evaluate_contacts(&self.x, &[i]);
-                let after = gap.max(contacts.normal_velocity(i));
-                if after < -start.rounding.velocity.min(start.rounding.gap) {
-                    let switch = self.entry(element, contacts, start, i, k, after);
-                    keep_first(&mut first, switch);
-                }
-            } else if !released && k > 0 && row[k] <= row[k - 1] && row[k] <= row[k + 1] {
-                // A minimum between samples: look closer if it could dip below zero.
-                let dip = (row[k - 1] - row[k]).max(row[k + 1] - row[k]);
-                if row[k] < dip
-                    && let Some(switch) = self.dip(element, i, k, start.rounding.gap)
-                {
+                let velocity = contacts.normal_velocity(i);
+                let kind = if !released && before > 0.0 {
+                    SwitchKind::Entry
+                } else if velocity < -start.rounding.velocity {
+                    SwitchKind::Reentry
+                } else {
+                    continue;
+                };
+                let (before, after) = match kind {
+                    SwitchKind::Entry => (before, gap),
+                    _ => (
+                        self.margin_before(element, contacts, start, i, k),
+                        gap.max(velocity),
+                    ),
+                };
+                let switch = self.between(kind, i, element, k, before, after);
+                keep_first(&mut first, switch);
+            } else if !released
+                && let Some((lower, upper)) = self.possible_dip(element, contacts, start, i, k)
+            {
+                if let Some(switch) = self.dip(element, i, lower, upper, start.rounding.gap) {
                     keep_first(&mut first, switch);
                 }
                 self.interpolate(element, k);
@@ -172,17 +189,51 @@ impl<'a> Detector<'a> {
         first
     }
 
-    /// Linear estimate of the root of `max(g, v_n)` between samples `k - 1` and `k`.
-    fn entry(
+    /// Interval in which the gap of `contact` has a minimum that could dip below zero, if there is one that
+    /// sample `k` reveals.
+    fn possible_dip(
+        &self,
+        element: &FiniteElement<'_>,
+        contacts: &mut Contacts<'_>,
+        start: &ElementStart<'_>,
+        contact: usize,
+        k: usize,
+    ) -> Option<(f64, f64)> {
+        let samples = self.thetas.len();
+        let row = &self.gaps[contact * (samples + 1)..(contact + 1) * (samples + 1)];
+        let place = |index: usize| {
+            if index == 0 {
+                0.0
+            } else {
+                self.thetas[index - 1]
+            }
+        };
+        if k == 0 {
+            let reach = -start.velocities[contact] * self.thetas[0] * element.length();
+            return (row[1] >= row[0] && row[0] < reach).then_some((0.0, self.thetas[0]));
+        }
+        let drop = (row[k - 1] - row[k]).max(row[k + 1] - row[k]);
+        if row[k] <= row[k - 1] && row[k] <= row[k + 1] && row[k] < drop {
+            return Some((place(k - 1), place(k + 1)));
+        }
+        if k + 1 == samples && row[k + 1] < row[k] && row[k + 1] < row[k] - row[k + 1] {
+            contacts.evaluate_contacts(&self.x, &[contact]);
+            if contacts.normal_velocity(contact) > 0.0 {
+                return Some((place(k), place(k + 1)));
+            }
+        }
+        None
+    }
+
+    /// `max(g, v_n)` at sample `k - 1`, at least zero.
+    fn margin_before(
         &mut self,
         element: &FiniteElement<'_>,
         contacts: &mut Contacts<'_>,
         start: &ElementStart<'_>,
         contact: usize,
         k: usize,
-        after: f64,
-    ) -> Switch {
-        let left = self.left(k);
+    ) -> f64 {
         if k == 0 {
             contacts.evaluate_contacts(start.x, &[contact]);
         } else {
@@ -190,29 +241,29 @@ impl<'a> Detector<'a> {
             contacts.evaluate_contacts(&self.x, &[contact]);
             self.interpolate(element, k);
         }
-        let before = contacts
+        contacts
             .gap(contact)
             .max(contacts.normal_velocity(contact))
-            .max(0.0);
-        self.between(SwitchKind::Entry, contact, element, left, k, before, after)
+            .max(0.0)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "two ends of an interval")]
+    /// Linear estimate of a root between samples `k - 1` and `k` from the values there.
     fn between(
         &self,
         kind: SwitchKind,
         contact: usize,
         element: &FiniteElement<'_>,
-        left: f64,
         k: usize,
         before: f64,
         after: f64,
     ) -> Switch {
+        let left = self.left(k);
         let width = self.thetas[k] - left;
         Switch {
             kind,
             contact,
             theta: left + before / (before - after) * width,
+            violated: self.thetas[k],
             slope: (after - before) / (width * element.length()),
         }
     }
@@ -234,8 +285,7 @@ impl<'a> Detector<'a> {
         for (slot, &i) in active.iter().enumerate() {
             let (before, after) = (self.previous_forces[slot].max(0.0), self.forces[slot]);
             if after < -FORCE_TOLERANCE * contacts.phi_scale(i) {
-                let left = self.left(k);
-                let switch = self.between(SwitchKind::Exit, i, element, left, k, before, after);
+                let switch = self.between(SwitchKind::Exit, i, element, k, before, after);
                 keep_first(first, switch);
             }
         }
@@ -243,17 +293,17 @@ impl<'a> Detector<'a> {
         Ok(())
     }
 
-    /// Minimizes the gap between samples `k - 2` and `k` of the dense output by golden section; a minimum
-    /// below zero is an entry on its falling side.
+    /// Minimizes the gap of the dense output between `lower` and `upper` by golden section; a minimum below
+    /// zero is an entry on its falling side.
     fn dip(
         &mut self,
         element: &FiniteElement<'_>,
         contact: usize,
-        k: usize,
+        lower: f64,
+        upper: f64,
         gap_rounding: f64,
     ) -> Option<Switch> {
-        let lower = if k >= 2 { self.thetas[k - 2] } else { 0.0 };
-        let (mut a, mut b) = (lower, self.thetas[k]);
+        let (mut a, mut b) = (lower, upper);
         let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
         let mut value = |theta: f64| {
             self.tableau.dense_weights(theta, &mut self.scratch);
@@ -287,6 +337,7 @@ impl<'a> Detector<'a> {
             kind: SwitchKind::Entry,
             contact,
             theta: left,
+            violated: bottom,
             slope: (depth - start) / ((bottom - lower) * element.length()),
         })
     }
