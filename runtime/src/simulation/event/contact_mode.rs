@@ -106,7 +106,7 @@ pub(in crate::simulation) fn impact(
 
 /// Solves `0 <= z _|_ q + D z >= 0` over `contacts` as last evaluated. Several solutions are accepted if
 /// they give the same change of velocity.
-fn solve(
+pub(in crate::simulation) fn solve(
     dynamics: &Dynamics<'_>,
     contacts: &[usize],
     q: &[f64],

@@ -4,7 +4,10 @@
 use super::dop853::System;
 use super::small_system;
 use crate::model::{Model, contact_point};
-use crate::simulation::ControlSignal;
+use crate::simulation::{
+    ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation, SimulationStatus,
+    Trajectory,
+};
 
 /// Gaps below this times `max(1, |q|)` are closed: a gap is a difference of numbers of the size of the
 /// coordinates, so rounding alone leaves some `1e-15` of them, polynomial surfaces some `1e-14`.
@@ -78,6 +81,25 @@ impl<'a> Dynamics<'a> {
         }
     }
 
+    /// A result without events and trajectory.
+    pub(in crate::simulation) fn empty_result(&self) -> Simulation {
+        Simulation {
+            status: SimulationStatus::Solved,
+            events: Vec::new(),
+            trajectory: Trajectory::default(),
+            residuals: Residuals::default(),
+            size: ProblemSize {
+                variables: 2 * self.n,
+                equalities: 2 * self.n,
+                complementarities: self.contacts,
+                ..ProblemSize::default()
+            },
+            counts: Counts::default(),
+            seconds: Seconds::default(),
+            notes: Vec::new(),
+        }
+    }
+
     /// Sets the controls that hold right after `t`.
     pub(in crate::simulation) fn set_controls(&mut self, signal: &ControlSignal, t: f64) {
         signal.write(t, &mut self.u);
@@ -134,6 +156,11 @@ impl<'a> Dynamics<'a> {
         self.evaluations += 1;
         self.model
             .free_acceleration(&self.x, &mut self.acceleration);
+    }
+
+    /// Acceleration without contact as last evaluated.
+    pub(in crate::simulation) fn free_acceleration(&self) -> &[f64] {
+        &self.acceleration
     }
 
     /// Normal acceleration of contact `i` without contact forces, `n' a + curvature`, and the sum of

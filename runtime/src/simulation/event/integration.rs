@@ -9,8 +9,7 @@ use super::dynamics::Dynamics;
 use super::search::{EventSearch, Step};
 use crate::model::{Model, contact_point};
 use crate::simulation::{
-    Diagnosis, Event, EventKind, InitialValueProblem, ProblemSize, Residuals, Simulation,
-    SimulationStatus, Trajectory,
+    Diagnosis, Event, EventKind, InitialValueProblem, Residuals, Simulation, SimulationStatus,
 };
 
 /// Steps shorter than this share of the time reached do not change it.
@@ -74,21 +73,7 @@ impl<'a> Integration<'a> {
             next_output: 1,
             steps: 0,
             repeats: 0,
-            result: Simulation {
-                status: SimulationStatus::Solved,
-                events: Vec::new(),
-                trajectory: Trajectory::default(),
-                residuals: Residuals::default(),
-                size: ProblemSize {
-                    variables: 2 * n,
-                    equalities: 2 * n,
-                    complementarities: contacts,
-                    ..ProblemSize::default()
-                },
-                counts: Default::default(),
-                seconds: Default::default(),
-                notes: Vec::new(),
-            },
+            result: dynamics.empty_result(),
             dynamics,
         }
     }

@@ -15,11 +15,11 @@
 //!
 //! This simulator shares nothing with the others but the model, so that each can check the other.
 
-mod contact_mode;
-mod dop853;
-mod dynamics;
+pub(super) mod contact_mode;
+pub(super) mod dop853;
+pub(super) mod dynamics;
 mod integration;
-mod lcp;
+pub(super) mod lcp;
 mod locate;
 mod search;
 mod small_system;
@@ -44,7 +44,7 @@ pub struct EventDriven {
     /// Error per step, absolute and relative, in `1e-14..=1e-2`; default `1e-9`. A tenth of it costs
     /// about a third more evaluations.
     pub tolerance: f64,
-    /// Longest step [s]; default none, which means a sixteenth of the horizon. Lower it if the ground
+    /// Longest step \[s\]; default none, which means a sixteenth of the horizon. Lower it if the ground
     /// has features that are passed faster than that.
     pub max_step: Option<f64>,
     /// Largest number of events before the run ends as
@@ -56,7 +56,7 @@ pub struct EventDriven {
     /// continuous extension, besides those at the ends of steps; default 0, none.
     pub output_times: usize,
     /// Acceleration `a_bar` of the auxiliary dynamics that the numerical time refers to
-    /// [unit of the gap / s^2]; default `100 * 9.81`. Physical results do not depend on it.
+    /// \[unit of the gap / s^2\]; default `100 * 9.81`. Physical results do not depend on it.
     ///
     /// In contact `dtau/dt = 1/p` with `p = prod_i (1 - r_i p / a_bar)`, which is `1 + r/a_bar` for one
     /// contact. An impact takes `max_i p_i / a_bar`, which is `|v_n| / a_bar` for one contact and for
