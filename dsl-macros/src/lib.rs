@@ -20,7 +20,10 @@ pub fn finished_at(library: proc_macro::TokenStream) -> proc_macro::TokenStream 
             let path = argument.strip_prefix("--extern=").unwrap_or(&argument);
             path.strip_prefix(&prefix).map(std::path::PathBuf::from)
         })
-        .find(|path| path.extension().is_some_and(|extension| extension == "rlib"))
+        .find(|path| {
+            path.extension()
+                .is_some_and(|extension| extension == "rlib")
+        })
         .and_then(|path| path.metadata().ok()?.modified().ok())
         .and_then(|modified| modified.duration_since(std::time::UNIX_EPOCH).ok());
     let text = match finished {

@@ -1,54 +1,90 @@
-//! explore
+//! The Hock-Schittkowski problems from their standard starting points.
+
 mod solver_support;
-use hangtime::nlp::{self, Settings};
+
+use hangtime::nlp::{self, Settings, Status};
+use solver_support::{TextProblem, read_problems};
+
+fn problems() -> Vec<TextProblem> {
+    read_problems(include_str!("data/hock_schittkowski.txt"))
+}
+
+/// Problems whose solution satisfies no constraint qualification: no multipliers exist there.
+const WITHOUT_MULTIPLIERS: [&str; 3] = ["hs13", "hs220", "hs221"];
+
+/// Relative distance of the objective from the reference. The references have 12 digits; a scaled
+/// optimality error of 1e-8 leaves an error of the objective of 1e-8 times the multipliers, and those of
+/// this set reach 1e2.
+const OBJECTIVE: f64 = 1e-6;
+
+/// Least relative distance to one of the optima.
+fn distance(problem: &TextProblem, objective: f64) -> f64 {
+    problem
+        .optimum
+        .iter()
+        .map(|optimum| (objective - optimum).abs() / optimum.abs().max(1.0))
+        .fold(f64::INFINITY, f64::min)
+}
+
 #[test]
-fn table() {
-    let only = std::env::var("ONLY").ok();
-    let mut total = 0;
-    let mut bad = 0;
-    for mut p in solver_support::read_problems(include_str!("data/hock_schittkowski.txt")) {
-        if let Some(o) = &only {
-            if *o != p.name {
-                continue;
-            }
+fn solve_standard_start_reaches_an_optimum() {
+    let mut iterations = 0;
+    let mut failures = Vec::new();
+    let mut solved = 0;
+    for mut problem in problems() {
+        if WITHOUT_MULTIPLIERS.contains(&problem.name.as_str()) {
+            continue;
         }
-        let name = p.name.clone();
-        let opt = p.optimum.first().copied().unwrap_or(f64::NAN);
-        let mut out = Vec::new();
-        let s = {
-            let mut obs = |i: &nlp::IterationInfo| {
-                nlp::iteration_log::write_line(&mut out, i).unwrap();
-                true
-            };
-            let mut st = Settings::default();
-            st.maximum_iterations = 500;
-            nlp::solve_from(&mut p, &st, None, Some(&mut obs)).unwrap()
-        };
-        if only.is_some() {
-            println!("{}", String::from_utf8(out).unwrap());
-            println!("{:?}", s.x);
-            println!("{:?} {:?}", s.residuals, s.violations);
-        }
-        let gap = (s.objective - opt) / opt.abs().max(1.0);
-        total += s.counts.iterations;
-        let flag = if !s.status.is_solved() || gap.abs() > 1e-6 {
-            bad += 1;
-            "***"
+        let solution = nlp::solve(&mut problem, &Settings::default()).unwrap();
+        iterations += solution.counts.iterations;
+        let gap = distance(&problem, solution.objective);
+        if solution.status == Status::Solved
+            && gap <= OBJECTIVE
+            && solution.residuals.primal <= 1e-6
+        {
+            solved += 1;
         } else {
-            ""
-        };
-        println!(
-            "{name} {:?} it {} r {} fac {} f {:.10e} opt {:.10e} gap {:.1e} pr {:.1e} du {:.1e} {flag}",
-            s.status,
-            s.counts.iterations,
-            s.counts.restoration_iterations,
-            s.counts.factorizations,
-            s.objective,
-            opt,
-            gap,
-            s.residuals.primal,
-            s.residuals.dual
+            failures.push(format!(
+                "{}: {}, gap {gap:.1e}",
+                problem.name, solution.status
+            ));
+        }
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
+    // deterministic: a change of these numbers is a change of the method
+    insta::assert_snapshot!(format!("{solved} solved, {iterations} iterations"), @"155 solved, 2104 iterations");
+}
+
+#[test]
+fn solve_without_constraint_qualification_is_not_solved_at_a_wrong_point() {
+    for mut problem in problems() {
+        if !WITHOUT_MULTIPLIERS.contains(&problem.name.as_str()) {
+            continue;
+        }
+        let solution = nlp::solve(&mut problem, &Settings::default()).unwrap();
+        let gap = distance(&problem, solution.objective);
+        assert!(
+            !solution.status.is_solved() || gap <= OBJECTIVE,
+            "{}: {} with gap {gap:.1e}",
+            problem.name,
+            solution.status
+        );
+        // and whatever the status, the point is near: first-order information vanishes like the
+        // square of the distance, so 1e-8 in the residual is 1e-4 in the point
+        assert!(gap < 1e-4, "{}: gap {gap:.1e}", problem.name);
+    }
+}
+
+#[test]
+fn hessian_of_the_reader_matches_differences_of_its_gradient() {
+    // the derivatives that all comparisons rest on, checked for a spread of problems
+    for mut problem in problems().into_iter().step_by(7) {
+        let report = nlp::check_derivatives(&mut problem, None).unwrap();
+        assert!(
+            report.worst() < 1e-5,
+            "{}: {:?}",
+            problem.name,
+            report.worst_entry()
         );
     }
-    println!("total {total} bad {bad}");
 }

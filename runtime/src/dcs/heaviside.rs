@@ -250,8 +250,8 @@ impl<'a> HeavisideSystem<'a> {
             );
         }
         if let Some(place) = self.theta() {
-            for k in 0..n {
-                add(place, n + k, weights[k]);
+            for (k, &weight) in weights[..n].iter().enumerate() {
+                add(place, n + k, weight);
             }
             for (&(row, column), value) in declaration
                 .free_jacobian

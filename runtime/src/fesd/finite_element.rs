@@ -640,8 +640,8 @@ impl<'a> FiniteElement<'a> {
         self.tableau.lagrange_values(0.0, &mut values[..stages]);
         let weight = self.length / (stages * stages) as f64;
         let mut ratio = 0.0_f64;
-        for k in 0..n {
-            let (mut by_velocity, mut by_position) = (-acceleration[k], -self.start.v[k]);
+        for (k, &start) in acceleration.iter().enumerate() {
+            let (mut by_velocity, mut by_position) = (-start, -self.start.v[k]);
             for (j, value) in values[..stages].iter().enumerate() {
                 by_velocity += value * self.unknowns[j * block + k];
                 by_position += value * self.inputs_of_stages[j * self.inputs + n + k];

@@ -8,11 +8,13 @@
 pub mod dense;
 mod factorization;
 pub mod lcp;
+mod multifrontal;
 mod refined;
 mod simplicial;
 mod symmetric;
 
 pub use factorization::{FactorizationError, Inertia, KktFactorization};
+pub use multifrontal::MultifrontalLdl;
 pub use refined::{RefinedSolver, SolveQuality};
 pub use simplicial::SimplicialLdl;
 pub use symmetric::SymmetricPattern;

@@ -86,6 +86,11 @@ pub fn solve(problem: &mut dyn Mpcc, settings: &Settings) -> Result<Solution, In
     })
 }
 
+/// `sigma` and tolerance at which a relaxed run pauses for a first crossover. Fixed sides are reliable
+/// from about `sigma = 1e-4` on; the roll-off rule passes that at `mu = 2e-6`.
+const PAUSE_RELAXATION: f64 = 1e-5;
+const PAUSE_TOLERANCE: f64 = 2e-5;
+
 /// The smaller the better.
 fn rank(solution: &Solution) -> (u8, f64) {
     match solution.status {
@@ -128,37 +133,125 @@ fn check_pairs(problem: &dyn Mpcc) -> Result<(), InputError> {
     Ok(())
 }
 
+/// A path by a rule from `(mu, sigma)` on.
+fn make_path(
+    rule: RelaxationRule,
+    (mu, sigma): (f64, f64),
+    tolerance: f64,
+    floor: f64,
+) -> Box<dyn BarrierPath> {
+    let tied = |rule| Tied {
+        mu,
+        sigma,
+        tolerance,
+        floor,
+        rule,
+    };
+    match rule {
+        RelaxationRule::RollOff => Box::new(tied(roll_off)),
+        RelaxationRule::Proportional => Box::new(tied(proportional)),
+        RelaxationRule::Continuation => Box::new(Continuation::new((mu, sigma), tolerance, floor)),
+        RelaxationRule::Homotopy => Box::new(nlp::Monotone {
+            mu,
+            sigma,
+            tolerance,
+        }),
+    }
+}
+
 /// One relaxed run by one rule, its crossover and its certificate.
+///
+/// The run pauses where `sigma` is small enough for a crossover; if that does not end at a certified
+/// point near the relaxed objective, the run goes on to the final `sigma` and crosses over again.
 fn solve_with(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     rule: RelaxationRule,
 ) -> Result<Solution, InputError> {
+    if rule == RelaxationRule::Homotopy {
+        return homotopy(problem, settings);
+    }
     let interior_point = &settings.interior_point;
     let mut products = Products {
         pairs: problem.complementarities().to_vec(),
         ..Products::default()
     };
-    let tied = |rule| Tied {
-        mu: interior_point.initial_barrier_parameter,
-        tolerance: interior_point.tolerance,
-        floor: settings.final_relaxation,
-        rule,
+    let start = (interior_point.initial_barrier_parameter, 1.0);
+    let pauses = settings.crossover
+        && settings.final_relaxation < PAUSE_RELAXATION
+        && interior_point.tolerance < PAUSE_TOLERANCE;
+    if !pauses {
+        let mut path = make_path(
+            rule,
+            start,
+            interior_point.tolerance,
+            settings.final_relaxation,
+        );
+        let relaxed = nlp::run(
+            problem,
+            interior_point,
+            &mut products,
+            &mut *path,
+            None,
+            None,
+        )?;
+        return Ok(finish(problem, settings, rule, relaxed, products.sigma));
+    }
+    let early = nlp::Settings {
+        tolerance: PAUSE_TOLERANCE,
+        acceptable_tolerance: interior_point.acceptable_tolerance.max(PAUSE_TOLERANCE),
+        constraint_tolerance: interior_point.constraint_tolerance.max(PAUSE_TOLERANCE),
+        ..interior_point.clone()
     };
-    let (mut roll, mut linear) = (tied(roll_off), tied(proportional));
-    let mut continuation = Continuation::new(
-        interior_point.initial_barrier_parameter,
+    let mut path = make_path(rule, start, early.tolerance, PAUSE_RELAXATION);
+    let paused = nlp::run(problem, &early, &mut products, &mut *path, None, None)?;
+    if paused.status != nlp::Status::Solved {
+        return Ok(finish(problem, settings, rule, paused, products.sigma));
+    }
+    let first = finish(problem, settings, rule, paused.clone(), products.sigma);
+    let near = first.objective <= paused.objective + 1e-2 * paused.objective.abs().max(1.0);
+    if first.status.is_solved() && near {
+        return Ok(first);
+    }
+    let mut path = make_path(
+        rule,
+        (paused.barrier_parameter, products.sigma),
         interior_point.tolerance,
         settings.final_relaxation,
     );
-    let path: &mut dyn BarrierPath = match rule {
-        RelaxationRule::RollOff => &mut roll,
-        RelaxationRule::Proportional => &mut linear,
-        RelaxationRule::Continuation => &mut continuation,
-        RelaxationRule::Homotopy => return homotopy(problem, settings),
+    let resumed = nlp::Settings {
+        bound_push: 1e-9,
+        bound_fraction: 1e-9,
+        maximum_iterations: interior_point
+            .maximum_iterations
+            .saturating_sub(paused.counts.iterations),
+        ..interior_point.clone()
     };
-    let relaxed = nlp::run(problem, interior_point, &mut products, path, None, None)?;
-    Ok(finish(problem, settings, rule, relaxed, products.sigma))
+    let warm = nlp::WarmStart::from_solution(&paused);
+    let mut relaxed = nlp::run(
+        problem,
+        &resumed,
+        &mut products,
+        &mut *path,
+        Some(&warm),
+        None,
+    )?;
+    relaxed.counts.iterations += paused.counts.iterations;
+    relaxed.counts.factorizations += paused.counts.factorizations;
+    relaxed.history.splice(0..0, paused.history);
+    let mut second = finish(problem, settings, rule, relaxed, products.sigma);
+    second.iterations += first.crossover_iterations;
+    second.crossover_iterations += first.crossover_iterations;
+    let better = first.status.is_solved()
+        && (!second.status.is_solved() || first.objective < second.objective);
+    if better {
+        return Ok(Solution {
+            iterations: second.iterations,
+            factorizations: second.factorizations,
+            ..first
+        });
+    }
+    Ok(second)
 }
 
 /// Separate solves with `sigma = 1, 0.1, ...` down to the final one, each from the last point.

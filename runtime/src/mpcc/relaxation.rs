@@ -17,6 +17,8 @@ pub(crate) fn proportional(mu: f64, floor: f64) -> f64 {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tied {
     pub(crate) mu: f64,
+    /// Upper bound of the first `sigma`.
+    pub(crate) sigma: f64,
     pub(crate) tolerance: f64,
     pub(crate) floor: f64,
     pub(crate) rule: fn(f64, f64) -> f64,
@@ -24,7 +26,7 @@ pub(crate) struct Tied {
 
 impl BarrierPath for Tied {
     fn first(&self) -> (f64, f64) {
-        (self.mu, (self.rule)(self.mu, self.floor))
+        (self.mu, (self.rule)(self.mu, self.floor).min(self.sigma))
     }
 
     fn final_sigma(&self) -> f64 {
@@ -51,9 +53,10 @@ impl BarrierPath for Tied {
 /// geometric mean of its `sigma` and the last good one, six times at most.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Continuation {
-    pub(crate) mu: f64,
-    pub(crate) tolerance: f64,
-    pub(crate) floor: f64,
+    mu: f64,
+    sigma: f64,
+    tolerance: f64,
+    floor: f64,
     factor: f64,
     solved_sigma: f64,
     returns: usize,
@@ -62,13 +65,15 @@ pub(crate) struct Continuation {
 impl Continuation {
     const FIRST_PHASE_END: f64 = 1e-3;
 
-    pub(crate) fn new(mu: f64, tolerance: f64, floor: f64) -> Self {
+    /// Continuation from `(mu, sigma)` on.
+    pub(crate) fn new((mu, sigma): (f64, f64), tolerance: f64, floor: f64) -> Self {
         Self {
             mu,
+            sigma,
             tolerance,
             floor,
             factor: 0.1,
-            solved_sigma: 1.0,
+            solved_sigma: sigma,
             returns: 0,
         }
     }
@@ -76,7 +81,7 @@ impl Continuation {
 
 impl BarrierPath for Continuation {
     fn first(&self) -> (f64, f64) {
-        (self.mu, 1.0)
+        (self.mu, self.sigma)
     }
 
     fn final_sigma(&self) -> f64 {
@@ -150,7 +155,7 @@ mod tests {
 
     #[test]
     fn continuation_fast_level_shortens_and_slow_level_lengthens_the_next() {
-        let mut path = Continuation::new(0.1, 1e-8, 1e-8);
+        let mut path = Continuation::new((0.1, 1.0), 1e-8, 1e-8);
         let first = path.update(&level(1e-3, 1.0, true, 40));
         assert_eq!(
             first,
@@ -171,7 +176,7 @@ mod tests {
 
     #[test]
     fn continuation_lost_level_returns_to_the_geometric_mean_at_most_six_times() {
-        let mut path = Continuation::new(0.1, 1e-8, 1e-8);
+        let mut path = Continuation::new((0.1, 1.0), 1e-8, 1e-8);
         path.update(&level(1e-3, 1.0, true, 40));
         path.update(&level(1e-3, 1e-2, true, 10));
         for _ in 0..6 {
@@ -187,10 +192,14 @@ mod tests {
     fn tied_at_the_floor_of_both_stays() {
         let mut path = Tied {
             mu: 0.1,
+            sigma: 1.0,
             tolerance: 1.1e-8,
             floor: 1e-8,
             rule: proportional,
         };
-        assert_eq!(path.update(&level(1e-9, 1e-8, true, 1)), PathStep::Stay);
+        assert_eq!(
+            path.update(&level(1.1e-8 / 11.0, 1e-8, true, 1)),
+            PathStep::Stay
+        );
     }
 }

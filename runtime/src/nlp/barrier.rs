@@ -78,7 +78,7 @@ mod tests {
     fn next_barrier_parameter_is_linear_then_superlinear_then_floored() {
         assert!((next_barrier_parameter(0.1, 1e-8) - 0.02).abs() < 1e-17);
         assert!((next_barrier_parameter(1e-4, 1e-8) - 1e-6).abs() < 1e-18);
-        assert_eq!(next_barrier_parameter(1e-9, 1.1e-8), 1e-9);
+        assert_eq!(next_barrier_parameter(1e-9, 1e-8), 1e-8 / 11.0);
     }
 
     #[test]
@@ -89,7 +89,7 @@ mod tests {
             tolerance: 1.1e-8,
         };
         let level = Level {
-            mu: 1e-9,
+            mu: 1.1e-8 / 11.0,
             sigma: 0.0,
             solved: true,
             iterations: 3,

@@ -41,7 +41,8 @@ impl WarmStart {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Products {
     pub(crate) pairs: Vec<(usize, usize)>,
-    /// Multiplier of each product, in the order of the pairs; 0 where a variable is fixed.
+    /// Multiplier of each product, in the order of the pairs; 0 where a variable is fixed. On entry of
+    /// a warm start those to begin with.
     pub(crate) multipliers: Vec<f64>,
     /// `sigma` at the end.
     pub(crate) sigma: f64,
@@ -145,7 +146,7 @@ pub(crate) fn run<'o>(
     run_loop(problem, settings, products, path, (point, start), observer)
 }
 
-/// As [`run`], from a point without multipliers.
+/// As [`run`], from a point without multipliers, or from the end of an earlier run.
 pub(crate) fn run_from_point(
     problem: &mut dyn NlpProblem,
     settings: &Settings,
@@ -174,7 +175,7 @@ fn run_loop<'o>(
         let what = not_finite(&main_loop);
         return Err(InputError::NotFiniteAtStart { what });
     }
-    first_multipliers(&mut main_loop, start);
+    first_multipliers(&mut main_loop, start, products);
     main_loop.start_filter();
     let outcome = main_loop.run(None);
     let (iterate, mu, sigma) = (main_loop.iterate, main_loop.mu, main_loop.sigma);
@@ -240,7 +241,11 @@ fn not_finite(main: &Loop<'_, '_, '_, '_>) -> String {
     }
 }
 
-fn first_multipliers(main: &mut Loop<'_, '_, '_, '_>, start: Option<&WarmStart>) {
+fn first_multipliers(
+    main: &mut Loop<'_, '_, '_, '_>,
+    start: Option<&WarmStart>,
+    products: &Products,
+) {
     let n = main.problem.n;
     for i in 0..main.problem.variables() {
         let (lower, upper) = (main.problem.lower[i], main.problem.upper[i]);
@@ -277,6 +282,7 @@ fn first_multipliers(main: &mut Loop<'_, '_, '_, '_>, start: Option<&WarmStart>)
                     main.iterate.z_upper[i] = z.max(1e-2 * mu / (main.problem.upper[i] - v));
                 }
             }
+            warm_products(main, start, products);
             for row in 0..main.problem.m {
                 let user = main.core.formulation.rows[row];
                 main.iterate.y[row] =
@@ -300,6 +306,46 @@ fn first_multipliers(main: &mut Loop<'_, '_, '_, '_>, start: Option<&WarmStart>)
                 }
             }
             main.safeguard();
+        }
+    }
+}
+
+/// Multipliers of products, and what remains of the bound multipliers of their variables.
+fn warm_products(main: &mut Loop<'_, '_, '_, '_>, start: &WarmStart, products: &Products) {
+    let (n, m) = (main.problem.n, main.problem.m);
+    if products.multipliers.len() != products.pairs.len() {
+        return;
+    }
+    let scale = main.core.formulation.objective_scale;
+    let mut is_free = vec![None; start.x.len()];
+    for (i, &user) in main.core.formulation.variables.iter().enumerate() {
+        is_free[user] = Some(i);
+    }
+    let mut lower: Vec<f64> = main
+        .core
+        .formulation
+        .variables
+        .iter()
+        .map(|&user| scale * start.multipliers_lower[user])
+        .collect();
+    let mut row = m;
+    for (&(a, b), r) in products.pairs.iter().zip(&products.multipliers) {
+        if let (Some(i), Some(j)) = (is_free[a], is_free[b]) {
+            main.iterate.y[row] = scale * r;
+            lower[i] += scale * r * start.x[b];
+            lower[j] += scale * r * start.x[a];
+            row += 1;
+        }
+    }
+    for (k, slack) in main.problem.slacks.iter().enumerate() {
+        if slack.row >= m {
+            main.iterate.z_lower[n + k] = main.iterate.y[slack.row];
+        }
+    }
+    for &(i, j) in &main.problem.products {
+        for k in [i, j] {
+            let distance = main.iterate.v[k] - main.problem.lower[k];
+            main.iterate.z_lower[k] = lower[k].max(1e-2 * main.mu / distance);
         }
     }
 }

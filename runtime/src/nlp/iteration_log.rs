@@ -83,7 +83,7 @@ mod tests {
         write_line(&mut text, &info).unwrap();
         insta::assert_snapshot!(String::from_utf8(text).unwrap(), @r"
           iter    objective   inf_pr   inf_du   inf_co lg(mu) lg(sg)    ||d||  lg(rg) alpha_du alpha_pr  ls fa
-            7    1.725000e1 0.00e0 0.00e0 0.00e0   -2.0      - 0.00e0       - 1.00e0 5.00e-1f  2  1
+            7     1.725000e1 0.00e0 0.00e0 0.00e0   -2.0      - 0.00e0       - 1.00e0 5.00e-1f  2  1
         ");
     }
 }

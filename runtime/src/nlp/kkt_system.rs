@@ -18,8 +18,8 @@ use super::formulation::Formulation;
 use super::iterate::Iterate;
 use super::{InputError, LinearSolver};
 use crate::linalg::{
-    FactorizationError, Inertia, KktFactorization, RefinedSolver, SimplicialLdl, SolveQuality,
-    SymmetricPattern,
+    FactorizationError, Inertia, KktFactorization, MultifrontalLdl, RefinedSolver, SimplicialLdl,
+    SolveQuality, SymmetricPattern,
 };
 
 /// Assembly, factorization and solution of Newton systems on one pattern.
@@ -77,9 +77,8 @@ impl KktSystem {
             product_count[j] += 1.0;
         }
         let back_end: Box<dyn KktFactorization + Send> = match linear_solver {
-            LinearSolver::Pivoting | LinearSolver::Static => {
-                Box::new(SimplicialLdl::new(&pattern, n)?)
-            }
+            LinearSolver::Pivoting => Box::new(MultifrontalLdl::new(&pattern, n)?),
+            LinearSolver::Static => Box::new(SimplicialLdl::new(&pattern, n)?),
         };
         let values = vec![0.0; pattern.stored()];
         Ok(Self {

@@ -4,6 +4,7 @@ use super::barrier_problem::{BarrierProblem, Values};
 use super::filter::{is_armijo, is_sufficient, is_switching, smallest_step};
 use super::formulation::Formulation;
 use super::iterate::Iterate;
+use super::restoration::raise_product_slacks;
 use super::solver::Loop;
 
 /// Why a trial point was accepted.
@@ -241,16 +242,34 @@ fn trial_point(
         *t = v + alpha * d;
     }
     if raise_slacks {
-        for (k, slack) in problem.slacks.iter().enumerate() {
-            if slack.row >= problem.m {
-                let (i, j) = problem.products[slack.row - problem.m];
-                let room = sigma - trial[i] * trial[j];
-                let s = &mut trial[problem.n + k];
-                *s = s.max(room);
-            }
+        raise_product_slacks(problem, sigma, trial);
+    }
+    if !problem.evaluate(formulation, trial, sigma, mu, values) {
+        return false;
+    }
+    if raise_slacks {
+        reset_range_slacks(problem, trial, values);
+    }
+    true
+}
+
+fn reset_range_slacks(problem: &BarrierProblem, trial: &mut [f64], values: &mut Values) {
+    for (k, slack) in problem.slacks.iter().enumerate() {
+        if slack.row >= problem.m {
+            continue;
+        }
+        let i = problem.n + k;
+        let value = trial[i] + values.residual[slack.row];
+        let kept = |distance: f64, old: f64| distance >= 0.5 * old;
+        if kept(value - problem.lower[i], trial[i] - problem.lower[i])
+            | !problem.lower[i].is_finite()
+            && kept(problem.upper[i] - value, problem.upper[i] - trial[i])
+                | !problem.upper[i].is_finite()
+        {
+            trial[i] = value;
+            values.residual[slack.row] = 0.0;
         }
     }
-    problem.evaluate(formulation, trial, sigma, mu, values)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 
 mod barrier;
 mod barrier_problem;
+mod derivative_check;
 mod driver;
 mod error;
 mod filter;
@@ -24,6 +25,7 @@ mod solution;
 mod solver;
 mod status;
 
+pub use derivative_check::{DerivativeEntry, DerivativeReport, check_derivatives};
 pub use driver::{WarmStart, solve, solve_from};
 pub use error::InputError;
 pub use info::IterationInfo;

@@ -98,6 +98,7 @@ pub(crate) struct Loop<'c, 'a, 'o, 'p> {
     tiny_steps: usize,
     stalls: usize,
     acceptable: usize,
+    degenerate: usize,
     last_restoration: Option<usize>,
     info: IterationInfo,
 }
@@ -145,6 +146,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             tiny_steps: 0,
             stalls: 0,
             acceptable: 0,
+            degenerate: 0,
             last_restoration: None,
             info: IterationInfo {
                 acceptance: ' ',
@@ -322,7 +324,16 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
         let feasible =
             self.is_restoration || self.unscaled_infeasibility() <= settings.constraint_tolerance;
         if scaled <= settings.tolerance && at_end && feasible {
-            return Some(Status::Solved);
+            // huge multipliers scale any residual away; then the test says nothing
+            let absolute = 100.0 * settings.tolerance;
+            if self.is_restoration || (error.dual <= absolute && error.complementarity <= absolute)
+            {
+                return Some(Status::Solved);
+            }
+            self.degenerate += 1;
+            if self.degenerate > 10 {
+                return Some(Status::Degenerate);
+            }
         }
         if scaled <= settings.acceptable_tolerance && at_end {
             self.acceptable += 1;

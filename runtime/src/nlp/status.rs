@@ -8,6 +8,10 @@ pub enum Status {
     Solved,
     /// The error stayed within `acceptable_tolerance` but did not reach `tolerance`.
     Acceptable,
+    /// The error is within `tolerance` only relative to multipliers so large (beyond 1e4 on average) that
+    /// any residual would pass: no multipliers seem to exist, a constraint qualification fails, and the
+    /// point may lie much farther from a solution than the tolerance says.
+    Degenerate,
     /// A stationary point of the constraint violation that is not feasible: the constraints are
     /// infeasible near it. The diagnosis names the rows.
     Infeasible,
@@ -41,6 +45,7 @@ impl std::fmt::Display for Status {
         f.write_str(match self {
             Self::Solved => "solved",
             Self::Acceptable => "solved to the acceptable tolerance only",
+            Self::Degenerate => "multipliers diverge, a constraint qualification fails",
             Self::Infeasible => "converged to a point of local infeasibility",
             Self::Diverging => "iterates diverge, the problem is probably unbounded",
             Self::IterationLimit => "iteration limit reached",

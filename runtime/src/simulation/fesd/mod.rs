@@ -12,7 +12,10 @@
 //! Moreau's law for all touching contacts at once; in the time-freezing system they take numerical time
 //! only.
 
+mod diagnosis;
 mod driver;
+mod location;
+mod mode_change;
 mod program;
 mod switch;
 
