@@ -329,7 +329,7 @@ fn chart_writes_a_point_for_every_run_and_measures_the_order_of_the_default_sche
     assert!(csv.lines().count() > 100);
     for line in csv.lines().skip(1) {
         // Implicit Euler with steps of half a second may lose itself between the surfaces.
-        let coarsest = line.contains(" 1 stages, 10 steps");
+        let coarsest = line.contains(" 1 stage, 10 steps");
         assert!(coarsest || line.contains(",solved"), "{line}");
     }
     let page = scratch.read("chart-ski-jump.html");
@@ -391,9 +391,14 @@ fn bad_input_is_refused_in_one_line_and_leaves_no_file() {
             "start inside the ground (E08): gap `slope`",
             &["simulate", "ski-jump", "--set", "start_y=40"],
         ),
-        ("at least 1", &["simulate", "ski-jump", "--steps", "0"]),
-        ("at least 1", &["simulate", "ski-jump", "--steps", "-3"]),
-        ("at least 1", &["simulate", "ski-jump", "--elements", "0"]),
+        ("from 1 to", &["simulate", "ski-jump", "--steps", "0"]),
+        ("from 1 to", &["simulate", "ski-jump", "--steps", "1e3"]),
+        (
+            "from 1 to",
+            &["simulate", "ski-jump", "--steps", "99999999999"],
+        ),
+        ("from 1 to", &["simulate", "ski-jump", "--steps", "-3"]),
+        ("from 1 to", &["simulate", "ski-jump", "--elements", "0"]),
         ("from 1 to 9", &["simulate", "ski-jump", "--stages", "10"]),
         ("above 0", &["simulate", "ski-jump", "--horizon", "-1"]),
         ("above 0", &["simulate", "ski-jump", "--horizon", "nan"]),

@@ -254,7 +254,7 @@ pub(crate) fn log_log(title: &str, x: &str, y: &str, curves: &[Curve]) -> String
     let layout = layout(&plots, title, x, y)
         .with_log_x()
         .with_x_tick_format(TickFormat::Custom(Arc::new(|x: f64| {
-            if x < 1e-3 {
+            if x < 1e-2 {
                 format!("{x:.0e}")
             } else {
                 format!("{x}")

@@ -61,13 +61,13 @@ impl fmt::Display for MethodSettings {
             write!(f, ", {scheme}")?;
         }
         if let Some(stages) = self.stages {
-            write!(f, ", {stages} stages")?;
+            write!(f, ", {}", counted(stages, "stage"))?;
         }
         if let Some(steps) = self.steps {
-            write!(f, ", {steps} steps")?;
+            write!(f, ", {}", counted(steps, "step"))?;
         }
         if let Some(elements) = self.elements {
-            write!(f, " of {elements} elements")?;
+            write!(f, " of {}", counted(elements, "element"))?;
         }
         if let Some(tolerance) = self.tolerance {
             write!(f, ", tolerance {tolerance:e}")?;
@@ -83,6 +83,12 @@ impl fmt::Display for MethodSettings {
             _ => Ok(()),
         }
     }
+}
+
+/// `1 step`, `2 steps`.
+fn counted(number: usize, noun: &str) -> String {
+    let ending = if number == 1 { "" } else { "s" };
+    format!("{number} {noun}{ending}")
 }
 
 /// A method with its settings.
