@@ -15,6 +15,9 @@ pub mod model;
 pub mod mpcc;
 pub mod nlp;
 pub mod rk;
+#[doc(hidden)]
+#[path = "private.rs"]
+pub mod __private;
 pub mod simulation;
 mod time_freezing;
 
