@@ -71,15 +71,15 @@ impl Function {
 
 /// An expression in `x1, x2, ...`.
 #[derive(Debug, Clone)]
-pub struct Expression {
+pub(crate) struct Expression {
     nodes: Vec<Node>,
     /// Indices of the variables that occur.
-    pub variables: Vec<usize>,
+    pub(crate) variables: Vec<usize>,
 }
 
 impl Expression {
     /// Reads `text`; panics with the text where it is not an expression.
-    pub fn parse(text: &str) -> Self {
+    pub(crate) fn parse(text: &str) -> Self {
         let mut parser = Parser {
             bytes: text.as_bytes(),
             position: 0,
@@ -104,12 +104,12 @@ impl Expression {
         }
     }
 
-    pub fn value(&self, x: &[f64]) -> f64 {
+    pub(crate) fn value(&self, x: &[f64]) -> f64 {
         self.sweep(x, None).0
     }
 
     /// Adds `weight` times the gradient.
-    pub fn add_gradient(&self, x: &[f64], weight: f64, gradient: &mut dyn FnMut(usize, f64)) {
+    pub(crate) fn add_gradient(&self, x: &[f64], weight: f64, gradient: &mut dyn FnMut(usize, f64)) {
         let (_, gradients) = self.sweep(x, None);
         for (i, g, _) in gradients {
             gradient(i, weight * g);
@@ -117,7 +117,7 @@ impl Expression {
     }
 
     /// Adds `weight` times the lower triangle of the Hessian.
-    pub fn add_hessian(&self, x: &[f64], weight: f64, hessian: &mut dyn FnMut(usize, usize, f64)) {
+    pub(crate) fn add_hessian(&self, x: &[f64], weight: f64, hessian: &mut dyn FnMut(usize, usize, f64)) {
         for &j in &self.variables {
             let (_, gradients) = self.sweep(x, Some(j));
             for (i, _, h) in gradients {
