@@ -288,9 +288,7 @@ fn cart_pole(intervals: usize) -> (String, String) {
                 x[2].clone(),
                 x[3].clone(),
                 format!("(0.15*{s}*{w}^2 + {u} + 0.3*9.81*{c}*{s})/(1 + 0.3*{s}^2)"),
-                format!(
-                    "-(0.15*{c}*{s}*{w}^2 + {u}*{c} + 1.3*9.81*{s})/(0.5*(1 + 0.3*{s}^2))"
-                ),
+                format!("-(0.15*{c}*{s}*{w}^2 + {u}*{c} + 1.3*9.81*{s})/(0.5*(1 + 0.3*{s}^2))"),
             ]
         },
         &|_, u| Some(format!("{u}^2")),
@@ -526,8 +524,10 @@ fn network_flow(nodes: usize) -> (String, String) {
         for offset in [1, 7] {
             let target = (k + offset) % nodes;
             let flow = t.variable(-2.0, 2.0, 0.1);
-            t.objective
-                .push(format!("{}*exp({flow}) + {flow}^2", 0.1 * (1 + k % 3) as f64));
+            t.objective.push(format!(
+                "{}*exp({flow}) + {flow}^2",
+                0.1 * (1 + k % 3) as f64
+            ));
             let _ = write!(balance[k], " + {flow}");
             let _ = write!(balance[target], " - {flow}");
         }

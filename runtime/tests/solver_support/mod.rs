@@ -13,7 +13,7 @@
 
 mod expression;
 
-pub(crate) use expression::Expression;
+use expression::{Expression, Work};
 
 use hangtime::mpcc::Mpcc;
 use hangtime::nlp::NlpProblem;
@@ -32,6 +32,7 @@ pub(crate) struct TextProblem {
     jacobian: Vec<(usize, usize)>,
     hessian: Vec<(usize, usize)>,
     hessian_starts: Vec<usize>,
+    work: Work,
 }
 
 /// All problems of a text.
@@ -62,6 +63,7 @@ pub(crate) fn read_problems(text: &str) -> Vec<TextProblem> {
                 jacobian: Vec::new(),
                 hessian: Vec::new(),
                 hessian_starts: Vec::new(),
+                work: Work::default(),
             });
             continue;
         }
@@ -154,19 +156,20 @@ impl NlpProblem for TextProblem {
     }
 
     fn objective(&mut self, x: &[f64]) -> f64 {
-        self.objective.iter().map(|term| term.value(x)).sum()
+        let work = &mut self.work;
+        self.objective.iter().map(|term| term.value(x, work)).sum()
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
         gradient.fill(0.0);
         for term in &self.objective {
-            term.add_gradient(x, 1.0, &mut |i, g| gradient[i] += g);
+            term.add_gradient(x, 1.0, &mut self.work, &mut |i, g| gradient[i] += g);
         }
     }
 
     fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
         for (c, (_, _, expression)) in c.iter_mut().zip(&self.rows) {
-            *c = expression.value(x);
+            *c = expression.value(x, &mut self.work);
         }
     }
 
@@ -179,7 +182,7 @@ impl NlpProblem for TextProblem {
         let mut start = 0;
         for (_, _, expression) in &self.rows {
             let variables = &expression.variables;
-            expression.add_gradient(x, 1.0, &mut |i, g| {
+            expression.add_gradient(x, 1.0, &mut self.work, &mut |i, g| {
                 let position = variables.binary_search(&i).unwrap();
                 values[start + position] += g;
             });
@@ -200,11 +203,11 @@ impl NlpProblem for TextProblem {
         };
         if weight != 0.0 {
             for term in &self.objective {
-                term.add_hessian(x, weight, &mut add);
+                term.add_hessian(x, weight, &mut self.work, &mut add);
             }
         }
         for ((_, _, expression), y) in self.rows.iter().zip(multipliers) {
-            expression.add_hessian(x, *y, &mut add);
+            expression.add_hessian(x, *y, &mut self.work, &mut add);
         }
     }
 }
