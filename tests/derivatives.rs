@@ -181,6 +181,11 @@ macro_rules! property {
 
 property!(ski_jump_agrees_with_dual_numbers, SkiJump, 4, 128);
 property!(pump_track_agrees_with_dual_numbers, PumpTrack, 7, 128);
-property!(double_pendulum_agrees_with_dual_numbers, DoublePendulum, 6, 128);
+property!(
+    double_pendulum_agrees_with_dual_numbers,
+    DoublePendulum,
+    6,
+    128
+);
 property!(chain_of_five_agrees_with_dual_numbers, Chain, 11, 24);
 property!(every_function_agrees_with_dual_numbers, Functions, 6, 128);

@@ -8,6 +8,9 @@
 //!
 //! Arrows point one way: `nlp` knows nothing of time, `linalg` nothing of optimization.
 
+#[doc(hidden)]
+#[path = "private.rs"]
+pub mod __private;
 mod dcs;
 mod fesd;
 pub mod linalg;
@@ -15,9 +18,6 @@ pub mod model;
 pub mod mpcc;
 pub mod nlp;
 pub mod rk;
-#[doc(hidden)]
-#[path = "private.rs"]
-pub mod __private;
 pub mod simulation;
 mod time_freezing;
 

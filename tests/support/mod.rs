@@ -77,7 +77,10 @@ fn constant<D: DualNum<Primitive = f64> + Copy>(x: &[D]) -> Vec<HyperDual<D>> {
 }
 
 /// Mass matrix, row by row.
-pub(crate) fn mass<M: Oracle, D: DualNum<Primitive = f64> + Copy>(model: &M, x: &[D]) -> Vec<Vec<D>> {
+pub(crate) fn mass<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
+    model: &M,
+    x: &[D],
+) -> Vec<Vec<D>> {
     let (q, v, _, t) = split(model, x);
     let n = q.len();
     let mut m = vec![vec![D::from(0.0); n]; n];
@@ -96,7 +99,10 @@ pub(crate) fn mass<M: Oracle, D: DualNum<Primitive = f64> + Copy>(model: &M, x: 
 }
 
 /// Free acceleration from the Lagrangian by hyper-dual numbers and elimination.
-pub(crate) fn acceleration<M: Oracle, D: DualNum<Primitive = f64> + Copy>(model: &M, x: &[D]) -> Vec<D> {
+pub(crate) fn acceleration<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
+    model: &M,
+    x: &[D],
+) -> Vec<D> {
     let (q, v, u, t) = split(model, x);
     let n = q.len();
     let mut right = model.forces_of(q, v, u, t);
@@ -120,7 +126,11 @@ pub(crate) fn acceleration<M: Oracle, D: DualNum<Primitive = f64> + Copy>(model:
 }
 
 /// Gaussian elimination without pivoting, for positive definite matrices.
-fn solve<D: DualNum<Primitive = f64> + Copy>(mut m: Vec<Vec<D>>, mut b: Vec<D>, n: usize) -> Vec<D> {
+fn solve<D: DualNum<Primitive = f64> + Copy>(
+    mut m: Vec<Vec<D>>,
+    mut b: Vec<D>,
+    n: usize,
+) -> Vec<D> {
     for k in 0..n {
         for i in k + 1..n {
             let factor = m[i][k] / m[k][k];
