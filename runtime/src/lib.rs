@@ -8,9 +8,17 @@
 //!
 //! Arrows point one way: `nlp` knows nothing of time, `linalg` nothing of optimization.
 
+#[doc(hidden)]
+#[path = "private.rs"]
+pub mod __private;
+mod dcs;
+mod fesd;
+pub mod linalg;
 pub mod model;
 pub mod mpcc;
 pub mod nlp;
+pub mod rk;
 pub mod simulation;
+mod time_freezing;
 
 pub use hangtime_macros::model;

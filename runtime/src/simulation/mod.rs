@@ -6,6 +6,7 @@
 //! first step.
 
 mod event;
+mod fesd;
 mod fixed;
 mod moreau;
 mod problem;
@@ -13,6 +14,7 @@ mod result;
 mod smooth;
 
 pub use event::EventDriven;
+pub use fesd::{Fesd, StepFormulation};
 pub use fixed::FixedStep;
 pub use moreau::Moreau;
 pub use problem::{ControlSignal, InitialValueProblem, InputError};
@@ -20,7 +22,6 @@ pub use result::{
     Counts, Diagnosis, Event, EventKind, ProblemSize, Residuals, Seconds, Simulation,
     SimulationStatus, Trajectory,
 };
-
 pub use smooth::Smooth;
 
 use crate::model::Model;
