@@ -322,3 +322,33 @@ fn two_contacts_slow_the_clock_by_the_product_of_their_weights() {
     let end = simulation.trajectory.numerical_time.last().unwrap();
     assert!((end - 1.0 / p).abs() < 1e-13);
 }
+
+#[test]
+fn directions_that_jam_end_the_run_with_a_diagnosis() {
+    let model = scenes::jamming_corner();
+    let simulation = run(&accurate(), &model, &start(&[0.0; 2], &[-1.0, -1.0], 1.0));
+    let SimulationStatus::AmbiguousContact(diagnosis) = &simulation.status else {
+        panic!("{:?}", simulation.status);
+    };
+    assert!(
+        diagnosis.message.contains("no solution"),
+        "{}",
+        diagnosis.message
+    );
+    assert_eq!((diagnosis.time, diagnosis.contact), (0.0, Some(0)));
+}
+
+#[test]
+fn more_contacts_at_once_than_can_be_resolved_end_the_run_with_a_diagnosis() {
+    let model = scenes::thirteen_floors();
+    let simulation = run(&accurate(), &model, &start(&[0.0, 1.0], &[0.0; 2], 1.0));
+    let SimulationStatus::AmbiguousContact(diagnosis) = &simulation.status else {
+        panic!("{:?}", simulation.status);
+    };
+    assert!(
+        diagnosis.message.contains("13 closed contacts"),
+        "{}",
+        diagnosis.message
+    );
+    assert!((diagnosis.time - (2.0 / GRAVITY).sqrt()).abs() < 1e-14);
+}
