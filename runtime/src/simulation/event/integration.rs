@@ -257,17 +257,20 @@ impl<'a> Integration<'a> {
     }
 
     /// Applies the impact law and finds the contact mode right after the present instant, records both
-    /// sides, and prepares the next step. `closing` is the contact whose value has just vanished.
+    /// sides, and prepares the next step. `at_zero` is the contact whose gap or force has just vanished.
     fn enter_mode(
         &mut self,
-        closing: Option<usize>,
+        at_zero: Option<usize>,
         at_start: bool,
     ) -> Result<(), SimulationStatus> {
         let n = self.dynamics.n;
         let before = self.y[n..2 * n].to_vec();
         let previously = self.dynamics.active.clone();
         let moment = self.h;
-        let closing = closing.filter(|&contact| !self.dynamics.is_active(contact));
+        let (vanished, closing): (Option<usize>, Option<usize>) = match at_zero {
+            Some(contact) if self.dynamics.is_active(contact) => (at_zero, None),
+            _ => (None, at_zero),
+        };
         let impact = contact_mode::impact(&mut self.dynamics, self.t, &mut self.y, closing)
             .map_err(|problem| self.undetermined(problem))?;
         if at_start && !impact.struck.is_empty() {
@@ -283,6 +286,7 @@ impl<'a> Integration<'a> {
             self.t,
             &self.y,
             &impact.resting,
+            vanished,
             moment,
         )
         .map_err(|problem| self.undetermined(problem))?;

@@ -238,7 +238,7 @@ impl EventSearch {
             mut right,
             root: mut theta,
         } = crossing;
-        let zero = self.zero[contact];
+        let zero = self.least_zero(dynamics, step, contact);
         let range = dynamics.highest[contact] - dynamics.lowest[contact];
         let resolution = f64::EPSILON * (step.t.abs() + step.h);
         let sinks = left.value <= 0.0 || (theta - left.at) * step.h <= resolution;
