@@ -79,7 +79,13 @@ pub(crate) struct Expression {
 
 impl Expression {
     /// Reads `text`; panics with the text where it is not an expression.
+    ///
+    /// Either infix, or `tape` and one node a word: `x3`, `#0.5`, `+0,1` (nodes 0 and 1), `-0,1`, `*0,1`,
+    /// `/0,1`, `pow0,2.5`, `sin0` and the other functions; the last node is the value.
     pub(crate) fn parse(text: &str) -> Self {
+        if let Some(words) = text.strip_prefix("tape ") {
+            return Self::with_nodes(read_tape(words));
+        }
         let mut parser = Parser {
             bytes: text.as_bytes(),
             position: 0,
@@ -88,8 +94,11 @@ impl Expression {
         parser.sum();
         parser.blanks();
         assert_eq!(parser.position, text.len(), "trailing text in `{text}`");
-        let mut variables: Vec<usize> = parser
-            .nodes
+        Self::with_nodes(parser.nodes)
+    }
+
+    fn with_nodes(nodes: Vec<Node>) -> Self {
+        let mut variables: Vec<usize> = nodes
             .iter()
             .filter_map(|node| match node {
                 Node::Variable(i) => Some(*i),
@@ -98,10 +107,7 @@ impl Expression {
             .collect();
         variables.sort_unstable();
         variables.dedup();
-        Self {
-            nodes: parser.nodes,
-            variables,
-        }
+        Self { nodes, variables }
     }
 
     pub(crate) fn value(&self, x: &[f64], work: &mut Work) -> f64 {
@@ -236,6 +242,80 @@ impl Work {
     }
 }
 
+fn read_tape(words: &str) -> Vec<Node> {
+    let mut nodes = Vec::new();
+    // position of each word's value, since quotients and differences take two nodes
+    let mut places = Vec::new();
+    for word in words.split_whitespace() {
+        let split = word
+            .find(|c: char| c.is_ascii_digit() || c == '-' && !word.starts_with('-'))
+            .unwrap_or(word.len());
+        let split = split.max(1);
+        let (head, tail) = if word.starts_with('#') {
+            word.split_at(1)
+        } else {
+            word.split_at(split)
+        };
+        let argument = |text: &str| places[text.parse::<usize>().unwrap()];
+        let pair = || {
+            let (a, b) = tail.split_once(',').unwrap();
+            (argument(a), argument(b))
+        };
+        let node = match head {
+            "#" => Node::Constant(tail.parse().unwrap()),
+            "x" => Node::Variable(tail.parse::<usize>().unwrap() - 1),
+            "+" => Node::Sum(pair().0, pair().1),
+            "*" => Node::Product(pair().0, pair().1),
+            "-" | "/" => {
+                let (a, b) = pair();
+                let function = if head == "-" {
+                    Function::Negative
+                } else {
+                    Function::Reciprocal
+                };
+                nodes.push(Node::Unary(function, b));
+                let b = nodes.len() - 1;
+                if head == "-" {
+                    Node::Sum(a, b)
+                } else {
+                    Node::Product(a, b)
+                }
+            }
+            "pow" => {
+                let (a, p) = tail.split_once(',').unwrap();
+                Node::Unary(power(p.parse().unwrap()), argument(a))
+            }
+            name => Node::Unary(function(name), argument(tail)),
+        };
+        nodes.push(node);
+        places.push(nodes.len() - 1);
+    }
+    nodes
+}
+
+fn power(exponent: f64) -> Function {
+    if exponent.fract() == 0.0 && exponent.abs() < 100.0 {
+        Function::Power(exponent as i32)
+    } else {
+        Function::RealPower(exponent)
+    }
+}
+
+fn function(name: &str) -> Function {
+    match name {
+        "neg" => Function::Negative,
+        "inv" => Function::Reciprocal,
+        "exp" => Function::Exponential,
+        "log" => Function::Logarithm,
+        "sqrt" => Function::SquareRoot,
+        "sin" => Function::Sine,
+        "cos" => Function::Cosine,
+        "atan" => Function::ArcTangent,
+        "tanh" => Function::HyperbolicTangent,
+        _ => panic!("unknown function `{name}`"),
+    }
+}
+
 struct Parser<'t> {
     bytes: &'t [u8],
     position: usize,
@@ -308,11 +388,7 @@ impl Parser<'_> {
         let magnitude = self.number();
         assert!(!bracket || self.take(b')'), "exponents are numbers");
         let exponent = if negative { -magnitude } else { magnitude };
-        let function = if exponent.fract() == 0.0 && exponent.abs() < 100.0 {
-            Function::Power(exponent as i32)
-        } else {
-            Function::RealPower(exponent)
-        };
+        let function = power(exponent);
         self.push(Node::Unary(function, base))
     }
 
@@ -353,16 +429,7 @@ impl Parser<'_> {
         if let Some(index) = name.strip_prefix('x').and_then(|k| k.parse::<usize>().ok()) {
             return self.push(Node::Variable(index - 1));
         }
-        let function = match name {
-            "exp" => Function::Exponential,
-            "log" => Function::Logarithm,
-            "sqrt" => Function::SquareRoot,
-            "sin" => Function::Sine,
-            "cos" => Function::Cosine,
-            "atan" => Function::ArcTangent,
-            "tanh" => Function::HyperbolicTangent,
-            _ => panic!("unknown name `{name}` at byte {start}"),
-        };
+        let function = function(name);
         assert!(self.take(b'('), "missing bracket after {name}");
         let argument = self.sum();
         assert!(self.take(b')'), "missing bracket after {name}");
