@@ -21,7 +21,7 @@ pub(crate) struct Work {
 }
 
 /// Most iterations of one crossover.
-const ITERATIONS: usize = 60;
+const ITERATIONS: usize = 30;
 /// Violation up to which a crossover is accepted.
 const FEASIBLE: f64 = 1e-9;
 

@@ -49,6 +49,7 @@ pub(crate) struct KktSystem {
     pub(crate) capped: usize,
     pub(crate) factorizations: usize,
     pub(crate) seconds: f64,
+    is_static: bool,
 }
 
 impl KktSystem {
@@ -102,7 +103,24 @@ impl KktSystem {
             capped: 0,
             factorizations: 0,
             seconds: 0.0,
+            is_static: linear_solver == LinearSolver::Static,
         })
+    }
+
+    /// Changes from the static to the pivoting factorization for the rest of the run; `false` if it is in
+    /// use already.
+    pub(crate) fn change_to_pivoting(&mut self) -> bool {
+        if !self.is_static {
+            return false;
+        }
+        self.is_static = false;
+        match MultifrontalLdl::new(self.solver.pattern(), self.n) {
+            Ok(back_end) => {
+                self.solver.replace_back_end(Box::new(back_end));
+                true
+            }
+            Err(_) => false,
+        }
     }
 
     /// Number of explicit rows, the negative eigenvalues of a matrix that gives descent.

@@ -30,7 +30,7 @@ pub use driver::{WarmStart, solve, solve_from};
 pub use error::InputError;
 pub use info::IterationInfo;
 pub use problem::NlpProblem;
-pub use settings::{BarrierStrategy, LinearSolver, Settings};
+pub use settings::{LinearSolver, Settings};
 pub use solution::{Counts, Residuals, Solution, Violation};
 pub use solver::Observer;
 pub use status::Status;

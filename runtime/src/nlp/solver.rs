@@ -458,6 +458,9 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                 floor,
                 dual_shift,
             ) {
+                if core.kkt.change_to_pivoting() {
+                    continue;
+                }
                 return false;
             }
             let quality = core.kkt.direction(
@@ -470,6 +473,9 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             );
             if quality.residual <= 1e-5 && self.direction.v.iter().all(|d| d.is_finite()) {
                 return true;
+            }
+            if core.kkt.change_to_pivoting() {
+                continue;
             }
             // as good as singular: shift both blocks
             dual_shift = dual_shift.max(1e-8) * if dual_shift >= 1e-8 { 100.0 } else { 1.0 };
