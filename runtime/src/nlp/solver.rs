@@ -97,6 +97,8 @@ pub(crate) struct Loop<'c, 'a, 'o, 'p> {
     filter_resets: usize,
     tiny_steps: usize,
     stalls: usize,
+    drift_steps: usize,
+    drift_theta: f64,
     acceptable: usize,
     degenerate: usize,
     last_restoration: Option<usize>,
@@ -145,6 +147,8 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             filter_resets: 0,
             tiny_steps: 0,
             stalls: 0,
+            drift_steps: 0,
+            drift_theta: f64::INFINITY,
             acceptable: 0,
             degenerate: 0,
             last_restoration: None,
@@ -269,9 +273,14 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                 }
                 _ => {
                     self.accept(&search);
-                    if self.is_jammed(&search)
-                        && let Some(outcome) = self.restore(0.1)
-                    {
+                    let factor = if self.is_jammed(&search) {
+                        Some(0.1)
+                    } else if self.is_drifting() {
+                        Some(0.9)
+                    } else {
+                        None
+                    };
+                    if let Some(outcome) = factor.and_then(|factor| self.restore(factor)) {
                         return outcome;
                     }
                 }
@@ -471,11 +480,14 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                 self.mu,
                 &mut self.direction,
             );
-            if quality.residual <= 1e-5 && self.direction.v.iter().all(|d| d.is_finite()) {
-                return true;
-            }
-            if core.kkt.change_to_pivoting() {
+            let solved = quality.residual <= 1e-5 && self.direction.v.iter().all(|d| d.is_finite());
+            // static shifts that refinement cannot remove show in the backward error
+            let imprecise = !solved || quality.backward > 1e-4;
+            if imprecise && core.kkt.change_to_pivoting() {
                 continue;
+            }
+            if solved {
+                return true;
             }
             // as good as singular: shift both blocks
             dual_shift = dual_shift.max(1e-8) * if dual_shift >= 1e-8 { 100.0 } else { 1.0 };
@@ -562,6 +574,24 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             return false;
         }
         self.jams = 0;
+        true
+    }
+
+    /// Fifteen steps at infeasible points far out that lowered the objective only: it is unbounded below
+    /// along directions that leave the violation as it is, and the violation has to be looked at alone.
+    fn is_drifting(&mut self) -> bool {
+        let theta = self.values.theta();
+        let far = self.iterate.v.iter().any(|v| v.abs() > 1e8);
+        if !far || theta <= 0.9 * self.drift_theta || theta <= self.core.settings.tolerance {
+            self.drift_theta = theta;
+            self.drift_steps = 0;
+            return false;
+        }
+        self.drift_steps += 1;
+        if self.is_restoration || self.drift_steps < 15 {
+            return false;
+        }
+        self.drift_steps = 0;
         true
     }
 
