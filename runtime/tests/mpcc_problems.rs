@@ -1,5 +1,7 @@
 //! Complementarity problems: literature, finite elements, closed forms, infeasible and unbounded ones.
 
+#![allow(clippy::unwrap_used, reason = "test code")]
+
 mod solver_support;
 
 use hangtime::mpcc::{self, Mpcc, RelaxationRule, Settings, Solution, Status};

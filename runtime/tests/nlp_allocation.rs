@@ -1,5 +1,7 @@
 //! The solver does not allocate in its iterations.
 
+#![allow(clippy::unwrap_used, reason = "test code")]
+
 mod solver_support;
 
 use std::alloc::System;

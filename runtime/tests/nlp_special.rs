@@ -1,5 +1,7 @@
 //! Infeasible, unbounded, degenerate and badly scaled programs; settings, warm starts, input faults.
 
+#![allow(clippy::unwrap_used, reason = "test code")]
+
 mod solver_support;
 
 use hangtime::nlp::{self, InputError, LinearSolver, NlpProblem, Settings, Status, WarmStart};

@@ -248,8 +248,8 @@ impl KktSystem {
         direction: &mut Iterate,
     ) -> SolveQuality {
         self.barrier_gradient.clear();
-        for i in 0..problem.variables() {
-            let mut g = lagrangian[i] + iterate.z_lower[i] - iterate.z_upper[i];
+        for (i, lagrangian) in lagrangian.iter().enumerate() {
+            let mut g = lagrangian + iterate.z_lower[i] - iterate.z_upper[i];
             if problem.lower[i].is_finite() {
                 g -= mu / (iterate.v[i] - problem.lower[i]);
             }
@@ -337,9 +337,9 @@ impl KktSystem {
             return;
         }
         self.barrier_gradient.clear();
-        for i in 0..problem.variables() {
+        for (i, gradient) in gradient.iter().enumerate() {
             self.barrier_gradient
-                .push(gradient[i] - iterate.z_lower[i] + iterate.z_upper[i]);
+                .push(gradient - iterate.z_lower[i] + iterate.z_upper[i]);
         }
         for (pair, &(i, j)) in problem.products.iter().enumerate() {
             let y = iterate.y[self.m + pair];

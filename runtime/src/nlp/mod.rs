@@ -16,6 +16,7 @@ pub mod iteration_log;
 mod kkt_system;
 mod line_search;
 mod problem;
+mod rescue;
 mod residuals;
 mod restoration;
 mod scaling;
@@ -24,6 +25,7 @@ mod settings;
 mod solution;
 mod solver;
 mod status;
+mod step;
 
 pub use derivative_check::{DerivativeEntry, DerivativeReport, check_derivatives};
 pub use driver::{WarmStart, solve, solve_from};

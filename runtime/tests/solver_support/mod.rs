@@ -9,7 +9,8 @@
 //! pair i j                  0 <= xi  _|_  xj >= 0
 //! optimum value             reference value of the objective
 //! ```
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each test uses a part")]
+#![allow(clippy::unwrap_used, reason = "test code")]
 
 mod expression;
 

@@ -165,14 +165,14 @@ fn supernodes(
 ) -> Vec<Supernode> {
     let mut nodes: Vec<Supernode> = Vec::new();
     // nodes whose parent column has not come yet, as a stack; postorder keeps children on top
-    for j in 0..n {
+    for (j, &above) in parent.iter().enumerate() {
         let rows = structure(j);
         let mut node = Supernode {
             first: j,
             end: j + 1,
             rows,
             children: 0,
-            is_root: parent[j] == NONE,
+            is_root: above == NONE,
         };
         // the last node is a child of j exactly if its first row below is j
         if let Some(last) = nodes.last()
