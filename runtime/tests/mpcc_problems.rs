@@ -33,9 +33,9 @@ fn best_decrease(problem: &TextProblem, x: &[f64], radius: f64) -> f64 {
     let mut boxed = problem.clone();
     boxed.pairs.clear();
     boxed.start.copy_from_slice(x);
-    for i in 0..x.len() {
-        boxed.lower[i] = boxed.lower[i].max(x[i] - radius);
-        boxed.upper[i] = boxed.upper[i].min(x[i] + radius);
+    for (i, x) in x.iter().enumerate() {
+        boxed.lower[i] = boxed.lower[i].max(x - radius);
+        boxed.upper[i] = boxed.upper[i].min(x + radius);
     }
     let mut biactive = Vec::new();
     for &(i, j) in problem.complementarities() {
