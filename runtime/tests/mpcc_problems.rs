@@ -180,7 +180,8 @@ fn solve_finite_elements_needs_few_iterations_of_the_homotopy() {
             reference.iterations
         );
     }
-    insta::assert_snapshot!(format!("{tied} iterations, homotopy {homotopy}"), @"369 iterations, homotopy 2771");
+    assert!(5 * tied <= homotopy, "{tied} against {homotopy}");
+    insta::assert_snapshot!(format!("{tied} iterations"), @"369 iterations");
 }
 
 #[test]

@@ -166,10 +166,10 @@ fn solve_multipliers_satisfy_the_optimality_conditions() {
             residual[j] += a * solution.multipliers[i];
         }
         let mut largest: f64 = 0.0;
-        for i in 0..n {
-            residual[i] += solution.multipliers_upper[i] - solution.multipliers_lower[i];
-            largest = largest.max(residual[i].abs());
-            assert!(solution.multipliers_lower[i] >= 0.0 && solution.multipliers_upper[i] >= 0.0);
+        for (i, residual) in residual.iter().enumerate() {
+            let (z_l, z_u) = (solution.multipliers_lower[i], solution.multipliers_upper[i]);
+            largest = largest.max((residual + z_u - z_l).abs());
+            assert!(z_l >= 0.0 && z_u >= 0.0);
         }
         assert!((largest - solution.residuals.dual).abs() < 1e-12, "{name}");
         // unscaled; objective scaling of these problems is at least 1e-2

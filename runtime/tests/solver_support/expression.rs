@@ -1,4 +1,4 @@
-//! Expressions from text, with exact first and second derivatives on a tape.
+//! Expressions from text.
 
 /// A node; arguments come before the nodes that use them.
 #[derive(Debug, Clone, Copy)]
@@ -11,7 +11,7 @@ enum Node {
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Function {
+pub(crate) enum Function {
     Negative,
     Reciprocal,
     /// Integer power, also of negative arguments.
@@ -28,8 +28,43 @@ enum Function {
 }
 
 impl Function {
+    /// Number and parameter bits of the function.
+    fn key(self) -> (u8, u64) {
+        match self {
+            Self::Negative => (0, 0),
+            Self::Reciprocal => (1, 0),
+            Self::Power(k) => (2, f64::from(k).to_bits()),
+            Self::RealPower(p) => (3, p.to_bits()),
+            Self::Exponential => (4, 0),
+            Self::Logarithm => (5, 0),
+            Self::SquareRoot => (6, 0),
+            Self::Sine => (7, 0),
+            Self::Cosine => (8, 0),
+            Self::ArcTangent => (9, 0),
+            Self::HyperbolicTangent => (10, 0),
+        }
+    }
+
+    /// Inverse of [`Function::key`].
+    pub(crate) fn from_key((number, bits): (u8, u64)) -> Self {
+        let parameter = f64::from_bits(bits);
+        match number {
+            0 => Self::Negative,
+            1 => Self::Reciprocal,
+            2 => Self::Power(parameter as i32),
+            3 => Self::RealPower(parameter),
+            4 => Self::Exponential,
+            5 => Self::Logarithm,
+            6 => Self::SquareRoot,
+            7 => Self::Sine,
+            8 => Self::Cosine,
+            9 => Self::ArcTangent,
+            _ => Self::HyperbolicTangent,
+        }
+    }
+
     /// Value, first and second derivative.
-    fn evaluate(self, a: f64) -> (f64, f64, f64) {
+    pub(crate) fn evaluate(self, a: f64) -> (f64, f64, f64) {
         match self {
             Self::Negative => (-a, -1.0, 0.0),
             Self::Reciprocal => (1.0 / a, -1.0 / (a * a), 2.0 / (a * a * a)),
@@ -109,137 +144,45 @@ impl Expression {
         variables.dedup();
         Self { nodes, variables }
     }
-
-    pub(crate) fn value(&self, x: &[f64], work: &mut Work) -> f64 {
-        self.forward(x, work);
-        work.value[self.nodes.len() - 1]
-    }
-
-    /// Adds `weight` times the gradient.
-    pub(crate) fn add_gradient(
-        &self,
-        x: &[f64],
-        weight: f64,
-        work: &mut Work,
-        gradient: &mut dyn FnMut(usize, f64),
-    ) {
-        self.forward(x, work);
-        let n = self.nodes.len();
-        work.bar[..n].fill(0.0);
-        work.bar[n - 1] = weight;
-        for (k, node) in self.nodes.iter().enumerate().rev() {
-            let b = work.bar[k];
-            match *node {
-                Node::Constant(_) => {}
-                Node::Variable(i) => gradient(i, b),
-                Node::Sum(p, q) => {
-                    work.bar[p] += b;
-                    work.bar[q] += b;
+    /// The expression with its constants and variables taken out: equal shapes can be evaluated together.
+    pub(crate) fn shape(&self) -> (Shape, Vec<f64>, Vec<usize>) {
+        let mut constants = Vec::new();
+        let mut variables: Vec<usize> = Vec::new();
+        let nodes = self
+            .nodes
+            .iter()
+            .map(|node| match *node {
+                Node::Constant(c) => {
+                    constants.push(c);
+                    Slot::Constant(constants.len() - 1)
                 }
-                Node::Product(p, q) => {
-                    work.bar[p] += b * work.value[q];
-                    work.bar[q] += b * work.value[p];
+                Node::Variable(i) => {
+                    let known = variables.iter().position(|&v| v == i);
+                    Slot::Variable(known.unwrap_or_else(|| {
+                        variables.push(i);
+                        variables.len() - 1
+                    }))
                 }
-                Node::Unary(_, a) => work.bar[a] += b * work.first[k],
-            }
-        }
-    }
-
-    /// Adds `weight` times the lower triangle of the Hessian: forward over reverse, one sweep for each
-    /// variable.
-    pub(crate) fn add_hessian(
-        &self,
-        x: &[f64],
-        weight: f64,
-        work: &mut Work,
-        hessian: &mut dyn FnMut(usize, usize, f64),
-    ) {
-        self.add_gradient(x, weight, work, &mut |_, _| {});
-        let n = self.nodes.len();
-        for &j in &self.variables {
-            for (k, node) in self.nodes.iter().enumerate() {
-                work.tangent[k] = match *node {
-                    Node::Constant(_) => 0.0,
-                    Node::Variable(i) => f64::from(u8::from(i == j)),
-                    Node::Sum(a, b) => work.tangent[a] + work.tangent[b],
-                    Node::Product(a, b) => {
-                        work.tangent[a] * work.value[b] + work.value[a] * work.tangent[b]
-                    }
-                    Node::Unary(_, a) => work.first[k] * work.tangent[a],
-                };
-            }
-            work.bar_tangent[..n].fill(0.0);
-            for (k, node) in self.nodes.iter().enumerate().rev() {
-                let (b, t) = (work.bar[k], work.bar_tangent[k]);
-                match *node {
-                    Node::Constant(_) => {}
-                    Node::Variable(i) => {
-                        if i >= j && t != 0.0 {
-                            hessian(i, j, t);
-                        }
-                    }
-                    Node::Sum(p, q) => {
-                        work.bar_tangent[p] += t;
-                        work.bar_tangent[q] += t;
-                    }
-                    Node::Product(p, q) => {
-                        work.bar_tangent[p] += t * work.value[q] + b * work.tangent[q];
-                        work.bar_tangent[q] += t * work.value[p] + b * work.tangent[p];
-                    }
-                    Node::Unary(_, a) => {
-                        work.bar_tangent[a] +=
-                            t * work.first[k] + b * work.second[k] * work.tangent[a];
-                    }
-                }
-            }
-        }
-    }
-
-    fn forward(&self, x: &[f64], work: &mut Work) {
-        work.reserve(self.nodes.len());
-        for (k, node) in self.nodes.iter().enumerate() {
-            work.value[k] = match *node {
-                Node::Constant(c) => c,
-                Node::Variable(i) => x[i],
-                Node::Sum(a, b) => work.value[a] + work.value[b],
-                Node::Product(a, b) => work.value[a] * work.value[b],
-                Node::Unary(f, a) => {
-                    let (value, first, second) = f.evaluate(work.value[a]);
-                    work.first[k] = first;
-                    work.second[k] = second;
-                    value
-                }
-            };
-        }
+                Node::Sum(p, q) => Slot::Sum(p, q),
+                Node::Product(p, q) => Slot::Product(p, q),
+                Node::Unary(f, p) => Slot::Unary(f.key(), p),
+            })
+            .collect();
+        (Shape(nodes), constants, variables)
     }
 }
 
-/// Memory of the sweeps, shared by all expressions of a problem.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Work {
-    value: Vec<f64>,
-    first: Vec<f64>,
-    second: Vec<f64>,
-    tangent: Vec<f64>,
-    bar: Vec<f64>,
-    bar_tangent: Vec<f64>,
-}
+/// Nodes without constants and variable names; functions by their bits, so that shapes can be compared.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Shape(pub(crate) Vec<Slot>);
 
-impl Work {
-    fn reserve(&mut self, nodes: usize) {
-        if self.value.len() < nodes {
-            for array in [
-                &mut self.value,
-                &mut self.first,
-                &mut self.second,
-                &mut self.tangent,
-                &mut self.bar,
-                &mut self.bar_tangent,
-            ] {
-                array.resize(nodes, 0.0);
-            }
-        }
-    }
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Slot {
+    Constant(usize),
+    Variable(usize),
+    Sum(usize, usize),
+    Product(usize, usize),
+    Unary((u8, u64), usize),
 }
 
 fn read_tape(words: &str) -> Vec<Node> {
