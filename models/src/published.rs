@@ -20,7 +20,7 @@ pub struct PublishedFigure {
 /// One time-lapse marker of a published figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PublishedMarker {
-    /// Time [s].
+    /// Time \[s\].
     pub time: f64,
     /// Horizontal and vertical position, in the units of the axes.
     pub position: [f64; 2],

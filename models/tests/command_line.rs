@@ -205,7 +205,7 @@ fn simulate_twice_gives_the_same_numbers() {
 
 #[test]
 fn simulate_every_method_reaches_the_horizon() {
-    for method in ["fesd", "event"] {
+    for method in ["fesd", "event", "moreau", "smooth", "fixed"] {
         let document = json(&["simulate", "ski-jump", "--method", method, "--json"]);
         assert_eq!(document["method"]["name"], method);
         assert_eq!(document["status"], "solved", "{method}");
@@ -327,7 +327,11 @@ fn chart_writes_a_point_for_every_run_and_measures_the_order_of_the_default_sche
     assert!(order("FESD Radau-3, no exit ") < 3.0, "{text}");
     let csv = scratch.read("chart-ski-jump.csv");
     assert!(csv.lines().count() > 100);
-    assert!(csv.lines().skip(1).all(|line| line.contains("solved")));
+    for line in csv.lines().skip(1) {
+        // Implicit Euler with steps of half a second may lose itself between the surfaces.
+        let coarsest = line.contains(" 1 stage, 10 steps");
+        assert!(coarsest || line.contains(",solved"), "{line}");
+    }
     let page = scratch.read("chart-ski-jump.html");
     assert_eq!(page.matches("<svg").count(), 4);
 }
@@ -387,9 +391,14 @@ fn bad_input_is_refused_in_one_line_and_leaves_no_file() {
             "start inside the ground (E08): gap `slope`",
             &["simulate", "ski-jump", "--set", "start_y=40"],
         ),
-        ("at least 1", &["simulate", "ski-jump", "--steps", "0"]),
-        ("at least 1", &["simulate", "ski-jump", "--steps", "-3"]),
-        ("at least 1", &["simulate", "ski-jump", "--elements", "0"]),
+        ("from 1 to", &["simulate", "ski-jump", "--steps", "0"]),
+        ("from 1 to", &["simulate", "ski-jump", "--steps", "1e3"]),
+        (
+            "from 1 to",
+            &["simulate", "ski-jump", "--steps", "99999999999"],
+        ),
+        ("from 1 to", &["simulate", "ski-jump", "--steps", "-3"]),
+        ("from 1 to", &["simulate", "ski-jump", "--elements", "0"]),
         ("from 1 to 9", &["simulate", "ski-jump", "--stages", "10"]),
         ("above 0", &["simulate", "ski-jump", "--horizon", "-1"]),
         ("above 0", &["simulate", "ski-jump", "--horizon", "nan"]),

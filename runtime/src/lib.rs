@@ -8,6 +8,9 @@
 //!
 //! Arrows point one way: `nlp` knows nothing of time, `linalg` nothing of optimization.
 
+#[doc(hidden)]
+#[path = "private.rs"]
+pub mod __private;
 mod dcs;
 mod fesd;
 pub mod linalg;

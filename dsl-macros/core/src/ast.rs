@@ -38,7 +38,6 @@ pub(crate) struct Documentation {
 pub(crate) struct WrittenUnit {
     pub(crate) text: String,
     pub(crate) unit: Unit,
-    pub(crate) place: Place,
 }
 
 /// `name: unit in lower..=upper = value`, in `parameters`, `coordinates` and `controls`.

@@ -157,7 +157,9 @@ pub(crate) fn closest<'a>(
         .into_iter()
         .map(|candidate| (distance(name, candidate), candidate))
         .filter(|&(distance, candidate)| {
-            distance <= limit && distance < candidate.chars().count().max(2)
+            // A single letter replaced by another is another name, not a slip.
+            let shorter = candidate.chars().count().min(name.chars().count());
+            distance <= limit && distance < shorter.max(1)
         })
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, candidate)| candidate)

@@ -17,6 +17,7 @@ mod ast;
 mod check;
 mod derive;
 mod diagnostics;
+mod dimension;
 mod emit;
 mod evaluate;
 mod graph;
@@ -85,7 +86,7 @@ fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
         expanded_at,
         derivation: begin.elapsed(),
     };
-    emit::scene(&scene, &equations, &timing).map_err(|too_large| {
+    emit::scene(&declared, &scene, &equations, &timing).map_err(|too_large| {
         diagnostics.syntax(
             scene.name.place(),
             format!(

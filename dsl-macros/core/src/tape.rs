@@ -335,7 +335,7 @@ impl Lowering {
         }
         let half = self.repeated(value, exponent / 2);
         let square = self.push(Op::Multiply(half, half));
-        if exponent % 2 == 0 {
+        if exponent.is_multiple_of(2) {
             square
         } else {
             self.push(Op::Multiply(square, value))

@@ -49,9 +49,6 @@ pub(crate) const NONSMOOTH: [&str; 10] = [
     "heaviside",
 ];
 
-/// Names that mean something by themselves.
-pub(crate) const CONSTANTS: [&str; 2] = ["pi", "t"];
-
 /// Names that the time-freezing reformulation and the emitted code keep for themselves.
 pub(crate) const RESERVED: [&str; 6] =
     ["t", "time", "clock", "numerical_time", "clock_state", "pi"];

@@ -79,21 +79,24 @@ pub(crate) struct MethodArguments {
     #[arg(long, value_enum)]
     pub(crate) scheme: Option<SchemeName>,
     /// Runge-Kutta stages of a finite element, 1 to 9 (fesd).
-    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) stages: Option<usize>,
-    /// Steps over the horizon (fesd).
-    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
+    /// Steps over the horizon (fesd, moreau, fixed).
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) steps: Option<usize>,
     /// Finite elements of a step (fesd).
-    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) elements: Option<usize>,
     /// How the equations of a step are solved (fesd) [default: active-set].
     #[arg(long, value_enum)]
     pub(crate) formulation: Option<FormulationName>,
-    /// Relative and absolute error tolerance of a step (event; fesd: its elements get the lengths
-    /// that the tolerance allows).
+    /// Relative and absolute error tolerance of a step (event, smooth; fesd: its elements get the
+    /// lengths that the tolerance allows).
     #[arg(long, value_name = "TOLERANCE", value_parser = above_zero, allow_negative_numbers = true)]
     pub(crate) tolerance: Option<f64>,
+    /// Width of the smoothed step functions (smooth).
+    #[arg(long, value_name = "WIDTH", value_parser = above_zero, allow_negative_numbers = true)]
+    pub(crate) width: Option<f64>,
     /// Leave out the condition that ends a contact where its force vanishes, as published (fesd).
     #[arg(long)]
     pub(crate) no_exit_condition: bool,
@@ -107,6 +110,12 @@ pub(crate) enum Method {
     Fesd,
     /// Event-driven integration with dense output and polished event times.
     Event,
+    /// Moreau-Jean time stepping.
+    Moreau,
+    /// Smoothed step functions.
+    Smooth,
+    /// Runge-Kutta steps without switch detection.
+    Fixed,
 }
 
 /// Runge-Kutta schemes.
@@ -163,10 +172,13 @@ pub(crate) struct ReproduceArguments {
     pub(crate) out: PathBuf,
 }
 
-fn at_least_one(text: &str) -> Result<usize, String> {
+/// Largest number of steps, elements or stages: a trajectory is kept in memory.
+const MANY: usize = 10_000_000;
+
+fn count(text: &str) -> Result<usize, String> {
     match text.parse() {
-        Ok(number) if number >= 1 => Ok(number),
-        _ => Err("give a whole number of at least 1".into()),
+        Ok(number) if (1..=MANY).contains(&number) => Ok(number),
+        _ => Err(format!("give a whole number from 1 to {MANY}")),
     }
 }
 

@@ -21,6 +21,12 @@ use super::table::{seconds, table};
 
 /// Steps of the methods of high order.
 const FINITE_ELEMENTS: [usize; 8] = [10, 15, 20, 30, 40, 80, 160, 320];
+/// Steps of the methods of low order.
+const TIME_STEPS: [usize; 7] = [50, 100, 200, 400, 1600, 6400, 25600];
+/// Widths of the smoothed step functions.
+const WIDTHS: [f64; 5] = [1e-1, 3e-2, 1e-2, 3e-3, 1e-3];
+/// Tolerance of a smoothed run, as a share of its width: the width is what its error comes from.
+const SMOOTHED_TOLERANCE: f64 = 1e-3;
 /// Tolerances of the methods that control their steps.
 const TOLERANCES: [f64; 6] = [1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12];
 /// Errors whose price in CPU time is listed.
@@ -45,6 +51,12 @@ impl Sweep {
         let tolerance = |settings: &MethodArguments| settings.tolerance.is_some();
         !self.settings.iter().any(tolerance)
     }
+
+    /// Whether the error is expected to follow a power of what the runs differ in.
+    fn ordered(&self) -> bool {
+        let width = |settings: &MethodArguments| settings.width.is_some();
+        self.stepped() || self.settings.iter().all(width)
+    }
 }
 
 /// The figure in which a sweep appears beside its likes.
@@ -58,7 +70,7 @@ enum Group {
 /// One measured run.
 struct Point {
     arguments: String,
-    /// Step size or tolerance.
+    /// Width, tolerance or step size.
     grain: f64,
     error: f64,
     seconds: f64,
@@ -131,6 +143,36 @@ fn sweeps() -> Vec<Sweep> {
             settings: TOLERANCES.iter().map(with_tolerance).collect(),
         });
     }
+    for (colour, method, name) in [
+        (6, Method::Moreau, "Moreau-Jean"),
+        (7, Method::Fixed, "fixed steps"),
+    ] {
+        let with_steps = |&steps| MethodArguments {
+            method,
+            steps: Some(steps),
+            ..MethodArguments::default()
+        };
+        sweeps.push(Sweep {
+            name: name.to_owned(),
+            colour,
+            dashed: false,
+            group: Group::Others,
+            settings: TIME_STEPS.iter().map(with_steps).collect(),
+        });
+    }
+    let with_width = |&width: &f64| MethodArguments {
+        method: Method::Smooth,
+        width: Some(width),
+        tolerance: Some(width * SMOOTHED_TOLERANCE),
+        ..MethodArguments::default()
+    };
+    sweeps.push(Sweep {
+        name: "smoothed".to_owned(),
+        colour: 8,
+        dashed: false,
+        group: Group::Others,
+        settings: WIDTHS.iter().map(with_width).collect(),
+    });
     sweeps
 }
 
@@ -191,9 +233,9 @@ fn chart(
         for arguments in &sweep.settings {
             points.push(measure(chosen, problem, arguments, reference)?);
         }
-        let stepped = sweep.stepped();
+        let ordered = sweep.ordered();
         measured.push(Measured {
-            order: if stepped {
+            order: if ordered {
                 order(&points, reference)
             } else {
                 None
@@ -224,7 +266,8 @@ fn chart(
              tolerance of {EXACT_TOLERANCE:e}. FESD Radau-3 is FESD with Radau IIA and 3 stages; \
              dashed lines and `no exit` mean: without the condition that ends a contact where its \
              force vanishes. Controlled: the elements get the length that \
-             a tolerance allows. Fixed steps are Runge-Kutta steps without switch detection.",
+             a tolerance allows. Fixed steps are Runge-Kutta steps without switch detection; \
+             the order of the smoothed method is that in the width of its step functions.",
             chosen.parameters().join(", ")
         ),
         sections: vec![Section {
@@ -267,7 +310,11 @@ fn measure(
     let step = settings.steps().map(|steps| problem.horizon / steps as f64);
     Ok(Point {
         arguments: settings.to_string(),
-        grain: settings.tolerance().or(step).unwrap_or(f64::NAN),
+        grain: settings
+            .width()
+            .or(settings.tolerance())
+            .or(step)
+            .unwrap_or(f64::NAN),
         error,
         seconds: simulation.seconds.total,
         status: simulation.status.name(),
@@ -400,7 +447,7 @@ fn csv(error: &str, measured: &[Measured]) -> String {
     let header = [
         "method",
         "settings",
-        "step size [s] or tolerance",
+        "step size [s], tolerance or width",
         error,
         "CPU time [s]",
         "status",

@@ -69,8 +69,8 @@ mod tests {
     fn parser_errors_become_one_line_with_the_remedy() {
         assert_eq!(
             refused(&["hangtime", "simulate", "ski-jump", "--steps", "0"]),
-            "invalid value '0' for '--steps <N>': give a whole number of at least 1; see \
-             `hangtime --help`"
+            "invalid value '0' for '--steps <N>': give a whole number from 1 to \
+             10000000; see `hangtime --help`"
         );
         assert_eq!(
             refused(&["hangtime", "simulate", "ski-jump", "--step", "3"]),

@@ -9,8 +9,9 @@ use kuva::prelude::{
 };
 
 /// Colours with enough contrast on white and on near-black.
-pub(crate) const COLOURS: [&str; 8] = [
+pub(crate) const COLOURS: [&str; 9] = [
     "#2f7ed8", "#d9601a", "#2a9d5c", "#9a63d8", "#d6409f", "#0e9aa7", "#a67c2d", "#7c8594",
+    "#c2483d",
 ];
 /// Ground and reference lines.
 const GREY: &str = "#8a919e";
@@ -253,7 +254,7 @@ pub(crate) fn log_log(title: &str, x: &str, y: &str, curves: &[Curve]) -> String
     let layout = layout(&plots, title, x, y)
         .with_log_x()
         .with_x_tick_format(TickFormat::Custom(Arc::new(|x: f64| {
-            if x < 1e-3 {
+            if x < 1e-2 {
                 format!("{x:.0e}")
             } else {
                 format!("{x}")

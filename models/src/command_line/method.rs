@@ -7,7 +7,8 @@ use cpu_time::ProcessTime;
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
-    EventDriven, Fesd, InitialValueProblem, InputError, Simulation, Simulator, StepFormulation,
+    EventDriven, Fesd, FixedStep, InitialValueProblem, InputError, Moreau, Simulation, Simulator,
+    Smooth, StepFormulation,
 };
 use serde::Serialize;
 
@@ -32,12 +33,19 @@ pub(crate) struct MethodSettings {
     formulation: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    width: Option<f64>,
 }
 
 impl MethodSettings {
     /// Steps over the horizon, for methods that have them.
     pub(crate) fn steps(&self) -> Option<usize> {
         self.steps
+    }
+
+    /// Width of the smoothed step functions, for the method that has one.
+    pub(crate) fn width(&self) -> Option<f64> {
+        self.width
     }
 
     /// Error tolerance of a step, for methods that have one.
@@ -53,16 +61,19 @@ impl fmt::Display for MethodSettings {
             write!(f, ", {scheme}")?;
         }
         if let Some(stages) = self.stages {
-            write!(f, ", {stages} stages")?;
+            write!(f, ", {}", counted(stages, "stage"))?;
         }
         if let Some(steps) = self.steps {
-            write!(f, ", {steps} steps")?;
+            write!(f, ", {}", counted(steps, "step"))?;
         }
         if let Some(elements) = self.elements {
-            write!(f, " of {elements} elements")?;
+            write!(f, " of {}", counted(elements, "element"))?;
         }
         if let Some(tolerance) = self.tolerance {
             write!(f, ", tolerance {tolerance:e}")?;
+        }
+        if let Some(width) = self.width {
+            write!(f, ", width {width:e}")?;
         }
         if let Some(formulation) = &self.formulation {
             write!(f, ", {formulation}")?;
@@ -72,6 +83,12 @@ impl fmt::Display for MethodSettings {
             _ => Ok(()),
         }
     }
+}
+
+/// `1 step`, `2 steps`.
+fn counted(number: usize, noun: &str) -> String {
+    let ending = if number == 1 { "" } else { "s" };
+    format!("{number} {noun}{ending}")
 }
 
 /// A method with its settings.
@@ -95,6 +112,27 @@ impl ChosenMethod {
                     ..MethodSettings::default()
                 };
                 Self::new(settings, event)
+            }
+            Method::Moreau => {
+                let mut moreau = Moreau::default();
+                moreau.steps = arguments.steps.unwrap_or(moreau.steps);
+                Self::new(stepping(moreau.steps), moreau)
+            }
+            Method::Smooth => {
+                let mut smooth = Smooth::default();
+                smooth.width = arguments.width.unwrap_or(smooth.width);
+                smooth.tolerance = arguments.tolerance.unwrap_or(smooth.tolerance);
+                let settings = MethodSettings {
+                    tolerance: Some(smooth.tolerance),
+                    width: Some(smooth.width),
+                    ..MethodSettings::default()
+                };
+                Self::new(settings, smooth)
+            }
+            Method::Fixed => {
+                let mut fixed = FixedStep::default();
+                fixed.steps = arguments.steps.unwrap_or(fixed.steps);
+                Self::new(stepping(fixed.steps), fixed)
             }
         })
     }
@@ -122,6 +160,13 @@ impl ChosenMethod {
             simulation.seconds.total = elapsed.as_secs_f64();
         }
         Ok(simulation)
+    }
+}
+
+fn stepping(steps: usize) -> MethodSettings {
+    MethodSettings {
+        steps: Some(steps),
+        ..MethodSettings::default()
     }
 }
 
@@ -158,14 +203,19 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
 impl MethodArguments {
     /// Refuses a setting that the method would ignore.
     fn refuse_foreign_settings(&self) -> Result<(), BadInput> {
-        use Method::{Event, Fesd};
-        let given: [(&str, bool, &[Method]); 7] = [
+        use Method::{Event, Fesd, Fixed, Moreau, Smooth};
+        let given: [(&str, bool, &[Method]); 8] = [
             ("--scheme", self.scheme.is_some(), &[Fesd]),
             ("--stages", self.stages.is_some(), &[Fesd]),
-            ("--steps", self.steps.is_some(), &[Fesd]),
+            ("--steps", self.steps.is_some(), &[Fesd, Moreau, Fixed]),
             ("--elements", self.elements.is_some(), &[Fesd]),
             ("--formulation", self.formulation.is_some(), &[Fesd]),
-            ("--tolerance", self.tolerance.is_some(), &[Fesd, Event]),
+            (
+                "--tolerance",
+                self.tolerance.is_some(),
+                &[Fesd, Event, Smooth],
+            ),
+            ("--width", self.width.is_some(), &[Smooth]),
             ("--no-exit-condition", self.no_exit_condition, &[Fesd]),
         ];
         if self.elements.is_some() && self.tolerance.is_some() {

@@ -131,8 +131,12 @@ fn tables(
         let states = event.q.iter().chain(&event.v_after).copied().map(digits);
         names.into_iter().chain(states).collect()
     });
-    text += &table(header, rows);
-    text += "  (velocities right after the event)\n\n";
+    if simulation.events.is_empty() {
+        text += "no events\n\n";
+    } else {
+        text += &table(header, rows);
+        text += "  (velocities right after the event)\n\n";
+    }
 
     let trajectory = &simulation.trajectory;
     if let (Some(&time), Some(q), Some(v)) = (

@@ -428,3 +428,70 @@ impl Scene<2, 0> for PressedCorner {
 pub fn pressed_corner(press: f64) -> HandWritten<PressedCorner, 2, 0> {
     HandWritten::new(PressedCorner { press })
 }
+
+/// A rectangular crate `(y, z, angle)` of unit mass between floor, left wall and right wall: each of the
+/// four corners against each of the three surfaces, twelve contacts.
+#[derive(Debug, Clone)]
+pub struct Crate {
+    pub half_width: f64,
+    pub half_height: f64,
+    pub half_room: f64,
+}
+
+impl Scene<3, 0> for Crate {
+    fn coordinates(&self) -> [&'static str; 3] {
+        ["y", "z", "angle"]
+    }
+
+    fn contacts(&self) -> &'static [&'static str] {
+        &[
+            "floor 1", "floor 2", "floor 3", "floor 4", "left 1", "left 2", "left 3", "left 4",
+            "right 1", "right 2", "right 3", "right 4",
+        ]
+    }
+
+    fn mass<D: Number>(&self, _q: &[D; 3]) -> [[D; 3]; 3] {
+        let (one, zero) = (D::from(1.0), D::from(0.0));
+        let inertia = D::from((self.half_width.powi(2) + self.half_height.powi(2)) / 3.0);
+        [[one, zero, zero], [zero, one, zero], [zero, zero, inertia]]
+    }
+
+    fn force<D: Number>(&self, _q: &[D; 3], _v: &[D; 3], _u: &[D; 0]) -> [D; 3] {
+        [D::from(0.0), D::from(-GRAVITY), D::from(0.0)]
+    }
+
+    fn potential(&self, q: &[f64; 3]) -> f64 {
+        GRAVITY * q[1]
+    }
+
+    fn gap<D: Number>(&self, contact: usize, q: &[D; 3]) -> D {
+        let across = if contact & 1 == 0 {
+            self.half_width
+        } else {
+            -self.half_width
+        };
+        let up = if contact & 2 == 0 {
+            self.half_height
+        } else {
+            -self.half_height
+        };
+        let (sin, cos) = q[2].sin_cos();
+        match contact / 4 {
+            0 => q[1] + sin * across + cos * up,
+            1 => q[0] + cos * across - sin * up + self.half_room,
+            _ => -(q[0] + cos * across - sin * up) + self.half_room,
+        }
+    }
+}
+
+pub fn crate_in_room(
+    half_width: f64,
+    half_height: f64,
+    half_room: f64,
+) -> HandWritten<Crate, 3, 0> {
+    HandWritten::new(Crate {
+        half_width,
+        half_height,
+        half_room,
+    })
+}

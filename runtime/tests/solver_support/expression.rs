@@ -71,15 +71,15 @@ impl Function {
 
 /// An expression in `x1, x2, ...`.
 #[derive(Debug, Clone)]
-pub struct Expression {
+pub(crate) struct Expression {
     nodes: Vec<Node>,
     /// Indices of the variables that occur.
-    pub variables: Vec<usize>,
+    pub(crate) variables: Vec<usize>,
 }
 
 impl Expression {
     /// Reads `text`; panics with the text where it is not an expression.
-    pub fn parse(text: &str) -> Self {
+    pub(crate) fn parse(text: &str) -> Self {
         let mut parser = Parser {
             bytes: text.as_bytes(),
             position: 0,
@@ -104,80 +104,135 @@ impl Expression {
         }
     }
 
-    pub fn value(&self, x: &[f64]) -> f64 {
-        self.sweep(x, None).0
+    pub(crate) fn value(&self, x: &[f64], work: &mut Work) -> f64 {
+        self.forward(x, work);
+        work.value[self.nodes.len() - 1]
     }
 
     /// Adds `weight` times the gradient.
-    pub fn add_gradient(&self, x: &[f64], weight: f64, gradient: &mut dyn FnMut(usize, f64)) {
-        let (_, gradients) = self.sweep(x, None);
-        for (i, g, _) in gradients {
-            gradient(i, weight * g);
+    pub(crate) fn add_gradient(
+        &self,
+        x: &[f64],
+        weight: f64,
+        work: &mut Work,
+        gradient: &mut dyn FnMut(usize, f64),
+    ) {
+        self.forward(x, work);
+        let n = self.nodes.len();
+        work.bar[..n].fill(0.0);
+        work.bar[n - 1] = weight;
+        for (k, node) in self.nodes.iter().enumerate().rev() {
+            let b = work.bar[k];
+            match *node {
+                Node::Constant(_) => {}
+                Node::Variable(i) => gradient(i, b),
+                Node::Sum(p, q) => {
+                    work.bar[p] += b;
+                    work.bar[q] += b;
+                }
+                Node::Product(p, q) => {
+                    work.bar[p] += b * work.value[q];
+                    work.bar[q] += b * work.value[p];
+                }
+                Node::Unary(_, a) => work.bar[a] += b * work.first[k],
+            }
         }
     }
 
-    /// Adds `weight` times the lower triangle of the Hessian.
-    pub fn add_hessian(&self, x: &[f64], weight: f64, hessian: &mut dyn FnMut(usize, usize, f64)) {
+    /// Adds `weight` times the lower triangle of the Hessian: forward over reverse, one sweep for each
+    /// variable.
+    pub(crate) fn add_hessian(
+        &self,
+        x: &[f64],
+        weight: f64,
+        work: &mut Work,
+        hessian: &mut dyn FnMut(usize, usize, f64),
+    ) {
+        self.add_gradient(x, weight, work, &mut |_, _| {});
+        let n = self.nodes.len();
         for &j in &self.variables {
-            let (_, gradients) = self.sweep(x, Some(j));
-            for (i, _, h) in gradients {
-                if i >= j {
-                    hessian(i, j, weight * h);
+            for (k, node) in self.nodes.iter().enumerate() {
+                work.tangent[k] = match *node {
+                    Node::Constant(_) => 0.0,
+                    Node::Variable(i) => f64::from(u8::from(i == j)),
+                    Node::Sum(a, b) => work.tangent[a] + work.tangent[b],
+                    Node::Product(a, b) => {
+                        work.tangent[a] * work.value[b] + work.value[a] * work.tangent[b]
+                    }
+                    Node::Unary(_, a) => work.first[k] * work.tangent[a],
+                };
+            }
+            work.bar_tangent[..n].fill(0.0);
+            for (k, node) in self.nodes.iter().enumerate().rev() {
+                let (b, t) = (work.bar[k], work.bar_tangent[k]);
+                match *node {
+                    Node::Constant(_) => {}
+                    Node::Variable(i) => {
+                        if i >= j && t != 0.0 {
+                            hessian(i, j, t);
+                        }
+                    }
+                    Node::Sum(p, q) => {
+                        work.bar_tangent[p] += t;
+                        work.bar_tangent[q] += t;
+                    }
+                    Node::Product(p, q) => {
+                        work.bar_tangent[p] += t * work.value[q] + b * work.tangent[q];
+                        work.bar_tangent[q] += t * work.value[p] + b * work.tangent[p];
+                    }
+                    Node::Unary(_, a) => {
+                        work.bar_tangent[a] +=
+                            t * work.first[k] + b * work.second[k] * work.tangent[a];
+                    }
                 }
             }
         }
     }
 
-    /// Value, and for each occurrence of a variable the adjoint and its derivative along variable
-    /// `along` (forward over reverse).
-    fn sweep(&self, x: &[f64], along: Option<usize>) -> (f64, Vec<(usize, f64, f64)>) {
-        let n = self.nodes.len();
-        let mut value = vec![0.0; n];
-        let mut tangent = vec![0.0; n];
+    fn forward(&self, x: &[f64], work: &mut Work) {
+        work.reserve(self.nodes.len());
         for (k, node) in self.nodes.iter().enumerate() {
-            (value[k], tangent[k]) = match *node {
-                Node::Constant(c) => (c, 0.0),
-                Node::Variable(i) => (x[i], f64::from(u8::from(along == Some(i)))),
-                Node::Sum(a, b) => (value[a] + value[b], tangent[a] + tangent[b]),
-                Node::Product(a, b) => (
-                    value[a] * value[b],
-                    tangent[a] * value[b] + value[a] * tangent[b],
-                ),
+            work.value[k] = match *node {
+                Node::Constant(c) => c,
+                Node::Variable(i) => x[i],
+                Node::Sum(a, b) => work.value[a] + work.value[b],
+                Node::Product(a, b) => work.value[a] * work.value[b],
                 Node::Unary(f, a) => {
-                    let (v, d, _) = f.evaluate(value[a]);
-                    (v, d * tangent[a])
+                    let (value, first, second) = f.evaluate(work.value[a]);
+                    work.first[k] = first;
+                    work.second[k] = second;
+                    value
                 }
             };
         }
-        let mut bar = vec![0.0; n];
-        let mut bar_tangent = vec![0.0; n];
-        bar[n - 1] = 1.0;
-        let mut gradients = Vec::new();
-        for (k, node) in self.nodes.iter().enumerate().rev() {
-            let (b, t) = (bar[k], bar_tangent[k]);
-            match *node {
-                Node::Constant(_) => {}
-                Node::Variable(i) => gradients.push((i, b, t)),
-                Node::Sum(p, q) => {
-                    bar[p] += b;
-                    bar[q] += b;
-                    bar_tangent[p] += t;
-                    bar_tangent[q] += t;
-                }
-                Node::Product(p, q) => {
-                    bar[p] += b * value[q];
-                    bar[q] += b * value[p];
-                    bar_tangent[p] += t * value[q] + b * tangent[q];
-                    bar_tangent[q] += t * value[p] + b * tangent[p];
-                }
-                Node::Unary(f, a) => {
-                    let (_, d, dd) = f.evaluate(value[a]);
-                    bar[a] += b * d;
-                    bar_tangent[a] += t * d + b * dd * tangent[a];
-                }
+    }
+}
+
+/// Memory of the sweeps, shared by all expressions of a problem.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Work {
+    value: Vec<f64>,
+    first: Vec<f64>,
+    second: Vec<f64>,
+    tangent: Vec<f64>,
+    bar: Vec<f64>,
+    bar_tangent: Vec<f64>,
+}
+
+impl Work {
+    fn reserve(&mut self, nodes: usize) {
+        if self.value.len() < nodes {
+            for array in [
+                &mut self.value,
+                &mut self.first,
+                &mut self.second,
+                &mut self.tangent,
+                &mut self.bar,
+                &mut self.bar_tangent,
+            ] {
+                array.resize(nodes, 0.0);
             }
         }
-        (value[n - 1], gradients)
     }
 }
 

@@ -4,7 +4,7 @@
 //! problem name n            variables x1..xn
 //! start a b ...             starting point, one value for each variable
 //! bounds k lower upper      of variable xk; variables without a line are free
-//! minimize expression
+//! minimize expression       several such lines add up
 //! row lower upper expression
 //! pair i j                  0 <= xi  _|_  xj >= 0
 //! optimum value             reference value of the objective
@@ -13,28 +13,30 @@
 
 mod expression;
 
-pub use expression::Expression;
+use expression::{Expression, Work};
 
 use hangtime::mpcc::Mpcc;
 use hangtime::nlp::NlpProblem;
 
 /// A problem read from text.
 #[derive(Debug, Clone)]
-pub struct TextProblem {
-    pub name: String,
-    pub start: Vec<f64>,
-    pub lower: Vec<f64>,
-    pub upper: Vec<f64>,
-    pub objective: Expression,
-    pub rows: Vec<(f64, f64, Expression)>,
-    pub pairs: Vec<(usize, usize)>,
-    pub optimum: Vec<f64>,
+pub(crate) struct TextProblem {
+    pub(crate) name: String,
+    pub(crate) start: Vec<f64>,
+    pub(crate) lower: Vec<f64>,
+    pub(crate) upper: Vec<f64>,
+    pub(crate) objective: Vec<Expression>,
+    pub(crate) rows: Vec<(f64, f64, Expression)>,
+    pub(crate) pairs: Vec<(usize, usize)>,
+    pub(crate) optimum: Vec<f64>,
     jacobian: Vec<(usize, usize)>,
     hessian: Vec<(usize, usize)>,
+    hessian_starts: Vec<usize>,
+    work: Work,
 }
 
 /// All problems of a text.
-pub fn read_problems(text: &str) -> Vec<TextProblem> {
+pub(crate) fn read_problems(text: &str) -> Vec<TextProblem> {
     let mut problems: Vec<TextProblem> = Vec::new();
     for line in text.lines() {
         let line = line.trim();
@@ -54,12 +56,14 @@ pub fn read_problems(text: &str) -> Vec<TextProblem> {
                 start: vec![0.0; n],
                 lower: vec![f64::NEG_INFINITY; n],
                 upper: vec![f64::INFINITY; n],
-                objective: Expression::parse("0"),
+                objective: Vec::new(),
                 rows: Vec::new(),
                 pairs: Vec::new(),
                 optimum: Vec::new(),
                 jacobian: Vec::new(),
                 hessian: Vec::new(),
+                hessian_starts: Vec::new(),
+                work: Work::default(),
             });
             continue;
         }
@@ -75,7 +79,7 @@ pub fn read_problems(text: &str) -> Vec<TextProblem> {
                 problem.lower[k - 1] = number(parts[1]);
                 problem.upper[k - 1] = number(parts[2]);
             }
-            "minimize" => problem.objective = Expression::parse(rest),
+            "minimize" => problem.objective.push(Expression::parse(rest)),
             "row" => {
                 let mut parts = rest.splitn(3, ' ');
                 let lower = number(parts.next().unwrap());
@@ -111,7 +115,7 @@ impl TextProblem {
                 }
             }
         };
-        pairs_of(&self.objective);
+        self.objective.iter().for_each(&mut pairs_of);
         for (row, (_, _, expression)) in self.rows.iter().enumerate() {
             pairs_of(expression);
             self.jacobian
@@ -119,6 +123,9 @@ impl TextProblem {
         }
         hessian.sort_unstable();
         hessian.dedup();
+        self.hessian_starts = (0..=self.start.len())
+            .map(|i| hessian.partition_point(|&(row, _)| row < i))
+            .collect();
         self.hessian = hessian;
     }
 }
@@ -149,18 +156,20 @@ impl NlpProblem for TextProblem {
     }
 
     fn objective(&mut self, x: &[f64]) -> f64 {
-        self.objective.value(x)
+        let work = &mut self.work;
+        self.objective.iter().map(|term| term.value(x, work)).sum()
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
         gradient.fill(0.0);
-        self.objective
-            .add_gradient(x, 1.0, &mut |i, g| gradient[i] += g);
+        for term in &self.objective {
+            term.add_gradient(x, 1.0, &mut self.work, &mut |i, g| gradient[i] += g);
+        }
     }
 
     fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
         for (c, (_, _, expression)) in c.iter_mut().zip(&self.rows) {
-            *c = expression.value(x);
+            *c = expression.value(x, &mut self.work);
         }
     }
 
@@ -173,7 +182,7 @@ impl NlpProblem for TextProblem {
         let mut start = 0;
         for (_, _, expression) in &self.rows {
             let variables = &expression.variables;
-            expression.add_gradient(x, 1.0, &mut |i, g| {
+            expression.add_gradient(x, 1.0, &mut self.work, &mut |i, g| {
                 let position = variables.binary_search(&i).unwrap();
                 values[start + position] += g;
             });
@@ -187,15 +196,18 @@ impl NlpProblem for TextProblem {
 
     fn hessian_values(&mut self, x: &[f64], weight: f64, multipliers: &[f64], values: &mut [f64]) {
         values.fill(0.0);
-        let hessian = &self.hessian;
+        let (hessian, starts) = (&self.hessian, &self.hessian_starts);
         let mut add = |i: usize, j: usize, h: f64| {
-            values[hessian.binary_search(&(i, j)).unwrap()] += h;
+            let row = &hessian[starts[i]..starts[i + 1]];
+            values[starts[i] + row.binary_search(&(i, j)).unwrap()] += h;
         };
         if weight != 0.0 {
-            self.objective.add_hessian(x, weight, &mut add);
+            for term in &self.objective {
+                term.add_hessian(x, weight, &mut self.work, &mut add);
+            }
         }
         for ((_, _, expression), y) in self.rows.iter().zip(multipliers) {
-            expression.add_hessian(x, *y, &mut add);
+            expression.add_hessian(x, *y, &mut self.work, &mut add);
         }
     }
 }

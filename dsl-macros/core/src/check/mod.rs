@@ -2,6 +2,7 @@
 
 mod names;
 mod rules;
+mod units;
 mod values;
 
 pub(crate) use rules::normal;
@@ -39,7 +40,15 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
     if diagnostics.mistakes() > before {
         return Err(Reported);
     }
-    scene
+    let mut scene = scene?;
+    let gaps = units::gaps(declared, diagnostics);
+    for contact in &mut scene.contacts {
+        contact.unit = gaps.get(&contact.name.text).copied();
+    }
+    if diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    Ok(scene)
 }
 
 /// A surface before its law is known.

@@ -6,20 +6,22 @@
 //! M = d2L/dv2          r = dL/dq + Q - (d2L/dv dq) v - d2L/dv dt          M a = r
 //! ```
 
+mod implicit;
 mod ldl;
 mod simplify;
 
-pub(crate) use simplify::simplify;
+pub(crate) use implicit::Implicit;
 
 use crate::check::normal;
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
-use crate::scene::CheckedScene;
+use crate::scene::{CheckedScene, Contact};
 use ldl::Factorization;
+use simplify::simplify;
 
 /// Largest number of coordinates whose acceleration is written out as a formula; above, it is the
 /// solution of a linear system, as formulas through the inverse of the mass matrix explode.
-pub(crate) const EXPLICIT: usize = 4;
+const EXPLICIT: usize = 4;
 
 /// Values of a sparse matrix with their positions.
 #[derive(Default)]
@@ -30,27 +32,47 @@ pub(crate) struct Sparse {
     pub(crate) values: Vec<Sym>,
 }
 
-/// What holds without contact.
-pub(crate) struct Dynamics {
-    /// Mass matrix, row-major.
-    pub(crate) mass: Vec<Sym>,
-    /// Kinetic and potential energy.
-    pub(crate) energy: [Sym; 2],
-    pub(crate) acceleration: Vec<Sym>,
+/// A vector-valued function of the inputs with its derivatives.
+pub(crate) struct Explicit {
+    pub(crate) values: Vec<Sym>,
     pub(crate) jacobian: Sparse,
     pub(crate) hessian: Sparse,
 }
 
+impl Explicit {
+    fn new(values: Vec<Sym>, inputs: &[Variable]) -> Self {
+        Self {
+            jacobian: jacobian(&values, inputs),
+            hessian: hessian(&values, inputs),
+            values,
+        }
+    }
+}
+
+/// A vector-valued function of the inputs.
+pub(crate) enum Solution {
+    /// As formulas.
+    Explicit(Explicit),
+    /// As the solution of a linear system.
+    Implicit(Implicit),
+}
+
 /// What belongs to one contact.
 pub(crate) struct ContactEquations {
-    pub(crate) gap: Sym,
-    pub(crate) normal_velocity: Sym,
+    /// Gap, normal velocity, and if it is a formula, the contact direction.
+    pub(crate) rows: Explicit,
     pub(crate) curvature: Sym,
-    pub(crate) inverse_inertia: Sym,
     pub(crate) normal: Vec<Sym>,
-    pub(crate) direction: Vec<Sym>,
-    pub(crate) jacobian: Sparse,
-    pub(crate) hessian: Sparse,
+    pub(crate) inverse_inertia: InverseInertia,
+    /// The contact direction, unless it is among the `rows`.
+    pub(crate) direction: Option<Implicit>,
+}
+
+/// `D = n' M^-1 n`.
+pub(crate) enum InverseInertia {
+    Formula(Sym),
+    /// From a linear system at run time: with the mass matrix, or with that of the direction.
+    Solved,
 }
 
 /// Why no equations could be derived.
@@ -61,9 +83,13 @@ pub(crate) enum Failure {
 
 /// Everything derived from a scene.
 pub(crate) struct Equations {
-    /// Components of the input vector `x`.
-    pub(crate) inputs: Vec<Variable>,
-    pub(crate) dynamics: Dynamics,
+    /// Number of components of the input vector `x`.
+    pub(crate) inputs: usize,
+    /// Mass matrix, row-major.
+    pub(crate) mass: Vec<Sym>,
+    /// Kinetic and potential energy.
+    pub(crate) energy: [Sym; 2],
+    pub(crate) acceleration: Solution,
     pub(crate) contacts: Vec<ContactEquations>,
 }
 
@@ -84,59 +110,128 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let mut mass = vec![Sym::ZERO; n * n];
     for (j, &velocity) in velocities.iter().enumerate() {
         for (i, entry) in graph::partial(&momenta, velocity).into_iter().enumerate() {
-            mass[i * n + j] = simplify(entry);
+            // Lower and upper entries are the same formula, whatever form the sweeps gave them.
+            if i >= j {
+                let entry = simplify(entry);
+                (mass[i * n + j], mass[j * n + i]) = (entry, entry);
+            }
         }
     }
-    let conservative = graph::gradient(lagrangian, &coordinates);
+    let applied: Vec<Sym> = graph::gradient(lagrangian, &coordinates)
+        .into_iter()
+        .zip(&scene.forces)
+        .map(|(conservative, &force)| conservative + force)
+        .collect();
     let transport = graph::directional(&momenta, velocity_direction);
-    let right: Vec<Sym> = (0..n)
-        .map(|i| simplify(conservative[i] + scene.forces[i] - transport[i]))
-        .collect();
-
-    let factorization =
-        Factorization::of(&mass, n).map_err(|coordinate| Failure::SingularMass { coordinate })?;
-    let acceleration = factorization.solve(&right);
-    let dynamics = Dynamics {
-        energy: energy(lagrangian, &momenta, &velocities),
-        jacobian: jacobian(&acceleration, &inputs),
-        hessian: hessian(&acceleration, &inputs),
-        mass,
-        acceleration,
-    };
-    let contacts = scene
-        .contacts
+    let right: Vec<Sym> = applied
         .iter()
-        .map(|contact| {
-            let gap = contact.gap;
-            let normal: Vec<Sym> = normal(gap, n).into_iter().map(simplify).collect();
-            let inverse = factorization.solve(&normal);
-            let inner = |a: &[Sym], b: &[Sym]| -> Sym {
-                simplify(a.iter().zip(b).map(|(&a, &b)| a * b).sum())
-            };
-            let along = contact.along.clone().unwrap_or_else(|| inverse.clone());
-            let scale = inner(&normal, &along).power(-2);
-            let direction: Vec<Sym> = along.iter().map(|&w| simplify(w * scale)).collect();
-            let normal_velocity = graph::directional(&[gap], velocity_direction)[0];
-            let curvature = graph::directional(&[normal_velocity], velocity_direction)[0];
-            let mut rows = vec![gap, normal_velocity];
-            rows.extend(&direction);
-            ContactEquations {
-                gap,
-                normal_velocity,
-                curvature: simplify(curvature),
-                inverse_inertia: inner(&normal, &inverse),
-                jacobian: jacobian(&rows, &inputs),
-                hessian: hessian(&rows, &inputs),
-                normal,
-                direction,
-            }
-        })
+        .zip(&transport)
+        .map(|(&applied, &transport)| simplify(applied - transport))
         .collect();
+    if let Some(coordinate) = (0..n).find(|i| {
+        mass[i * n..i * n + n]
+            .iter()
+            .all(|m| m.is_structural_zero())
+    }) {
+        return Err(Failure::SingularMass { coordinate });
+    }
+
+    let energy = energy(lagrangian, &momenta, &velocities);
+    let (acceleration, contacts) = if n <= EXPLICIT {
+        let factorization = Factorization::of(&mass, n)
+            .map_err(|coordinate| Failure::SingularMass { coordinate })?;
+        let contacts = scene
+            .contacts
+            .iter()
+            .map(|contact| explicit_contact(contact, &factorization, n, &inputs))
+            .collect();
+        let acceleration = factorization.solve(&right);
+        (
+            Solution::Explicit(Explicit::new(acceleration, &inputs)),
+            contacts,
+        )
+    } else {
+        let contacts = scene
+            .contacts
+            .iter()
+            .map(|contact| implicit_contact(contact, &mass, &momenta, n, &inputs))
+            .collect();
+        let motion = implicit::motion(mass.clone(), right, &momenta, &applied, &inputs);
+        (Solution::Implicit(motion), contacts)
+    };
     Ok(Equations {
-        inputs,
-        dynamics,
+        inputs: inputs.len(),
+        mass,
+        energy,
+        acceleration,
         contacts,
     })
+}
+
+fn inner(a: &[Sym], b: &[Sym]) -> Sym {
+    simplify(a.iter().zip(b).map(|(&a, &b)| a * b).sum())
+}
+
+/// Gap, normal velocity, curvature and normal.
+fn geometry(contact: &Contact, n: usize) -> (Vec<Sym>, Sym, Vec<Sym>) {
+    let gap = contact.gap;
+    let normal: Vec<Sym> = normal(gap, n).into_iter().map(simplify).collect();
+    let normal_velocity = graph::directional(&[gap], velocity_direction)[0];
+    let curvature = graph::directional(&[normal_velocity], velocity_direction)[0];
+    (
+        vec![gap, simplify(normal_velocity)],
+        simplify(curvature),
+        normal,
+    )
+}
+
+/// `w / (n' w)`.
+fn scaled_direction(along: &[Sym], normal: &[Sym]) -> Vec<Sym> {
+    let scale = inner(normal, along).power(-2);
+    along.iter().map(|&w| simplify(w * scale)).collect()
+}
+
+fn explicit_contact(
+    contact: &Contact,
+    factorization: &Factorization,
+    n: usize,
+    inputs: &[Variable],
+) -> ContactEquations {
+    let (mut rows, curvature, normal) = geometry(contact, n);
+    let inverse = factorization.solve(&normal);
+    let along = contact.along.as_ref().unwrap_or(&inverse);
+    rows.extend(scaled_direction(along, &normal));
+    ContactEquations {
+        rows: Explicit::new(rows, inputs),
+        curvature,
+        inverse_inertia: InverseInertia::Formula(inner(&normal, &inverse)),
+        normal,
+        direction: None,
+    }
+}
+
+fn implicit_contact(
+    contact: &Contact,
+    mass: &[Sym],
+    momenta: &[Sym],
+    n: usize,
+    inputs: &[Variable],
+) -> ContactEquations {
+    let (mut rows, curvature, normal) = geometry(contact, n);
+    let direction = match &contact.along {
+        Some(along) => {
+            rows.extend(scaled_direction(along, &normal));
+            None
+        }
+        None => Some(implicit::direction(mass, momenta, &normal, inputs)),
+    };
+    ContactEquations {
+        rows: Explicit::new(rows, inputs),
+        curvature,
+        inverse_inertia: InverseInertia::Solved,
+        normal,
+        direction,
+    }
 }
 
 /// `v' dL/dv - L` split into the part that vanishes at rest and the rest.
@@ -149,12 +244,11 @@ fn energy(lagrangian: Sym, momenta: &[Sym], velocities: &[Variable]) -> [Sym; 2]
         .zip(velocities)
         .map(|(&momentum, &velocity)| momentum * Sym::variable(velocity))
         .sum();
-    let potential = -at_rest;
-    [simplify(power - lagrangian - potential), potential]
+    [simplify(power - lagrangian + at_rest), -at_rest]
 }
 
 /// Nonzero derivatives of `outputs` with respect to `inputs`, row by row.
-pub(crate) fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
+fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     let columns: Vec<Vec<Sym>> = inputs
         .iter()
         .map(|&input| graph::partial(outputs, input))
@@ -178,7 +272,7 @@ pub(crate) fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
 
 /// Nonzero second derivatives (lower triangle) of the outputs weighted by multipliers: adjoints
 /// first, then a sweep of dual numbers for each input.
-pub(crate) fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
+fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     let weighted: Sym = outputs
         .iter()
         .enumerate()

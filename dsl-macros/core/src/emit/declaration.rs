@@ -1,11 +1,12 @@
 //! The static description of a scene.
 
+use super::Timing;
 use super::kernel::literal;
+use super::plan::{Pattern, Plan};
 use super::readable::formula;
 use super::structure::text;
-use super::{Kernels, Timing};
 use crate::ast::WrittenUnit;
-use crate::derive::{Equations, Sparse};
+use crate::derive::{Equations, InverseInertia, Solution};
 use crate::graph::Sym;
 use crate::scene::CheckedScene;
 use hangtime_units::Unit;
@@ -15,7 +16,7 @@ use std::fmt::Write;
 pub(super) fn write(
     scene: &CheckedScene,
     equations: &Equations,
-    kernels: &Kernels,
+    plan: &Plan,
     timing: &Timing,
     code: &mut String,
 ) {
@@ -58,7 +59,7 @@ pub(super) fn write(
         }
     }
     code.push_str("], contacts: &[");
-    for (contact, derived) in scene.contacts.iter().zip(&equations.contacts) {
+    for (contact, [jacobian, hessian]) in scene.contacts.iter().zip(&plan.contact_patterns) {
         let _ = write!(
             code,
             "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
@@ -69,8 +70,8 @@ pub(super) fn write(
                 .unit
                 .map_or_else(String::new, |unit| unit.to_string()),
             contact.along.is_some(),
-            pattern(&derived.jacobian),
-            pattern(&derived.hessian),
+            pattern(jacobian),
+            pattern(hessian),
             text(&contact.documentation)
         );
     }
@@ -78,10 +79,10 @@ pub(super) fn write(
         code,
         "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, kernels: &[",
         scene.explicit_time,
-        pattern(&equations.dynamics.jacobian),
-        pattern(&equations.dynamics.hessian)
+        pattern(&plan.free_patterns[0]),
+        pattern(&plan.free_patterns[1])
     );
-    for kernel in kernels.listed() {
+    for kernel in plan.listed() {
         let _ = write!(
             code,
             "::hangtime::model::Kernel {{ name: {:?}, operations: {}, outputs: {} }},",
@@ -117,16 +118,13 @@ fn is_inertia(written: Option<&WrittenUnit>) -> bool {
     })
 }
 
-fn pattern(sparse: &Sparse) -> String {
-    let mut text = format!(
-        "::hangtime::model::SparsityPattern {{ rows: {}, columns: {}, entries: &[",
-        sparse.rows, sparse.columns
-    );
-    for (row, column) in &sparse.entries {
-        let _ = write!(text, "({row}, {column}),");
-    }
-    text.push_str("] }");
-    text
+fn pattern(pattern: &Pattern) -> String {
+    format!(
+        "::hangtime::model::SparsityPattern {{ rows: {}, columns: {}, entries: {} }}",
+        pattern.rows,
+        pattern.columns,
+        pattern.entries()
+    )
 }
 
 /// The derived equations in readable form.
@@ -138,27 +136,37 @@ fn formulas(scene: &CheckedScene, equations: &Equations) -> Vec<(String, String)
         .map(|coordinate| coordinate.name.text.as_str())
         .collect();
     let n = names.len();
-    let dynamics = &equations.dynamics;
     let mut add = |left: String, right: Sym| all.push((left, formula(scene, right)));
     for i in 0..n {
         for j in 0..=i {
-            let entry = dynamics.mass[i * n + j];
+            let entry = equations.mass[i * n + j];
             if !entry.is_structural_zero() {
                 add(format!("M({}, {})", names[i], names[j]), entry);
             }
         }
     }
-    add("kinetic energy".to_owned(), dynamics.energy[0]);
-    add("potential energy".to_owned(), dynamics.energy[1]);
-    for (name, &acceleration) in names.iter().zip(&dynamics.acceleration) {
-        add(format!("{name}''"), acceleration);
+    add("kinetic energy".to_owned(), equations.energy[0]);
+    add("potential energy".to_owned(), equations.energy[1]);
+    match &equations.acceleration {
+        Solution::Explicit(solution) => {
+            for (name, &acceleration) in names.iter().zip(&solution.values) {
+                add(format!("{name}''"), acceleration);
+            }
+        }
+        Solution::Implicit(system) => {
+            for (i, &right) in system.right.iter().enumerate() {
+                add(format!("(M q'')({})", names[i]), right);
+            }
+        }
     }
     for (contact, derived) in scene.contacts.iter().zip(&equations.contacts) {
         let contact = &contact.name.text;
-        add(format!("gap({contact})"), derived.gap);
-        add(format!("gap({contact})'"), derived.normal_velocity);
-        add(format!("D({contact})"), derived.inverse_inertia);
-        for (name, &component) in names.iter().zip(&derived.direction) {
+        add(format!("gap({contact})"), derived.rows.values[0]);
+        add(format!("gap({contact})'"), derived.rows.values[1]);
+        if let InverseInertia::Formula(inverse_inertia) = derived.inverse_inertia {
+            add(format!("D({contact})"), inverse_inertia);
+        }
+        for (name, &component) in names.iter().zip(&derived.rows.values[2..]) {
             add(format!("d({contact}, {name})"), component);
         }
     }

@@ -13,13 +13,16 @@ const CHUNK: usize = 400;
 pub(crate) struct Kernel {
     pub(crate) name: String,
     pub(crate) tape: Tape,
+    /// Whether it is evaluated again and again, so that its cost is of interest.
+    pub(crate) listed: bool,
 }
 
 impl Kernel {
-    pub(crate) fn new(name: impl Into<String>, outputs: &[Sym]) -> Self {
+    pub(crate) fn new(name: impl Into<String>, outputs: &[Sym], listed: bool) -> Self {
         Self {
             name: name.into(),
             tape: Tape::of(outputs),
+            listed,
         }
     }
 

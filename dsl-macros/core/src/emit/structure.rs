@@ -1,21 +1,16 @@
 //! The struct of a scene: its parameters as fields, with defaults and setters.
 
-use super::kernel::Kernel;
+use super::plan::Plan;
 use crate::ast::{Documentation, WrittenUnit};
-use crate::derive::Equations;
 use crate::scene::{CheckedScene, Coordinate, Parameter};
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 use std::fmt::Write;
 
 /// The struct, its default, and its setters.
-pub(super) fn tokens(
-    scene: &CheckedScene,
-    equations: &Equations,
-    kernels: &[&Kernel],
-) -> TokenStream {
+pub(super) fn tokens(scene: &CheckedScene, plan: &Plan) -> TokenStream {
     let (visibility, name) = (&scene.visibility, &scene.name.ident);
-    let documentation = doc(&scene_documentation(scene, equations, kernels));
+    let documentation = doc(&scene_documentation(scene, plan));
     let fields = scene.parameters.iter().map(|parameter| {
         let ident = &parameter.name.ident;
         let documentation = doc(&parameter_documentation(parameter));
@@ -157,7 +152,7 @@ fn parameter_documentation(parameter: &Parameter) -> String {
     text
 }
 
-fn scene_documentation(scene: &CheckedScene, equations: &Equations, kernels: &[&Kernel]) -> String {
+fn scene_documentation(scene: &CheckedScene, plan: &Plan) -> String {
     let mut page = text(&scene.documentation);
     if page.is_empty() {
         let _ = write!(page, "The scene `{}`.", scene.name.text);
@@ -194,7 +189,7 @@ fn scene_documentation(scene: &CheckedScene, equations: &Equations, kernels: &[&
         );
     }
     page.push_str("\n# Derived functions\n\n| function | operations | values |\n|---|---|---|\n");
-    for kernel in kernels {
+    for kernel in plan.listed() {
         let _ = writeln!(
             page,
             "| `{}` | {} | {} |",
@@ -204,7 +199,7 @@ fn scene_documentation(scene: &CheckedScene, equations: &Equations, kernels: &[&
         );
     }
     page.push_str("\n# Pattern of the Jacobian of the free acceleration\n\n```text\n");
-    let jacobian = &equations.dynamics.jacobian;
+    let jacobian = &plan.free_patterns[0];
     for row in 0..jacobian.rows {
         for column in 0..jacobian.columns {
             page.push(if jacobian.entries.contains(&(row, column)) {

@@ -102,11 +102,6 @@ fn intern(node: Node) -> Sym {
     })
 }
 
-/// Number of nodes so far.
-pub(crate) fn size() -> usize {
-    ARENA.with_borrow(|arena| arena.nodes.len())
-}
-
 impl Sym {
     pub(crate) const ZERO: Self = Self::at_const(0);
     pub(crate) const ONE: Self = Self::at_const(1);

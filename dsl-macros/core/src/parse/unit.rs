@@ -55,7 +55,6 @@ fn read(
         Ok(unit) => Ok(Some(WrittenUnit {
             text: text.to_owned(),
             unit,
-            place,
         })),
         Err(error) => Err(diagnostics.syntax(place, error.to_string())),
     }

@@ -1,5 +1,8 @@
 //! Partial factorization of one dense front.
 
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::{Accum, MatMut, MatRef, Par};
+
 /// A pivot block of `B`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Pivot {
@@ -30,6 +33,8 @@ pub(crate) struct Front<'m> {
     pub(crate) rest: &'m mut [f64],
     /// Names of the rows; reordered with them.
     pub(crate) index: &'m mut [usize],
+    /// Work array.
+    pub(crate) product: &'m mut Vec<f64>,
 }
 
 impl Front<'_> {
@@ -256,6 +261,10 @@ impl Front<'_> {
     fn update_rest(&mut self, done: usize, pivots: &[Pivot]) {
         let (rows, summed) = (self.rows, self.summed);
         let length = rows - summed;
+        if done >= 8 && length >= 32 {
+            self.update_rest_blocked(done, pivots);
+            return;
+        }
         for j in 0..length {
             let target = &mut self.rest[j * length + j..(j + 1) * length];
             let row = summed + j;
@@ -293,6 +302,49 @@ impl Front<'_> {
     }
 }
 
+impl Front<'_> {
+    /// As `update_rest`, as one matrix product.
+    fn update_rest_blocked(&mut self, done: usize, pivots: &[Pivot]) {
+        let (rows, summed) = (self.rows, self.summed);
+        let length = rows - summed;
+        // B L', column-major with `done` rows
+        self.product.clear();
+        self.product.resize(done * length, 0.0);
+        for (k, pivot) in pivots.iter().enumerate() {
+            let row = |k: usize| &self.panel[k * rows + summed..(k + 1) * rows];
+            match *pivot {
+                Pivot::One(d) => {
+                    for (j, l) in row(k).iter().enumerate() {
+                        self.product[j * done + k] = d * l;
+                    }
+                }
+                Pivot::Two(a, b, c) => {
+                    for (j, (l, m)) in row(k).iter().zip(row(k + 1)).enumerate() {
+                        self.product[j * done + k] = a * l + b * m;
+                        self.product[j * done + k + 1] = b * l + c * m;
+                    }
+                }
+                Pivot::Second | Pivot::Zero => {}
+            }
+        }
+        let l =
+            MatRef::from_column_major_slice_with_stride(&self.panel[summed..], length, done, rows);
+        let product = MatRef::from_column_major_slice(&*self.product, done, length);
+        let rest = MatMut::from_column_major_slice_mut(&mut *self.rest, length, length);
+        matmul(
+            rest,
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            l,
+            BlockStructure::Rectangular,
+            product,
+            BlockStructure::Rectangular,
+            -1.0,
+            Par::Seq,
+        );
+    }
+}
+
 fn subtract_two(target: &mut [f64], f: f64, l: &[f64], g: f64, m: &[f64]) {
     for ((t, l), m) in target.iter_mut().zip(l).zip(m) {
         *t -= f * l + g * m;
@@ -316,6 +368,7 @@ mod tests {
             panel,
             rest,
             index,
+            product: Box::leak(Box::default()),
         }
     }
 

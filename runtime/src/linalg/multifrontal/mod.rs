@@ -30,6 +30,7 @@ pub struct MultifrontalLdl {
     panel: Vec<f64>,
     rest: Vec<f64>,
     index: Vec<usize>,
+    product: Vec<f64>,
     // stack of Schur complements: full square blocks, their row names, and one record for each
     blocks: Vec<f64>,
     block_rows: Vec<usize>,
@@ -74,6 +75,7 @@ impl MultifrontalLdl {
             panel: Vec::new(),
             rest: Vec::new(),
             index: Vec::new(),
+            product: Vec::new(),
             blocks: Vec::new(),
             block_rows: Vec::new(),
             records: Vec::new(),
@@ -239,6 +241,7 @@ impl KktFactorization for MultifrontalLdl {
                 panel: &mut self.panel,
                 rest: &mut self.rest,
                 index: &mut self.index,
+                product: &mut self.product,
             };
             let done = front.factorize(is_root, &mut self.pivots);
             self.store(rows, summed, done, is_root);

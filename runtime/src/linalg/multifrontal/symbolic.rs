@@ -181,7 +181,7 @@ fn supernodes(
         {
             let columns = last.end - last.first;
             let own_rows = node.rows.len();
-            if merges(columns, last.rows.len(), 1, own_rows) && columns < 512 {
+            if merges(columns, last.rows.len(), 1, own_rows) && columns < 64 {
                 node.first = last.first;
                 nodes.pop();
             }

@@ -2,16 +2,25 @@
 //! and normal contact accelerations, then, where both vanish, of what follows a moment later.
 
 use super::dop853::Dop853;
-use super::dynamics::{Dynamics, largest};
+use super::dynamics::{Dynamics, dot, largest};
 use super::lcp::{self, LcpSolution};
 use crate::model::contact_point;
 
 /// Normal contact accelerations below this share of the accelerations they balance are compared by
 /// what follows a moment later: event times carry rounding error, and the force its rate times that.
 const BIACTIVE: f64 = 1e-10;
-/// Shares of the step size after which biactive contacts are looked at: the earliest one that shows
-/// more than rounding error belongs to the leading derivative.
-const MOMENTS: [f64; 6] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
+/// Shares of the step size after which biactive contacts are looked at, with the multiple of the force now
+/// that a force then must exceed: the earliest moment that shows more than rounding error belongs to the
+/// leading derivative. If none does, force or acceleration are constant, and what there is now counts.
+const MOMENTS: [(f64, f64); 7] = [
+    (1e-6, 4.0),
+    (1e-5, 4.0),
+    (1e-4, 4.0),
+    (1e-3, 4.0),
+    (1e-2, 4.0),
+    (1e-1, 4.0),
+    (1e-1, 0.0),
+];
 /// Forces and accelerations below this share of the terms they are sums of may be rounding error.
 const NOISE: f64 = 1e-13;
 /// Flights lower than this times `max(1, |q|)` are none: a gap is known to about this. It ends the
@@ -96,7 +105,8 @@ pub(in crate::simulation) fn impact(
     for (i, velocity) in closed.into_iter().zip(velocities) {
         dynamics.evaluate_contact(i);
         let (acceleration, _) = dynamics.free_normal_acceleration(i);
-        let returns = velocity > 0.0 && velocity * velocity <= -2.0 * acceleration * lowest_flight;
+        let room = lowest_flight - dynamics.point(i)[contact_point::GAP];
+        let returns = velocity > 0.0 && velocity * velocity <= -2.0 * acceleration * room;
         if velocity.abs() <= zero_velocity || returns {
             outcome.resting.push(i);
         }
@@ -176,24 +186,25 @@ pub(in crate::simulation) fn select(
     };
     dynamics.load(t, y);
     dynamics.evaluate_free_acceleration();
-    let (mut free, mut scale) = (Vec::with_capacity(resting.len()), 0.0_f64);
+    let (mut free, mut scales) = (Vec::with_capacity(resting.len()), Vec::new());
     for &i in resting {
         dynamics.evaluate_contact(i);
         let (acceleration, terms) = dynamics.free_normal_acceleration(i);
         free.push(acceleration);
-        scale = scale.max(terms);
+        scales.push(terms);
     }
+    dynamics.set_force_floors(resting);
     let solution = solve(dynamics, resting, &free, "balance of contact forces")
         .map_err(|message| Undetermined { contact, message })?;
-    let zero = BIACTIVE * scale;
-    let (mut pressed, mut biactive) = (Vec::new(), Vec::new());
-    let mut rest = 0.0_f64;
-    for ((&i, &r), &w) in resting.iter().zip(&solution.z).zip(&solution.w) {
+    let (mut pressed, mut biactive, mut remainders) = (Vec::new(), Vec::new(), Vec::new());
+    for (slot, &i) in resting.iter().enumerate() {
+        let (r, w) = (solution.z[slot], solution.w[slot]);
+        let zero = BIACTIVE * scales[slot].max(dynamics.force_floor(i));
         if r > zero {
             pressed.push(i);
         } else if w <= zero {
             biactive.push(i);
-            rest = rest.max(r.abs()).max(w.abs());
+            remainders.push(r.abs().max(w.abs()));
         }
     }
     if biactive.is_empty() {
@@ -203,7 +214,7 @@ pub(in crate::simulation) fn select(
     let mut subsets: Vec<usize> = (0..1 << biactive.len()).collect();
     subsets.sort_by_key(|subset| usize::MAX - subset.count_ones() as usize);
     let mut neutral = None;
-    for share in MOMENTS {
+    for (share, multiple) in MOMENTS {
         neutral = None;
         for &subset in &subsets {
             dynamics.active = pressed.clone();
@@ -216,8 +227,15 @@ pub(in crate::simulation) fn select(
                     .map(|(_, &i)| i),
             );
             dynamics.active.sort_unstable();
-            let noise = 4.0 * rest;
-            match sign_after(dynamics, probe, t, y, &biactive, share * moment, noise) {
+            let noise = remainders.iter().map(|remainder| multiple * remainder);
+            match sign_after(
+                dynamics,
+                probe,
+                t,
+                y,
+                biactive.iter().copied().zip(noise),
+                share * moment,
+            ) {
                 Sign::Positive => return Ok(()),
                 Sign::Zero if neutral.is_none() => neutral = Some(dynamics.active.clone()),
                 Sign::Zero | Sign::Negative => {}
@@ -246,15 +264,15 @@ enum Sign {
     Negative,
 }
 
-/// Looks at the biactive contacts after a time `delta` in the mode `dynamics.active`.
+/// Looks at the biactive contacts, each with what counts as noise, after a time `delta` in the mode
+/// `dynamics.active`.
 fn sign_after(
     dynamics: &mut Dynamics<'_>,
     probe: &mut Dop853,
     t: f64,
     y: &[f64],
-    biactive: &[usize],
+    biactive: impl Iterator<Item = (usize, f64)>,
     delta: f64,
-    noise: f64,
 ) -> Sign {
     let mut start = y.to_vec();
     if !dynamics.project(t, &mut start) {
@@ -269,22 +287,15 @@ fn sign_after(
     let n = dynamics.n;
     let accelerations = probe.end_slope()[n..2 * n].to_vec();
     let mut sign = Sign::Positive;
-    for &i in biactive {
+    for (i, noise) in biactive {
         dynamics.evaluate_contact(i);
         let curvature = dynamics.point(i)[contact_point::CURVATURE];
-        let (acceleration, terms) = dynamics
-            .normal(i)
-            .iter()
-            .zip(&accelerations)
-            .fold((curvature, curvature.abs()), |(sum, terms), (n, a)| {
-                (sum + n * a, terms + (n * a).abs())
-            });
-        let (value, terms) = if dynamics.is_active(i) {
-            (dynamics.values[i], terms + dynamics.force_scale[i])
+        let value = if dynamics.is_active(i) {
+            dynamics.values[i]
         } else {
-            (acceleration, terms)
+            curvature + dot(dynamics.normal(i), &accelerations)
         };
-        let noise = noise.max(NOISE * terms);
+        let noise = noise.max(NOISE * dynamics.normal_acceleration_scale(i));
         if value < -noise || value.is_nan() {
             return Sign::Negative;
         }

@@ -123,10 +123,12 @@ impl Dop853 {
             fifth += e5 * e5;
             third += e3 * e3;
         }
-        if fifth == 0.0 && third == 0.0 {
+        let both: f64 = (fifth + 0.01 * third) * self.measured as f64;
+        // Squares of the smallest numbers vanish.
+        if both == 0.0 {
             return 0.0;
         }
-        h.abs() * fifth / ((fifth + 0.01 * third) * self.measured as f64).sqrt()
+        h.abs() * fifth / both.sqrt()
     }
 
     /// Step size after an accepted step of size `h` with error `error` (PI control).

@@ -42,8 +42,12 @@ pub(in crate::simulation) struct Dynamics<'a> {
     pub(in crate::simulation) lowest: Vec<f64>,
     /// Largest of `values` since [`sample_from`](Self::sample_from).
     pub(in crate::simulation) highest: Vec<f64>,
-    /// Accelerations that the normal contact acceleration balances, `sum_k |n_k a_k| + |curvature|`.
+    /// Sizes of the terms that the normal contact acceleration of an active contact balances,
+    /// `|curvature| + sum_k |n_k a_k| + sum_j |D_ij r_j|`: rounding error is a share of it.
     pub(in crate::simulation) force_scale: Vec<f64>,
+    /// Accelerations that are nothing to a contact: `sqrt(D_i a'M a)`, the largest normal acceleration that
+    /// forces of the size of those present could give, at the last change of the mode.
+    force_floor: Vec<f64>,
     /// Evaluations so far.
     pub(in crate::simulation) evaluations: usize,
     auxiliary_acceleration: f64,
@@ -51,6 +55,7 @@ pub(in crate::simulation) struct Dynamics<'a> {
     x: Vec<f64>,
     acceleration: Vec<f64>,
     points: Vec<f64>,
+    mass: Vec<f64>,
     matrix: Vec<f64>,
     right: Vec<f64>,
 }
@@ -70,6 +75,8 @@ impl<'a> Dynamics<'a> {
             lowest: vec![0.0; contacts],
             highest: vec![0.0; contacts],
             force_scale: vec![0.0; contacts],
+            force_floor: vec![0.0; contacts],
+            mass: vec![0.0; n * n],
             evaluations: 0,
             auxiliary_acceleration,
             explicit_time: declaration.explicit_time,
@@ -175,6 +182,56 @@ impl<'a> Dynamics<'a> {
             })
     }
 
+    /// Sets the sizes of forces to which others are compared, for the contacts given; contacts and free
+    /// acceleration are evaluated.
+    pub(in crate::simulation) fn set_force_floors(&mut self, contacts: &[usize]) {
+        self.model.mass_matrix(&self.x, &mut self.mass);
+        let a = &self.acceleration;
+        let square: f64 = self
+            .mass
+            .chunks_exact(self.n.max(1))
+            .zip(a)
+            .map(|(row, a_k)| a_k * dot(row, a))
+            .sum();
+        for &i in contacts {
+            let inverse_inertia = self.point(i)[contact_point::INVERSE_INERTIA];
+            self.force_floor[i] = (inverse_inertia * square).max(0.0).sqrt();
+        }
+    }
+
+    /// Size of forces to which those of a contact are compared.
+    pub(in crate::simulation) fn force_floor(&self, contact: usize) -> f64 {
+        self.force_floor[contact]
+    }
+
+    /// Accepts the contact forces of a new mode: one that is negative by rounding error is no reason to leave
+    /// the mode again.
+    pub(in crate::simulation) fn accept_forces(&mut self) {
+        for &i in &self.active {
+            let pull = -self.values[i];
+            self.force_floor[i] = self.force_floor[i].max(2.0 * pull / ZERO_FORCE);
+        }
+    }
+
+    /// Sizes of the terms of the normal acceleration with contact forces of any contact as last
+    /// evaluated: `|curvature| + sum_k |n_k| (|a_k| + sum_j |d_jk r_j|)`, or the floor if that is larger.
+    pub(in crate::simulation) fn normal_acceleration_scale(&self, contact: usize) -> f64 {
+        let curvature = self.point(contact)[contact_point::CURVATURE].abs();
+        let terms = self
+            .normal(contact)
+            .iter()
+            .enumerate()
+            .fold(curvature, |sum, (k, n)| {
+                let forces: f64 = self
+                    .active
+                    .iter()
+                    .map(|&j| (self.direction(j)[k] * self.values[j]).abs())
+                    .sum();
+                sum + n.abs() * (self.acceleration[k].abs() + forces)
+            });
+        terms.max(self.force_floor[contact])
+    }
+
     /// Whether a contact belongs to the present mode.
     pub(in crate::simulation) fn is_active(&self, contact: usize) -> bool {
         self.active.contains(&contact)
@@ -207,7 +264,7 @@ impl<'a> Dynamics<'a> {
     /// What counts as zero for the value of a contact: a closed gap or a vanishing force.
     pub(in crate::simulation) fn zero_value(&self, contact: usize, y: &[f64]) -> f64 {
         if self.is_active(contact) {
-            ZERO_FORCE * self.force_scale[contact]
+            ZERO_FORCE * self.force_scale[contact].max(self.force_floor[contact])
         } else {
             self.closed_gap(y)
         }
@@ -334,8 +391,13 @@ impl System for Dynamics<'_> {
                 dy[n..2 * n].fill(f64::NAN);
             }
             dy[2 * n] = self.speed_of_numerical_time();
-            for (slot, &i) in self.active.iter().enumerate() {
+            for slot in 0..next {
+                let i = self.active[slot];
                 self.values[i] = self.right[slot];
+                for other in (0..next).filter(|&other| other != slot) {
+                    let coupling = self.coupling(i, self.active[other]);
+                    self.force_scale[i] += (coupling * self.right[other]).abs();
+                }
             }
         }
         for ((value, lowest), highest) in self

@@ -277,6 +277,7 @@ impl<'a> Integration<'a> {
             ));
         }
         self.begin()?;
+        self.dynamics.accept_forces();
         self.record();
         if impact.struck.len() > 1 {
             self.note(

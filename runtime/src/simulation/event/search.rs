@@ -5,11 +5,14 @@ use super::dop853::{Dop853, System};
 use super::dynamics::Dynamics;
 use super::locate::{self, Sample};
 
-/// Crossings of the continuous extension that true steps do not confirm, before the step is believed.
+/// Crossings of one contact on the continuous extension that true steps do not confirm, before the rest
+/// of the step is believed.
 const FALSE_ALARMS: usize = 20;
 /// A crossing less deep than this share of the range of values within the step is confirmed by a true
 /// step: it may be an error of the continuous extension.
 const SHALLOW: f64 = 1e-4;
+/// Halvings of a step on the way back to where the true solution is positive.
+const HALVINGS: usize = 40;
 /// Secant steps before bisection.
 const SECANTS: usize = 12;
 /// Secant steps and bisections together; 64 bisections use up all digits.
@@ -20,6 +23,8 @@ const POLISHING: usize = 80;
 pub(super) struct EventSearch {
     state: Vec<f64>,
     slope: Vec<f64>,
+    end: Vec<f64>,
+    false_alarms: Vec<usize>,
     from: Vec<Option<Sample>>,
 }
 
@@ -41,11 +46,22 @@ pub(super) struct Found {
     pub(super) h: f64,
 }
 
+/// A crossing of zero on the continuous extension.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    contact: usize,
+    left: Sample,
+    right: Sample,
+    root: f64,
+}
+
 impl EventSearch {
     pub(super) fn new(dimension: usize, contacts: usize) -> Self {
         Self {
             state: vec![0.0; dimension],
             slope: vec![0.0; dimension],
+            end: vec![0.0; dimension],
+            false_alarms: vec![0; contacts],
             from: vec![None; contacts],
         }
     }
@@ -57,7 +73,8 @@ impl EventSearch {
     }
 
     /// The earliest event within the step, whose continuous extension is ready. If there is one,
-    /// `method.end()` is the state there, on the surfaces of the active contacts.
+    /// `method.end()` is the state there, on the surfaces of the active contacts; if not, it stays
+    /// the end of the step.
     pub(super) fn earliest(
         &mut self,
         dynamics: &mut Dynamics<'_>,
@@ -70,49 +87,62 @@ impl EventSearch {
                 value: step.start_values[i],
             });
         }
-        for _ in 0..FALSE_ALARMS {
-            let (contact, left, right) = self.first_bracket(dynamics, method, step)?;
-            match self.polish(dynamics, method, step, contact, left, right) {
+        self.end.copy_from_slice(method.end());
+        self.false_alarms.fill(0);
+        while let Some(crossing) = self.first_crossing(dynamics, method, step) {
+            let (contact, at) = (crossing.contact, crossing.right.at);
+            match self.polish(dynamics, method, step, crossing) {
                 Ok(h) => return Some(Found { contact, h }),
                 Err(value) => {
-                    self.from[contact] = (right.at < 1.0).then_some(Sample {
-                        at: right.at,
-                        value,
-                    });
+                    self.false_alarms[contact] += 1;
+                    let search_on = at < 1.0 && self.false_alarms[contact] < FALSE_ALARMS;
+                    self.from[contact] = search_on.then_some(Sample { at, value });
                 }
             }
         }
+        method.end_mut().copy_from_slice(&self.end);
         None
     }
 
-    fn first_bracket(
+    /// The crossing with the earliest root on the continuous extension.
+    fn first_crossing(
         &mut self,
         dynamics: &mut Dynamics<'_>,
         method: &Dop853,
         step: Step<'_>,
-    ) -> Option<(usize, Sample, Sample)> {
-        let mut earliest: Option<(usize, Sample, Sample)> = None;
-        for i in 0..dynamics.contacts {
-            let Some(from) = self.from[i] else { continue };
-            let zero = dynamics.zero_value(i, step.y);
+    ) -> Option<Crossing> {
+        let mut earliest: Option<Crossing> = None;
+        for contact in 0..dynamics.contacts {
+            let Some(from) = self.from[contact] else {
+                continue;
+            };
+            // A gap or force that starts below zero and grows is no crossing.
+            let zero = dynamics
+                .zero_value(contact, step.y)
+                .max(-2.0 * step.start_values[contact]);
+            let mut value = |theta| self.interpolated(dynamics, method, step, contact, theta);
             let to = match earliest {
                 None => Sample {
                     at: 1.0,
-                    value: step.end_values[i],
+                    value: step.end_values[contact],
                 },
-                Some((_, _, right)) if right.at > from.at => Sample {
-                    at: right.at,
-                    value: self.interpolated(dynamics, method, step, i, right.at),
+                Some(Crossing { root, .. }) => Sample {
+                    at: root,
+                    value: value(root),
                 },
-                Some(_) => continue,
             };
-            let mut value = |theta| self.interpolated(dynamics, method, step, i, theta);
-            let found = locate::first_crossing(&mut value, from, to, zero);
-            if let Some((left, right)) = found
-                && earliest.is_none_or(|(_, _, other)| right.at < other.at)
-            {
+            if to.at <= from.at {
+                continue;
+            }
+            if let Some((left, right)) = locate::first_crossing(&mut value, from, to, zero) {
                 let left = locate::positive_before(&mut value, from, left, right);
-                earliest = Some((i, left, right));
+                let root = locate::root(&mut value, left, right);
+                earliest = Some(Crossing {
+                    contact,
+                    left,
+                    right,
+                    root,
+                });
             }
         }
         earliest
@@ -167,28 +197,55 @@ impl EventSearch {
         dynamics: &mut Dynamics<'_>,
         method: &mut Dop853,
         step: Step<'_>,
-        contact: usize,
-        left: Sample,
-        right: Sample,
+        crossing: Crossing,
     ) -> Result<f64, f64> {
-        let zero = dynamics.zero_value(contact, step.y);
+        let Crossing {
+            contact,
+            mut left,
+            mut right,
+            root: mut theta,
+        } = crossing;
+        let zero = dynamics
+            .zero_value(contact, step.y)
+            .max(-2.0 * step.start_values[contact]);
         let range = dynamics.highest[contact] - dynamics.lowest[contact];
-        if right.at < 1.0 && -right.value < SHALLOW * range {
+        let resolution = f64::EPSILON * (step.t.abs() + step.h);
+        let sinks = left.value <= 0.0 || (theta - left.at) * step.h <= resolution;
+        if right.at < 1.0 && (sinks || -right.value < SHALLOW * range) {
             let value = self.stepped(dynamics, method, step, contact, right.at * step.h);
             if value >= -zero {
                 return Err(value);
             }
         }
-        let mut value = |theta| self.interpolated(dynamics, method, step, contact, theta);
-        let theta = locate::root(&mut value, left, right);
-        let around = 1e-3 * (right.at - left.at);
-        let (before, after) = ((theta - around).max(0.0), (theta + around).min(1.0));
-        let mut slope = (value(after) - value(before)) / ((after - before) * step.h);
+        let mut slope;
+        if sinks {
+            // The continuous extension is positive nowhere; the true solution may be, for a while.
+            let mut width = right.at - left.at;
+            let positive = (0..HALVINGS).find_map(|_| {
+                width *= 0.5;
+                let at = left.at + width;
+                let value = self.stepped(dynamics, method, step, contact, at * step.h);
+                if value <= 0.0 {
+                    right = Sample { at, value };
+                }
+                (value > 0.0).then_some(Sample { at, value })
+            });
+            match positive {
+                Some(sample) => left = sample,
+                None => right = left,
+            }
+            theta = left.at;
+            slope = (right.value - left.value) / ((right.at - left.at) * step.h);
+        } else {
+            let mut value = |theta| self.interpolated(dynamics, method, step, contact, theta);
+            let around = 1e-3 * (right.at - left.at);
+            let (before, after) = ((theta - around).max(0.0), (theta + around).min(1.0));
+            slope = (value(after) - value(before)) / ((after - before) * step.h);
+        }
 
         let (mut low, mut high) = (left.at * step.h, right.at * step.h);
         let mut h = theta * step.h;
         let mut f = self.stepped(dynamics, method, step, contact, h);
-        let resolution = f64::EPSILON * (step.t.abs() + step.h);
         for iteration in 0..POLISHING {
             if f > 0.0 {
                 low = h;
