@@ -17,7 +17,6 @@ pub mod linalg;
 pub mod model;
 pub mod mpcc;
 pub mod nlp;
-pub mod ocp;
 pub mod rk;
 pub mod simulation;
 mod time_freezing;

@@ -4,20 +4,23 @@
 //! with the closed contacts `A`:
 //!
 //! ```text
-//! sum_j C_mj Q_j = h (V_m + sum_A d_i eta_i)      g_i(Q_m) = 0,  v_n,i(Q_m, V_m) = 0     i in A
-//! sum_j C_mj V_j = h (a + sum_A d_i r_i)          g_i(Q_m) >= 0                          i not in A
+//! sum_j C_mj Q_j = h V_m + sum_A d_i eta_i      g_i(Q_m) = 0,  v_n,i(Q_m, V_m) = 0,  r_i >= 0     i in A
+//! sum_j C_mj V_j = h a_m + sum_A d_i r_i        g_i(Q_m) >= 0                                 i not in A
 //! ```
 //!
-//! (stabilised index 2: Gear, Leimkuhler, Gupta 1985; order `2 s - 1` in `q` and `v`). Between phases:
+//! (stabilised index 2: Gear, Leimkuhler, Gupta 1985; order `2 s - 1` in `q` and `v`). The unknowns `r_i` are
+//! normal accelerations times `h`, so that the system stays regular for short phases. Between phases:
 //! an opening inside an interval happens where the force vanishes, `r_i = 0`; one at a jump of the
 //! controls where `r_i >= 0` before and the normal acceleration is `>= 0` after it; a closing where
 //! `g_i = 0`, followed by the impact map `v+ = v + sum_B d_i p_i`, `v_n,i(v+) = 0` for all contacts `B`
 //! closed afterwards.
 //!
 //! A coordinate whose acceleration depends on nothing but the controls is a parabola on each interval,
-//! so its bounds hold at all times if the shifted control points `b_0, b_1, b_2` of the parabola satisfy
-//! `b_1 + w >= 0`, `w^2 <= b_0 b_2`, `w >= 0`. Other bounds hold at the stages, and between them where a
-//! [`Cut`] says so.
+//! so a bound holds at all times if and only if the shifted control points `b_0, b_1, b_2` of the parabola
+//! satisfy `b_0 >= s theta^2`, `b_1 >= -s theta (1 - theta)`, `b_2 >= s (1 - theta)^2` for some `s >= 0` and
+//! `theta` in `[0, 1]`: a nonnegative combination of the Bernstein polynomials and of a square (Lukacs). The
+//! rows have independent gradients also where the coordinate rests on its bound. Other bounds hold at the
+//! stages, and between them where a [`Cut`] says so.
 
 use super::contact_implicit::{Frame, state_name};
 use super::kernel::Kernel;
@@ -30,6 +33,9 @@ use crate::rk::ButcherTableau;
 
 /// Least distance of a guessed switch from the ends of its interval, relative to its length.
 const GUESS_MARGIN: f64 = 0.02;
+
+/// Shortest phase relative to its interval: in a phase of no length the contact forces are undetermined.
+const SHORTEST: f64 = 2e-3;
 
 /// What must hold between the stages of a phase.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +60,8 @@ pub(super) struct Cut {
 pub(super) struct Stage {
     /// `q` then `v`.
     pub(super) state: Vec<usize>,
-    /// Forces of the closed contacts, in the order of [`Phase::closed`].
+    /// Normal accelerations of the closed contacts times the length of the phase, in the order of
+    /// [`Phase::closed`].
     pub(super) forces: Vec<usize>,
     /// Row of each contact's gap.
     pub(super) gap_rows: Vec<usize>,
@@ -76,8 +83,10 @@ pub(super) struct Phase {
     pub(super) openings: Vec<(usize, usize)>,
     /// Conditions between the stages, with their rows.
     pub(super) cuts: Vec<(Cut, usize)>,
-    /// The switch at the end, as an index into the sequence.
+    /// The switch at the end inside the interval, as an index into the sequence.
     pub(super) ends_with: Option<usize>,
+    /// The contact that closes at the end.
+    pub(super) closing: Option<usize>,
 }
 
 /// The program with its phases.
@@ -224,14 +233,21 @@ impl<'a> Collocation<'a> {
 
 impl Builder<'_, '_> {
     fn interval(&mut self, interval: usize, switches: &[Switch]) {
+        let share = 1.0 / self.setting.problem.intervals as f64;
         let here = |place: Place| {
             let all = switches.iter().enumerate();
             all.filter(move |(_, s)| s.interval == interval && s.place == place)
         };
-        let mut openings = Vec::new();
+        let (mut openings, mut before) = (Vec::new(), self.state.clone());
         for (_, switch) in here(Place::Start) {
-            self.closed.retain(|&contact| contact != switch.contact);
-            openings.push(switch.contact);
+            if switch.closes {
+                let time = self.guess.horizon * interval as f64 * share;
+                self.close(switch.contact, &format!("interval {}", interval - 1), time);
+                before.clone_from(&self.state);
+            } else {
+                self.closed.retain(|&contact| contact != switch.contact);
+                openings.push(switch.contact);
+            }
         }
         let inside: Vec<(usize, &Switch)> = here(Place::Inside).collect();
         let length = self.guess.horizon / self.setting.problem.intervals as f64;
@@ -241,7 +257,6 @@ impl Builder<'_, '_> {
             .map(|(_, s)| (s.time - interval as f64).clamp(GUESS_MARGIN, 1.0 - GUESS_MARGIN))
             .collect();
         ends.push(1.0);
-        let share = 1.0 / self.setting.problem.intervals as f64;
         let durations: Vec<usize> = if count == 1 {
             Vec::new()
         } else {
@@ -254,7 +269,7 @@ impl Builder<'_, '_> {
                     let begin = if p == 0 { 0.0 } else { ends[p - 1] };
                     let duration = self.program.variable(
                         format!("length of phase {p} of interval {interval}"),
-                        (0.0, f64::INFINITY),
+                        (SHORTEST * length, f64::INFINITY),
                         (ends[p] - begin) * length,
                         length,
                     );
@@ -263,7 +278,6 @@ impl Builder<'_, '_> {
                 })
                 .collect()
         };
-        let before = self.state.clone();
         let mut begin = 0.0;
         for p in 0..count {
             let (scale, factor) = match durations.get(p) {
@@ -275,13 +289,24 @@ impl Builder<'_, '_> {
                 (interval as f64 + ends[p]) * length,
             );
             let ending = inside.get(p).copied();
-            let opened = if p == 0 { openings.clone() } else { Vec::new() };
+            let closing = match ending {
+                Some((_, switch)) => switch.closes.then_some(switch.contact),
+                None => switches
+                    .iter()
+                    .find(|s| s.closes && s.interval == interval + 1 && s.place == Place::Start)
+                    .map(|s| s.contact),
+            };
+            let opened: Vec<usize> = match p.checked_sub(1).map(|before| inside[before].1) {
+                None => openings.clone(),
+                Some(before) if before.closes => Vec::new(),
+                Some(before) => vec![before.contact],
+            };
             self.phase(
                 interval,
                 (p, count),
                 (scale, factor),
                 times,
-                ending,
+                (ending, closing),
                 &opened,
             );
             begin = ends[p];
@@ -295,7 +320,7 @@ impl Builder<'_, '_> {
         index: (usize, usize),
         (scale, factor): (usize, f64),
         (from, to): (f64, f64),
-        ending: Option<(usize, &Switch)>,
+        (ending, closing): (Option<(usize, &Switch)>, Option<usize>),
         opened: &[usize],
     ) {
         let Setting {
@@ -324,6 +349,7 @@ impl Builder<'_, '_> {
             openings: Vec::new(),
             cuts: Vec::new(),
             ends_with: ending.map(|(index, _)| index),
+            closing,
         };
         let mut corrections = Vec::with_capacity(stages);
         for (m, c) in tableau.c().iter().enumerate() {
@@ -343,14 +369,16 @@ impl Builder<'_, '_> {
             let mut forces = Vec::new();
             let mut shifts = Vec::new();
             for &i in &closed {
-                let name = format!("force of `{}` at stage {m} of {label}", contacts[i].name);
-                let guess = sample[2 * n + i];
-                forces.push(program.variable(name, (0.0, f64::INFINITY), guess, units.force[i]));
-                let name = format!(
-                    "correction of `{}` at stage {m} of {label}",
-                    contacts[i].name
-                );
-                shifts.push(program.variable(name, free, 0.0, 1.0));
+                let name = contacts[i].name;
+                let length = to - from;
+                forces.push(program.variable(
+                    format!("force of `{name}` at stage {m} of {label}"),
+                    (0.0, f64::INFINITY),
+                    sample[2 * n + i] * length,
+                    units.force[i] * length,
+                ));
+                let name = format!("correction of `{name}` at stage {m} of {label}");
+                shifts.push(program.variable(name, free, 0.0, units.gap[i]));
             }
             corrections.push(shifts);
             phase.stages.push(Stage {
@@ -364,7 +392,7 @@ impl Builder<'_, '_> {
             let mut gap_rows = Vec::with_capacity(contacts.len());
             let (q, v) = state.split_at(n);
             let slopes = lagrange(tableau, tableau.c()[m], true);
-            let (mut moves, mut pushes) = (Vec::new(), Vec::new());
+            let (mut moves, mut pushes, mut free_pushes) = (Vec::new(), Vec::new(), Vec::new());
             for k in 0..2 * n {
                 let name = format!(
                     "collocation of {}, stage {m}, {label}",
@@ -377,27 +405,32 @@ impl Builder<'_, '_> {
                 }
                 if k < n {
                     program.bilinear(row, scale, v[k], -factor);
-                    moves.push((row, k, -factor));
+                    moves.push((row, k, -1.0));
                 } else {
-                    pushes.push((row, k - n, -factor));
+                    free_pushes.push((row, k - n, -factor));
+                    pushes.push((row, k - n, -1.0));
                 }
             }
-            let kernel = Kernel::Acceleration(closed.clone());
-            program.block(&kernel, [q, v, &u, forces], Some(scale), pushes);
+            let kernel = Kernel::Acceleration(Vec::new());
+            program.block(&kernel, [q, v, &u, &[]], Some(scale), free_pushes);
             if !closed.is_empty() {
                 let kernel = Kernel::Push(closed.clone());
-                program.block(&kernel, [q, &[], &[], &corrections[m]], Some(scale), moves);
+                program.block(&kernel, [q, &[], &[], forces], None, pushes);
+                program.block(&kernel, [q, &[], &[], &corrections[m]], None, moves);
             }
             for (i, contact) in contacts.iter().enumerate() {
                 let last = m + 1 == stages;
-                let closes = last && ending.is_some_and(|(_, s)| s.closes && s.contact == i);
+                let closes = last && closing == Some(i);
                 let upper = if closed.contains(&i) || closes {
                     0.0
                 } else {
                     f64::INFINITY
                 };
                 let name = format!("gap `{}`, stage {m}, {label}", contact.name);
-                let row = program.row(name, 0.0, upper);
+                // Right after an opening the gap is of third order in time, so that its rows would have no
+                // interior: its sign follows from the force before, and is checked afterwards.
+                let lower = if opened.contains(&i) && upper > 0.0 { f64::NEG_INFINITY } else { 0.0 };
+                let row = program.row(name, lower, upper);
                 gap_rows.push(row);
                 let mut uses = vec![(row, 0, 1.0)];
                 if closed.contains(&i) {
@@ -420,7 +453,7 @@ impl Builder<'_, '_> {
         }
         // The normal acceleration after an opening at a jump of the controls: the slope of the normal
         // velocity, which starts from 0.
-        for &i in opened {
+        for &i in opened.iter().filter(|_| index.0 == 0) {
             let name = format!("opening of `{}` at the start of {label}", contacts[i].name);
             let row = program.row(name, 0.0, f64::INFINITY);
             let slopes = lagrange(tableau, 0.0, true);
@@ -443,16 +476,21 @@ impl Builder<'_, '_> {
 
     /// What happens at the end of a phase.
     fn switch(&mut self, switch: &Switch, phase: &Phase, label: &str, time: f64) {
-        let (n, program) = (self.n, &mut self.program);
-        if !switch.closes {
-            let slot = phase.closed.iter().position(|&i| i == switch.contact);
-            if let (Some(slot), Some(stage)) = (slot, phase.stages.last()) {
-                program.bound(stage.forces[slot], 0.0, 0.0);
-            }
-            self.closed.retain(|&contact| contact != switch.contact);
+        if switch.closes {
+            self.close(switch.contact, label, time);
             return;
         }
-        self.closed.push(switch.contact);
+        let slot = phase.closed.iter().position(|&i| i == switch.contact);
+        if let (Some(slot), Some(stage)) = (slot, phase.stages.last()) {
+            self.program.bound(stage.forces[slot], 0.0, 0.0);
+        }
+        self.closed.retain(|&contact| contact != switch.contact);
+    }
+
+    /// The impact map where a contact closes.
+    fn close(&mut self, contact: usize, label: &str, time: f64) {
+        let (n, program) = (self.n, &mut self.program);
+        self.closed.push(contact);
         self.closed.sort_unstable();
         let model = self.setting.model;
         let contacts = model.declaration().contacts;
@@ -562,9 +600,6 @@ impl Builder<'_, '_> {
         for k in (0..n).filter(|&k| parabolas[k]) {
             let name = model.declaration().coordinates[k].name;
             let (q0, v0, q2) = (before[k], before[n + k], self.state[k]);
-            if bounds.0[k] > f64::NEG_INFINITY || bounds.1[k] < f64::INFINITY {
-                program.bound(q2, bounds.0[k], bounds.1[k]);
-            }
             for (sign, bound) in [(1.0, bounds.0[k]), (-1.0, bounds.1[k])] {
                 if !bound.is_finite() {
                     continue;
@@ -574,31 +609,36 @@ impl Builder<'_, '_> {
                 } else {
                     1.0
                 };
-                let w = program.variable(
-                    format!("slack of `{name}` inside interval {interval}"),
+                let inside = format!("of `{name}` in interval {interval}");
+                let size = format!("size {inside}");
+                let size = program.variable(size, (0.0, f64::INFINITY), 0.1 * unit, unit);
+                let place = program.variable(format!("extremum {inside}"), (0.0, 1.0), 0.5, 1.0);
+                let product = program.variable(
+                    format!("product {inside}"),
                     (0.0, f64::INFINITY),
-                    0.1 * unit,
+                    0.05 * unit,
                     unit,
                 );
-                let row = program.row(
-                    format!("slope of `{name}` in interval {interval}"),
-                    sign * bound / unit,
-                    f64::INFINITY,
-                );
-                program.linear(row, q0, sign / unit);
-                program.bilinear(row, self.frame.horizon, v0, sign * half / unit);
-                program.linear(row, w, 1.0 / unit);
-                // b_0 b_2 - w^2 >= 0 with b = sign (q - bound).
-                let scale = 1.0 / (unit * unit);
-                let row = program.row(
-                    format!("extremum of `{name}` in interval {interval}"),
-                    -bound * bound * scale,
-                    f64::INFINITY,
-                );
-                program.bilinear(row, q0, q2, scale);
-                program.linear(row, q0, -bound * scale);
-                program.linear(row, q2, -bound * scale);
-                program.bilinear(row, w, w, -scale);
+                let row = program.row(format!("product {inside}"), 0.0, 0.0);
+                program.linear(row, product, 1.0 / unit);
+                program.bilinear(row, size, place, -1.0 / unit);
+                // b_0 - p theta, b_1 + p - p theta, b_2 - s + 2 p - p theta
+                for (index, [linear_size, linear_product]) in
+                    [[0.0, 0.0], [0.0, 1.0], [-1.0, 2.0]].into_iter().enumerate()
+                {
+                    let row = program.row(
+                        format!("control point {index} {inside}"),
+                        sign * bound / unit,
+                        f64::INFINITY,
+                    );
+                    program.linear(row, if index == 2 { q2 } else { q0 }, sign / unit);
+                    if index == 1 {
+                        program.bilinear(row, self.frame.horizon, v0, sign * half / unit);
+                    }
+                    program.linear(row, size, linear_size / unit);
+                    program.linear(row, product, linear_product / unit);
+                    program.bilinear(row, product, place, -1.0 / unit);
+                }
             }
         }
     }
@@ -667,7 +707,7 @@ impl Collocation<'_> {
                 let mut forces = vec![0.0; contacts];
                 let stage = &phase.stages[index.saturating_sub(1)];
                 for (&i, &force) in phase.closed.iter().zip(&stage.forces) {
-                    forces[i] = x[force];
+                    forces[i] = x[force] / solved.length;
                 }
                 path.time.push(solved.start + node * solved.length);
                 path.states

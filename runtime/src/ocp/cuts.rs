@@ -71,8 +71,8 @@ pub(super) fn between_stages(
     found
 }
 
-/// Local minima below the limit of a function over consecutive phases that exceeds the limit before and
-/// after them, as (phase, theta).
+/// Local minima below the limit of a function over consecutive phases, as (phase, theta): those before and
+/// after which it exceeds the limit, and those below the negative limit wherever they are.
 fn lows(
     phases: &[usize],
     value: &mut dyn FnMut(usize, f64) -> f64,
@@ -86,13 +86,14 @@ fn lows(
         }
     }
     let above = |sample: &(usize, f64, f64)| sample.2 > limit;
-    let Some(first) = samples.iter().position(above) else {
-        return Vec::new();
-    };
-    let last = samples.iter().rposition(above).unwrap_or(first);
+    let first = samples.iter().position(above).unwrap_or(samples.len());
+    let last = samples.iter().rposition(above).unwrap_or(0);
     let mut found = Vec::new();
-    for i in first + 1..last {
+    for i in 1..samples.len().saturating_sub(1) {
         let (phase, theta, here) = samples[i];
+        if !(first < i && i < last) && here > -limit.abs() {
+            continue;
+        }
         if here > samples[i - 1].2 || here >= samples[i + 1].2 {
             continue;
         }

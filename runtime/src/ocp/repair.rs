@@ -12,6 +12,8 @@ const STUCK: f64 = 0.01;
 const ENTRY: f64 = 0.05;
 /// Half the length of an inserted contact or flight, in intervals.
 const INSERTED: f64 = 0.2;
+/// Distance from a switch of the same contact within which no other one is inserted, in intervals.
+const NEAR: f64 = 0.6;
 /// Multipliers above this share of the largest one belong to conditions that matter.
 const ACTIVE: f64 = 1e-6;
 
@@ -46,8 +48,8 @@ impl Pressure<'_, '_> {
     }
 
     /// Sequences that the solution points to, the most promising first: without a pair of switches that
-    /// are close to each other, with a switch that sticks to the end of its interval moved through it,
-    /// with an opening at a jump of the controls moved to the side that it presses against.
+    /// are close to each other, with a switch that sticks to the end of its interval moved through it or
+    /// onto it, with an opening at a jump of the controls moved to the side that it presses against.
     pub(super) fn directed(&self) -> Vec<Sequence> {
         let switches = &self.sequence.switches;
         let mut found = Vec::new();
@@ -70,6 +72,8 @@ impl Pressure<'_, '_> {
                     continue;
                 };
                 found.extend(self.moved(index, to, Place::Inside, time));
+                let nearest = switch.time.round();
+                found.extend(self.moved(index, Some(nearest as usize), Place::Start, nearest));
             }
         }
         let threshold = self.threshold();
@@ -78,6 +82,12 @@ impl Pressure<'_, '_> {
                 continue;
             }
             let k = switch.interval;
+            if switch.closes {
+                let time = k as f64 - ENTRY;
+                found.extend(self.moved(index, k.checked_sub(1), Place::Inside, time));
+                found.extend(self.moved(index, Some(k), Place::Inside, k as f64 + ENTRY));
+                continue;
+            }
             let phases = &self.program.phases;
             let after = phases.iter().find(|phase| phase.interval == k);
             let pressed = after.is_some_and(|phase| {
@@ -134,7 +144,7 @@ impl Pressure<'_, '_> {
                 }
                 for contact in (0..contacts).filter(|i| !phase.closed.contains(i)) {
                     let row = stage.gap_rows[contact];
-                    let closes = last && phase.ends_with.is_some();
+                    let closes = last && phase.closing == Some(contact);
                     if !closes && self.solution.multipliers[row].abs() > threshold {
                         places.push((contact, true, time(*c)));
                     }
@@ -148,6 +158,12 @@ impl Pressure<'_, '_> {
                 }
             }
         }
+        // Gap and force vanish together at every switch; that is no sign of another one nearby.
+        let near = |contact: usize, time: f64| {
+            let mut own = self.sequence.switches.iter().filter(|s| s.contact == contact);
+            own.any(|switch| (switch.time - time).abs() < NEAR)
+        };
+        places.retain(|&(contact, _, time)| !near(contact, time));
         let mut found: Vec<Sequence> = Vec::new();
         for (contact, closes, time) in places {
             let mut sequence = self.sequence.clone();

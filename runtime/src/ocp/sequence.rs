@@ -12,7 +12,7 @@ const SHORT_FLIGHT: f64 = 0.6;
 /// Where in the grid of the controls a switch happens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Place {
-    /// At the jump of the controls at the start of the interval; openings only.
+    /// At the jump of the controls at the start of the interval.
     Start,
     /// Inside the interval.
     Inside,
@@ -55,7 +55,7 @@ impl Sequence {
                 let time = event.time / interval;
                 let closes = event.kind != EventKind::LiftOff;
                 let nearest = time.round();
-                let at_jump = !closes && nearest > 0.0 && (time - nearest).abs() < AT_THE_END;
+                let at_jump = nearest > 0.0 && (time - nearest).abs() < AT_THE_END;
                 let (index, place) = if at_jump {
                     (nearest, Place::Start)
                 } else {
@@ -92,18 +92,17 @@ impl Sequence {
             .collect()
     }
 
-    /// Sorts the switches; `None` if a contact would close twice or open twice, or closes at a jump of
-    /// the controls, or switches outside the `intervals`.
+    /// Sorts the switches; `None` if a contact would close twice or open twice, or switches outside the
+    /// `intervals`.
     pub(super) fn ordered(mut self, intervals: usize) -> Option<Self> {
         let key = |s: &Switch| (s.interval, s.place);
         self.switches
             .sort_by(|a, b| key(a).cmp(&key(b)).then(a.time.total_cmp(&b.time)));
         let mut closed = self.initially.clone();
         for switch in &self.switches {
-            let start = switch.place == Place::Start;
             if closed[switch.contact] == switch.closes
                 || switch.interval >= intervals
-                || start && (switch.closes || switch.interval == 0)
+                || switch.place == Place::Start && switch.interval == 0
             {
                 return None;
             }

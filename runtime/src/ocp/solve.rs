@@ -24,8 +24,8 @@ use crate::{mpcc, simulation};
 const REFINEMENTS: [(usize, f64, f64); 2] = [(1, 1e-3, 1e-1), (4, 1e-6, 1e-4)];
 /// Barrier parameters that a collocation program is started with, in this order.
 const BARRIERS: [f64; 3] = [1e-2, 1e-3, 1e-1];
-/// Barrier parameter after a cut.
-const BARRIER_AFTER_CUT: f64 = 1e-4;
+/// Barrier parameter after a cut, and those that follow if that fails.
+const BARRIERS_AFTER_CUT: [f64; 3] = [1e-4, 1e-2, 1e-3];
 /// Rounds of cuts of one sequence.
 const ROUNDS: usize = 5;
 /// Relative decrease of the objective that counts as an improvement.
@@ -87,6 +87,7 @@ pub fn solve(
         counts: Counts::default(),
         tried: Vec::new(),
         best: None,
+        undecided: false,
         failure: None,
     };
     let mut solution = search.run(&straight)?;
@@ -113,6 +114,8 @@ struct Search<'a, 's> {
     counts: Counts,
     tried: Vec<Signature>,
     best: Option<Local<'a>>,
+    /// Whether a neighbour of the best could not be solved.
+    undecided: bool,
     /// Why the last program failed, and its worst rows.
     failure: Option<(nlp::Status, Vec<nlp::Violation>)>,
 }
@@ -227,9 +230,16 @@ impl<'a> Search<'a, '_> {
         let mut guess = guess.clone();
         let mut sequence = sequence.clone();
         for round in 0..ROUNDS {
-            let after_cut = [BARRIER_AFTER_CUT, BARRIERS[0], BARRIERS[1]];
-            let barriers = if round == 0 { BARRIERS } else { after_cut };
+            let barriers = if round > 0 {
+                &BARRIERS_AFTER_CUT[..]
+            } else if self.best.is_some() {
+                // A neighbour starts near its solution or is not worth much.
+                &BARRIERS[..1]
+            } else {
+                &BARRIERS[..]
+            };
             let Some((program, solution)) = self.solve(&sequence, &guess, &cuts, barriers)? else {
+                self.undecided |= !matches!(self.failure, Some((nlp::Status::Infeasible, _)));
                 return Ok(false);
             };
             let objective = solution.objective;
@@ -267,9 +277,9 @@ impl<'a> Search<'a, '_> {
         sequence: &Sequence,
         guess: &Path,
         cuts: &[Cut],
-        barriers: [f64; 3],
+        barriers: &[f64],
     ) -> Result<Option<(Collocation<'a>, nlp::Solution)>, InputError> {
-        for barrier in barriers {
+        for &barrier in barriers {
             let mut program = Collocation::new(self.setting, sequence, guess, cuts);
             let mut settings = nlp::Settings::default();
             settings.tolerance = self.settings.tolerance;
@@ -282,7 +292,12 @@ impl<'a> Search<'a, '_> {
             self.counts.iterations += solution.counts.iterations;
             self.counts.factorizations += solution.counts.factorizations;
             self.report("collocation");
-            if solution.status == nlp::Status::Solved {
+            if std::env::var("LOG").is_ok() { let mut o = std::io::stdout(); println!("barrier {barrier} {:?} obj {} seq {:?}", solution.status, solution.objective, sequence.switches.iter().map(|s| (s.closes, s.interval, s.place, (s.time*1000.0).round()/1000.0)).collect::<Vec<_>>()); for v in solution.violations.iter().take(2) { println!("   {v:?}"); }
+              if std::env::var("LOG").unwrap() == "2" { for i in &solution.history { let _ = nlp::iteration_log::write_line(&mut o, i); } } }
+            if matches!(
+                solution.status,
+                nlp::Status::Solved | nlp::Status::Acceptable
+            ) {
                 return Ok(Some((program, solution)));
             }
             self.failure = Some((solution.status, solution.violations));
@@ -314,6 +329,7 @@ impl<'a> Search<'a, '_> {
                 Stationarity::B
             };
             let mut improved = false;
+            self.undecided = false;
             for neighbour in neighbours {
                 if self.tried.contains(&neighbour.signature()) {
                     continue;
@@ -327,7 +343,7 @@ impl<'a> Search<'a, '_> {
                 }
             }
             if !improved {
-                return Ok(stationarity);
+                return Ok(if self.undecided { Stationarity::None } else { stationarity });
             }
             self.counts.repairs += 1;
         }
