@@ -219,7 +219,8 @@ impl<'a> Driver<'a> {
                             None,
                             format!(
                                 "more than {MAX_SWITCHES} switches within one step; the contact \
-                                 mode does not settle: look at the surfaces that meet here"
+                                 mode does not settle: take more steps, or look at the \
+                                 surfaces that meet here"
                             ),
                         )));
                     }
