@@ -339,13 +339,9 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             // huge multipliers scale any residual away; then the test says nothing
             let absolute = 100.0 * settings.tolerance;
             let largest = self.iterate.y.iter().fold(0.0, |a: f64, y| a.max(y.abs()));
-            if self.is_restoration {
-                return Some(Status::Solved);
-            }
-            if self.problem.products.is_empty() && largest > LARGEST_MULTIPLIER {
-                return Some(Status::Degenerate);
-            }
-            if error.dual <= absolute && error.complementarity <= absolute {
+            let exist = largest <= LARGEST_MULTIPLIER || !self.problem.products.is_empty();
+            let small = error.dual <= absolute && error.complementarity <= absolute;
+            if self.is_restoration || (exist && small) {
                 return Some(Status::Solved);
             }
             self.degenerate += 1;
