@@ -51,9 +51,7 @@ impl<const M: usize> Lu<M> {
                 let factor = row[k] * inverse;
                 row[k] = factor;
                 if factor != 0.0 {
-                    for (value, pivot) in row[k + 1..].iter_mut().zip(&eliminated[k + 1..]) {
-                        *value -= factor * pivot;
-                    }
+                    subtract(&mut row[k + 1..], &eliminated[k + 1..], factor);
                 }
             }
         }
@@ -64,19 +62,11 @@ impl<const M: usize> Lu<M> {
     #[must_use]
     pub fn solve(&self, b: &[f64; M]) -> [f64; M] {
         let mut x = [0.0; M];
-        for i in 0..M {
-            let mut value = b[self.rows[i]];
-            for k in 0..i {
-                value -= self.factors[i][k] * x[k];
-            }
-            x[i] = value;
+        for (i, row) in self.factors.iter().enumerate() {
+            x[i] = b[self.rows[i]] - inner(&row[..i], &x[..i]);
         }
-        for i in (0..M).rev() {
-            let mut value = x[i];
-            for k in i + 1..M {
-                value -= self.factors[i][k] * x[k];
-            }
-            x[i] = value / self.factors[i][i];
+        for (i, row) in self.factors.iter().enumerate().rev() {
+            x[i] = (x[i] - inner(&row[i + 1..], &x[i + 1..])) / row[i];
         }
         x
     }
@@ -85,24 +75,31 @@ impl<const M: usize> Lu<M> {
     #[must_use]
     pub fn solve_transposed(&self, b: &[f64; M]) -> [f64; M] {
         let mut y = *b;
-        for i in 0..M {
-            let value = y[i] / self.factors[i][i];
-            y[i] = value;
-            for k in i + 1..M {
-                y[k] -= self.factors[i][k] * value;
-            }
+        for (i, row) in self.factors.iter().enumerate() {
+            y[i] /= row[i];
+            let (known, rest) = y.split_at_mut(i + 1);
+            subtract(rest, &row[i + 1..], known[i]);
         }
-        for i in (0..M).rev() {
-            let value = y[i];
-            for k in 0..i {
-                y[k] -= self.factors[i][k] * value;
-            }
+        for (i, row) in self.factors.iter().enumerate().rev() {
+            let (rest, known) = y.split_at_mut(i);
+            subtract(rest, &row[..i], known[0]);
         }
         let mut x = [0.0; M];
         for (value, &row) in y.iter().zip(&self.rows) {
             x[row] = *value;
         }
         x
+    }
+}
+
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `y -= factor * x`.
+fn subtract(y: &mut [f64], x: &[f64], factor: f64) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y -= factor * x;
     }
 }
 

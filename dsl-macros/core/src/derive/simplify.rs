@@ -35,3 +35,28 @@ pub(crate) fn simplify(sym: Sym) -> Sym {
     }
     best
 }
+
+/// Several expressions that are evaluated together. Each by itself may become simpler while they share
+/// less, so the two ways are compared as a whole; what simplifies to zero is zero in both.
+pub(crate) fn simplify_all(values: &[Sym]) -> Vec<Sym> {
+    let simplified: Vec<Sym> = values.iter().map(|&value| simplify(value)).collect();
+    if simplified == values {
+        return simplified;
+    }
+    let plain: Vec<Sym> = values
+        .iter()
+        .zip(&simplified)
+        .map(|(&value, &simple)| {
+            if simple.as_number().is_some() {
+                simple
+            } else {
+                value
+            }
+        })
+        .collect();
+    if tape::operations(&plain) < tape::operations(&simplified) {
+        plain
+    } else {
+        simplified
+    }
+}

@@ -190,6 +190,10 @@ impl Builder<'_> {
                 [Pattern::of(jacobian), Pattern::of(hessian)],
             ),
             Solution::Implicit(implicit) => {
+                let acceleration = implicit
+                    .solution
+                    .as_ref()
+                    .map(|solution| self.call("free_acceleration", solution, "x", "&[]", "a"));
                 let system = self.system("motion", implicit);
                 let n = implicit.size;
                 let jacobian = Pattern {
@@ -204,9 +208,11 @@ impl Builder<'_> {
                 };
                 let name = &system.name;
                 (
-                    format!(
-                        "let (_, y) = __{name}_solution(self, x); a.copy_from_slice(&y[{n}..])"
-                    ),
+                    acceleration.unwrap_or_else(|| {
+                        format!(
+                            "let (_, y) = __{name}_solution(self, x); a.copy_from_slice(&y[{n}..])"
+                        )
+                    }),
                     format!(
                         "let (lu, y) = __{name}_solution(self, x); let a = __{name}_sensitivity(self, x, \
                          &lu, &y); {PRIVATE}::gather(&a, {}, values)",
