@@ -11,6 +11,10 @@
 #[doc(hidden)]
 #[path = "private.rs"]
 pub mod __private;
+// The macro's output names the crate from outside; the crate's own tests declare scenes as well.
+#[cfg(test)]
+extern crate self as hangtime;
+
 mod dcs;
 mod fesd;
 pub mod linalg;

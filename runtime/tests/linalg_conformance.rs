@@ -1,5 +1,7 @@
 //! One suite over all factorizations: the same systems, the same demands.
 
+#![allow(clippy::unwrap_used, reason = "test code")]
+
 use hangtime::linalg::{
     Inertia, KktFactorization, MultifrontalLdl, RefinedSolver, SimplicialLdl, SymmetricPattern,
 };

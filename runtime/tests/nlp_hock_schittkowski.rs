@@ -1,5 +1,7 @@
 //! The Hock-Schittkowski problems from their standard starting points.
 
+#![allow(clippy::unwrap_used, reason = "test code")]
+
 mod solver_support;
 
 use hangtime::nlp::{self, Settings, Status};

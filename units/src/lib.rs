@@ -18,7 +18,6 @@
 mod catalogue;
 mod convert;
 mod error;
-mod mistakes;
 mod parse;
 mod print;
 mod ratio;
@@ -26,6 +25,5 @@ mod unit;
 
 pub use convert::{Quantity, convert};
 pub use error::UnitError;
-pub use mistakes::{CODES, explanation};
 pub use ratio::Ratio;
 pub use unit::{BASES, Unit};

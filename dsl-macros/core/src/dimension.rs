@@ -124,6 +124,15 @@ impl Unifier {
         true
     }
 
+    /// `is in m/s^2`, `has no unit`.
+    pub(crate) fn is_in(&self, dimension: &Dimension) -> String {
+        if self.resolve(dimension).is_one() {
+            "has no unit".to_owned()
+        } else {
+            format!("is in {}", self.show(dimension))
+        }
+    }
+
     /// Readable form: `m/s^2`, `kg * unit of k`.
     pub(crate) fn show(&self, dimension: &Dimension) -> String {
         let resolved = self.resolve(dimension);

@@ -26,6 +26,11 @@ mod scene;
 mod tape;
 mod words;
 
+#[cfg(test)]
+mod random_models;
+#[cfg(test)]
+mod testing;
+
 pub use diagnostics::Mistake;
 
 use crate::diagnostics::{Checked, Diagnostics};
@@ -40,8 +45,12 @@ pub fn expand(input: TokenStream) -> TokenStream {
         Ok(tokens) => tokens,
         Err(mistakes) => {
             let mut tokens = diagnostics::to_tokens(&mistakes);
-            if let Some((visibility, name)) = parse::name_of(stub_of) {
-                tokens.extend(emit::stub(&visibility, &name.ident));
+            if let Some(outline) = parse::outline(stub_of) {
+                tokens.extend(emit::stub(
+                    &outline.visibility,
+                    &outline.name.ident,
+                    &outline.parameters,
+                ));
             }
             tokens
         }

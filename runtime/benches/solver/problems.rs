@@ -1,5 +1,6 @@
 //! Scalable nonlinear programs, written as text so that another solver can read the very same ones.
 
+use std::f64::consts::PI;
 use std::fmt::Write;
 
 /// A problem under construction.
@@ -84,7 +85,7 @@ fn luksan_vlcek_1(n: usize, inequality: bool) -> (String, String) {
     for k in 1..=n - 2 {
         let (a, b, c) = (k, k + 1, k + 2);
         t.row(
-            if inequality { -INF } else { 0.0 },
+            if inequality { -1.0 } else { 0.0 },
             0.0,
             format!(
                 "3*x{b}^3 + 2*x{c} - 5 + sin(x{b} - x{c})*sin(x{b} + x{c}) + 4*x{b} - x{a}*exp(x{a} - x{b}) - 3"
@@ -278,8 +279,8 @@ fn cart_pole(intervals: usize) -> (String, String) {
         intervals,
         Some(2.0),
         &[0.0, 0.0, 0.0, 0.0],
-        &[Some(1.0), Some(3.141592653589793), Some(0.0), Some(0.0)],
-        &|s| vec![s, 3.141592653589793 * s, 0.0, 0.0],
+        &[Some(1.0), Some(PI), Some(0.0), Some(0.0)],
+        &|s| vec![s, PI * s, 0.0, 0.0],
         (-20.0, 20.0),
         &|x, u| {
             let (c, s) = (format!("cos({})", x[1]), format!("sin({})", x[1]));
@@ -301,8 +302,8 @@ fn pendulum(intervals: usize) -> (String, String) {
         intervals,
         None,
         &[0.0, 0.0],
-        &[Some(3.141592653589793), Some(0.0)],
-        &|s| vec![3.141592653589793 * s, 0.5],
+        &[Some(PI), Some(0.0)],
+        &|s| vec![PI * s, 0.5],
         (-3.0, 3.0),
         &|x, u| vec![x[1].clone(), format!("{u} - 9.81*sin({})", x[0])],
         &|_, u| Some(format!("0.01*{u}^2")),
@@ -361,7 +362,17 @@ fn goddard(intervals: usize) -> (String, String) {
         .replacen("minimize x1\n", &format!("minimize -x{last}\n"), 1)
         .replacen("bounds 1 0.1 20", "bounds 1 0.01 1", 1)
         .replacen("start 2 ", "start 0.2 ", 1);
-    (name, text)
+    // altitude, speed and mass in their physical ranges
+    let mut bounds = String::new();
+    for k in 1..=intervals {
+        let first = 2 + 4 * k;
+        let _ = writeln!(bounds, "bounds {first} 1 inf");
+        let _ = writeln!(bounds, "bounds {} 0 inf", first + 1);
+        if k < intervals {
+            let _ = writeln!(bounds, "bounds {} 0.6 1", first + 2);
+        }
+    }
+    (name, text + &bounds)
 }
 
 /// Shape of least potential energy of a chain of given length between two points (COPS 3.0, problem 3).
@@ -424,7 +435,7 @@ fn elliptic_control(side: usize) -> (String, String) {
     let h = 1.0 / (side + 1) as f64;
     let y = t.variables(side * side, -INF, 0.371, 0.0);
     let u = t.variables(side * side, -8.0, 9.0, 0.0);
-    let pi = std::f64::consts::PI;
+    let pi = PI;
     for i in 0..side {
         for j in 0..side {
             let (a, b) = ((i + 1) as f64 * h, (j + 1) as f64 * h);
@@ -551,7 +562,7 @@ fn polygon(vertices: usize) -> (String, String) {
         let last = k + 1 == vertices;
         let s = (k + 1) as f64 / vertices as f64;
         r.push(t.variable(0.0, if last { 0.0 } else { 1.0 }, 4.0 * s * (1.0 - s)));
-        let pi = std::f64::consts::PI;
+        let pi = PI;
         angle.push(t.variable(if last { pi } else { 0.0 }, pi, pi * s));
     }
     for k in 0..vertices - 1 {

@@ -14,7 +14,7 @@
 //!
 //! The multipliers with index 0 are those at the end of the element before; they put switches on element
 //! boundaries. Schemes without a stage at the end carry `lp, ln, p, w` there as boundary variables. The
-//! objective `sum_e (h_e / h_0 - 1)^2` is the mean step equilibration: lengths that no switch determines
+//! objective `1e-4 sum_e (h_e / h_0 - 1)^2` is the mean step equilibration: lengths that no switch determines
 //! stay equal. Sources: Nurkanovic et al., Numerische Mathematik 2024; Nurkanovic, Pozharskiy, Frey, Diehl,
 //! Nonlinear Analysis: Hybrid Systems 54 (2024).
 
@@ -28,6 +28,10 @@ use std::collections::BTreeMap;
 /// Smallest element length relative to the nominal one: elements of length zero would make the Jacobian
 /// singular.
 const SHORTEST: f64 = 1e-4;
+/// Weight of the step equilibration: small enough to leave the complementarity to the solver, large
+/// enough to fix the lengths that nothing else does. With 1e-4, 88 of 104 impact steps of a ball were solved;
+/// with 1, 63, with 1e-6, 49.
+const EQUILIBRATION: f64 = 1e-4;
 /// Default bound of the speed of time.
 const SPEED_OF_TIME: f64 = 25.0;
 /// Cross complementarity sums of one contact and element.
@@ -465,7 +469,11 @@ impl<'a> Transcription<'a> {
         let mut local_weights = vec![0.0; states + self.dcs.algebraic_equations()];
         for e in 0..self.elements.len() {
             let length = self.elements[e].length;
-            add(length, length, 2.0 * weight / (nominal * nominal));
+            add(
+                length,
+                length,
+                2.0 * EQUILIBRATION * weight / (nominal * nominal),
+            );
             let h = x[length];
             let rows = self.elements[e].collocation_rows;
             let blocks = self.elements[e].blocks.len();
@@ -598,14 +606,16 @@ impl NlpProblem for Transcription<'_> {
         self.elements
             .iter()
             .map(|element| (x[element.length] / nominal - 1.0).powi(2))
-            .sum()
+            .sum::<f64>()
+            * EQUILIBRATION
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
         gradient.fill(0.0);
         let nominal = self.duration / self.elements.len() as f64;
         for element in &self.elements {
-            gradient[element.length] = 2.0 * (x[element.length] / nominal - 1.0) / nominal;
+            gradient[element.length] =
+                2.0 * EQUILIBRATION * (x[element.length] / nominal - 1.0) / nominal;
         }
     }
 
@@ -696,5 +706,68 @@ impl NlpProblem for Transcription<'_> {
 impl Mpcc for Transcription<'_> {
     fn complementarities(&self) -> &[(usize, usize)] {
         &self.pairs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+    use crate::nlp::check_derivatives;
+    use crate::rk::Scheme;
+    use crate::time_freezing::TimeFreezingSystem;
+
+    crate::model! {
+        /// A bead over a wavy floor and beside a wall that leans: two curved gaps, two directions.
+        Bead {
+            parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5, c: kg/s = 0.3 }
+            coordinates { y: m, z: m }
+            controls { u: N }
+            lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+            forces { y: u - c*dot(y) }
+            surface floor: z - sin(k*y)/(4*k) >= 0
+            surface wall: 1[m] - y - k*z^2/8 >= 0
+            impact floor: inelastic
+            impact wall: inelastic
+        }
+    }
+
+    fn program(tableau: &ButcherTableau, bead: &Bead) -> f64 {
+        let system = TimeFreezingSystem::new(bead, 50.0);
+        let start = State {
+            time: 0.3,
+            q: vec![0.2, 0.4],
+            v: vec![1.5, -0.7],
+        };
+        let mut program = Transcription::new(
+            HeavisideSystem::new(system),
+            tableau,
+            &start,
+            &[0.8],
+            0.25,
+            2,
+        );
+        // A point off every bound and symmetry.
+        let mut x = vec![0.0; program.variables()];
+        program.initial_point(&mut x);
+        for (i, value) in x.iter_mut().enumerate() {
+            *value += 0.1 + 0.05 * (i as f64).sin();
+        }
+        let report = check_derivatives(&mut program, Some(&x)).expect("finite at the start");
+        assert!(report.compared > 1000);
+        assert!(report.entries.iter().all(|entry| !entry.missing));
+        report.worst()
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences_for_both_kinds_of_schemes() {
+        let bead = Bead::default();
+        assert_eq!(bead.declaration().contacts.len(), 2);
+        for scheme in [Scheme::RadauIia, Scheme::GaussLegendre] {
+            let tableau = ButcherTableau::new(scheme, 2).expect("two stages");
+            // Central differences of functions of size 100 with steps of 6e-6.
+            let worst = program(&tableau, &bead);
+            assert!(worst < 1e-6, "{scheme:?}: {worst:e}");
+        }
     }
 }

@@ -8,6 +8,8 @@ pub struct SolveQuality {
     /// `|b - K x|_inf / (|K x|-scale + |b|_inf)`, the relative residual of the returned solution:
     /// the scale is `min(|x|_inf, 1e6 |b|_inf) + |b|_inf`.
     pub residual: f64,
+    /// `|b - K x|_inf / |b|_inf`, which a large solution cannot hide.
+    pub backward: f64,
     /// Refinement steps taken.
     pub steps: usize,
 }
@@ -84,6 +86,7 @@ impl RefinedSolver {
         solution.copy_from_slice(right_hand_side);
         self.back_end.solve(solution);
         let mut best_residual = f64::INFINITY;
+        let mut best_error = f64::INFINITY;
         let mut steps = 0;
         loop {
             self.residual.fill(0.0);
@@ -100,6 +103,7 @@ impl RefinedSolver {
             if improved {
                 let stalled = residual > 0.5 * best_residual && steps > 2;
                 best_residual = residual;
+                best_error = error;
                 self.best.copy_from_slice(solution);
                 if residual <= Self::TARGET || steps == Self::STEPS || stalled {
                     break;
@@ -116,6 +120,11 @@ impl RefinedSolver {
         solution.copy_from_slice(&self.best);
         SolveQuality {
             residual: best_residual,
+            backward: if best_error == 0.0 {
+                0.0
+            } else {
+                best_error / norm_b
+            },
             steps,
         }
     }

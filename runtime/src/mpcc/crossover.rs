@@ -21,7 +21,9 @@ pub(crate) struct Work {
 }
 
 /// Most iterations of one crossover.
-const ITERATIONS: usize = 60;
+const ITERATIONS: usize = 30;
+/// Steps cut below 0.05 in a row that end a crossover.
+const SHORT_STEPS: usize = 6;
 /// Violation up to which a crossover is accepted.
 const FEASIBLE: f64 = 1e-9;
 
@@ -87,7 +89,20 @@ fn solve_branch(
         problem,
         fixed: vanishes,
     };
-    let solution = nlp::solve_from(&mut branch, &interior_point, Some(&warm), None).ok()?;
+    // a wrong choice of sides shows as a row of steps cut to nothing
+    let mut short_steps = 0;
+    let mut observer = |info: &nlp::IterationInfo| {
+        let short = info.iteration > 0 && info.step_length_primal < 0.05;
+        short_steps = if short { short_steps + 1 } else { 0 };
+        short_steps < SHORT_STEPS
+    };
+    let solution = nlp::solve_from(
+        &mut branch,
+        &interior_point,
+        Some(&warm),
+        Some(&mut observer),
+    )
+    .ok()?;
     work.iterations += solution.counts.iterations;
     work.factorizations += solution.counts.factorizations;
     // residuals decide, not the status: a program with as many equations as variables may end with a

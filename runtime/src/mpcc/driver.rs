@@ -86,6 +86,62 @@ pub fn solve(problem: &mut dyn Mpcc, settings: &Settings) -> Result<Solution, In
     })
 }
 
+/// As [`solve`], with one thread for each rule, each on its own copy of the problem; of several certified
+/// points the one with the least objective is returned.
+///
+/// Iterations and factorizations of the result are those of all threads.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_parallel<P>(problem: &P, settings: &Settings) -> Result<Solution, InputError>
+where
+    P: Mpcc + Clone + Send,
+{
+    settings.validate()?;
+    check_pairs(problem)?;
+    let copies: Vec<(P, RelaxationRule)> = settings
+        .rules
+        .iter()
+        .map(|&rule| (problem.clone(), rule))
+        .collect();
+    let results: Vec<Result<Solution, InputError>> = std::thread::scope(|scope| {
+        let threads: Vec<_> = copies
+            .into_iter()
+            .map(|(mut copy, rule)| {
+                scope.spawn(move || solve_with(&mut copy as &mut dyn Mpcc, settings, rule))
+            })
+            .collect();
+        threads
+            .into_iter()
+            .filter_map(|thread| thread.join().ok())
+            .collect()
+    });
+    let solutions = results.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let iterations = solutions.iter().map(|s| s.iterations).sum();
+    let factorizations = solutions.iter().map(|s| s.factorizations).sum();
+    solutions
+        .into_iter()
+        .min_by(|a, b| {
+            let key = |s: &Solution| rank(s);
+            let (a_rank, a_value) = key(a);
+            let (b_rank, b_value) = key(b);
+            a_rank
+                .cmp(&b_rank)
+                .then(a_value.total_cmp(&b_value))
+                .then(a.objective.total_cmp(&b.objective))
+        })
+        .map(|best| Solution {
+            iterations,
+            factorizations,
+            ..best
+        })
+        .ok_or(InputError::Setting {
+            name: "rules",
+            value: 0.0,
+            range: "a list of at least one rule",
+        })
+}
+
 /// `sigma` and tolerance at which a relaxed run pauses for a first crossover. Fixed sides are reliable
 /// from about `sigma = 1e-4` on; the roll-off rule passes that at `mu = 2e-6`.
 const PAUSE_RELAXATION: f64 = 1e-5;

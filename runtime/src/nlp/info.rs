@@ -33,6 +33,6 @@ pub struct IterationInfo {
     /// Factorizations of the iteration.
     pub factorizations: usize,
     /// How the step was accepted: `f` Armijo, `h` filter, `F`/`H` the same after a second-order
-    /// correction, `t` tiny step, `s` soft restoration, `w` watchdog, `R` after restoration, ` ` none.
+    /// correction, `t` tiny step, `R` after restoration, ` ` none.
     pub acceptance: char,
 }

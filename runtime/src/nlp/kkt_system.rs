@@ -49,6 +49,7 @@ pub(crate) struct KktSystem {
     pub(crate) capped: usize,
     pub(crate) factorizations: usize,
     pub(crate) seconds: f64,
+    is_static: bool,
 }
 
 impl KktSystem {
@@ -102,7 +103,24 @@ impl KktSystem {
             capped: 0,
             factorizations: 0,
             seconds: 0.0,
+            is_static: linear_solver == LinearSolver::Static,
         })
+    }
+
+    /// Changes from the static to the pivoting factorization for the rest of the run; `false` if it is in
+    /// use already.
+    pub(crate) fn change_to_pivoting(&mut self) -> bool {
+        if !self.is_static {
+            return false;
+        }
+        self.is_static = false;
+        match MultifrontalLdl::new(self.solver.pattern(), self.n) {
+            Ok(back_end) => {
+                self.solver.replace_back_end(Box::new(back_end));
+                true
+            }
+            Err(_) => false,
+        }
     }
 
     /// Number of explicit rows, the negative eigenvalues of a matrix that gives descent.
@@ -230,8 +248,8 @@ impl KktSystem {
         direction: &mut Iterate,
     ) -> SolveQuality {
         self.barrier_gradient.clear();
-        for i in 0..problem.variables() {
-            let mut g = lagrangian[i] + iterate.z_lower[i] - iterate.z_upper[i];
+        for (i, lagrangian) in lagrangian.iter().enumerate() {
+            let mut g = lagrangian + iterate.z_lower[i] - iterate.z_upper[i];
             if problem.lower[i].is_finite() {
                 g -= mu / (iterate.v[i] - problem.lower[i]);
             }
@@ -319,9 +337,9 @@ impl KktSystem {
             return;
         }
         self.barrier_gradient.clear();
-        for i in 0..problem.variables() {
+        for (i, gradient) in gradient.iter().enumerate() {
             self.barrier_gradient
-                .push(gradient[i] - iterate.z_lower[i] + iterate.z_upper[i]);
+                .push(gradient - iterate.z_lower[i] + iterate.z_upper[i]);
         }
         for (pair, &(i, j)) in problem.products.iter().enumerate() {
             let y = iterate.y[self.m + pair];

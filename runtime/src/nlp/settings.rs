@@ -2,18 +2,6 @@
 
 use super::InputError;
 
-/// How the barrier parameter falls.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum BarrierStrategy {
-    /// Fiacco-McCormick: solve each barrier problem to `10 mu`, then
-    /// `mu <- max(tol / 11, min(0.2 mu, mu^1.5))` (Waechter and Biegler 2006, equation 7).
-    Monotone,
-    /// `mu` is chosen in every iteration as the centring that minimizes a quality function of the
-    /// resulting step (Nocedal, Waechter and Waltz 2009); falls back to `Monotone` without progress.
-    Adaptive,
-}
-
 /// Which factorization solves the Newton systems.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -41,8 +29,6 @@ pub struct Settings {
     pub maximum_iterations: usize,
     /// Most seconds of wall-clock time; default infinite.
     pub maximum_seconds: f64,
-    /// Rule of the barrier parameter; default monotone.
-    pub barrier_strategy: BarrierStrategy,
     /// First barrier parameter; default 0.1, > 0. Small values suit warm starts.
     pub initial_barrier_parameter: f64,
     /// Least absolute distance of the first point from its bounds; default 1e-2, > 0.
@@ -57,8 +43,6 @@ pub struct Settings {
     pub scaling_gradient: f64,
     /// Most second-order corrections in an iteration; default 4.
     pub maximum_corrections: usize,
-    /// Shortened steps in a row that start the watchdog; default 10, 0 = never.
-    pub watchdog_trigger: usize,
     /// Shift of the dual rows relative to `mu^0.25` that is always on; default 0. Complementarity
     /// problems use 1e-10: their Jacobians lose rank.
     pub permanent_dual_shift: f64,
@@ -75,14 +59,12 @@ impl Default for Settings {
             acceptable_iterations: 15,
             maximum_iterations: 3000,
             maximum_seconds: f64::INFINITY,
-            barrier_strategy: BarrierStrategy::Monotone,
             initial_barrier_parameter: 0.1,
             bound_push: 1e-2,
             bound_fraction: 1e-2,
             bound_relaxation: 0.0,
             scaling_gradient: 100.0,
             maximum_corrections: 4,
-            watchdog_trigger: 10,
             permanent_dual_shift: 0.0,
             linear_solver: LinearSolver::Pivoting,
         }

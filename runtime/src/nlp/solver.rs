@@ -7,11 +7,10 @@ use super::barrier_problem::{BarrierProblem, Values};
 use super::filter::Filter;
 use super::formulation::Formulation;
 use super::inertia_correction::InertiaCorrection;
-use super::iterate::{Iterate, longest_dual_step, longest_primal_step, safeguarded};
+use super::iterate::{Iterate, longest_primal_step};
 use super::kkt_system::KktSystem;
 use super::line_search::{Acceptance, Search};
 use super::residuals::{OptimalityError, complementarity, error_scales, lagrangian_gradient};
-use super::restoration::Restored;
 use super::{InputError, IterationInfo, Settings, Status};
 
 /// Receives each line of the log as it is made; `false` stops the run.
@@ -88,19 +87,21 @@ pub(crate) struct Loop<'c, 'a, 'o, 'p> {
     pub(crate) theta_min: f64,
     pub(crate) inertia: InertiaCorrection,
     /// Extra shift of the Hessian while the line search cuts steps of product problems.
-    shift_floor: f64,
+    pub(crate) shift_floor: f64,
     /// Point kept by [`PathStep::Advance`].
-    kept: Iterate,
-    level_iterations: usize,
-    jams: usize,
-    filter_rejections: usize,
-    filter_resets: usize,
-    tiny_steps: usize,
-    stalls: usize,
-    acceptable: usize,
-    degenerate: usize,
-    last_restoration: Option<usize>,
-    info: IterationInfo,
+    pub(crate) kept: Iterate,
+    pub(crate) level_iterations: usize,
+    pub(crate) jams: usize,
+    pub(crate) filter_rejections: usize,
+    pub(crate) filter_resets: usize,
+    pub(crate) tiny_steps: usize,
+    pub(crate) stalls: usize,
+    pub(crate) drift_steps: usize,
+    pub(crate) drift_theta: f64,
+    pub(crate) acceptable: usize,
+    pub(crate) degenerate: usize,
+    pub(crate) last_restoration: Option<usize>,
+    pub(crate) info: IterationInfo,
 }
 
 impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
@@ -145,6 +146,8 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             filter_resets: 0,
             tiny_steps: 0,
             stalls: 0,
+            drift_steps: 0,
+            drift_theta: f64::INFINITY,
             acceptable: 0,
             degenerate: 0,
             last_restoration: None,
@@ -191,7 +194,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
         );
     }
 
-    fn update_lagrangian(&mut self) {
+    pub(crate) fn update_lagrangian(&mut self) {
         lagrangian_gradient(
             &self.problem,
             &self.iterate,
@@ -269,9 +272,14 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                 }
                 _ => {
                     self.accept(&search);
-                    if self.is_jammed(&search)
-                        && let Some(outcome) = self.restore(0.1)
-                    {
+                    let factor = if self.is_jammed(&search) {
+                        Some(0.1)
+                    } else if self.is_drifting() {
+                        Some(0.9)
+                    } else {
+                        None
+                    };
+                    if let Some(outcome) = factor.and_then(|factor| self.restore(factor)) {
                         return outcome;
                     }
                 }
@@ -288,7 +296,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
         }
     }
 
-    fn outcome(&self, status: Status) -> Outcome {
+    pub(crate) fn outcome(&self, status: Status) -> Outcome {
         Outcome {
             status,
             error: self.error(0.0).scaled(),
@@ -458,6 +466,9 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                 floor,
                 dual_shift,
             ) {
+                if core.kkt.change_to_pivoting() {
+                    continue;
+                }
                 return false;
             }
             let quality = core.kkt.direction(
@@ -468,7 +479,13 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                 self.mu,
                 &mut self.direction,
             );
-            if quality.residual <= 1e-5 && self.direction.v.iter().all(|d| d.is_finite()) {
+            let solved = quality.residual <= 1e-5 && self.direction.v.iter().all(|d| d.is_finite());
+            // static shifts that refinement cannot remove show in the backward error
+            let imprecise = !solved || quality.backward > 1e-4;
+            if imprecise && core.kkt.change_to_pivoting() {
+                continue;
+            }
+            if solved {
                 return true;
             }
             // as good as singular: shift both blocks
@@ -476,176 +493,6 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             floor = (100.0 * self.inertia.delta_w).max(1e-8);
         }
         false
-    }
-
-    /// Takes over the trial point and updates multipliers, filter and shift.
-    fn accept(&mut self, search: &Search) {
-        let alpha = search.alpha;
-        let direction = if search.corrected {
-            &self.correction
-        } else {
-            &self.direction
-        };
-        self.info.step_norm = direction.v.iter().fold(0.0, |a: f64, d| a.max(d.abs()));
-        let alpha_dual =
-            longest_dual_step(&self.iterate.z_lower, &direction.z_lower, self.tau).min(
-                longest_dual_step(&self.iterate.z_upper, &direction.z_upper, self.tau),
-            );
-        std::mem::swap(&mut self.iterate.v, &mut self.trial);
-        std::mem::swap(&mut self.values, &mut self.trial_values);
-        let m = self.problem.m;
-        for (row, (y, d)) in self.iterate.y.iter_mut().zip(&direction.y).enumerate() {
-            *y += if row < m { alpha } else { alpha_dual } * d;
-        }
-        for (z, d) in self.iterate.z_lower.iter_mut().zip(&direction.z_lower) {
-            *z += alpha_dual * d;
-        }
-        for (z, d) in self.iterate.z_upper.iter_mut().zip(&direction.z_upper) {
-            *z += alpha_dual * d;
-        }
-        self.safeguard();
-        self.info.hessian_shift = self.inertia.delta_w;
-        self.info.step_length_primal = alpha;
-        self.info.step_length_dual = alpha_dual;
-        self.info.trials = search.trials;
-        self.info.acceptance = search.acceptance.letter(search.corrected);
-        self.stalls = 0;
-        if search.acceptance == Acceptance::Tiny {
-            self.tiny_steps += 1;
-        } else {
-            self.tiny_steps = 0;
-        }
-        if search.filter_rejected {
-            self.filter_rejections += 1;
-            if self.filter_rejections >= 5 && self.filter_resets < 5 {
-                self.filter.clear();
-                self.filter_rejections = 0;
-                self.filter_resets += 1;
-            }
-        } else {
-            self.filter_rejections = 0;
-        }
-        self.adapt_shift_floor(search);
-    }
-
-    /// Products make flat, curved valleys in which the line search would cut every step; a shift in
-    /// proportion turns the direction instead.
-    fn adapt_shift_floor(&mut self, search: &Search) {
-        if self.problem.products.is_empty() {
-            return;
-        }
-        if search.alpha < 0.3 * search.alpha_max {
-            let shift = self.shift_floor.max(self.inertia.delta_w);
-            self.shift_floor = (8.0 * shift).clamp(1e-4, 1e10);
-        } else if search.alpha >= search.alpha_max {
-            self.shift_floor /= 3.0;
-            if self.shift_floor < 1e-7 {
-                self.shift_floor = 0.0;
-            }
-        }
-    }
-
-    /// Six short steps in a row at an infeasible point of a product problem.
-    fn is_jammed(&mut self, search: &Search) -> bool {
-        if search.alpha < 0.05 && self.values.theta() > 1e-6 {
-            self.jams += 1;
-        } else {
-            self.jams = 0;
-        }
-        if self.is_restoration || self.problem.products.is_empty() || self.jams < 6 {
-            return false;
-        }
-        self.jams = 0;
-        true
-    }
-
-    /// Bound multipliers near `mu / distance`; bounds moved away from points that reached them by
-    /// rounding.
-    pub(crate) fn safeguard(&mut self) {
-        let mu = self.mu;
-        for i in 0..self.iterate.v.len() {
-            let v = self.iterate.v[i];
-            if self.problem.lower[i].is_finite() {
-                let smallest = f64::EPSILON * self.problem.lower[i].abs().max(mu.min(1.0) * 1e-4);
-                if v - self.problem.lower[i] <= smallest {
-                    let room = f64::EPSILON.powf(0.75) * self.problem.lower[i].abs().max(1.0);
-                    self.problem.lower[i] = v - room.max(smallest);
-                }
-                let distance = v - self.problem.lower[i];
-                self.iterate.z_lower[i] = safeguarded(self.iterate.z_lower[i], distance, mu);
-            }
-            if self.problem.upper[i].is_finite() {
-                let smallest = f64::EPSILON * self.problem.upper[i].abs().max(mu.min(1.0) * 1e-4);
-                if self.problem.upper[i] - v <= smallest {
-                    let room = f64::EPSILON.powf(0.75) * self.problem.upper[i].abs().max(1.0);
-                    self.problem.upper[i] = v + room.max(smallest);
-                }
-                let distance = self.problem.upper[i] - v;
-                self.iterate.z_upper[i] = safeguarded(self.iterate.z_upper[i], distance, mu);
-            }
-        }
-        if !self.is_restoration {
-            for (k, slack) in self.problem.slacks.iter().enumerate() {
-                if slack.row >= self.problem.m {
-                    self.iterate.y[slack.row] = self.iterate.z_lower[self.problem.n + k];
-                }
-            }
-        }
-    }
-
-    /// After a failed line search or factorization: restoration, or a larger shift at points that are
-    /// feasible already. `Some` ends the run.
-    fn rescue(&mut self, had_direction: bool) -> Option<Outcome> {
-        self.info.acceptance = ' ';
-        self.info.step_length_primal = 0.0;
-        let settings = &self.core.settings;
-        let error = self.error(0.0);
-        let feasible = self.values.infeasibility() <= 1e-2 * settings.tolerance;
-        if self.is_restoration || feasible {
-            if self.stalls < 6 {
-                self.stalls += 1;
-                self.filter.clear();
-                self.shift_floor = (100.0 * self.shift_floor.max(self.inertia.delta_w)).max(1e-4);
-                return None;
-            }
-            let acceptable = error.scaled() <= settings.acceptable_tolerance
-                && self.sigma <= self.path.final_sigma();
-            let status = if acceptable {
-                Status::Acceptable
-            } else if !had_direction {
-                Status::FactorizationFailed
-            } else if self.is_restoration {
-                Status::RestorationFailed
-            } else {
-                Status::StepTooSmall
-            };
-            return Some(self.outcome(status));
-        }
-        self.restore(0.9)
-    }
-
-    /// Runs the restoration phase until the violation has fallen by `factor`.
-    fn restore(&mut self, factor: f64) -> Option<Outcome> {
-        if self.is_restoration {
-            return None;
-        }
-        if self.values.infeasibility() <= 1e-2 * self.core.settings.tolerance {
-            return None;
-        }
-        if self.last_restoration == Some(self.core.iterations) {
-            return Some(self.outcome(Status::RestorationFailed));
-        }
-        let restored = self.restoration_phase(factor);
-        self.last_restoration = Some(self.core.iterations);
-        self.info.acceptance = 'R';
-        match restored {
-            Restored::Continue => None,
-            Restored::Ended(status) => {
-                self.evaluate_first_derivatives();
-                self.update_lagrangian();
-                Some(self.outcome(status))
-            }
-        }
     }
 
     /// Largest primal step along `direction`.

@@ -201,6 +201,7 @@ impl<'a> FixedRun<'a> {
             t,
             &self.y,
             &impact.resting,
+            None,
             h,
         )
         .map_err(|problem| self.undetermined(t, problem))?;

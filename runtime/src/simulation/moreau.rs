@@ -59,6 +59,10 @@ impl Simulator for Moreau {
         problem.check(model)?;
         let clock = ThreadTime::try_now();
         let mut result = TimeStepping::new(self, model, problem).run(progress);
+        result.notes.push(
+            "time stepping locates no events; contact forces of the trajectory show where contact is"
+                .into(),
+        );
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             result.seconds.total = elapsed.as_secs_f64();
         }

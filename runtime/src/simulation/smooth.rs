@@ -87,6 +87,10 @@ impl Simulator for Smooth {
         let clock = ThreadTime::try_now();
         let mut system = SmoothSystem::new(self, model, problem);
         let mut result = system.dynamics.empty_result();
+        result.notes.push(
+            "smoothed switches have no instant, so there are no events; contact forces fade in and out"
+                .into(),
+        );
         if let Err(status) = integrate(self, problem, &mut system, &mut result, progress) {
             result.status = status;
         }

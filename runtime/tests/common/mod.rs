@@ -7,6 +7,7 @@
     reason = "shared by several test programs, each of which uses a part"
 )]
 
+pub mod event;
 pub mod gold;
 pub mod scene;
 pub mod scenes;

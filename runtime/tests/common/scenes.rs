@@ -495,3 +495,37 @@ pub fn crate_in_room(
         half_room,
     })
 }
+
+/// A block in a corner whose contact directions push it into the other surface: `D = [1, -2; -2, 1]`.
+#[derive(Debug, Clone)]
+pub struct JammingCorner;
+
+impl Scene<2, 0> for JammingCorner {
+    point_mass!(1.0);
+
+    fn contacts(&self) -> &'static [&'static str] {
+        &["floor", "wall"]
+    }
+
+    fn gap<D: Number>(&self, contact: usize, q: &[D; 2]) -> D {
+        if contact == 0 { q[1] } else { q[0] }
+    }
+
+    fn direction<D: Number>(&self, contact: usize, _q: &[D; 2]) -> Option<[D; 2]> {
+        let (one, two) = (D::from(1.0), D::from(-2.0));
+        Some(if contact == 0 { [two, one] } else { [one, two] })
+    }
+}
+
+pub fn jamming_corner() -> HandWritten<JammingCorner, 2, 0> {
+    HandWritten::new(JammingCorner)
+}
+
+/// A block above a floor that is declared thirteen times.
+pub fn thirteen_floors() -> HandWritten<Corner, 2, 0> {
+    HandWritten::new(Corner {
+        surfaces: &[
+            "floor", "wall", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14",
+        ],
+    })
+}

@@ -1,4 +1,4 @@
-//! Expressions from text, with exact first and second derivatives on a tape.
+//! Expressions from text.
 
 /// A node; arguments come before the nodes that use them.
 #[derive(Debug, Clone, Copy)]
@@ -11,7 +11,7 @@ enum Node {
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Function {
+pub(crate) enum Function {
     Negative,
     Reciprocal,
     /// Integer power, also of negative arguments.
@@ -28,8 +28,43 @@ enum Function {
 }
 
 impl Function {
+    /// Number and parameter bits of the function.
+    fn key(self) -> (u8, u64) {
+        match self {
+            Self::Negative => (0, 0),
+            Self::Reciprocal => (1, 0),
+            Self::Power(k) => (2, f64::from(k).to_bits()),
+            Self::RealPower(p) => (3, p.to_bits()),
+            Self::Exponential => (4, 0),
+            Self::Logarithm => (5, 0),
+            Self::SquareRoot => (6, 0),
+            Self::Sine => (7, 0),
+            Self::Cosine => (8, 0),
+            Self::ArcTangent => (9, 0),
+            Self::HyperbolicTangent => (10, 0),
+        }
+    }
+
+    /// Inverse of [`Function::key`].
+    pub(crate) fn from_key((number, bits): (u8, u64)) -> Self {
+        let parameter = f64::from_bits(bits);
+        match number {
+            0 => Self::Negative,
+            1 => Self::Reciprocal,
+            2 => Self::Power(parameter as i32),
+            3 => Self::RealPower(parameter),
+            4 => Self::Exponential,
+            5 => Self::Logarithm,
+            6 => Self::SquareRoot,
+            7 => Self::Sine,
+            8 => Self::Cosine,
+            9 => Self::ArcTangent,
+            _ => Self::HyperbolicTangent,
+        }
+    }
+
     /// Value, first and second derivative.
-    fn evaluate(self, a: f64) -> (f64, f64, f64) {
+    pub(crate) fn evaluate(self, a: f64) -> (f64, f64, f64) {
         match self {
             Self::Negative => (-a, -1.0, 0.0),
             Self::Reciprocal => (1.0 / a, -1.0 / (a * a), 2.0 / (a * a * a)),
@@ -79,7 +114,13 @@ pub(crate) struct Expression {
 
 impl Expression {
     /// Reads `text`; panics with the text where it is not an expression.
+    ///
+    /// Either infix, or `tape` and one node a word: `x3`, `#0.5`, `+0,1` (nodes 0 and 1), `-0,1`, `*0,1`,
+    /// `/0,1`, `pow0,2.5`, `sin0` and the other functions; the last node is the value.
     pub(crate) fn parse(text: &str) -> Self {
+        if let Some(words) = text.strip_prefix("tape ") {
+            return Self::with_nodes(read_tape(words));
+        }
         let mut parser = Parser {
             bytes: text.as_bytes(),
             position: 0,
@@ -88,8 +129,11 @@ impl Expression {
         parser.sum();
         parser.blanks();
         assert_eq!(parser.position, text.len(), "trailing text in `{text}`");
-        let mut variables: Vec<usize> = parser
-            .nodes
+        Self::with_nodes(parser.nodes)
+    }
+
+    fn with_nodes(nodes: Vec<Node>) -> Self {
+        let mut variables: Vec<usize> = nodes
             .iter()
             .filter_map(|node| match node {
                 Node::Variable(i) => Some(*i),
@@ -98,141 +142,120 @@ impl Expression {
             .collect();
         variables.sort_unstable();
         variables.dedup();
-        Self {
-            nodes: parser.nodes,
-            variables,
-        }
+        Self { nodes, variables }
     }
-
-    pub(crate) fn value(&self, x: &[f64], work: &mut Work) -> f64 {
-        self.forward(x, work);
-        work.value[self.nodes.len() - 1]
-    }
-
-    /// Adds `weight` times the gradient.
-    pub(crate) fn add_gradient(
-        &self,
-        x: &[f64],
-        weight: f64,
-        work: &mut Work,
-        gradient: &mut dyn FnMut(usize, f64),
-    ) {
-        self.forward(x, work);
-        let n = self.nodes.len();
-        work.bar[..n].fill(0.0);
-        work.bar[n - 1] = weight;
-        for (k, node) in self.nodes.iter().enumerate().rev() {
-            let b = work.bar[k];
-            match *node {
-                Node::Constant(_) => {}
-                Node::Variable(i) => gradient(i, b),
-                Node::Sum(p, q) => {
-                    work.bar[p] += b;
-                    work.bar[q] += b;
+    /// The expression with its constants and variables taken out: equal shapes can be evaluated together.
+    pub(crate) fn shape(&self) -> (Shape, Vec<f64>, Vec<usize>) {
+        let mut constants = Vec::new();
+        let mut variables: Vec<usize> = Vec::new();
+        let nodes = self
+            .nodes
+            .iter()
+            .map(|node| match *node {
+                Node::Constant(c) => {
+                    constants.push(c);
+                    Slot::Constant(constants.len() - 1)
                 }
-                Node::Product(p, q) => {
-                    work.bar[p] += b * work.value[q];
-                    work.bar[q] += b * work.value[p];
+                Node::Variable(i) => {
+                    let known = variables.iter().position(|&v| v == i);
+                    Slot::Variable(known.unwrap_or_else(|| {
+                        variables.push(i);
+                        variables.len() - 1
+                    }))
                 }
-                Node::Unary(_, a) => work.bar[a] += b * work.first[k],
-            }
-        }
+                Node::Sum(p, q) => Slot::Sum(p, q),
+                Node::Product(p, q) => Slot::Product(p, q),
+                Node::Unary(f, p) => Slot::Unary(f.key(), p),
+            })
+            .collect();
+        (Shape(nodes), constants, variables)
     }
+}
 
-    /// Adds `weight` times the lower triangle of the Hessian: forward over reverse, one sweep for each
-    /// variable.
-    pub(crate) fn add_hessian(
-        &self,
-        x: &[f64],
-        weight: f64,
-        work: &mut Work,
-        hessian: &mut dyn FnMut(usize, usize, f64),
-    ) {
-        self.add_gradient(x, weight, work, &mut |_, _| {});
-        let n = self.nodes.len();
-        for &j in &self.variables {
-            for (k, node) in self.nodes.iter().enumerate() {
-                work.tangent[k] = match *node {
-                    Node::Constant(_) => 0.0,
-                    Node::Variable(i) => f64::from(u8::from(i == j)),
-                    Node::Sum(a, b) => work.tangent[a] + work.tangent[b],
-                    Node::Product(a, b) => {
-                        work.tangent[a] * work.value[b] + work.value[a] * work.tangent[b]
-                    }
-                    Node::Unary(_, a) => work.first[k] * work.tangent[a],
+/// Nodes without constants and variable names; functions by their bits, so that shapes can be compared.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Shape(pub(crate) Vec<Slot>);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Slot {
+    Constant(usize),
+    Variable(usize),
+    Sum(usize, usize),
+    Product(usize, usize),
+    Unary((u8, u64), usize),
+}
+
+fn read_tape(words: &str) -> Vec<Node> {
+    let mut nodes = Vec::new();
+    // position of each word's value, since quotients and differences take two nodes
+    let mut places = Vec::new();
+    for word in words.split_whitespace() {
+        let split = word
+            .find(|c: char| c.is_ascii_digit() || c == '-' && !word.starts_with('-'))
+            .unwrap_or(word.len());
+        let split = split.max(1);
+        let (head, tail) = if word.starts_with('#') {
+            word.split_at(1)
+        } else {
+            word.split_at(split)
+        };
+        let argument = |text: &str| places[text.parse::<usize>().unwrap()];
+        let pair = || {
+            let (a, b) = tail.split_once(',').unwrap();
+            (argument(a), argument(b))
+        };
+        let node = match head {
+            "#" => Node::Constant(tail.parse().unwrap()),
+            "x" => Node::Variable(tail.parse::<usize>().unwrap() - 1),
+            "+" => Node::Sum(pair().0, pair().1),
+            "*" => Node::Product(pair().0, pair().1),
+            "-" | "/" => {
+                let (a, b) = pair();
+                let function = if head == "-" {
+                    Function::Negative
+                } else {
+                    Function::Reciprocal
                 };
-            }
-            work.bar_tangent[..n].fill(0.0);
-            for (k, node) in self.nodes.iter().enumerate().rev() {
-                let (b, t) = (work.bar[k], work.bar_tangent[k]);
-                match *node {
-                    Node::Constant(_) => {}
-                    Node::Variable(i) => {
-                        if i >= j && t != 0.0 {
-                            hessian(i, j, t);
-                        }
-                    }
-                    Node::Sum(p, q) => {
-                        work.bar_tangent[p] += t;
-                        work.bar_tangent[q] += t;
-                    }
-                    Node::Product(p, q) => {
-                        work.bar_tangent[p] += t * work.value[q] + b * work.tangent[q];
-                        work.bar_tangent[q] += t * work.value[p] + b * work.tangent[p];
-                    }
-                    Node::Unary(_, a) => {
-                        work.bar_tangent[a] +=
-                            t * work.first[k] + b * work.second[k] * work.tangent[a];
-                    }
+                nodes.push(Node::Unary(function, b));
+                let b = nodes.len() - 1;
+                if head == "-" {
+                    Node::Sum(a, b)
+                } else {
+                    Node::Product(a, b)
                 }
             }
-        }
+            "pow" => {
+                let (a, p) = tail.split_once(',').unwrap();
+                Node::Unary(power(p.parse().unwrap()), argument(a))
+            }
+            name => Node::Unary(function(name), argument(tail)),
+        };
+        nodes.push(node);
+        places.push(nodes.len() - 1);
     }
+    nodes
+}
 
-    fn forward(&self, x: &[f64], work: &mut Work) {
-        work.reserve(self.nodes.len());
-        for (k, node) in self.nodes.iter().enumerate() {
-            work.value[k] = match *node {
-                Node::Constant(c) => c,
-                Node::Variable(i) => x[i],
-                Node::Sum(a, b) => work.value[a] + work.value[b],
-                Node::Product(a, b) => work.value[a] * work.value[b],
-                Node::Unary(f, a) => {
-                    let (value, first, second) = f.evaluate(work.value[a]);
-                    work.first[k] = first;
-                    work.second[k] = second;
-                    value
-                }
-            };
-        }
+fn power(exponent: f64) -> Function {
+    if exponent.fract() == 0.0 && exponent.abs() < 100.0 {
+        Function::Power(exponent as i32)
+    } else {
+        Function::RealPower(exponent)
     }
 }
 
-/// Memory of the sweeps, shared by all expressions of a problem.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Work {
-    value: Vec<f64>,
-    first: Vec<f64>,
-    second: Vec<f64>,
-    tangent: Vec<f64>,
-    bar: Vec<f64>,
-    bar_tangent: Vec<f64>,
-}
-
-impl Work {
-    fn reserve(&mut self, nodes: usize) {
-        if self.value.len() < nodes {
-            for array in [
-                &mut self.value,
-                &mut self.first,
-                &mut self.second,
-                &mut self.tangent,
-                &mut self.bar,
-                &mut self.bar_tangent,
-            ] {
-                array.resize(nodes, 0.0);
-            }
-        }
+fn function(name: &str) -> Function {
+    match name {
+        "neg" => Function::Negative,
+        "inv" => Function::Reciprocal,
+        "exp" => Function::Exponential,
+        "log" => Function::Logarithm,
+        "sqrt" => Function::SquareRoot,
+        "sin" => Function::Sine,
+        "cos" => Function::Cosine,
+        "atan" => Function::ArcTangent,
+        "tanh" => Function::HyperbolicTangent,
+        _ => panic!("unknown function `{name}`"),
     }
 }
 
@@ -308,11 +331,7 @@ impl Parser<'_> {
         let magnitude = self.number();
         assert!(!bracket || self.take(b')'), "exponents are numbers");
         let exponent = if negative { -magnitude } else { magnitude };
-        let function = if exponent.fract() == 0.0 && exponent.abs() < 100.0 {
-            Function::Power(exponent as i32)
-        } else {
-            Function::RealPower(exponent)
-        };
+        let function = power(exponent);
         self.push(Node::Unary(function, base))
     }
 
@@ -353,16 +372,7 @@ impl Parser<'_> {
         if let Some(index) = name.strip_prefix('x').and_then(|k| k.parse::<usize>().ok()) {
             return self.push(Node::Variable(index - 1));
         }
-        let function = match name {
-            "exp" => Function::Exponential,
-            "log" => Function::Logarithm,
-            "sqrt" => Function::SquareRoot,
-            "sin" => Function::Sine,
-            "cos" => Function::Cosine,
-            "atan" => Function::ArcTangent,
-            "tanh" => Function::HyperbolicTangent,
-            _ => panic!("unknown name `{name}` at byte {start}"),
-        };
+        let function = function(name);
         assert!(self.take(b'('), "missing bracket after {name}");
         let argument = self.sum();
         assert!(self.take(b')'), "missing bracket after {name}");

@@ -9,11 +9,14 @@
 //! pair i j                  0 <= xi  _|_  xj >= 0
 //! optimum value             reference value of the objective
 //! ```
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each test uses a part")]
+#![allow(clippy::unwrap_used, reason = "test code")]
 
+mod batch;
 mod expression;
 
-use expression::{Expression, Work};
+use batch::Batch;
+use expression::Expression;
 
 use hangtime::mpcc::Mpcc;
 use hangtime::nlp::NlpProblem;
@@ -31,8 +34,14 @@ pub(crate) struct TextProblem {
     pub(crate) optimum: Vec<f64>,
     jacobian: Vec<(usize, usize)>,
     hessian: Vec<(usize, usize)>,
-    hessian_starts: Vec<usize>,
-    work: Work,
+    terms: Vec<Batch>,
+    term_variables: Vec<Vec<Vec<usize>>>,
+    row_groups: Vec<Batch>,
+    /// Positions in the value arrays: of the Jacobian by (batch, instance, local variable), of the Hessian
+    /// of objective and rows by (batch, instance, local row, local column); upper entries are absent.
+    jacobian_places: Vec<Vec<Vec<usize>>>,
+    term_places: Vec<Vec<Vec<usize>>>,
+    row_places: Vec<Vec<Vec<usize>>>,
 }
 
 /// All problems of a text.
@@ -62,8 +71,12 @@ pub(crate) fn read_problems(text: &str) -> Vec<TextProblem> {
                 optimum: Vec::new(),
                 jacobian: Vec::new(),
                 hessian: Vec::new(),
-                hessian_starts: Vec::new(),
-                work: Work::default(),
+                terms: Vec::new(),
+                term_variables: Vec::new(),
+                row_groups: Vec::new(),
+                jacobian_places: Vec::new(),
+                term_places: Vec::new(),
+                row_places: Vec::new(),
             });
             continue;
         }
@@ -123,11 +136,66 @@ impl TextProblem {
         }
         hessian.sort_unstable();
         hessian.dedup();
-        self.hessian_starts = (0..=self.start.len())
-            .map(|i| hessian.partition_point(|&(row, _)| row < i))
-            .collect();
         self.hessian = hessian;
+        self.terms = batch::group(self.objective.iter());
+        self.row_groups = batch::group(self.rows.iter().map(|(_, _, expression)| expression));
+        let mut starts = vec![0];
+        for (_, _, expression) in &self.rows {
+            starts.push(starts[starts.len() - 1] + expression.variables.len());
+        }
+        self.jacobian_places = self
+            .row_groups
+            .iter()
+            .map(|batch| {
+                batch
+                    .members
+                    .iter()
+                    .zip(&batch.variables)
+                    .map(|(&row, variables)| {
+                        let sorted = &self.rows[row].2.variables;
+                        variables
+                            .iter()
+                            .map(|v| starts[row] + sorted.binary_search(v).unwrap())
+                            .collect()
+                    })
+                    .collect()
+            })
+            .collect();
+        self.term_variables = self
+            .terms
+            .iter()
+            .map(|batch| batch.variables.clone())
+            .collect();
+        self.term_places = places(&self.terms, &self.hessian);
+        self.row_places = places(&self.row_groups, &self.hessian);
     }
+}
+
+/// Position of each pair of local variables in the sorted Hessian pattern, `usize::MAX` for row < column.
+fn places(batches: &[Batch], hessian: &[(usize, usize)]) -> Vec<Vec<Vec<usize>>> {
+    batches
+        .iter()
+        .map(|batch| {
+            batch
+                .variables
+                .iter()
+                .map(|variables| {
+                    let pairs = variables
+                        .iter()
+                        .flat_map(|&i| variables.iter().map(move |&j| (i, j)));
+                    pairs
+                        .map(|(i, j)| {
+                            if i < j {
+                                usize::MAX
+                            } else {
+                                hessian.binary_search(&(i, j)).unwrap()
+                            }
+                        })
+                        .collect()
+                })
+                .collect()
+        })
+        .collect()
 }
 
 impl NlpProblem for TextProblem {
@@ -156,20 +224,23 @@ impl NlpProblem for TextProblem {
     }
 
     fn objective(&mut self, x: &[f64]) -> f64 {
-        let work = &mut self.work;
-        self.objective.iter().map(|term| term.value(x, work)).sum()
+        let mut sum = 0.0;
+        for batch in &mut self.terms {
+            batch.values(x, &mut |_, value| sum += value);
+        }
+        sum
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
         gradient.fill(0.0);
-        for term in &self.objective {
-            term.add_gradient(x, 1.0, &mut self.work, &mut |i, g| gradient[i] += g);
+        for (batch, variables) in self.terms.iter_mut().zip(&self.term_variables) {
+            batch.gradients(x, &mut |k, v, g| gradient[variables[k][v]] += g);
         }
     }
 
     fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-        for (c, (_, _, expression)) in c.iter_mut().zip(&self.rows) {
-            *c = expression.value(x, &mut self.work);
+        for batch in &mut self.row_groups {
+            batch.values(x, &mut |row, value| c[row] = value);
         }
     }
 
@@ -179,14 +250,8 @@ impl NlpProblem for TextProblem {
 
     fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
         values.fill(0.0);
-        let mut start = 0;
-        for (_, _, expression) in &self.rows {
-            let variables = &expression.variables;
-            expression.add_gradient(x, 1.0, &mut self.work, &mut |i, g| {
-                let position = variables.binary_search(&i).unwrap();
-                values[start + position] += g;
-            });
-            start += variables.len();
+        for (batch, places) in self.row_groups.iter_mut().zip(&self.jacobian_places) {
+            batch.gradients(x, &mut |k, v, g| values[places[k][v]] += g);
         }
     }
 
@@ -196,18 +261,22 @@ impl NlpProblem for TextProblem {
 
     fn hessian_values(&mut self, x: &[f64], weight: f64, multipliers: &[f64], values: &mut [f64]) {
         values.fill(0.0);
-        let (hessian, starts) = (&self.hessian, &self.hessian_starts);
-        let mut add = |i: usize, j: usize, h: f64| {
-            let row = &hessian[starts[i]..starts[i + 1]];
-            values[starts[i] + row.binary_search(&(i, j)).unwrap()] += h;
-        };
-        if weight != 0.0 {
-            for term in &self.objective {
-                term.add_hessian(x, weight, &mut self.work, &mut add);
+        let add = |values: &mut [f64], places: &[usize], i: usize, j: usize, h: f64| {
+            let width = places.len().isqrt();
+            let place = places[i * width + j];
+            if place != usize::MAX {
+                values[place] += h;
             }
+        };
+        for (batch, places) in self.terms.iter_mut().zip(&self.term_places) {
+            batch.hessians(x, &|_| weight, &mut |k, i, j, h| {
+                add(values, &places[k], i, j, h)
+            });
         }
-        for ((_, _, expression), y) in self.rows.iter().zip(multipliers) {
-            expression.add_hessian(x, *y, &mut self.work, &mut add);
+        for (batch, places) in self.row_groups.iter_mut().zip(&self.row_places) {
+            batch.hessians(x, &|row| multipliers[row], &mut |k, i, j, h| {
+                add(values, &places[k], i, j, h);
+            });
         }
     }
 }

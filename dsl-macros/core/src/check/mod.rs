@@ -11,7 +11,10 @@ use crate::ast::{Assignment, Documentation, Expr, Name, Relation, Scene, Stateme
 use crate::diagnostics::{Checked, Diagnostics, Reported};
 use crate::evaluate::{Meaning, Scope, UserFunction, Value};
 use crate::graph::{self, Sym, Variable};
+use crate::parse::law_of;
 use crate::scene::{self, CheckedScene, Contact, Coordinate, Parameter};
+use hangtime_units::Unit;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 /// Checks a declaration. Every mistake found is reported; a scene comes back only if there was none.
@@ -33,22 +36,19 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         horizon: None,
     };
     checker.declare_all(&declared.statements);
-    for statement in &declared.statements {
-        checker.statement(statement);
+    let mut failed = HashSet::new();
+    for (index, statement) in declared.statements.iter().enumerate() {
+        // Each statement reports its own mistakes; the next one is checked all the same.
+        if checker.statement(statement).is_err() {
+            failed.insert(index);
+        }
     }
-    let scene = checker.finish(declared);
+    let gaps = units::gaps(declared, &failed, checker.diagnostics);
+    let scene = checker.finish(declared, &gaps);
     if diagnostics.mistakes() > before {
         return Err(Reported);
     }
-    let mut scene = scene?;
-    let gaps = units::gaps(declared, diagnostics);
-    for contact in &mut scene.contacts {
-        contact.unit = gaps.get(&contact.name.text).copied();
-    }
-    if diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
-    Ok(scene)
+    scene
 }
 
 /// A surface before its law is known.
@@ -88,9 +88,8 @@ struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    fn statement(&mut self, statement: &Statement) {
-        // Each branch reports its own mistakes; the next statement is checked all the same.
-        let _: Checked<()> = match statement {
+    fn statement(&mut self, statement: &Statement) -> Checked<()> {
+        match statement {
             Statement::Parameters(_) => Ok(()),
             Statement::Coordinates(quantities) => self.bounds(quantities, false),
             Statement::Controls(quantities) => self.bounds(quantities, true),
@@ -113,7 +112,7 @@ impl Checker<'_> {
             Statement::Impact { surfaces, along } => self.impact(surfaces, along.as_ref()),
             Statement::Start(assignments) => self.start_statement(assignments),
             Statement::Horizon { keyword, value } => self.horizon(*keyword, value),
-        };
+        }
     }
 
     fn abbreviation(&mut self, name: &Name, value: &Expr) -> Checked<()> {
@@ -222,7 +221,15 @@ impl Checker<'_> {
     fn impact(&mut self, surfaces: &[Name], along: Option<&Expr>) -> Checked<()> {
         let along = match along {
             None => None,
-            Some(expr) => Some(self.direction(expr)?),
+            Some(expr) => {
+                let direction = self.direction(expr);
+                if direction.is_err() {
+                    for surface in surfaces {
+                        self.diagnostics.poison(&law_of(&surface.text));
+                    }
+                }
+                Some(direction?)
+            }
         };
         for surface in surfaces {
             if let Some(known) = self
@@ -300,19 +307,26 @@ impl Checker<'_> {
         }
     }
 
-    fn finish(self, declared: &Scene) -> Checked<CheckedScene> {
+    fn finish(self, declared: &Scene, gaps: &HashMap<String, Unit>) -> Checked<CheckedScene> {
         let mut checker = self;
         rules::missing_statements(&declared.name, &mut checker);
         let contacts = rules::laws(&mut checker);
         let start = checker.start_values();
-        rules::unused(&mut checker);
-        let (Some((lagrangian, place)), Ok(contacts), Ok(start)) =
+        let (Some((lagrangian, place)), Ok(mut contacts), Ok(start)) =
             (checker.lagrangian, contacts, start)
         else {
             return Err(Reported);
         };
-        let forces = checker.total_forces();
+        // Missing inertia and unused names are most often consequences of other mistakes.
+        if checker.diagnostics.mistakes() > 0 {
+            return Err(Reported);
+        }
         rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)?;
+        rules::unused(&mut checker);
+        for contact in &mut contacts {
+            contact.unit = gaps.get(&contact.name.text).copied();
+        }
+        let forces = checker.total_forces();
         let along = |contact: &Contact| contact.along.clone().unwrap_or_default();
         let mut dynamics: Vec<Sym> = vec![lagrangian];
         dynamics.extend(&forces);

@@ -11,14 +11,6 @@ use crate::words;
 /// Most coordinates, and most parameters or controls, of one scene.
 const MOST: usize = 500;
 
-/// Words that Rust does not allow as the name of a field.
-const RUST_WORDS: [&str; 38] = [
-    "as", "async", "await", "box", "break", "const", "continue", "crate", "dyn", "else", "enum",
-    "extern", "false", "fn", "for", "gen", "if", "impl", "in", "let", "loop", "match", "mod",
-    "move", "mut", "pub", "ref", "return", "self", "static", "struct", "super", "trait", "true",
-    "type", "unsafe", "use", "where",
-];
-
 impl Checker<'_> {
     /// Declares parameters, coordinates and controls, wherever they stand; notes the names of
     /// abbreviations and functions that come later.
@@ -72,7 +64,7 @@ impl Checker<'_> {
                 format!("`{text}` is reserved for {meaning}; choose another name"),
             ));
         }
-        if RUST_WORDS.contains(&text) || text.starts_with("r#") {
+        if words::is_rust_word(text) {
             return Err(self.diagnostics.report(
                 "E11",
                 place,

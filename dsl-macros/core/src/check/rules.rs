@@ -4,6 +4,7 @@ use super::Checker;
 use crate::ast::{Expr, Kind, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::graph::{self, Function, Node, Sym, Variable};
+use crate::parse::law_of;
 use crate::scene::{Contact, Coordinate};
 
 fn is_velocity(variable: Variable) -> bool {
@@ -245,6 +246,9 @@ pub(super) fn laws(checker: &mut Checker<'_>) -> Checked<Vec<Contact>> {
     for surface in surfaces {
         let text = &surface.name.text;
         let Some(index) = laws.iter().position(|law| law.surface.text == *text) else {
+            if checker.diagnostics.is_poisoned(&law_of(text)) {
+                continue;
+            }
             checker.diagnostics.report(
                 "E20",
                 surface.name.place(),
@@ -294,10 +298,6 @@ pub(crate) fn normal(gap: Sym, coordinates: usize) -> Vec<Sym> {
 
 /// E16: everything declared is used.
 pub(super) fn unused(checker: &mut Checker<'_>) {
-    // With other mistakes around, unused names are most often their consequence.
-    if checker.diagnostics.mistakes() > 0 {
-        return;
-    }
     let mut unused: Vec<(Place, String)> = Vec::new();
     let is_unused = |name: &Name| !checker.scope.used.contains(&name.text);
     for parameter in &checker.parameters {

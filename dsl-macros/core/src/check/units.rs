@@ -8,11 +8,17 @@ use super::values::is_bare;
 use crate::ast::{Assignment, Expr, Kind, Name, Operator, Quantity, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::dimension::{Dimension, Unifier};
+use crate::words;
 use hangtime_units::{Ratio, Unit};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Units of the gaps of all surfaces, by name, as far as they are known.
-pub(super) fn gaps(scene: &Scene, diagnostics: &mut Diagnostics) -> HashMap<String, Unit> {
+/// Statements at the positions `skip` failed before and are passed over.
+pub(super) fn gaps(
+    scene: &Scene,
+    skip: &HashSet<usize>,
+    diagnostics: &mut Diagnostics,
+) -> HashMap<String, Unit> {
     if !declares_units(scene) {
         return HashMap::new();
     }
@@ -29,7 +35,10 @@ pub(super) fn gaps(scene: &Scene, diagnostics: &mut Diagnostics) -> HashMap<Stri
         gaps: Vec::new(),
     };
     walk.declare(scene);
-    for statement in &scene.statements {
+    for (index, statement) in scene.statements.iter().enumerate() {
+        if skip.contains(&index) {
+            continue;
+        }
         // Reported where it fails; the next statement is checked all the same.
         let _: Checked<()> = walk.statement(statement);
     }
@@ -208,6 +217,13 @@ impl Walk<'_> {
     }
 
     fn force(&mut self, assignment: &Assignment) -> Checked<()> {
+        if !self
+            .coordinates
+            .iter()
+            .any(|known| known.text == assignment.target.text)
+        {
+            return Err(Reported);
+        }
         let own = self.scalar(&assignment.value)?;
         let coordinate = self.named(&assignment.target);
         let wanted = self.energy.over(&coordinate);
@@ -290,10 +306,13 @@ impl Walk<'_> {
             return Ok(());
         }
         let message = format!(
-            "units differ: `{expr}` is in {}, where {} is needed ({reason}){}",
-            self.unifier.show(own),
-            self.unifier.show(wanted),
-            hint(&[expr])
+            "units differ: `{expr}` {}, where {} is needed ({reason}){}",
+            self.unifier.is_in(own),
+            match self.unifier.show(wanted).as_str() {
+                "1" => "a pure number",
+                unit => unit,
+            },
+            self.hint(&[(expr, wanted)])
         );
         Err(self.diagnostics.report("E03", expr.place, message))
     }
@@ -306,12 +325,23 @@ impl Walk<'_> {
         what: &str,
     ) -> Reported {
         let message = format!(
-            "units differ: `{left}` is in {}, `{right}` is in {}; {what} must agree{}",
-            self.unifier.show(own),
-            self.unifier.show(its),
-            hint(&[left, right])
+            "units differ: `{left}` {}, `{right}` {}; {what} must agree{}",
+            self.unifier.is_in(own),
+            self.unifier.is_in(its),
+            self.hint(&[(left, its), (right, own)])
         );
         self.diagnostics.report("E03", place, message)
+    }
+
+    /// What to write if a bare number is to blame: each expression with the unit that would fit.
+    fn hint(&self, candidates: &[(&Expr, &Dimension)]) -> String {
+        match candidates.iter().find(|(expr, _)| is_bare(expr)) {
+            Some((expr, wanted)) => format!(
+                "; a bare number has no unit, write it in brackets, as in `{expr} [{}]`",
+                self.unifier.show(wanted)
+            ),
+            None => String::new(),
+        }
     }
 
     fn scalar(&mut self, expr: &Expr) -> Checked<Dimension> {
@@ -525,7 +555,9 @@ impl Walk<'_> {
                 let exponent = Ratio::new(1, if text == "sqrt" { 2 } else { 3 });
                 Ok(Units::Scalar(own.power(exponent.unwrap_or(Ratio::ONE))))
             }
-            (_, [argument]) => Ok(Units::Scalar(self.pure(argument, text)?)),
+            (_, [argument]) if words::FUNCTIONS.contains(&text) => {
+                Ok(Units::Scalar(self.pure(argument, text)?))
+            }
             _ => Err(Reported),
         }
     }
@@ -564,16 +596,6 @@ impl Walk<'_> {
         let result = self.units(&body);
         self.frames.pop();
         result
-    }
-}
-
-/// What to write if a bare number is to blame.
-fn hint(exprs: &[&Expr]) -> String {
-    match exprs.iter().find(|expr| is_bare(expr)) {
-        Some(expr) => {
-            format!("; a bare number has no unit, write it in brackets, as in `{expr} [m]`")
-        }
-        None => String::new(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The struct of a scene: its parameters as fields, with defaults and setters.
 
 use super::plan::Plan;
-use crate::ast::{Documentation, WrittenUnit};
+use crate::ast::{Documentation, Name, WrittenUnit};
 use crate::scene::{CheckedScene, Coordinate, Parameter};
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
@@ -28,10 +28,7 @@ pub(super) fn tokens(scene: &CheckedScene, plan: &Plan) -> TokenStream {
     });
     let setters = scene.parameters.iter().map(|parameter| {
         let ident = &parameter.name.ident;
-        let setter = Ident::new(
-            &format_ident!("with_{}", parameter.name.text).to_string(),
-            Span::call_site(),
-        );
+        let setter = format_ident!("with_{}", parameter.name.text, span = Span::call_site());
         let documentation = doc(&format!(
             "The same scene with another `{}`{}.",
             parameter.name.text,
@@ -69,9 +66,9 @@ pub(super) fn tokens(scene: &CheckedScene, plan: &Plan) -> TokenStream {
     }
 }
 
-/// What stands for a scene with mistakes: it has the name and nothing else, so that no use of the name
-/// gives a second message.
-pub(crate) fn stub(visibility: &TokenStream, name: &Ident) -> TokenStream {
+/// What stands for a scene with mistakes: its name, its parameters and the trait, so that no use of the
+/// scene gives a second message.
+pub(crate) fn stub(visibility: &TokenStream, name: &Ident, parameters: &[Name]) -> TokenStream {
     let methods = [
         (
             "declaration",
@@ -115,10 +112,17 @@ pub(crate) fn stub(visibility: &TokenStream, name: &Ident) -> TokenStream {
         let method = Ident::new(method, Span::call_site());
         quote!(fn #method #signature { ::core::panic!("this scene has mistakes") })
     });
+    let fields = parameters.iter().map(|parameter| &parameter.ident);
+    let setters = parameters.iter().map(|parameter| {
+        let setter = format_ident!("with_{}", parameter.text, span = Span::call_site());
+        quote!(pub fn #setter(self, _: f64) -> Self { self })
+    });
     quote! {
         #[derive(Debug, Clone, PartialEq, Default)]
-        #[allow(missing_docs, dead_code)]
-        #visibility struct #name {}
+        #[allow(missing_docs, dead_code, non_snake_case)]
+        #visibility struct #name { #(pub #fields: f64,)* }
+        #[allow(missing_docs, dead_code, non_snake_case)]
+        impl #name { #(#setters)* }
         #[automatically_derived]
         impl ::hangtime::model::Model for #name {
             #(#methods)*

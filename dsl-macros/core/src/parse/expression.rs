@@ -3,7 +3,7 @@
 use super::cursor::Cursor;
 use super::{unexpected, unit};
 use crate::ast::{Expr, Kind, Name, Operator};
-use crate::diagnostics::{Checked, Diagnostics, Place, list};
+use crate::diagnostics::{Checked, Diagnostics, Place, closest};
 use crate::words;
 use proc_macro2::{Delimiter, Group, Literal, TokenTree};
 
@@ -358,13 +358,26 @@ impl Parser<'_> {
                 if words::STATEMENTS.contains(&text.as_str()) || text == "in" {
                     return Ok(());
                 }
-                // A name with a value or a block behind it was meant to begin a statement.
-                if matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
-                    if group.delimiter() == Delimiter::Brace)
-                {
-                    return Ok(());
+                match cursor.peek_at(1) {
+                    // A name with a block behind it was meant to begin a statement.
+                    Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace => {
+                        return Ok(());
+                    }
+                    Some(TokenTree::Group(group))
+                        if group.delimiter() == Delimiter::Parenthesis =>
+                    {
+                        format!("{text}(...)")
+                    }
+                    _ => {
+                        if let Some(statement) = closest(&text, words::STATEMENTS) {
+                            return Err(self.diagnostics.syntax(
+                                cursor.place(),
+                                format!("unknown statement `{text}`; did you mean `{statement}`?"),
+                            ));
+                        }
+                        text
+                    }
                 }
-                text
             }
             Some(TokenTree::Literal(literal)) => literal.to_string(),
             Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis => {
@@ -372,21 +385,23 @@ impl Parser<'_> {
             }
             _ => return Ok(()),
         };
-        let short = |text: String| -> String {
-            if text.chars().count() > 24 {
-                "...".to_owned()
-            } else {
-                text
-            }
+        // The last term is what the missing operator would multiply.
+        let mut last = left;
+        while let Kind::Binary {
+            operator: Operator::Add | Operator::Subtract,
+            right,
+            ..
+        } = &last.kind
+        {
+            last = right;
+        }
+        let left = match last.to_string() {
+            long if long.chars().count() > 24 => "...".to_owned(),
+            short => short,
         };
-        let (left_text, right_text) = (short(left.to_string()), short(right));
         Err(self.diagnostics.syntax(
             cursor.place(),
-            format!(
-                "an operator is missing; write a product as `{left_text}*{right_text}` (a statement \
-                 begins with {})",
-                list(words::STATEMENTS[..12].iter().copied())
-            ),
+            format!("an operator is missing before `{right}`; write a product as `{left}*{right}`"),
         ))
     }
 

@@ -6,8 +6,11 @@ mod expression;
 mod statement;
 mod unit;
 
-use crate::ast::{Documentation, Name, Scene};
+pub(crate) use statement::law_of;
+
+use crate::ast::{Documentation, Name, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
+use crate::words;
 use cursor::Cursor;
 use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
 
@@ -53,12 +56,49 @@ pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
     })
 }
 
-/// The name of the scene, as far as it can be told from input with mistakes: for the stub.
-pub(crate) fn name_of(input: TokenStream) -> Option<(TokenStream, Name)> {
-    let mut cursor = Cursor::new(input, Span::call_site());
-    documentation(&mut cursor, &mut Diagnostics::default());
-    let visibility = visibility(&mut cursor);
-    Some((visibility, cursor.eat_name()?))
+/// What a stub needs of a scene with mistakes.
+pub(crate) struct Outline {
+    pub(crate) visibility: TokenStream,
+    pub(crate) name: Name,
+    pub(crate) parameters: Vec<Name>,
+}
+
+/// The outline of a scene, as far as it can be told from input with mistakes.
+pub(crate) fn outline(input: TokenStream) -> Option<Outline> {
+    let mut silent = Diagnostics::default();
+    let Ok(scene) = scene(input.clone(), &mut silent) else {
+        let mut cursor = Cursor::new(input, Span::call_site());
+        documentation(&mut cursor, &mut silent);
+        return Some(Outline {
+            visibility: visibility(&mut cursor),
+            name: cursor.eat_name().filter(is_plain)?,
+            parameters: Vec::new(),
+        });
+    };
+    let mut parameters: Vec<Name> = Vec::new();
+    for statement in scene.statements {
+        if let Statement::Parameters(quantities) = statement {
+            for quantity in quantities {
+                if is_plain(&quantity.name)
+                    && !parameters
+                        .iter()
+                        .any(|known| known.text == quantity.name.text)
+                {
+                    parameters.push(quantity.name);
+                }
+            }
+        }
+    }
+    is_plain(&scene.name).then_some(Outline {
+        visibility: scene.visibility,
+        name: scene.name,
+        parameters,
+    })
+}
+
+/// Whether a name can be emitted as an identifier.
+fn is_plain(name: &Name) -> bool {
+    !words::is_rust_word(&name.text)
 }
 
 fn visibility(cursor: &mut Cursor) -> TokenStream {

@@ -4,7 +4,7 @@
 use super::cursor::Cursor;
 use super::expression::expression;
 use super::{documentation, unexpected, unit};
-use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
+use crate::ast::{Assignment, Documentation, Expr, Kind, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
 use proc_macro2::{Delimiter, TokenTree};
@@ -21,15 +21,23 @@ pub(super) fn statements(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> 
             Ok(statement) => statements.push(statement),
             Err(Reported) => {
                 cursor.skip_until(|cursor| {
-                    cursor
-                        .ident()
-                        .is_some_and(|ident| begins_statement(&ident.to_string()))
+                    cursor.ident().is_some_and(|ident| {
+                        let word = ident.to_string();
+                        begins_statement(&word) || is_misspelt_block(cursor, &word)
+                    })
                 });
             }
         }
         while cursor.eat_symbol(";") || cursor.eat_symbol(",") {}
     }
     statements
+}
+
+/// Whether a name with a block behind it was meant to begin a statement.
+fn is_misspelt_block(cursor: &Cursor, word: &str) -> bool {
+    matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
+        if group.delimiter() == Delimiter::Brace)
+        && closest(word, words::STATEMENTS).is_some()
 }
 
 fn begins_statement(word: &str) -> bool {
@@ -108,6 +116,17 @@ fn statement(
                     list(words::STATEMENTS[..12].iter().copied())
                 ),
             };
+            // What a misspelt block declares is known by name, so that its uses give no messages.
+            if let Some(group) = cursor.eat_group(Delimiter::Brace) {
+                let mut inner = Cursor::inside(&group);
+                while !inner.is_empty() {
+                    if let Some(name) = inner.eat_name() {
+                        diagnostics.poison(&name.text);
+                    } else {
+                        inner.advance();
+                    }
+                }
+            }
             Err(diagnostics.syntax(keyword, message))
         }
     }
@@ -373,6 +392,25 @@ fn impact(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Stateme
     while cursor.eat_symbol(",") {
         surfaces.push(name(cursor, "the name of a surface", diagnostics)?);
     }
+    let statement = law(cursor, surfaces.clone(), diagnostics);
+    if statement.is_err() {
+        for surface in &surfaces {
+            diagnostics.poison(&law_of(&surface.text));
+        }
+    }
+    statement
+}
+
+/// Under which name the law of a surface is marked as faulty.
+pub(crate) fn law_of(surface: &str) -> String {
+    format!("impact {surface}")
+}
+
+fn law(
+    cursor: &mut Cursor,
+    surfaces: Vec<Name>,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
     if !cursor.eat_symbol(":") {
         return Err(unexpected(cursor, diagnostics, "`:` and an impact law"));
     }
@@ -380,6 +418,15 @@ fn impact(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Stateme
     match cursor.eat_name() {
         Some(law) if law.text == "inelastic" => {}
         Some(law) if law.text == "restitution" => {
+            let coefficient = expression(cursor, diagnostics)?;
+            if let Kind::Negate(_) = coefficient.kind {
+                return Err(restitution_outside(&coefficient, diagnostics));
+            }
+            if let Kind::Number { value, .. } = coefficient.kind
+                && value > 1.0
+            {
+                return Err(restitution_outside(&coefficient, diagnostics));
+            }
             return Err(diagnostics.syntax(
                 law_place,
                 "the impact law `restitution` is not available yet; write `inelastic`",
@@ -430,4 +477,15 @@ fn impact(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Stateme
         }
     }
     Ok(Statement::Impact { surfaces, along })
+}
+
+fn restitution_outside(coefficient: &Expr, diagnostics: &mut Diagnostics) -> Reported {
+    diagnostics.report(
+        "E10",
+        coefficient.place,
+        format!(
+            "coefficient of restitution {coefficient} is outside [0, 1]: 0 keeps no normal velocity, 1 \
+             all of it"
+        ),
+    )
 }

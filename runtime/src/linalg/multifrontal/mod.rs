@@ -86,15 +86,23 @@ impl MultifrontalLdl {
         })
     }
 
-    /// Three sweeps of symmetric equilibration in the infinity norm.
+    /// Two sweeps of symmetric equilibration in the infinity norm.
     fn equilibrate(&mut self) {
         self.scale.fill(1.0);
-        for _ in 0..3 {
+        for _ in 0..2 {
             self.work.fill(0.0);
-            for &(k, row, column) in &self.symbolic.entries {
-                let a = (self.shifted[k] * self.scale[row] * self.scale[column]).abs();
-                self.work[row] = self.work[row].max(a);
-                self.work[column] = self.work[column].max(a);
+            for entry in &self.symbolic.entries {
+                let (row, column) = (entry.row as usize, entry.column as usize);
+                let a =
+                    (self.shifted[entry.position as usize] * self.scale[row] * self.scale[column])
+                        .abs();
+                // entries are finite here; plain comparisons cost less than `f64::max`
+                if a > self.work[row] {
+                    self.work[row] = a;
+                }
+                if a > self.work[column] {
+                    self.work[column] = a;
+                }
             }
             for (scale, largest) in self.scale.iter_mut().zip(&self.work) {
                 if *largest > 0.0 {
@@ -137,8 +145,9 @@ impl MultifrontalLdl {
 
         let entry_range =
             self.symbolic.entry_starts[node.first]..self.symbolic.entry_starts[node.end];
-        for &(k, row, column) in &self.symbolic.entries[entry_range] {
-            let a = self.shifted[k] * self.scale[row] * self.scale[column];
+        for entry in &self.symbolic.entries[entry_range] {
+            let (row, column) = (entry.row as usize, entry.column as usize);
+            let a = self.shifted[entry.position as usize] * self.scale[row] * self.scale[column];
             let (i, j) = (self.local[row], self.local[column]);
             self.panel[j * rows + i] += a;
             if i != j && i < columns {
@@ -220,8 +229,8 @@ impl KktFactorization for MultifrontalLdl {
                 .symbolic
                 .entries
                 .iter()
-                .find(|entry| entry.0 == position)
-                .map_or(0, |entry| self.symbolic.permutation[entry.1]);
+                .find(|entry| entry.position as usize == position)
+                .map_or(0, |entry| self.symbolic.permutation[entry.row as usize]);
             return Err(FactorizationError::NotFinite(row));
         }
         self.equilibrate();

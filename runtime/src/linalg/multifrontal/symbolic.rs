@@ -22,15 +22,24 @@ pub(crate) struct Supernode {
     pub(crate) is_root: bool,
 }
 
+/// An entry of the pattern in the permuted matrix, row >= column. Half the width of `usize` keeps the scans
+/// over all entries short.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Entry {
+    /// Position in the value array of the pattern.
+    pub(crate) position: u32,
+    pub(crate) row: u32,
+    pub(crate) column: u32,
+}
+
 /// Everything that depends on the pattern alone.
 #[derive(Debug, Clone)]
 pub(crate) struct Symbolic {
     /// `permutation[new] = old`.
     pub(crate) permutation: Vec<usize>,
     pub(crate) nodes: Vec<Supernode>,
-    /// Entries of the pattern by the column that eliminates first: (position, row, column), permuted,
-    /// row >= column, with the start of each column.
-    pub(crate) entries: Vec<(usize, usize, usize)>,
+    /// Entries of the pattern by the column that is eliminated first, with the start of each column.
+    pub(crate) entries: Vec<Entry>,
     pub(crate) entry_starts: Vec<usize>,
 }
 
@@ -39,6 +48,9 @@ const NONE: usize = usize::MAX;
 impl Symbolic {
     pub(crate) fn new(pattern: &SymmetricPattern) -> Result<Self, FactorizationError> {
         let n = pattern.dimension();
+        if u32::try_from(pattern.stored()).is_err() {
+            return Err(FactorizationError::Analysis(n));
+        }
         let lower = SymbolicSparseColMatRef::new_checked(
             n,
             n,
@@ -93,13 +105,17 @@ impl Symbolic {
         for j in 0..n {
             for k in pattern.column_pointers()[j]..pattern.column_pointers()[j + 1] {
                 let (a, b) = (inverse[pattern.row_indices()[k]], inverse[j]);
-                entries.push((k, a.max(b), a.min(b)));
+                entries.push(Entry {
+                    position: k as u32,
+                    row: a.max(b) as u32,
+                    column: a.min(b) as u32,
+                });
             }
         }
-        entries.sort_unstable_by_key(|&(_, row, column)| (column, row));
+        entries.sort_unstable_by_key(|entry| (entry.column, entry.row));
         let mut entry_starts = vec![0; n + 1];
-        for &(_, _, column) in &entries {
-            entry_starts[column + 1] += 1;
+        for entry in &entries {
+            entry_starts[entry.column as usize + 1] += 1;
         }
         for j in 0..n {
             entry_starts[j + 1] += entry_starts[j];
@@ -165,14 +181,14 @@ fn supernodes(
 ) -> Vec<Supernode> {
     let mut nodes: Vec<Supernode> = Vec::new();
     // nodes whose parent column has not come yet, as a stack; postorder keeps children on top
-    for j in 0..n {
+    for (j, &above) in parent.iter().enumerate() {
         let rows = structure(j);
         let mut node = Supernode {
             first: j,
             end: j + 1,
             rows,
             children: 0,
-            is_root: parent[j] == NONE,
+            is_root: above == NONE,
         };
         // the last node is a child of j exactly if its first row below is j
         if let Some(last) = nodes.last()

@@ -171,6 +171,7 @@ pub(in crate::simulation) fn solve(
 /// `0 <= r _|_ n' a + curvature + D r >= 0`; where force and acceleration both vanish, those for which the
 /// same holds a moment later. On return `dynamics.active` is the new mode.
 ///
+/// `vanished` is a contact whose force is known to vanish now, whatever rounding error has left of it;
 /// `moment` is a time over which the motion is smooth, such as a step size.
 pub(in crate::simulation) fn select(
     dynamics: &mut Dynamics<'_>,
@@ -178,6 +179,7 @@ pub(in crate::simulation) fn select(
     t: f64,
     y: &[f64],
     resting: &[usize],
+    vanished: Option<usize>,
     moment: f64,
 ) -> Result<(), Undetermined> {
     dynamics.active.clear();
@@ -200,9 +202,9 @@ pub(in crate::simulation) fn select(
     for (slot, &i) in resting.iter().enumerate() {
         let (r, w) = (solution.z[slot], solution.w[slot]);
         let zero = BIACTIVE * scales[slot].max(dynamics.force_floor(i));
-        if r > zero {
+        if r > zero && vanished != Some(i) {
             pressed.push(i);
-        } else if w <= zero {
+        } else if w <= zero || vanished == Some(i) {
             biactive.push(i);
             remainders.push(r.abs().max(w.abs()));
         }

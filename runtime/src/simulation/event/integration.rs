@@ -6,7 +6,7 @@ use super::EventDriven;
 use super::contact_mode::{self, Undetermined};
 use super::dop853::Dop853;
 use super::dynamics::Dynamics;
-use super::search::{EventSearch, Step};
+use super::search::{EventSearch, Outcome, Step};
 use crate::model::{Model, contact_point};
 use crate::simulation::{
     Diagnosis, Event, EventKind, InitialValueProblem, Residuals, Simulation, SimulationStatus,
@@ -14,6 +14,8 @@ use crate::simulation::{
 
 /// Steps shorter than this share of the time reached do not change it.
 const SHORTEST: f64 = 1e-15;
+/// Factor of the step size if events within the step cannot be found.
+const UNRESOLVED: f64 = 0.25;
 /// Steps shorter than this share of the time reached stay at the same instant.
 const SAME_INSTANT: f64 = 1e-14;
 /// Steps at the same instant, for each contact, before the contact mode counts as undetermined.
@@ -117,7 +119,15 @@ impl<'a> Integration<'a> {
             if !self.try_step(h)? {
                 continue;
             }
-            let event = self.find_event(h);
+            let event = match self.find_event(h) {
+                Outcome::Nothing => None,
+                Outcome::Event(event) => Some(event),
+                Outcome::Unresolved(contact) => {
+                    self.shorten(h, contact)?;
+                    continue;
+                }
+            };
+            self.result.counts.elements += 1;
             let until = event.map_or(h, |event| event.h);
             self.guard_progress(event.map(|event| event.contact), until)?;
             self.write_outputs(h, until);
@@ -187,19 +197,18 @@ impl<'a> Integration<'a> {
         // A step that was cut short says nothing against longer ones.
         let next = self.method.next_size(h, error);
         self.h = if h < self.h { next.max(self.h) } else { next };
-        self.result.counts.elements += 1;
         Ok(true)
     }
 
-    fn find_event(&mut self, h: f64) -> Option<super::search::Found> {
+    fn find_event(&mut self, h: f64) -> Outcome {
         let outputs_due = self.output_due(h);
         let search = EventSearch::is_needed(&self.dynamics);
         if !search && !outputs_due {
-            return None;
+            return Outcome::Nothing;
         }
         self.method.extend(&mut self.dynamics, self.t, &self.y, h);
         if !search {
-            return None;
+            return Outcome::Nothing;
         }
         let step = Step {
             t: self.t,
@@ -210,6 +219,18 @@ impl<'a> Integration<'a> {
         };
         self.search
             .earliest(&mut self.dynamics, &mut self.method, step)
+    }
+
+    /// Makes the next try shorter than the step of length `h`, in which the events of `contact` cannot be found.
+    fn shorten(&mut self, h: f64, contact: usize) -> Result<(), SimulationStatus> {
+        self.h = UNRESOLVED * h;
+        if self.h > SHORTEST * self.t.max(self.problem.horizon) {
+            return Ok(());
+        }
+        Err(SimulationStatus::StepFailed(self.diagnosis(
+            Some(contact),
+            "the events of this contact cannot be told apart; lower the tolerance".into(),
+        )))
     }
 
     /// Refuses endless switching at one instant.
@@ -236,17 +257,20 @@ impl<'a> Integration<'a> {
     }
 
     /// Applies the impact law and finds the contact mode right after the present instant, records both
-    /// sides, and prepares the next step. `closing` is the contact whose value has just vanished.
+    /// sides, and prepares the next step. `at_zero` is the contact whose gap or force has just vanished.
     fn enter_mode(
         &mut self,
-        closing: Option<usize>,
+        at_zero: Option<usize>,
         at_start: bool,
     ) -> Result<(), SimulationStatus> {
         let n = self.dynamics.n;
         let before = self.y[n..2 * n].to_vec();
         let previously = self.dynamics.active.clone();
         let moment = self.h;
-        let closing = closing.filter(|&contact| !self.dynamics.is_active(contact));
+        let (vanished, closing): (Option<usize>, Option<usize>) = match at_zero {
+            Some(contact) if self.dynamics.is_active(contact) => (at_zero, None),
+            _ => (None, at_zero),
+        };
         let impact = contact_mode::impact(&mut self.dynamics, self.t, &mut self.y, closing)
             .map_err(|problem| self.undetermined(problem))?;
         if at_start && !impact.struck.is_empty() {
@@ -262,6 +286,7 @@ impl<'a> Integration<'a> {
             self.t,
             &self.y,
             &impact.resting,
+            vanished,
             moment,
         )
         .map_err(|problem| self.undetermined(problem))?;

@@ -1,19 +1,8 @@
-//! Event-driven simulation: an explicit Runge-Kutta method of high order between the switches of the
-//! contact mode, which are located to rounding error.
+//! Event-driven simulation; see [`EventDriven`].
 //!
-//! Between events the constrained dynamics of the active contacts `I` are integrated,
-//!
-//! ```text
-//! q' = v,   v' = a + sum_I d_i r_i,   D r = -(n' a + curvature),   D_ij = n_i' d_j
-//! ```
-//!
-//! by DOP853 (order 8, continuous extension of order 7), and after every step the state is moved onto
-//! `g = 0`, `v_n = 0` along the contact directions, so that nothing drifts. A step ends early where a
-//! gap closes, a contact force vanishes or the controls jump. Then Moreau's impact law is applied to all
-//! closed contacts at once, and the new contact mode follows from the complementarity of normal
-//! accelerations and contact forces; where both vanish, from what follows a moment later.
-//!
-//! This simulator shares nothing with the others but the model, so that each can check the other.
+//! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
+//! mode, `dop853` integrates it, `search` and `locate` find where the mode ends, `contact_mode` (with `lcp`)
+//! which one follows.
 
 pub(super) mod contact_mode;
 pub(super) mod dop853;
@@ -32,7 +21,28 @@ use crate::model::Model;
 /// second, a step may jump over whatever happens in it.
 const TOLERANCES: (f64, f64) = (1e-14, 1e-2);
 
-/// Event-driven simulation with DOP853; see the [module](self).
+/// Event-driven simulation: an explicit Runge-Kutta method of high order between the switches of the contact
+/// mode, which are located to rounding error.
+///
+/// Between events the constrained dynamics of the active contacts `I` are integrated,
+///
+/// ```text
+/// q' = v,   v' = a + sum_I d_i r_i,   D r = -(n' a + curvature),   D_ij = n_i' d_j
+/// ```
+///
+/// by DOP853 (Hairer, Norsett, Wanner, *Solving Ordinary Differential Equations I*, II.5 and II.6: order 8,
+/// error estimates of orders 5 and 3, continuous extension of order 7), and after every step the state is
+/// moved onto `g = 0`, `v_n = 0` along the contact directions, so that nothing drifts. A step ends early where
+/// a gap closes, a contact force vanishes or the controls jump: found on the continuous extension, then
+/// polished by true steps of the method. Moreau's impact law is applied to all closed contacts at once,
+/// `0 <= p _|_ v_n + D p >= 0`, `v+ = v- + sum_i d_i p_i`; the new contact mode follows from the
+/// complementarity of forces and normal accelerations, and where both vanish, from what follows a moment later.
+///
+/// Gaps below `1e-12 max(1, |q|)` are closed, dips below zero of a few times that are no impacts, and a flight
+/// lower than `1e-14 max(1, |q|)` is none, which ends geometric sequences of impacts. Up to twelve contacts can
+/// close at one instant.
+///
+/// It shares nothing with the finite element simulation but the model, so that each can check the other.
 ///
 /// ```
 /// use hangtime::simulation::EventDriven;

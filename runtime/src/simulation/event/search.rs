@@ -5,8 +5,8 @@ use super::dop853::{Dop853, System};
 use super::dynamics::Dynamics;
 use super::locate::{self, Sample};
 
-/// Crossings of one contact on the continuous extension that true steps do not confirm, before the rest
-/// of the step is believed.
+/// Crossings of one contact on the continuous extension that true steps may refute before the step counts as
+/// too long.
 const FALSE_ALARMS: usize = 20;
 /// A crossing less deep than this share of the range of values within the step is confirmed by a true
 /// step: it may be an error of the continuous extension.
@@ -24,6 +24,7 @@ pub(super) struct EventSearch {
     state: Vec<f64>,
     slope: Vec<f64>,
     end: Vec<f64>,
+    zero: Vec<f64>,
     false_alarms: Vec<usize>,
     from: Vec<Option<Sample>>,
 }
@@ -50,9 +51,23 @@ pub(super) struct Found {
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
     contact: usize,
+    /// Where the search began; the value there is a true one.
+    from: f64,
     left: Sample,
     right: Sample,
     root: f64,
+}
+
+/// What the search found.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Outcome {
+    /// No event within the step.
+    Nothing,
+    /// The earliest event.
+    Event(Found),
+    /// The continuous extension is too far from the solution to find the events of this contact: the step
+    /// is too long.
+    Unresolved(usize),
 }
 
 impl EventSearch {
@@ -61,6 +76,7 @@ impl EventSearch {
             state: vec![0.0; dimension],
             slope: vec![0.0; dimension],
             end: vec![0.0; dimension],
+            zero: vec![0.0; contacts],
             false_alarms: vec![0; contacts],
             from: vec![None; contacts],
         }
@@ -73,35 +89,53 @@ impl EventSearch {
     }
 
     /// The earliest event within the step, whose continuous extension is ready. If there is one,
-    /// `method.end()` is the state there, on the surfaces of the active contacts; if not, it stays
-    /// the end of the step.
+    /// `method.end()` is the state there, on the surfaces of the active contacts; if there is nothing,
+    /// it stays the end of the step.
     pub(super) fn earliest(
         &mut self,
         dynamics: &mut Dynamics<'_>,
         method: &mut Dop853,
         step: Step<'_>,
-    ) -> Option<Found> {
+    ) -> Outcome {
         for i in 0..dynamics.contacts {
             self.from[i] = may_cross(dynamics, i).then_some(Sample {
                 at: 0.0,
                 value: step.start_values[i],
             });
+            self.zero[i] = self.least_zero(dynamics, step, i);
         }
         self.end.copy_from_slice(method.end());
         self.false_alarms.fill(0);
         while let Some(crossing) = self.first_crossing(dynamics, method, step) {
-            let (contact, at) = (crossing.contact, crossing.right.at);
+            let contact = crossing.contact;
             match self.polish(dynamics, method, step, crossing) {
-                Ok(h) => return Some(Found { contact, h }),
+                Ok(h) => return Outcome::Event(Found { contact, h }),
                 Err(value) => {
+                    let Sample { at, value: wrong } = crossing.right;
                     self.false_alarms[contact] += 1;
-                    let search_on = at < 1.0 && self.false_alarms[contact] < FALSE_ALARMS;
-                    self.from[contact] = search_on.then_some(Sample { at, value });
+                    if at >= 1.0 || self.false_alarms[contact] > FALSE_ALARMS {
+                        return Outcome::Unresolved(contact);
+                    }
+                    self.from[contact] = Some(Sample { at, value });
+                    // So wrong is the continuous extension here.
+                    self.zero[contact] = self.zero[contact].max(4.0 * (value - wrong));
                 }
             }
         }
+        for i in 0..dynamics.contacts {
+            if step.end_values[i] < -self.least_zero(dynamics, step, i) {
+                return Outcome::Unresolved(i);
+            }
+        }
         method.end_mut().copy_from_slice(&self.end);
-        None
+        Outcome::Nothing
+    }
+
+    /// What counts as zero for the value of a contact if the continuous extension is exact: one that starts
+    /// below zero and grows is no crossing.
+    fn least_zero(&self, dynamics: &Dynamics<'_>, step: Step<'_>, contact: usize) -> f64 {
+        let zero = dynamics.zero_value(contact, step.y);
+        zero.max(-2.0 * step.start_values[contact])
     }
 
     /// The crossing with the earliest root on the continuous extension.
@@ -116,10 +150,7 @@ impl EventSearch {
             let Some(from) = self.from[contact] else {
                 continue;
             };
-            // A gap or force that starts below zero and grows is no crossing.
-            let zero = dynamics
-                .zero_value(contact, step.y)
-                .max(-2.0 * step.start_values[contact]);
+            let zero = self.zero[contact];
             let mut value = |theta| self.interpolated(dynamics, method, step, contact, theta);
             let to = match earliest {
                 None => Sample {
@@ -139,6 +170,7 @@ impl EventSearch {
                 let root = locate::root(&mut value, left, right);
                 earliest = Some(Crossing {
                     contact,
+                    from: from.at,
                     left,
                     right,
                     root,
@@ -201,13 +233,12 @@ impl EventSearch {
     ) -> Result<f64, f64> {
         let Crossing {
             contact,
+            mut from,
             mut left,
             mut right,
             root: mut theta,
         } = crossing;
-        let zero = dynamics
-            .zero_value(contact, step.y)
-            .max(-2.0 * step.start_values[contact]);
+        let zero = self.least_zero(dynamics, step, contact);
         let range = dynamics.highest[contact] - dynamics.lowest[contact];
         let resolution = f64::EPSILON * (step.t.abs() + step.h);
         let sinks = left.value <= 0.0 || (theta - left.at) * step.h <= resolution;
@@ -234,6 +265,7 @@ impl EventSearch {
                 Some(sample) => left = sample,
                 None => right = left,
             }
+            from = left.at;
             theta = left.at;
             slope = (right.value - left.value) / ((right.at - left.at) * step.h);
         } else {
@@ -243,7 +275,7 @@ impl EventSearch {
             slope = (value(after) - value(before)) / ((after - before) * step.h);
         }
 
-        let (mut low, mut high) = (left.at * step.h, right.at * step.h);
+        let (mut low, mut high) = (from * step.h, right.at * step.h);
         let mut h = theta * step.h;
         let mut f = self.stepped(dynamics, method, step, contact, h);
         for iteration in 0..POLISHING {

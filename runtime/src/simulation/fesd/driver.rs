@@ -11,6 +11,7 @@ use crate::simulation::{
     SimulationStatus, Trajectory,
 };
 use crate::time_freezing::clock;
+use cpu_time::ThreadTime;
 
 /// Gap within which a contact takes part in an impact or a mode, relative to the largest coordinate.
 pub(super) const TOUCHING_GAP: f64 = 1e-9;
@@ -143,7 +144,7 @@ impl<'a> Driver<'a> {
     }
 
     pub(super) fn run(mut self, progress: &mut dyn FnMut(f64)) -> Simulation {
-        let clock = std::time::Instant::now();
+        let clock = ThreadTime::now();
         let status = self.steps(progress);
         let newton = self.element.counts;
         let other = self.next_element.counts;

@@ -46,11 +46,15 @@ impl Driver<'_> {
             if switch.kind == SwitchKind::Exit && !self.settings.exit_condition {
                 length = self.earliest_release(switch.contact, length, longest, count)?;
             }
-            // Solve once more along the located length, now recording.
-            self.state.copy_from(&self.segment_start);
-            for _ in 0..count {
-                self.element.solve(&self.state, length, &self.u)?;
+            if count == 1 && length == self.element.length() {
+                // The element of the last evaluation is the located one.
                 self.accept_element()?;
+            } else {
+                self.state.copy_from(&self.segment_start);
+                for _ in 0..count {
+                    self.element.solve(&self.state, length, &self.u)?;
+                    self.accept_element()?;
+                }
             }
             match self.earlier_violation(switch) {
                 None => return Ok(switch),

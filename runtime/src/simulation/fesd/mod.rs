@@ -31,9 +31,10 @@ pub enum StepFormulation {
     /// that fails.
     #[default]
     ActiveSet,
-    /// The complementarity problem of the time-freezing system in every step: slower and accurate to about
-    /// 1e-7, a cross-check of the active-set form. Simultaneous impacts follow the law of the lean product
-    /// form, which is Moreau's where the contacts do not push each other apart.
+    /// The complementarity problem of the time-freezing system in every step, a cross-check of the
+    /// active-set form: slower, for straight ground, with impact times known to the length of an element.
+    /// Simultaneous impacts follow the law of the lean product form, which is Moreau's where the contacts
+    /// do not push each other apart.
     TimeFreezing,
 }
 

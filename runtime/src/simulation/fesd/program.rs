@@ -1,5 +1,9 @@
 //! A step as the complementarity problem itself: the time-freezing system transcribed by FESD and solved by
 //! the interior point method. The last resort where Newton's method in a fixed mode fails.
+//!
+//! Its limits are those of the step form: contact is enforced through `max(g, v_n) = 0` only, which on
+//! curved ground need not have a solution at the stages, and a jump may share an element with the contact
+//! after it, so that an impact is known to the length of an element.
 
 use super::driver::{Driver, Stop};
 use crate::dcs::HeavisideSystem;
@@ -11,6 +15,8 @@ use crate::time_freezing::TimeFreezingSystem;
 
 /// Finite elements that one switch with an impact needs: before, jump, after.
 const ELEMENTS: usize = 3;
+/// Numbers of elements that are tried in turn; another number often solves a step that one does not.
+const ATTEMPTS: usize = 3;
 /// Residual up to which a solution of the program is a step.
 const ACCEPTED: f64 = 1e-7;
 /// Distance of a mean step function from 0 or 1 that counts as sustained contact.
@@ -39,34 +45,46 @@ impl Phase {
 impl Driver<'_> {
     /// Advances to `end` by one complementarity problem.
     pub(super) fn solve_program(&mut self, end: f64) -> Result<(), Stop> {
-        let system = TimeFreezingSystem::new(self.model, self.settings.auxiliary_acceleration);
-        let mut program = Transcription::new(
-            HeavisideSystem::new(system),
-            self.tableau,
-            &self.state,
-            &self.u,
-            end - self.state.time,
-            self.settings.elements.max(ELEMENTS),
-        );
-        let solution = mpcc::solve(&mut program, &mpcc::Settings::default())
-            .map_err(|_| Stop::Program("the step problem was refused"))?;
-        self.counts.interior_point += solution.iterations - solution.crossover_iterations;
-        self.counts.crossover += solution.crossover_iterations;
-        self.counts.fallbacks += 1;
-        let residuals = solution.residuals;
-        // The step is a root of its equations: feasibility decides, optimality only chooses lengths.
-        if residuals.primal.max(residuals.complementarity) > ACCEPTED {
-            return Err(Stop::Program(
-                "neither Newton's method nor the interior point method solved the step",
-            ));
+        let fewest = self.settings.elements.max(ELEMENTS);
+        for elements in fewest..fewest + ATTEMPTS {
+            let system = TimeFreezingSystem::new(self.model, self.settings.auxiliary_acceleration);
+            let mut program = Transcription::new(
+                HeavisideSystem::new(system),
+                self.tableau,
+                &self.state,
+                &self.u,
+                end - self.state.time,
+                elements,
+            );
+            let solution = mpcc::solve(&mut program, &mpcc::Settings::default())
+                .map_err(|_| Stop::Program("the step problem was refused"))?;
+            self.counts.interior_point += solution.iterations - solution.crossover_iterations;
+            self.counts.crossover += solution.crossover_iterations;
+            self.counts.fallbacks += 1;
+            // The step is a root of its equations: feasibility decides, optimality only chooses lengths.
+            let residuals = solution.residuals;
+            if residuals.primal.max(residuals.complementarity) <= ACCEPTED {
+                return self.take(&program, &solution);
+            }
         }
+        Err(Stop::Program(
+            "neither Newton's method nor the interior point method solved the step",
+        ))
+    }
+
+    /// Makes a solved program part of the trajectory.
+    fn take(&mut self, program: &Transcription<'_>, solution: &mpcc::Solution) -> Result<(), Stop> {
+        let residuals = solution.residuals;
         self.residuals.primal = self.residuals.primal.max(residuals.primal);
         self.residuals.complementarity = self
             .residuals
             .complementarity
             .max(residuals.complementarity);
-        self.follow(&program, &solution.x)?;
-        self.note("steps solved as complementarity problems are accurate to about 1e-7 only");
+        self.follow(program, &solution.x)?;
+        self.note(
+            "steps solved as complementarity problems know the time of an impact to the length of an \
+             element only",
+        );
         Ok(())
     }
 
