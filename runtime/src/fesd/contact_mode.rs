@@ -46,6 +46,9 @@ pub(crate) struct Contacts<'a> {
     n: usize,
     acceleration: Vec<f64>,
     points: Vec<f64>,
+    /// Largest sum of terms of each normal acceleration seen so far: the scale of its rounding error. At one
+    /// instant the terms may cancel inside the model.
+    scales: Vec<f64>,
     matrix: Vec<f64>,
     pivots: Vec<usize>,
     shifted: Vec<f64>,
@@ -62,6 +65,7 @@ impl<'a> Contacts<'a> {
             n,
             acceleration: vec![0.0; n],
             points: vec![0.0; contacts * contact_point::length(n)],
+            scales: vec![0.0; contacts],
             matrix: Vec::new(),
             pivots: Vec::new(),
             shifted: vec![0.0; declaration.inputs()],
@@ -112,6 +116,18 @@ impl<'a> Contacts<'a> {
     pub(crate) fn evaluate(&mut self, x: &[f64], contacts: &[usize]) {
         self.model.free_acceleration(x, &mut self.acceleration);
         self.evaluate_contacts(x, contacts);
+        for &i in contacts {
+            let terms: f64 = self
+                .normal(i)
+                .iter()
+                .zip(&self.acceleration)
+                .map(|(n, a)| (n * a).abs())
+                .sum();
+            let scale = terms + self.point(i)[contact_point::CURVATURE].abs();
+            if scale > self.scales[i] {
+                self.scales[i] = scale;
+            }
+        }
     }
 
     /// Normal acceleration without contact force, `phi_i`.
@@ -120,14 +136,9 @@ impl<'a> Contacts<'a> {
             + self.point(contact)[contact_point::CURVATURE]
     }
 
-    /// Scale of the terms that `phi_i` sums up.
+    /// Scale of the rounding error of `phi_i`.
     pub(crate) fn phi_scale(&self, contact: usize) -> f64 {
-        self.normal(contact)
-            .iter()
-            .zip(&self.acceleration)
-            .map(|(n, a)| (n * a).abs())
-            .sum::<f64>()
-            + self.point(contact)[contact_point::CURVATURE].abs()
+        self.scales[contact]
     }
 
     fn coupling(&self, i: usize, j: usize) -> f64 {
@@ -281,7 +292,7 @@ impl<'a> Contacts<'a> {
         // Central difference along the motion; its truncation and rounding errors are both near
         // 1e-10 of the scale for a step of 1e-5 of the motion's own time scale.
         let speed = norm(&x[self.n..2 * self.n]) + f64::MIN_POSITIVE;
-        let time_scale = (speed / (norm(&motion) + f64::MIN_POSITIVE)).clamp(1e-3, 1e3);
+        let time_scale = (speed / (norm(&motion) + f64::MIN_POSITIVE)).clamp(1e-3, 1.0);
         let step = 1e-5 * time_scale;
         let mut ahead = vec![0.0; undecided.len()];
         let mut behind = vec![0.0; undecided.len()];
