@@ -203,6 +203,29 @@ impl<'a> Contacts<'a> {
         Ok(())
     }
 
+    /// Removes the normal velocities of the `active` contacts at the last evaluation from `v`, along their
+    /// directions.
+    pub(crate) fn hold(&mut self, active: &[usize], v: &mut [f64]) -> Result<(), ModeError> {
+        let mut factors = self.couplings(active);
+        let mut pivots = vec![0; active.len()];
+        let mut impulses: Vec<f64> = active.iter().map(|&i| self.normal_velocity(i)).collect();
+        dense::factorize(&mut factors, &mut pivots).map_err(|_| ModeError::Dependent)?;
+        dense::solve(&factors, &pivots, &mut impulses);
+        for (&i, impulse) in active.iter().zip(&impulses) {
+            for (component, d) in v.iter_mut().zip(self.direction(i)) {
+                *component -= d * impulse;
+            }
+        }
+        Ok(())
+    }
+
+    /// Largest scale of the normal accelerations of the listed contacts.
+    pub(crate) fn largest_scale(&self, contacts: &[usize]) -> f64 {
+        contacts
+            .iter()
+            .fold(0.0, |largest, &i| self.scales[i].max(largest))
+    }
+
     /// One Newton step on `q` towards `g_i = 0` of the listed contacts, from the last evaluation.
     pub(crate) fn close_gaps(&self, contacts: &[usize], q: &mut [f64]) -> Result<(), ModeError> {
         let mut factors = self.couplings(contacts);
