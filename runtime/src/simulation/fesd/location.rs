@@ -22,6 +22,7 @@ impl Driver<'_> {
                 velocity: ROUNDING * largest(&self.state.v),
             },
             touching_gap: TOUCHING_GAP * largest(&self.state.q),
+            speed: largest(&self.state.v),
         };
         self.detector
             .first_violation(&self.element, &mut self.contacts, &start)

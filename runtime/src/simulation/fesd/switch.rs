@@ -10,6 +10,8 @@ use crate::fesd::finite_element::{ElementError, FiniteElement};
 use crate::model::Model;
 use crate::rk::ButcherTableau;
 
+/// Share of the way in an element below which a penetration after a release may be its local error.
+const DEEP: f64 = 1e-3;
 /// Share of a gap that the cubic through neighbouring samples may miss.
 const RESOLVED: f64 = 0.05;
 
@@ -54,6 +56,8 @@ pub(super) struct ElementStart<'a> {
     pub(super) rounding: Touching,
     /// Gap within which a contact touches.
     pub(super) touching_gap: f64,
+    /// Largest velocity.
+    pub(super) speed: f64,
 }
 
 /// Checks the sign conditions on a fixed grid of the element's dense output.
@@ -211,14 +215,25 @@ impl<'a> Detector<'a> {
             let row = &mut self.gaps[i * (samples + 1)..(i + 1) * (samples + 1)];
             let gap = self.model.gap(i, &self.x);
             row[k + 1] = gap;
+            let before = row[k];
             // A contact that was just released separates more slowly than the element's local error at
             // first: until it has, only the end of the element tells.
             let released = row[..=k].iter().all(|gap| *gap <= start.touching_gap);
+            if released && gap < -start.rounding.gap {
+                let depth = DEEP * element.length() * start.speed;
+                if (start.velocities[i] > start.rounding.velocity || gap < -depth)
+                    && let Some(switch) = self.return_after_release(element, i, k)
+                {
+                    keep_first(&mut first, switch);
+                    self.interpolate(element, k);
+                    continue;
+                }
+                self.interpolate(element, k);
+            }
             if released && k + 1 < samples {
                 continue;
             }
             if gap < -start.rounding.gap {
-                let before = row[k];
                 contacts.evaluate_contacts(&self.x, &[i]);
                 let velocity = contacts.normal_velocity(i);
                 let kind = if !released && before > 0.0 {
@@ -247,6 +262,51 @@ impl<'a> Detector<'a> {
             }
         }
         first
+    }
+
+    /// The entry of a contact that was released at the start of the element and is closed at sample `k`: if
+    /// its gap is positive somewhere before, it falls through zero in between.
+    fn return_after_release(
+        &mut self,
+        element: &FiniteElement<'_>,
+        contact: usize,
+        k: usize,
+    ) -> Option<Switch> {
+        let mut value = |theta: f64| {
+            self.tableau.dense_weights(theta, &mut self.scratch);
+            element.interpolate(theta, &self.scratch, &mut self.x);
+            self.model.gap(contact, &self.x)
+        };
+        let violated = self.thetas[k];
+        let mut right = violated;
+        let mut left = 0.5 * violated;
+        for _ in 0..30 {
+            if value(left) > 0.0 {
+                break;
+            }
+            right = left;
+            left *= 0.5;
+        }
+        let height = value(left);
+        if height <= 0.0 {
+            return None;
+        }
+        let slope = (value(right) - height) / ((right - left) * element.length());
+        for _ in 0..60 {
+            let middle = 0.5 * (left + right);
+            if value(middle) > 0.0 {
+                left = middle;
+            } else {
+                right = middle;
+            }
+        }
+        Some(Switch {
+            kind: SwitchKind::Entry,
+            contact,
+            theta: left,
+            violated: right,
+            slope,
+        })
     }
 
     /// Interval in which the gap of `contact` has a minimum that could dip below zero, if there is one that
