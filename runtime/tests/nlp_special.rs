@@ -237,3 +237,22 @@ fn check_derivatives_finds_a_wrong_entry_by_name() {
     assert!((worst.given - worst.difference - 0.25).abs() < 1e-6);
     assert!(report.entries[1].error < 1e-6);
 }
+
+#[test]
+fn statistics_count_every_kind_once() {
+    let text = "problem kinds 5\nstart 0 0 0 0 0\nbounds 1 1 1\nbounds 2 0 inf\nbounds 3 -inf 2\nbounds 4 0 1\n\
+                minimize x1*x5\nrow 1 1 x2\nrow 0 1 x3 + x4\nrow -inf 3 x2*x3\nrow -inf inf x5";
+    let statistics = nlp::ProblemStatistics::of(&problem(text));
+    assert_eq!(statistics.variables, 5);
+    assert_eq!(statistics.fixed, 1);
+    assert_eq!(statistics.free, 1);
+    assert_eq!(statistics.lower_bounded, 1);
+    assert_eq!(statistics.upper_bounded, 1);
+    assert_eq!(statistics.two_sided, 1);
+    assert_eq!(statistics.equalities, 1);
+    assert_eq!(statistics.inequalities, 2);
+    assert_eq!(statistics.free_constraints, 1);
+    assert_eq!(statistics.jacobian_entries, 6);
+    // the reader's pattern holds the squares too: (1,1) (5,1) (5,5), (2,2), (3,3) (4,3) (4,4), (3,2)
+    assert_eq!(statistics.hessian_entries, 8);
+}

@@ -48,6 +48,7 @@ mod second_order_correction;
 mod settings;
 mod solution;
 mod solver;
+mod statistics;
 mod status;
 mod step;
 
@@ -59,6 +60,7 @@ pub use problem::NlpProblem;
 pub use settings::{LinearSolver, Settings};
 pub use solution::{Counts, Residuals, Solution, Violation};
 pub use solver::Observer;
+pub use statistics::ProblemStatistics;
 pub use status::Status;
 
 pub(crate) use barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};
