@@ -1,11 +1,110 @@
 //! The modelling language of hangtime as a normal library: tokens in, tokens and metadata out.
 //!
-//! parse → check → derive → emit.
+//! ```text
+//! tokens -> parse -> check -> derive -> emit -> tokens
+//! ```
+//!
+//! - `parse`: tokens to a syntax tree that keeps all places; recovers from mistakes, so that all of
+//!   them are reported in one run.
+//! - `check`: names, lengths of vectors, units, and the rules of mechanics; every expression becomes a
+//!   node of the expression graph.
+//! - `graph`: hash-consed expressions in normal form behind a `Copy` handle that is a number to
+//!   [`num_dual`]; dual numbers over it differentiate.
+//! - `derive`: equations of motion, contact quantities, sparse Jacobians and Hessians.
+//! - `tape`, `emit`: straight-line Rust in chunks, a static description, documentation.
 
+mod ast;
+mod check;
+mod derive;
+mod diagnostics;
+mod dimension;
+mod emit;
+mod evaluate;
+mod graph;
+mod parse;
+mod scene;
+mod tape;
+mod words;
+
+#[cfg(test)]
+mod random_models;
+#[cfg(test)]
+mod testing;
+
+pub use diagnostics::Mistake;
+
+use crate::diagnostics::{Checked, Diagnostics};
 use proc_macro2::TokenStream;
+use std::time::{Instant, SystemTime};
 
 /// Expands one `model! { ... }` declaration into Rust items, or into `compile_error!`s and a stub.
 #[must_use]
-pub fn expand(_input: TokenStream) -> TokenStream {
-    TokenStream::new()
+pub fn expand(input: TokenStream) -> TokenStream {
+    let stub_of = input.clone();
+    match try_expand(input) {
+        Ok(tokens) => tokens,
+        Err(mistakes) => {
+            let mut tokens = diagnostics::to_tokens(&mistakes);
+            if let Some(outline) = parse::outline(stub_of) {
+                tokens.extend(emit::stub(
+                    &outline.visibility,
+                    &outline.name.ident,
+                    &outline.parameters,
+                ));
+            }
+            tokens
+        }
+    }
+}
+
+/// Expands one declaration, or lists its mistakes.
+///
+/// # Errors
+/// Every mistake found, in the order of the declaration.
+pub fn try_expand(input: TokenStream) -> Result<TokenStream, Vec<Mistake>> {
+    let mut diagnostics = Diagnostics::default();
+    match expand_or_report(input, &mut diagnostics) {
+        Ok(tokens) if diagnostics.mistakes() == 0 => Ok(tokens),
+        _ => Err(diagnostics.into_mistakes()),
+    }
+}
+
+fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<TokenStream> {
+    let (expanded_at, begin) = (SystemTime::now(), Instant::now());
+    graph::reset();
+    let declared = parse::scene(input, diagnostics)?;
+    let scene = check::scene(&declared, diagnostics)?;
+    if diagnostics.mistakes() > 0 {
+        return Err(diagnostics::Reported);
+    }
+    let equations = derive::equations(&scene).map_err(|failure| match failure {
+        derive::Failure::SingularMass { coordinate } => {
+            let name = &scene.coordinates[coordinate].name;
+            diagnostics.report(
+                "E06",
+                name.place(),
+                format!(
+                    "the mass matrix is singular whatever the parameters: `{}` carries no inertia of its \
+                     own; add its kinetic energy or leave the coordinate out",
+                    name.text
+                ),
+            )
+        }
+    })?;
+    let timing = emit::Timing {
+        expanded_at,
+        derivation: begin.elapsed(),
+    };
+    emit::scene(&declared, &scene, &equations, &timing).map_err(|too_large| {
+        diagnostics.syntax(
+            scene.name.place(),
+            format!(
+                "the derived function {} has {} operations, more than {}; split the mechanism into \
+                 smaller scenes or choose coordinates in which its inertia is simpler",
+                too_large.kernel,
+                too_large.operations,
+                emit::BUDGET
+            ),
+        )
+    })
 }

@@ -1,10 +1,13 @@
-//! Linear algebra of the solvers: sparse symmetric indefinite systems.
+//! Linear algebra kernels: small dense systems and complementarity problems, and sparse symmetric
+//! indefinite systems.
 //!
-//! Everything here works on one fixed sparsity: the analysis runs once, factorizations and solves
+//! The sparse part works on one fixed sparsity: the analysis runs once, factorizations and solves
 //! reuse its memory. Nothing here knows of optimization; the names `primal` and `dual` only say which
 //! rows of a saddle point matrix receive which shift.
 
+pub mod dense;
 mod factorization;
+pub mod lcp;
 mod multifrontal;
 mod refined;
 mod simplicial;

@@ -19,11 +19,13 @@
 //! scene depends on it explicitly ([`Declaration::explicit_time`]).
 
 mod declaration;
+mod mistakes;
 
 pub use declaration::{
     ContactDeclaration, ControlDeclaration, CoordinateDeclaration, Declaration, Equation,
     ImpactLaw, Kernel, ParameterDeclaration, SparsityPattern,
 };
+pub use mistakes::{explanation, mistake_codes};
 
 /// A Lagrangian system with unilateral contacts: the interface between scenes and solvers.
 ///

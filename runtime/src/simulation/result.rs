@@ -136,6 +136,16 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
+    /// Keeps the first `instants` instants.
+    pub fn truncate(&mut self, instants: usize) {
+        self.time.truncate(instants);
+        self.numerical_time.truncate(instants);
+        self.q.truncate(instants);
+        self.v.truncate(instants);
+        self.u.truncate(instants);
+        self.contact_force.truncate(instants);
+    }
+
     /// Appends one instant.
     pub fn push(
         &mut self,

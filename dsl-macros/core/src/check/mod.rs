@@ -1,0 +1,374 @@
+//! The declaration as a whole: names in force, every expression evaluated, the rules of the language.
+
+mod names;
+mod rules;
+mod units;
+mod values;
+
+pub(crate) use rules::normal;
+
+use crate::ast::{Assignment, Documentation, Expr, Name, Relation, Scene, Statement};
+use crate::diagnostics::{Checked, Diagnostics, Reported};
+use crate::evaluate::{Meaning, Scope, UserFunction, Value};
+use crate::graph::{self, Sym, Variable};
+use crate::parse::law_of;
+use crate::scene::{self, CheckedScene, Contact, Coordinate, Parameter};
+use hangtime_units::Unit;
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
+
+/// Checks a declaration. Every mistake found is reported; a scene comes back only if there was none.
+pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<CheckedScene> {
+    let before = diagnostics.mistakes();
+    let mut checker = Checker {
+        scope: Scope::default(),
+        diagnostics,
+        parameters: Vec::new(),
+        coordinates: Vec::new(),
+        controls: Vec::new(),
+        abbreviations: Vec::new(),
+        lagrangian: None,
+        dissipation: None,
+        forces: Vec::new(),
+        surfaces: Vec::new(),
+        impacts: Vec::new(),
+        start: Vec::new(),
+        horizon: None,
+    };
+    checker.declare_all(&declared.statements);
+    let mut failed = HashSet::new();
+    for (index, statement) in declared.statements.iter().enumerate() {
+        // Each statement reports its own mistakes; the next one is checked all the same.
+        if checker.statement(statement).is_err() {
+            failed.insert(index);
+        }
+    }
+    let gaps = units::gaps(declared, &failed, checker.diagnostics);
+    let scene = checker.finish(declared, &gaps);
+    if diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    scene
+}
+
+/// A surface before its law is known.
+struct Surface {
+    documentation: Documentation,
+    name: Name,
+    gap: Sym,
+}
+
+/// A law for one surface.
+struct Law {
+    surface: Name,
+    along: Option<Vec<Sym>>,
+}
+
+/// A sum of which parts are used by name.
+struct Abbreviation {
+    name: Name,
+    what: &'static str,
+}
+
+struct Checker<'a> {
+    scope: Scope,
+    diagnostics: &'a mut Diagnostics,
+    parameters: Vec<Parameter>,
+    coordinates: Vec<Coordinate>,
+    controls: Vec<Coordinate>,
+    abbreviations: Vec<Abbreviation>,
+    lagrangian: Option<(Sym, crate::diagnostics::Place)>,
+    dissipation: Option<Sym>,
+    /// Generalized force in SI units, by coordinate.
+    forces: Vec<(usize, Sym)>,
+    surfaces: Vec<Surface>,
+    impacts: Vec<Law>,
+    start: Vec<Assignment>,
+    horizon: Option<Sym>,
+}
+
+impl Checker<'_> {
+    fn statement(&mut self, statement: &Statement) -> Checked<()> {
+        match statement {
+            Statement::Parameters(_) => Ok(()),
+            Statement::Coordinates(quantities) => self.bounds(quantities, false),
+            Statement::Controls(quantities) => self.bounds(quantities, true),
+            Statement::Let { name, value } => self.abbreviation(name, value),
+            Statement::Function {
+                name,
+                arguments,
+                body,
+            } => self.function(name, arguments, body),
+            Statement::Lagrangian { keyword, value } => self.lagrangian(*keyword, value),
+            Statement::Dissipation { keyword, value } => self.dissipation(*keyword, value),
+            Statement::Forces(assignments) => self.forces(assignments),
+            Statement::Surface {
+                documentation,
+                name,
+                left,
+                relation,
+                right,
+            } => self.surface(documentation, name, left, *relation, right),
+            Statement::Impact { surfaces, along } => self.impact(surfaces, along.as_ref()),
+            Statement::Start(assignments) => self.start_statement(assignments),
+            Statement::Horizon { keyword, value } => self.horizon(*keyword, value),
+        }
+    }
+
+    fn abbreviation(&mut self, name: &Name, value: &Expr) -> Checked<()> {
+        let free = self.new_name(name, "abbreviation");
+        self.scope.later.remove(&name.text);
+        let value = self.scope.value(value, self.diagnostics);
+        free?;
+        let meaning = match value {
+            Ok(value) => value,
+            Err(Reported) => return self.poison(name),
+        };
+        self.scope
+            .names
+            .insert(name.text.clone(), Meaning::Value(meaning));
+        self.abbreviations.push(Abbreviation {
+            name: name.clone(),
+            what: "abbreviation",
+        });
+        Ok(())
+    }
+
+    /// A name whose declaration failed: uses of it are not reported as undeclared, as the stand-in is
+    /// never emitted.
+    fn poison(&mut self, name: &Name) -> Checked<()> {
+        self.diagnostics.poison(&name.text);
+        Err(Reported)
+    }
+
+    fn function(&mut self, name: &Name, arguments: &[Name], body: &Expr) -> Checked<()> {
+        let free = self.new_name(name, "function");
+        self.scope.later.remove(&name.text);
+        let mut failed = free.is_err();
+        for (i, argument) in arguments.iter().enumerate() {
+            if arguments[..i]
+                .iter()
+                .any(|known| known.text == argument.text)
+            {
+                self.diagnostics.report(
+                    "E19",
+                    argument.place(),
+                    format!(
+                        "function `{}` has two arguments `{}`",
+                        name.text, argument.text
+                    ),
+                );
+                failed = true;
+            }
+        }
+        if failed {
+            return self.poison(name);
+        }
+        self.scope.names.insert(
+            name.text.clone(),
+            Meaning::Function(Rc::new(UserFunction {
+                arguments: arguments.to_vec(),
+                body: body.clone(),
+            })),
+        );
+        self.abbreviations.push(Abbreviation {
+            name: name.clone(),
+            what: "function",
+        });
+        Ok(())
+    }
+
+    fn surface(
+        &mut self,
+        documentation: &Documentation,
+        name: &Name,
+        left: &Expr,
+        relation: Relation,
+        right: &Expr,
+    ) -> Checked<()> {
+        if self
+            .surfaces
+            .iter()
+            .any(|known| known.name.text == name.text)
+            || self.diagnostics.is_poisoned(&name.text)
+        {
+            return Err(self.diagnostics.report(
+                "E20",
+                name.place(),
+                format!("surface `{}` is declared twice; rename one", name.text),
+            ));
+        }
+        let left_value = self.scope.scalar(left, self.diagnostics);
+        let right_value = self.scope.scalar(right, self.diagnostics);
+        let (Ok(left_value), Ok(right_value)) = (left_value, right_value) else {
+            return self.poison(name);
+        };
+        let gap = match relation {
+            Relation::AtLeast => left_value - right_value,
+            Relation::AtMost => right_value - left_value,
+        };
+        if rules::surface(name, gap, (left, right), self).is_err() {
+            return self.poison(name);
+        }
+        self.surfaces.push(Surface {
+            documentation: documentation.clone(),
+            name: name.clone(),
+            gap,
+        });
+        Ok(())
+    }
+
+    fn impact(&mut self, surfaces: &[Name], along: Option<&Expr>) -> Checked<()> {
+        let along = match along {
+            None => None,
+            Some(expr) => {
+                let direction = self.direction(expr);
+                if direction.is_err() {
+                    for surface in surfaces {
+                        self.diagnostics.poison(&law_of(&surface.text));
+                    }
+                }
+                Some(direction?)
+            }
+        };
+        for surface in surfaces {
+            if let Some(known) = self
+                .impacts
+                .iter()
+                .find(|known| known.surface.text == surface.text)
+            {
+                let text = known.surface.text.clone();
+                self.diagnostics.report(
+                    "E20",
+                    surface.place(),
+                    format!("surface `{text}` has two impact laws; keep one"),
+                );
+                continue;
+            }
+            self.impacts.push(Law {
+                surface: surface.clone(),
+                along: along.clone(),
+            });
+        }
+        Ok(())
+    }
+
+    /// The impulse direction as velocities in declared units.
+    fn direction(&mut self, expr: &Expr) -> Checked<Vec<Sym>> {
+        let value = self.scope.value(expr, self.diagnostics)?;
+        let n = self.coordinates.len();
+        let components = value.components();
+        if components.len() != n || (matches!(value, Value::Scalar(_)) && n != 1) {
+            return Err(self.diagnostics.report(
+                "E02",
+                expr.place,
+                format!(
+                    "the impulse direction has {} component{}; it needs one for each of the {n} \
+                     coordinates, in their order",
+                    components.len(),
+                    if components.len() == 1 { "" } else { "s" },
+                ),
+            ));
+        }
+        if let Some(variable) = graph::variables(components)
+            .into_iter()
+            .find(|variable| matches!(variable, Variable::Velocity(_) | Variable::Control(_)))
+        {
+            return Err(self.diagnostics.report(
+                "E07",
+                expr.place,
+                format!(
+                    "the impulse direction depends on {}; it may depend on positions only",
+                    self.in_words(variable)
+                ),
+            ));
+        }
+        Ok(components
+            .iter()
+            .zip(&self.coordinates)
+            .map(|(component, coordinate)| {
+                component.scaled(1.0 / scene::scale(coordinate.unit.as_ref()))
+            })
+            .collect())
+    }
+
+    /// A variable as the user knows it.
+    fn in_words(&self, variable: Variable) -> String {
+        let name = |list: &[Coordinate], i: u16| {
+            list.get(usize::from(i))
+                .map_or_else(String::new, |known| known.name.text.clone())
+        };
+        match variable {
+            Variable::Coordinate(i) => format!("the coordinate `{}`", name(&self.coordinates, i)),
+            Variable::Velocity(i) => format!("the velocity `dot({})`", name(&self.coordinates, i)),
+            Variable::Control(i) => format!("the control `{}`", name(&self.controls, i)),
+            Variable::Time => "the time `t`".to_owned(),
+            _ => "a parameter".to_owned(),
+        }
+    }
+
+    fn finish(self, declared: &Scene, gaps: &HashMap<String, Unit>) -> Checked<CheckedScene> {
+        let mut checker = self;
+        rules::missing_statements(&declared.name, &mut checker);
+        let contacts = rules::laws(&mut checker);
+        let start = checker.start_values();
+        let (Some((lagrangian, place)), Ok(mut contacts), Ok(start)) =
+            (checker.lagrangian, contacts, start)
+        else {
+            return Err(Reported);
+        };
+        // Missing inertia and unused names are most often consequences of other mistakes.
+        if checker.diagnostics.mistakes() > 0 {
+            return Err(Reported);
+        }
+        rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)?;
+        rules::unused(&mut checker);
+        for contact in &mut contacts {
+            contact.unit = gaps.get(&contact.name.text).copied();
+        }
+        let forces = checker.total_forces();
+        let along = |contact: &Contact| contact.along.clone().unwrap_or_default();
+        let mut dynamics: Vec<Sym> = vec![lagrangian];
+        dynamics.extend(&forces);
+        for contact in &contacts {
+            dynamics.push(contact.gap);
+            dynamics.extend(along(contact));
+        }
+        let explicit_time = graph::variables(&dynamics).contains(&Variable::Time);
+        Ok(CheckedScene {
+            documentation: declared.documentation.clone(),
+            visibility: declared.visibility.clone(),
+            name: declared.name.clone(),
+            parameters: checker.parameters,
+            coordinates: checker.coordinates,
+            controls: checker.controls,
+            lagrangian,
+            forces,
+            contacts,
+            start,
+            horizon: checker.horizon,
+            explicit_time,
+        })
+    }
+
+    /// Generalized forces in declared units: applied forces minus the gradient of the dissipation
+    /// function with respect to the velocities.
+    fn total_forces(&self) -> Vec<Sym> {
+        let n = self.coordinates.len();
+        let mut forces = vec![Sym::ZERO; n];
+        for &(index, force) in &self.forces {
+            // A force does work on a displacement, so it scales with the unit of the coordinate.
+            forces[index] += force.scaled(scene::scale(self.coordinates[index].unit.as_ref()));
+        }
+        if let Some(dissipation) = self.dissipation {
+            let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+            for (force, damping) in forces
+                .iter_mut()
+                .zip(graph::gradient(dissipation, &velocities))
+            {
+                *force -= damping;
+            }
+        }
+        forces
+    }
+}

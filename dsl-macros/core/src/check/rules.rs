@@ -1,0 +1,341 @@
+//! Rules of mechanics, one function each.
+
+use super::Checker;
+use crate::ast::{Expr, Kind, Name};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
+use crate::graph::{self, Function, Node, Sym, Variable};
+use crate::parse::law_of;
+use crate::scene::{Contact, Coordinate};
+
+fn is_velocity(variable: Variable) -> bool {
+    matches!(variable, Variable::Velocity(_))
+}
+
+fn is_coordinate(variable: Variable) -> bool {
+    matches!(variable, Variable::Coordinate(_))
+}
+
+/// E04: a scene needs coordinates and a Lagrangian.
+pub(super) fn missing_statements(name: &Name, checker: &mut Checker<'_>) {
+    if checker.coordinates.is_empty() && checker.diagnostics.mistakes() == 0 {
+        checker.diagnostics.report(
+            "E04",
+            name.place(),
+            format!(
+                "scene `{}` declares no coordinates; write `coordinates {{ y: m, z: m }}`",
+                name.text
+            ),
+        );
+    } else if checker.lagrangian.is_none() && checker.diagnostics.mistakes() == 0 {
+        checker.diagnostics.report(
+            "E04",
+            name.place(),
+            format!(
+                "scene `{}` declares no Lagrangian; write `lagrangian` kinetic minus potential energy",
+                name.text
+            ),
+        );
+    }
+}
+
+/// E04 and E05: the Lagrangian contains velocities, every coordinate has inertia, and the kinetic
+/// energy is quadratic in the velocities.
+pub(super) fn inertia(
+    coordinates: &[Coordinate],
+    lagrangian: Sym,
+    place: Place,
+    diagnostics: &mut Diagnostics,
+) -> Checked<()> {
+    if !graph::depends_on(lagrangian, is_velocity) {
+        return Err(diagnostics.report(
+            "E04",
+            place,
+            "the Lagrangian contains no velocity, so nothing moves; add the kinetic energy, e.g. \
+             `m/2*dot(y)^2`",
+        ));
+    }
+    let velocities: Vec<Variable> = (0..coordinates.len())
+        .map(|i| Variable::Velocity(i as u16))
+        .collect();
+    let momenta = graph::gradient(lagrangian, &velocities);
+    let mut result = Ok(());
+    for (i, coordinate) in coordinates.iter().enumerate() {
+        let row = graph::partial(&momenta, velocities[i]);
+        if row.iter().all(|entry| entry.is_structural_zero()) {
+            result = Err(diagnostics.report(
+                "E05",
+                coordinate.name.place(),
+                format!(
+                    "coordinate `{0}` carries no inertia: the Lagrangian is not quadratic in `dot({0})`; \
+                     add its kinetic energy, or make it a parameter or a control",
+                    coordinate.name.text
+                ),
+            ));
+        }
+        if row
+            .iter()
+            .any(|&entry| graph::depends_on(entry, is_velocity))
+        {
+            result = Err(diagnostics.report(
+                "E04",
+                place,
+                format!(
+                    "the inertia of coordinate `{}` depends on velocities; the Lagrangian must be \
+                     quadratic in the velocities",
+                    coordinate.name.text
+                ),
+            ));
+        }
+    }
+    result
+}
+
+/// E13: roots and norms that are not differentiable at rest.
+pub(super) fn smooth(value: Sym, expr: &Expr, checker: &mut Checker<'_>) -> Checked<()> {
+    for sym in graph::reachable(&[value]) {
+        let Node::Product(factors) = sym.node() else {
+            continue;
+        };
+        for &(factor, halves) in factors.iter() {
+            if halves % 2 == 0 || !graph::depends_on(factor, is_velocity) {
+                continue;
+            }
+            let at_rest = graph::substitute(&[factor], |variable| {
+                is_velocity(variable).then_some(Sym::ZERO)
+            });
+            if at_rest[0].is_structural_zero() {
+                return Err(checker.diagnostics.report(
+                    "E13",
+                    expr.place,
+                    "a root or norm of velocities is not differentiable at rest; square it, as in \
+                     `|dot(p)|^2`",
+                ));
+            }
+        }
+    }
+    for sym in graph::reachable(&[value]) {
+        if let Node::Call(Function::Cbrt | Function::Ln, argument) = sym.node()
+            && graph::depends_on(argument, is_velocity)
+            && graph::substitute(&[argument], |variable| {
+                is_velocity(variable).then_some(Sym::ZERO)
+            })[0]
+                .is_structural_zero()
+        {
+            return Err(checker.diagnostics.report(
+                "E13",
+                expr.place,
+                "a root or logarithm of velocities is not differentiable at rest",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// E07 and E09: a surface depends on coordinates, on nothing else that moves, and has a normal.
+pub(super) fn surface(
+    name: &Name,
+    gap: Sym,
+    (left, right): (&Expr, &Expr),
+    checker: &mut Checker<'_>,
+) -> Checked<()> {
+    let text = &name.text;
+    let variables = graph::variables(&[gap]);
+    if let Some(&variable) = variables
+        .iter()
+        .find(|&&variable| is_velocity(variable) || matches!(variable, Variable::Control(_)))
+    {
+        let message = format!(
+            "surface `{text}` depends on {}; a surface bounds positions only",
+            checker.in_words(variable)
+        );
+        return Err(checker
+            .diagnostics
+            .report("E07", left.place.to(right.place), message));
+    }
+    if !variables.iter().any(|&variable| is_coordinate(variable)) {
+        let names: Vec<String> = checker
+            .coordinates
+            .iter()
+            .map(|known| known.name.text.clone())
+            .collect();
+        let (code, message) = if mentions(left, &names) || mentions(right, &names) {
+            (
+                "E09",
+                format!(
+                    "the coordinates cancel out of surface `{text}`, so it has no normal; check both \
+                     sides of the inequality"
+                ),
+            )
+        } else {
+            (
+                "E07",
+                format!(
+                    "surface `{text}` depends on no coordinate; use one of {}",
+                    list(names.iter().map(String::as_str))
+                ),
+            )
+        };
+        return Err(checker
+            .diagnostics
+            .report(code, left.place.to(right.place), message));
+    }
+    let squared = match gap.node() {
+        Node::Product(factors) => factors
+            .iter()
+            .any(|&(factor, halves)| halves >= 4 && graph::depends_on(factor, is_coordinate)),
+        Node::Sum(terms) if terms.len() == 1 => match terms[0].0.node() {
+            Node::Product(factors) => factors
+                .iter()
+                .any(|&(factor, halves)| halves >= 4 && graph::depends_on(factor, is_coordinate)),
+            _ => false,
+        },
+        _ => false,
+    };
+    if squared {
+        return Err(checker.diagnostics.report(
+            "E09",
+            left.place.to(right.place),
+            format!(
+                "the gradient of surface `{text}` is zero where it is touched, as the gap is a square; \
+                 write the distance itself"
+            ),
+        ));
+    }
+    Ok(())
+}
+
+/// Whether an expression contains one of the names.
+fn mentions(expr: &Expr, names: &[String]) -> bool {
+    match &expr.kind {
+        Kind::Number { .. } => false,
+        Kind::Name(name) => names.contains(&name.text),
+        Kind::Negate(inner) | Kind::Norm(inner) => mentions(inner, names),
+        Kind::Binary { left, right, .. } => mentions(left, names) || mentions(right, names),
+        Kind::Call { arguments, .. } => arguments.iter().any(|item| mentions(item, names)),
+        Kind::Derivative { argument, .. } => mentions(argument, names),
+        Kind::Vector(items) => items.iter().any(|item| mentions(item, names)),
+        Kind::Component { vector, .. } | Kind::Index { vector, .. } => mentions(vector, names),
+    }
+}
+
+/// E20: one law for each surface, no law without a surface.
+pub(super) fn laws(checker: &mut Checker<'_>) -> Checked<Vec<Contact>> {
+    let before = checker.diagnostics.mistakes();
+    let mut laws = std::mem::take(&mut checker.impacts);
+    let surfaces = std::mem::take(&mut checker.surfaces);
+    for law in &laws {
+        let text = &law.surface.text;
+        if surfaces.iter().any(|known| known.name.text == *text)
+            || checker.diagnostics.is_poisoned(text)
+        {
+            continue;
+        }
+        let names = || surfaces.iter().map(|known| known.name.text.as_str());
+        let message = match closest(text, names()) {
+            Some(near) => format!("there is no surface `{text}`; did you mean `{near}`?"),
+            None if surfaces.is_empty() => {
+                format!("there is no surface `{text}`; declare it by `surface {text}: ... >= ...`")
+            }
+            None => format!("there is no surface `{text}` (surfaces: {})", list(names())),
+        };
+        checker
+            .diagnostics
+            .report("E20", law.surface.place(), message);
+    }
+    let mut contacts = Vec::with_capacity(surfaces.len());
+    for surface in surfaces {
+        let text = &surface.name.text;
+        let Some(index) = laws.iter().position(|law| law.surface.text == *text) else {
+            if checker.diagnostics.is_poisoned(&law_of(text)) {
+                continue;
+            }
+            checker.diagnostics.report(
+                "E20",
+                surface.name.place(),
+                format!("surface `{text}` has no impact law; write `impact {text}: inelastic`"),
+            );
+            continue;
+        };
+        let law = laws.swap_remove(index);
+        contacts.push(Contact {
+            name: surface.name,
+            documentation: surface.documentation,
+            gap: surface.gap,
+            unit: None,
+            along: law.along,
+        });
+    }
+    for contact in &contacts {
+        if let Some(along) = &contact.along {
+            let normal = normal(contact.gap, along.len());
+            let product: Sym = normal.iter().zip(along).map(|(&n, &w)| n * w).sum();
+            if product.is_structural_zero() {
+                checker.diagnostics.report(
+                    "E09",
+                    contact.name.place(),
+                    format!(
+                        "the impulse direction of `{}` is tangential to the surface, so it cannot stop \
+                         the motion into it; give it a normal component",
+                        contact.name.text
+                    ),
+                );
+            }
+        }
+    }
+    if checker.diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    Ok(contacts)
+}
+
+/// Gradient of a gap with respect to the coordinates.
+pub(crate) fn normal(gap: Sym, coordinates: usize) -> Vec<Sym> {
+    let by: Vec<Variable> = (0..coordinates)
+        .map(|i| Variable::Coordinate(i as u16))
+        .collect();
+    graph::gradient(gap, &by)
+}
+
+/// E16: everything declared is used.
+pub(super) fn unused(checker: &mut Checker<'_>) {
+    let mut unused: Vec<(Place, String)> = Vec::new();
+    let is_unused = |name: &Name| !checker.scope.used.contains(&name.text);
+    for parameter in &checker.parameters {
+        if is_unused(&parameter.name) {
+            unused.push((
+                parameter.name.place(),
+                format!("parameter `{}` is never used", parameter.name.text),
+            ));
+        }
+    }
+    for control in &checker.controls {
+        if is_unused(&control.name) {
+            unused.push((
+                control.name.place(),
+                format!(
+                    "control `{}` is never used; let it act by `forces {{ ... }}`",
+                    control.name.text
+                ),
+            ));
+        }
+    }
+    for abbreviation in &checker.abbreviations {
+        if is_unused(&abbreviation.name) {
+            unused.push((
+                abbreviation.name.place(),
+                format!(
+                    "{} `{}` is never used",
+                    abbreviation.what, abbreviation.name.text
+                ),
+            ));
+        }
+    }
+    for (place, text) in unused {
+        let message = if text.contains(';') {
+            text
+        } else {
+            format!("{text}; leave it out")
+        };
+        checker.diagnostics.report("E16", place, message);
+    }
+}

@@ -1,0 +1,624 @@
+//! E03: both sides of every sum, comparison and declaration have the same unit.
+//!
+//! Seven exponents are propagated through every expression; units that are not declared are inferred.
+//! Bare numbers are dimensionless, except 0, which fits anywhere, and except where a declaration gives
+//! the unit (`m: kg = 80`). A scene that declares no unit at all is not checked.
+
+use super::values::is_bare;
+use crate::ast::{Assignment, Expr, Kind, Name, Operator, Quantity, Scene, Statement};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
+use crate::dimension::{Dimension, Unifier};
+use crate::words;
+use hangtime_units::{Ratio, Unit};
+use std::collections::{HashMap, HashSet};
+
+/// Units of the gaps of all surfaces, by name, as far as they are known.
+/// Statements at the positions `skip` failed before and are passed over.
+pub(super) fn gaps(
+    scene: &Scene,
+    skip: &HashSet<usize>,
+    diagnostics: &mut Diagnostics,
+) -> HashMap<String, Unit> {
+    if !declares_units(scene) {
+        return HashMap::new();
+    }
+    let mut unifier = Unifier::default();
+    let energy = unifier.unknown("lagrangian");
+    let mut walk = Walk {
+        diagnostics,
+        unifier,
+        values: HashMap::new(),
+        functions: HashMap::new(),
+        frames: Vec::new(),
+        coordinates: Vec::new(),
+        energy,
+        gaps: Vec::new(),
+    };
+    walk.declare(scene);
+    for (index, statement) in scene.statements.iter().enumerate() {
+        if skip.contains(&index) {
+            continue;
+        }
+        // Reported where it fails; the next statement is checked all the same.
+        let _: Checked<()> = walk.statement(statement);
+    }
+    let Walk { unifier, gaps, .. } = walk;
+    gaps.into_iter()
+        .filter_map(|(name, dimension)| Some((name, unifier.known(&dimension)?)))
+        .collect()
+}
+
+fn declares_units(scene: &Scene) -> bool {
+    scene.statements.iter().any(|statement| match statement {
+        Statement::Parameters(list) | Statement::Coordinates(list) | Statement::Controls(list) => {
+            list.iter().any(|quantity| quantity.unit.is_some())
+        }
+        _ => false,
+    })
+}
+
+/// Units of the components; numbers have one.
+#[derive(Debug, Clone)]
+enum Units {
+    Scalar(Dimension),
+    Vector(Vec<Dimension>),
+}
+
+impl Units {
+    fn components(&self) -> &[Dimension] {
+        match self {
+            Self::Scalar(dimension) => std::slice::from_ref(dimension),
+            Self::Vector(dimensions) => dimensions,
+        }
+    }
+
+    fn map(&self, f: impl Fn(&Dimension) -> Dimension) -> Self {
+        match self {
+            Self::Scalar(dimension) => Self::Scalar(f(dimension)),
+            Self::Vector(dimensions) => Self::Vector(dimensions.iter().map(f).collect()),
+        }
+    }
+}
+
+struct Walk<'a> {
+    diagnostics: &'a mut Diagnostics,
+    unifier: Unifier,
+    values: HashMap<String, Units>,
+    functions: HashMap<String, (Vec<Name>, Expr)>,
+    frames: Vec<Vec<(String, Units)>>,
+    coordinates: Vec<Name>,
+    /// Unit of the Lagrangian.
+    energy: Dimension,
+    gaps: Vec<(String, Dimension)>,
+}
+
+impl Walk<'_> {
+    fn declare(&mut self, scene: &Scene) {
+        for statement in &scene.statements {
+            let (Statement::Parameters(list)
+            | Statement::Coordinates(list)
+            | Statement::Controls(list)) = statement
+            else {
+                continue;
+            };
+            if matches!(statement, Statement::Coordinates(_)) {
+                self.coordinates
+                    .extend(list.iter().map(|quantity| quantity.name.clone()));
+            }
+            for quantity in list {
+                let dimension = match &quantity.unit {
+                    Some(written) => Dimension::of(written.unit),
+                    None => self.unifier.unknown(&quantity.name.text),
+                };
+                self.values
+                    .insert(quantity.name.text.clone(), Units::Scalar(dimension));
+            }
+        }
+    }
+
+    fn statement(&mut self, statement: &Statement) -> Checked<()> {
+        match statement {
+            Statement::Parameters(list)
+            | Statement::Coordinates(list)
+            | Statement::Controls(list) => {
+                for quantity in list {
+                    let _: Checked<()> = self.quantity(quantity);
+                }
+                Ok(())
+            }
+            Statement::Let { name, value } => {
+                let units = self.units(value);
+                if let Ok(units) = units {
+                    self.values.insert(name.text.clone(), units);
+                }
+                Ok(())
+            }
+            Statement::Function {
+                name,
+                arguments,
+                body,
+            } => {
+                self.functions
+                    .insert(name.text.clone(), (arguments.clone(), body.clone()));
+                Ok(())
+            }
+            Statement::Lagrangian { value, .. } => {
+                let own = self.scalar(value)?;
+                let energy = self.energy.clone();
+                self.unifier.unify(&own, &energy);
+                Ok(())
+            }
+            Statement::Dissipation { value, .. } => {
+                let own = self.scalar(value)?;
+                let wanted = self.energy.over(&Dimension::second());
+                self.expect(value, &own, &wanted, "the dissipation is a power")
+            }
+            Statement::Forces(assignments) => {
+                for assignment in assignments {
+                    let _: Checked<()> = self.force(assignment);
+                }
+                Ok(())
+            }
+            Statement::Surface {
+                name, left, right, ..
+            } => {
+                let (own, its) = (self.scalar(left), self.scalar(right));
+                let (own, its) = (own?, its?);
+                if !self.unifier.unify(&own, &its) {
+                    return Err(self.differ(
+                        left.place.to(right.place),
+                        (left, &own),
+                        (right, &its),
+                        &format!("both sides of surface `{}`", name.text),
+                    ));
+                }
+                self.gaps.push((name.text.clone(), own));
+                Ok(())
+            }
+            Statement::Impact { along, .. } => match along {
+                Some(direction) => self.direction(direction),
+                None => Ok(()),
+            },
+            Statement::Start(assignments) => {
+                for assignment in assignments {
+                    let _: Checked<()> = self.start(assignment);
+                }
+                Ok(())
+            }
+            Statement::Horizon { value, .. } => {
+                if is_bare(value) {
+                    return Ok(());
+                }
+                let own = self.scalar(value)?;
+                self.expect(value, &own, &Dimension::second(), "the horizon is a time")
+            }
+        }
+    }
+
+    fn quantity(&mut self, quantity: &Quantity) -> Checked<()> {
+        let wanted = self.named(&quantity.name);
+        let mut exprs: Vec<&Expr> = quantity.value.iter().collect();
+        if let Some((lower, upper)) = &quantity.bounds {
+            exprs.extend([lower, upper]);
+        }
+        for expr in exprs {
+            if is_bare(expr) {
+                continue;
+            }
+            let own = self.scalar(expr)?;
+            self.expect(
+                expr,
+                &own,
+                &wanted,
+                &format!("`{}` is declared so", quantity.name.text),
+            )?;
+        }
+        Ok(())
+    }
+
+    fn force(&mut self, assignment: &Assignment) -> Checked<()> {
+        if !self
+            .coordinates
+            .iter()
+            .any(|known| known.text == assignment.target.text)
+        {
+            return Err(Reported);
+        }
+        let own = self.scalar(&assignment.value)?;
+        let coordinate = self.named(&assignment.target);
+        let wanted = self.energy.over(&coordinate);
+        self.expect(
+            &assignment.value,
+            &own,
+            &wanted,
+            &format!(
+                "a force on `{}` is the Lagrangian's unit over that of the coordinate",
+                assignment.target.text
+            ),
+        )
+    }
+
+    fn start(&mut self, assignment: &Assignment) -> Checked<()> {
+        if is_bare(&assignment.value) {
+            return Ok(());
+        }
+        let own = self.scalar(&assignment.value)?;
+        let mut wanted = self.named(&assignment.target);
+        let mut shown = assignment.target.text.clone();
+        if assignment.velocity {
+            wanted = wanted.over(&Dimension::second());
+            shown = format!("dot({shown})");
+        }
+        self.expect(
+            &assignment.value,
+            &own,
+            &wanted,
+            &format!("it is the start value of `{shown}`"),
+        )
+    }
+
+    /// Components of an impulse direction are displacements of the coordinates, up to one factor.
+    fn direction(&mut self, direction: &Expr) -> Checked<()> {
+        let Kind::Vector(items) = &direction.kind else {
+            self.units(direction)?;
+            return Ok(());
+        };
+        let coordinates: Vec<Name> = self.coordinates.clone();
+        let mut first: Option<(Dimension, &Expr)> = None;
+        for (item, coordinate) in items.iter().zip(&coordinates) {
+            let own = self.scalar(item)?;
+            let relative = own.over(&self.named(coordinate));
+            match &first {
+                None => first = Some((relative, item)),
+                Some((known, _)) => {
+                    let wanted = known.times(&self.named(coordinate));
+                    self.expect(
+                        item,
+                        &own,
+                        &wanted,
+                        &format!(
+                            "components of an impulse direction are proportional to displacements, \
+                             here of `{}`",
+                            coordinate.text
+                        ),
+                    )?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn named(&mut self, name: &Name) -> Dimension {
+        match self.values.get(&name.text) {
+            Some(Units::Scalar(dimension)) => dimension.clone(),
+            _ => self.unifier.unknown(&name.text),
+        }
+    }
+
+    fn expect(
+        &mut self,
+        expr: &Expr,
+        own: &Dimension,
+        wanted: &Dimension,
+        reason: &str,
+    ) -> Checked<()> {
+        if self.unifier.unify(own, wanted) {
+            return Ok(());
+        }
+        let message = format!(
+            "units differ: `{expr}` {}, where {} is needed ({reason}){}",
+            self.unifier.is_in(own),
+            match self.unifier.show(wanted).as_str() {
+                "1" => "a pure number",
+                unit => unit,
+            },
+            self.hint(&[(expr, wanted)])
+        );
+        Err(self.diagnostics.report("E03", expr.place, message))
+    }
+
+    fn differ(
+        &mut self,
+        place: Place,
+        (left, own): (&Expr, &Dimension),
+        (right, its): (&Expr, &Dimension),
+        what: &str,
+    ) -> Reported {
+        let message = format!(
+            "units differ: `{left}` {}, `{right}` {}; {what} must agree{}",
+            self.unifier.is_in(own),
+            self.unifier.is_in(its),
+            self.hint(&[(left, its), (right, own)])
+        );
+        self.diagnostics.report("E03", place, message)
+    }
+
+    /// What to write if a bare number is to blame: each expression with the unit that would fit.
+    fn hint(&self, candidates: &[(&Expr, &Dimension)]) -> String {
+        match candidates.iter().find(|(expr, _)| is_bare(expr)) {
+            Some((expr, wanted)) => format!(
+                "; a bare number has no unit, write it in brackets, as in `{expr} [{}]`",
+                self.unifier.show(wanted)
+            ),
+            None => String::new(),
+        }
+    }
+
+    fn scalar(&mut self, expr: &Expr) -> Checked<Dimension> {
+        match self.units(expr)? {
+            Units::Scalar(dimension) => Ok(dimension),
+            Units::Vector(_) => Err(Reported),
+        }
+    }
+
+    fn pure(&mut self, expr: &Expr, function: &str) -> Checked<Dimension> {
+        let own = self.scalar(expr)?;
+        if self.unifier.unify(&own, &Dimension::one()) {
+            return Ok(own);
+        }
+        let message = format!(
+            "units differ: `{function}` needs a pure number, `{expr}` is in {}",
+            self.unifier.show(&own)
+        );
+        Err(self.diagnostics.report("E03", expr.place, message))
+    }
+
+    fn units(&mut self, expr: &Expr) -> Checked<Units> {
+        match &expr.kind {
+            Kind::Number { value, unit, .. } => Ok(Units::Scalar(match unit {
+                Some(written) => Dimension::of(written.unit),
+                None if *value == 0.0 => self.unifier.unknown(""),
+                None => Dimension::one(),
+            })),
+            Kind::Name(name) => Ok(self.name(name)),
+            Kind::Negate(inner) => self.units(inner),
+            Kind::Binary {
+                operator,
+                place,
+                left,
+                right,
+            } => self.binary(*operator, *place, left, right),
+            Kind::Call {
+                function,
+                arguments,
+            } => self.call(function, arguments),
+            Kind::Derivative {
+                function,
+                order,
+                argument,
+            } => {
+                let at = self.scalar(argument)?;
+                let value = self.apply(function, vec![Units::Scalar(at.clone())])?;
+                let divisor = at.power(Ratio::integer(i32::try_from(*order).unwrap_or(1)));
+                Ok(value.map(|own| own.over(&divisor)))
+            }
+            Kind::Norm(inner) => {
+                let units = self.units(inner)?;
+                let components = units.components().to_vec();
+                let first = components.first().cloned().unwrap_or_else(Dimension::one);
+                for component in &components {
+                    if !self.unifier.unify(component, &first) {
+                        let message = format!(
+                            "units differ: the components of `{inner}` are in {} and {}, so they have \
+                             no common length",
+                            self.unifier.show(&first),
+                            self.unifier.show(component)
+                        );
+                        return Err(self.diagnostics.report("E03", inner.place, message));
+                    }
+                }
+                Ok(Units::Scalar(first))
+            }
+            Kind::Vector(items) => {
+                let mut dimensions = Vec::with_capacity(items.len());
+                for item in items {
+                    dimensions.push(self.scalar(item)?);
+                }
+                Ok(Units::Vector(dimensions))
+            }
+            Kind::Component { vector, name } => {
+                let units = self.units(vector)?;
+                let components = units.components();
+                let index = match (components.len(), name.text.as_str()) {
+                    (2, "y") | (3, "x") => 0,
+                    (2, "z") | (3, "y") => 1,
+                    (3, "z") => 2,
+                    _ => {
+                        let other = self.name(name);
+                        return self.inner(expr, &units, &other);
+                    }
+                };
+                Ok(Units::Scalar(components[index].clone()))
+            }
+            Kind::Index { vector, index } => {
+                let units = self.units(vector)?;
+                match units.components().get(*index) {
+                    Some(dimension) => Ok(Units::Scalar(dimension.clone())),
+                    None => Err(Reported),
+                }
+            }
+        }
+    }
+
+    fn name(&mut self, name: &Name) -> Units {
+        let local = self
+            .frames
+            .last()
+            .and_then(|frame| frame.iter().find(|(known, _)| *known == name.text));
+        if let Some((_, units)) = local {
+            return units.clone();
+        }
+        match self.values.get(&name.text) {
+            Some(units) => units.clone(),
+            None if name.text == "pi" => Units::Scalar(Dimension::one()),
+            None if name.text == "t" => Units::Scalar(Dimension::second()),
+            // Its own declaration has been reported.
+            None => Units::Scalar(self.unifier.unknown(&name.text)),
+        }
+    }
+
+    fn binary(
+        &mut self,
+        operator: Operator,
+        place: Place,
+        left: &Expr,
+        right: &Expr,
+    ) -> Checked<Units> {
+        let (own, its) = (self.units(left), self.units(right));
+        let (own, its) = (own?, its?);
+        match operator {
+            Operator::Add | Operator::Subtract => {
+                for (a, b) in own.components().iter().zip(its.components()) {
+                    if !self.unifier.unify(a, b) {
+                        return Err(self.differ(
+                            place,
+                            (left, a),
+                            (right, b),
+                            &format!("both sides of `{}`", operator.symbol()),
+                        ));
+                    }
+                }
+                Ok(own)
+            }
+            Operator::Multiply => Ok(match (&own, &its) {
+                (Units::Scalar(a), _) => its.map(|b| a.times(b)),
+                (_, Units::Scalar(b)) => own.map(|a| a.times(b)),
+                _ => return Err(Reported),
+            }),
+            Operator::Divide => match &its {
+                Units::Scalar(b) => Ok(own.map(|a| a.over(b))),
+                Units::Vector(_) => Err(Reported),
+            },
+            Operator::Power => {
+                self.pure(right, "an exponent")?;
+                let Units::Scalar(base) = own else {
+                    return Err(Reported);
+                };
+                match constant(right).and_then(Ratio::from_f64) {
+                    Some(exponent) => Ok(Units::Scalar(base.power(exponent))),
+                    None => {
+                        let own = self.pure(left, "a power with a variable exponent")?;
+                        Ok(Units::Scalar(own))
+                    }
+                }
+            }
+        }
+    }
+
+    fn call(&mut self, function: &Name, arguments: &[Expr]) -> Checked<Units> {
+        let text = function.text.as_str();
+        if self.functions.contains_key(text) {
+            let mut units = Vec::with_capacity(arguments.len());
+            for argument in arguments {
+                units.push(self.units(argument)?);
+            }
+            return self.apply(function, units);
+        }
+        match (text, arguments) {
+            ("dot", [argument]) => {
+                let units = self.units(argument)?;
+                Ok(units.map(|own| own.over(&Dimension::second())))
+            }
+            ("dot", [left, right]) => {
+                let (own, its) = (self.units(left)?, self.units(right)?);
+                self.inner(left, &own, &its)
+            }
+            ("cross", [left, right]) => {
+                let (own, its) = (self.units(left)?, self.units(right)?);
+                let product = |a: usize, b: usize| -> Dimension {
+                    own.components()[a].times(&its.components()[b])
+                };
+                match (own.components().len(), its.components().len()) {
+                    (2, 2) => Ok(Units::Scalar(product(0, 1))),
+                    (3, 3) => Ok(Units::Vector(vec![
+                        product(1, 2),
+                        product(2, 0),
+                        product(0, 1),
+                    ])),
+                    _ => Err(Reported),
+                }
+            }
+            ("atan2", [y, x]) => {
+                let (own, its) = (self.scalar(y)?, self.scalar(x)?);
+                if !self.unifier.unify(&own, &its) {
+                    return Err(self.differ(
+                        function.place(),
+                        (y, &own),
+                        (x, &its),
+                        "both arguments of `atan2`",
+                    ));
+                }
+                Ok(Units::Scalar(Dimension::one()))
+            }
+            ("sqrt" | "cbrt", [argument]) => {
+                let own = self.scalar(argument)?;
+                let exponent = Ratio::new(1, if text == "sqrt" { 2 } else { 3 });
+                Ok(Units::Scalar(own.power(exponent.unwrap_or(Ratio::ONE))))
+            }
+            (_, [argument]) if words::FUNCTIONS.contains(&text) => {
+                Ok(Units::Scalar(self.pure(argument, text)?))
+            }
+            _ => Err(Reported),
+        }
+    }
+
+    fn inner(&mut self, whole: &Expr, left: &Units, right: &Units) -> Checked<Units> {
+        let products: Vec<Dimension> = left
+            .components()
+            .iter()
+            .zip(right.components())
+            .map(|(a, b)| a.times(b))
+            .collect();
+        let first = products.first().cloned().ok_or(Reported)?;
+        for product in &products {
+            if !self.unifier.unify(product, &first) {
+                let message = format!(
+                    "units differ: the terms of the inner product are in {} and {}",
+                    self.unifier.show(&first),
+                    self.unifier.show(product)
+                );
+                return Err(self.diagnostics.report("E03", whole.place, message));
+            }
+        }
+        Ok(Units::Scalar(first))
+    }
+
+    fn apply(&mut self, function: &Name, units: Vec<Units>) -> Checked<Units> {
+        let Some((arguments, body)) = self.functions.get(&function.text).cloned() else {
+            return Err(Reported);
+        };
+        let frame = arguments
+            .into_iter()
+            .map(|argument| argument.text)
+            .zip(units)
+            .collect();
+        self.frames.push(frame);
+        let result = self.units(&body);
+        self.frames.pop();
+        result
+    }
+}
+
+/// The value of an expression made of numbers only.
+fn constant(expr: &Expr) -> Option<f64> {
+    match &expr.kind {
+        Kind::Number { value, unit, .. } => unit.is_none().then_some(*value),
+        Kind::Negate(inner) => Some(-constant(inner)?),
+        Kind::Binary {
+            operator,
+            left,
+            right,
+            ..
+        } => {
+            let (a, b) = (constant(left)?, constant(right)?);
+            Some(match operator {
+                Operator::Add => a + b,
+                Operator::Subtract => a - b,
+                Operator::Multiply => a * b,
+                Operator::Divide => a / b,
+                Operator::Power => a.powf(b),
+            })
+        }
+        _ => None,
+    }
+}

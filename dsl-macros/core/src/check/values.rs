@@ -1,0 +1,330 @@
+//! Numbers of the declaration: defaults, bounds, start, horizon; and the formulas of the dynamics.
+
+use super::Checker;
+use crate::ast::{Assignment, Expr, Kind, Name, Operator, Quantity, WrittenUnit};
+use crate::diagnostics::{Checked, Place, Reported, closest, list};
+use crate::graph::{self, Sym, Variable};
+use crate::scene::{self, Coordinate};
+
+impl Checker<'_> {
+    /// The default of a parameter, in its declared unit: a constant expression. Without a unit of its
+    /// own it is meant in the declared one.
+    pub(super) fn default_value(
+        &mut self,
+        name: &Name,
+        value: &Expr,
+        unit: Option<&WrittenUnit>,
+    ) -> Checked<f64> {
+        let sym = self.in_declared_unit(value, unit)?;
+        match sym.as_number() {
+            Some(value) => Ok(value),
+            None => Err(self.diagnostics.syntax(
+                value.place,
+                format!(
+                    "the default of parameter `{}` must be a number; abbreviations of other \
+                     parameters belong to `let`",
+                    name.text
+                ),
+            )),
+        }
+    }
+
+    /// An expression as a number in a declared unit: bare numbers are in that unit already, anything
+    /// else is in SI units and converted.
+    fn in_declared_unit(&mut self, expr: &Expr, unit: Option<&WrittenUnit>) -> Checked<Sym> {
+        let value = self.scope.scalar(expr, self.diagnostics)?;
+        Ok(if is_bare(expr) {
+            value
+        } else {
+            value.scaled(1.0 / scene::scale(unit))
+        })
+    }
+
+    /// Bounds of coordinates or controls.
+    pub(super) fn bounds(&mut self, quantities: &[Quantity], control: bool) -> Checked<()> {
+        for quantity in quantities {
+            let known = self.known(control);
+            let index = known
+                .iter()
+                .position(|known| known.name.text == quantity.name.text);
+            let (Some(index), Some((lower, upper))) = (index, &quantity.bounds) else {
+                continue;
+            };
+            let (name, unit) = (&quantity.name.text, quantity.unit.as_ref());
+            let bound = |checker: &mut Self, expr: &Expr| {
+                let sym = checker.in_declared_unit(expr, unit)?;
+                checker.constant(sym, expr, &format!("a bound of `{name}`"))
+            };
+            let (Ok(low), Ok(high)) = (bound(self, lower), bound(self, upper)) else {
+                continue;
+            };
+            if let (Some(low), Some(high)) = (low.as_number(), high.as_number())
+                && low > high
+            {
+                self.diagnostics.report(
+                    "E17",
+                    lower.place.to(upper.place),
+                    format!(
+                        "lower bound {low} of `{name}` lies above its upper bound {high}; exchange them"
+                    ),
+                );
+                continue;
+            }
+            self.known(control)[index].bounds = Some((low, high));
+        }
+        Ok(())
+    }
+
+    fn known(&mut self, control: bool) -> &mut Vec<Coordinate> {
+        if control {
+            &mut self.controls
+        } else {
+            &mut self.coordinates
+        }
+    }
+
+    /// A value that may depend on parameters only.
+    fn constant(&mut self, sym: Sym, expr: &Expr, what: &str) -> Checked<Sym> {
+        let moving = graph::variables(&[sym])
+            .into_iter()
+            .find(|variable| !matches!(variable, Variable::Parameter(_)));
+        match moving {
+            None => Ok(sym),
+            Some(variable) => Err(self.diagnostics.syntax(
+                expr.place,
+                format!(
+                    "{what} depends on {}; it may depend on parameters only",
+                    self.in_words(variable)
+                ),
+            )),
+        }
+    }
+
+    pub(super) fn lagrangian(&mut self, keyword: Place, expr: &Expr) -> Checked<()> {
+        let value = self.scope.scalar(expr, self.diagnostics)?;
+        if self.lagrangian.is_some() {
+            return Err(self.diagnostics.syntax(
+                keyword,
+                "a scene has one `lagrangian`; add the terms up in it",
+            ));
+        }
+        if let Some(variable) = graph::variables(&[value])
+            .into_iter()
+            .find(|variable| matches!(variable, Variable::Control(_)))
+        {
+            return Err(self.diagnostics.syntax(
+                expr.place,
+                format!(
+                    "the Lagrangian depends on {}; a control acts through `forces {{ ... }}`",
+                    self.in_words(variable)
+                ),
+            ));
+        }
+        super::rules::smooth(value, expr, self)?;
+        self.lagrangian = Some((value, keyword));
+        Ok(())
+    }
+
+    pub(super) fn dissipation(&mut self, keyword: Place, expr: &Expr) -> Checked<()> {
+        let value = self.scope.scalar(expr, self.diagnostics)?;
+        if self.dissipation.is_some() {
+            return Err(self.diagnostics.syntax(
+                keyword,
+                "a scene has one `dissipation`; add the terms up in it",
+            ));
+        }
+        if !graph::depends_on(value, |variable| matches!(variable, Variable::Velocity(_))) {
+            return Err(self.diagnostics.report(
+                "E04",
+                expr.place,
+                "the dissipation contains no velocity; write e.g. `c/2*dot(y)^2` for a damper",
+            ));
+        }
+        super::rules::smooth(value, expr, self)?;
+        self.dissipation = Some(value);
+        Ok(())
+    }
+
+    pub(super) fn forces(&mut self, assignments: &[Assignment]) -> Checked<()> {
+        for assignment in assignments {
+            let value = self.scope.scalar(&assignment.value, self.diagnostics);
+            let (Ok(index), Ok(value)) = (self.coordinate_index(&assignment.target), value) else {
+                continue;
+            };
+            if assignment.velocity {
+                self.diagnostics.syntax(
+                    assignment.target.place(),
+                    format!(
+                        "a force acts on a coordinate; write `{}: ...`",
+                        assignment.target.text
+                    ),
+                );
+                continue;
+            }
+            self.forces.push((index, value));
+        }
+        Ok(())
+    }
+
+    fn coordinate_index(&mut self, name: &Name) -> Checked<usize> {
+        if let Some(index) = self
+            .coordinates
+            .iter()
+            .position(|known| known.name.text == name.text)
+        {
+            return Ok(index);
+        }
+        let names: Vec<String> = self
+            .coordinates
+            .iter()
+            .map(|known| known.name.text.clone())
+            .collect();
+        let names = || names.iter().map(String::as_str);
+        let message = if self.scope.names.contains_key(&name.text) {
+            format!(
+                "`{}` is not a coordinate (coordinates: {})",
+                name.text,
+                list(names())
+            )
+        } else {
+            match closest(&name.text, names()) {
+                Some(near) => format!("`{}` is not declared; did you mean `{near}`?", name.text),
+                None => format!(
+                    "`{}` is not declared (coordinates: {})",
+                    name.text,
+                    list(names())
+                ),
+            }
+        };
+        Err(self.diagnostics.report("E01", name.place(), message))
+    }
+
+    pub(super) fn start_statement(&mut self, assignments: &[Assignment]) -> Checked<()> {
+        self.start.extend_from_slice(assignments);
+        Ok(())
+    }
+
+    /// Initial coordinates and velocities in declared units.
+    pub(super) fn start_values(&mut self) -> Checked<(Vec<Sym>, Vec<Sym>)> {
+        let n = self.coordinates.len();
+        let mut values = (vec![None; n], vec![None; n]);
+        let mut failed = false;
+        for assignment in std::mem::take(&mut self.start) {
+            let index = self.coordinate_index(&assignment.target);
+            let Ok(index) = index else {
+                failed = true;
+                continue;
+            };
+            let unit = self.coordinates[index].unit.clone();
+            let name = &assignment.target.text;
+            let shown = if assignment.velocity {
+                format!("dot({name})")
+            } else {
+                name.clone()
+            };
+            let value = self
+                .in_declared_unit(&assignment.value, unit.as_ref())
+                .and_then(|sym| {
+                    self.constant(
+                        sym,
+                        &assignment.value,
+                        &format!("the start value of `{shown}`"),
+                    )
+                });
+            let Ok(value) = value else {
+                failed = true;
+                continue;
+            };
+            if !assignment.velocity {
+                self.start_within_bounds(index, value, &assignment.value);
+            }
+            let slot = if assignment.velocity {
+                &mut values.1[index]
+            } else {
+                &mut values.0[index]
+            };
+            if slot.replace(value).is_some() {
+                self.diagnostics.syntax(
+                    assignment.target.place(),
+                    format!("`{shown}` has two start values; keep one"),
+                );
+                failed = true;
+            }
+        }
+        if failed {
+            return Err(Reported);
+        }
+        let filled = |values: Vec<Option<Sym>>| -> Vec<Sym> {
+            values
+                .into_iter()
+                .map(|value| value.unwrap_or(Sym::ZERO))
+                .collect()
+        };
+        Ok((filled(values.0), filled(values.1)))
+    }
+
+    fn start_within_bounds(&mut self, index: usize, value: Sym, expr: &Expr) {
+        let coordinate = &self.coordinates[index];
+        let Some((lower, upper)) = coordinate.bounds else {
+            return;
+        };
+        let (Some(low), Some(high)) = (lower.as_number(), upper.as_number()) else {
+            return;
+        };
+        // With parameters in it, the value at their defaults is what counts.
+        let defaults: Vec<f64> = self.parameters.iter().map(|known| known.default).collect();
+        let at_default = graph::substitute(&[value], |variable| match variable {
+            Variable::Parameter(i) => defaults.get(usize::from(i)).map(|&v| Sym::number(v)),
+            _ => None,
+        });
+        if let Some(value) = at_default[0].as_number()
+            && !(low..=high).contains(&value)
+        {
+            self.diagnostics.report(
+                "E17",
+                expr.place,
+                format!(
+                    "`{}` starts at {value}, outside its bounds {low}..={high}",
+                    coordinate.name.text
+                ),
+            );
+        }
+    }
+
+    pub(super) fn horizon(&mut self, keyword: Place, expr: &Expr) -> Checked<()> {
+        let value = self.scope.scalar(expr, self.diagnostics)?;
+        let value = self.constant(value, expr, "the horizon")?;
+        if self.horizon.is_some() {
+            return Err(self
+                .diagnostics
+                .syntax(keyword, "a scene has one `horizon`; keep one"));
+        }
+        if let Some(value) = value.as_number()
+            && value <= 0.0
+        {
+            return Err(self.diagnostics.syntax(
+                expr.place,
+                format!("the horizon is {value} s; it must be above 0"),
+            ));
+        }
+        self.horizon = Some(value);
+        Ok(())
+    }
+}
+
+/// Whether an expression is a number without unit, possibly with sign and arithmetic: such a number is
+/// meant in the unit of the declaration it belongs to.
+pub(crate) fn is_bare(expr: &Expr) -> bool {
+    match &expr.kind {
+        Kind::Number { unit, .. } => unit.is_none(),
+        Kind::Name(name) => name.text == "pi",
+        Kind::Negate(inner) => is_bare(inner),
+        Kind::Binary {
+            operator,
+            left,
+            right,
+            ..
+        } => *operator != Operator::Power && is_bare(left) && is_bare(right),
+        _ => false,
+    }
+}

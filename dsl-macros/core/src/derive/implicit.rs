@@ -1,0 +1,194 @@
+//! Vectors that solve a linear system `K(x) y = b(x)` whose coefficients are formulas, and what is
+//! needed to differentiate them without inverting `K` symbolically.
+//!
+//! With the residual `F(x, y) = K y - b` and multipliers `mu = K^-T lambda`,
+//!
+//! ```text
+//! dy/dx = A = -K^-1 F_x          d2(lambda' y)/dx2 = -(mu' F)_xx - P' A - A' P          P = d(K' mu)/dx
+//! ```
+//!
+//! because `F` is linear in `y`.
+
+use super::ldl::Factorization;
+use super::{Sparse, hessian, jacobian};
+use crate::graph::{self, Sym, Variable};
+use std::collections::BTreeSet;
+
+/// Largest mass matrix that is factorized by formulas: some n^3/3 operations, which pivoting and loops
+/// would about double.
+const FORMULAS: usize = 16;
+
+/// A linear system with everything that its solution's derivatives need. In its formulas,
+/// `Multiplier(i)` stands for `mu[i]` and `Unknown(size + i)` for `y[i]`.
+pub(crate) struct Implicit {
+    pub(crate) size: usize,
+    /// `K`, row-major.
+    pub(crate) matrix: Vec<Sym>,
+    /// `b`.
+    pub(crate) right: Vec<Sym>,
+    /// `y` as formulas, where those are cheaper than elimination at run time.
+    pub(crate) solution: Option<Vec<Sym>>,
+    /// `F_x`.
+    pub(crate) residual_jacobian: Sparse,
+    /// `(mu' F)_xx`, lower triangle.
+    pub(crate) residual_hessian: Sparse,
+    /// `P`.
+    pub(crate) cross: Sparse,
+}
+
+impl Implicit {
+    /// `residual` is `F` in the unknowns of [`unknown`]; `transposed` is `K' mu`.
+    pub(crate) fn new(
+        matrix: Vec<Sym>,
+        right: Vec<Sym>,
+        residual: &[Sym],
+        transposed: &[Sym],
+        inputs: &[Variable],
+    ) -> Self {
+        Self {
+            size: right.len(),
+            matrix,
+            right,
+            solution: None,
+            residual_jacobian: jacobian(residual, inputs),
+            residual_hessian: hessian(residual, inputs),
+            cross: jacobian(transposed, inputs),
+        }
+    }
+
+    /// Component `i` of the solution of a system of this size.
+    pub(crate) fn unknown(size: usize, i: usize) -> Sym {
+        Sym::variable(Variable::Unknown((size + i) as u16))
+    }
+
+    /// Multiplier of row `i`.
+    pub(crate) fn multiplier(i: usize) -> Sym {
+        Sym::variable(Variable::Multiplier(i as u16))
+    }
+
+    /// Positions at which `dy/dx` may be nonzero, for the first `rows` components.
+    pub(crate) fn jacobian_pattern(&self, rows: usize) -> Vec<(usize, usize)> {
+        let blocks = self.blocks();
+        let touched: BTreeSet<(usize, usize)> = self
+            .residual_jacobian
+            .entries
+            .iter()
+            .map(|&(row, column)| (blocks[row], column))
+            .collect();
+        let mut entries = Vec::new();
+        for (row, block) in blocks.iter().enumerate().take(rows) {
+            for column in 0..self.residual_jacobian.columns {
+                if touched.contains(&(*block, column)) {
+                    entries.push((row, column));
+                }
+            }
+        }
+        entries
+    }
+
+    /// Positions (lower triangle) at which the Hessian of a weighted sum of the solution may be nonzero.
+    pub(crate) fn hessian_pattern(&self) -> Vec<(usize, usize)> {
+        let mut entries: BTreeSet<(usize, usize)> =
+            self.residual_hessian.entries.iter().copied().collect();
+        let sensitivity = self.jacobian_pattern(self.size);
+        for &(k, i) in &self.cross.entries {
+            for &(row, j) in &sensitivity {
+                if row == k {
+                    entries.insert((i.max(j), i.min(j)));
+                }
+            }
+        }
+        entries.into_iter().collect()
+    }
+
+    /// Number of the connected block of `K` that each row belongs to.
+    fn blocks(&self) -> Vec<usize> {
+        let n = self.size;
+        let mut blocks: Vec<usize> = (0..n).collect();
+        // At most n rounds of passing the smallest number on.
+        for _ in 0..n {
+            for i in 0..n {
+                for j in 0..n {
+                    if !self.matrix[i * n + j].is_structural_zero() {
+                        let least = blocks[i].min(blocks[j]);
+                        (blocks[i], blocks[j]) = (least, least);
+                    }
+                }
+            }
+        }
+        blocks
+    }
+}
+
+/// The motion without contact: `M a = r`. The residual is built from the momenta along the motion,
+/// which takes far fewer operations than the entries of `M`.
+pub(super) fn motion(
+    mass: Vec<Sym>,
+    right: Vec<Sym>,
+    momenta: &[Sym],
+    applied: &[Sym],
+    inputs: &[Variable],
+) -> Implicit {
+    let n = right.len();
+    let rates = graph::directional(momenta, |variable| match variable {
+        Variable::Coordinate(i) => Sym::variable(Variable::Velocity(i)),
+        Variable::Velocity(i) => Implicit::unknown(n, usize::from(i)),
+        Variable::Time => Sym::ONE,
+        _ => Sym::ZERO,
+    });
+    let residual: Vec<Sym> = rates
+        .iter()
+        .zip(applied)
+        .map(|(&rate, &force)| rate - force)
+        .collect();
+    let transposed = graph::directional(momenta, |variable| match variable {
+        Variable::Velocity(i) => Implicit::multiplier(usize::from(i)),
+        _ => Sym::ZERO,
+    });
+    let solution = (n <= FORMULAS)
+        .then(|| Factorization::plain(&mass, n).ok())
+        .flatten()
+        .map(|factorization| factorization.solve(&right));
+    let mut motion = Implicit::new(mass, right, &residual, &transposed, inputs);
+    motion.solution = solution;
+    motion
+}
+
+/// The contact direction `d` and `r = 1 / (n' M^-1 n)` as unknowns of `M d - n r = 0`, `n' d = 1`.
+pub(super) fn direction(
+    mass: &[Sym],
+    momenta: &[Sym],
+    normal: &[Sym],
+    inputs: &[Variable],
+) -> Implicit {
+    let n = normal.len();
+    let size = n + 1;
+    let mut matrix = vec![Sym::ZERO; size * size];
+    for i in 0..n {
+        matrix[i * size..i * size + n].copy_from_slice(&mass[i * n..i * n + n]);
+        matrix[i * size + n] = -normal[i];
+        matrix[n * size + i] = normal[i];
+    }
+    let mut right = vec![Sym::ZERO; size];
+    right[n] = Sym::ONE;
+    let along = |of: &dyn Fn(usize) -> Sym| {
+        graph::directional(momenta, |variable| match variable {
+            Variable::Velocity(i) => of(usize::from(i)),
+            _ => Sym::ZERO,
+        })
+    };
+    let r = Implicit::unknown(size, n);
+    let mut residual = along(&|i| Implicit::unknown(size, i));
+    for (row, &component) in residual.iter_mut().zip(normal) {
+        *row -= component * r;
+    }
+    let closure: Sym = (0..n).map(|i| normal[i] * Implicit::unknown(size, i)).sum();
+    residual.push(closure - Sym::ONE);
+    let mut transposed = along(&Implicit::multiplier);
+    for (row, &component) in transposed.iter_mut().zip(normal) {
+        *row += component * Implicit::multiplier(n);
+    }
+    let last: Sym = (0..n).map(|i| normal[i] * Implicit::multiplier(i)).sum();
+    transposed.push(-last);
+    Implicit::new(matrix, right, &residual, &transposed, inputs)
+}

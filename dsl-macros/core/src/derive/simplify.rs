@@ -1,0 +1,62 @@
+//! Simplification by trying: the form with the fewest operations wins.
+
+use crate::graph::{self, Function, Sym};
+use crate::tape;
+
+/// Most terms of an expanded form that is tried.
+const TERMS: usize = 200;
+
+/// Most operations of an expression for which other forms are tried.
+const SIZE: usize = 400;
+
+/// The cheapest of: the expression as it is, multiplied out, and multiplied out with squares of
+/// cosines or of sines removed.
+pub(crate) fn simplify(sym: Sym) -> Sym {
+    let mut best = sym;
+    let mut cost = tape::operations(&[sym]);
+    if cost <= 1 || cost > SIZE {
+        return sym;
+    }
+    let Some(expanded) = graph::expand(sym, TERMS) else {
+        return sym;
+    };
+    let candidates = [
+        Some(expanded),
+        graph::pythagoras(expanded, Function::Cos, TERMS),
+        graph::pythagoras(expanded, Function::Sin, TERMS),
+    ];
+    for candidate in candidates.into_iter().flatten() {
+        if candidate != best {
+            let own = tape::operations(&[candidate]);
+            if own < cost {
+                (best, cost) = (candidate, own);
+            }
+        }
+    }
+    best
+}
+
+/// Several expressions that are evaluated together. Each by itself may become simpler while they share
+/// less, so the two ways are compared as a whole; what simplifies to zero is zero in both.
+pub(crate) fn simplify_all(values: &[Sym]) -> Vec<Sym> {
+    let simplified: Vec<Sym> = values.iter().map(|&value| simplify(value)).collect();
+    if simplified == values {
+        return simplified;
+    }
+    let plain: Vec<Sym> = values
+        .iter()
+        .zip(&simplified)
+        .map(|(&value, &simple)| {
+            if simple.as_number().is_some() {
+                simple
+            } else {
+                value
+            }
+        })
+        .collect();
+    if tape::operations(&plain) < tape::operations(&simplified) {
+        plain
+    } else {
+        simplified
+    }
+}

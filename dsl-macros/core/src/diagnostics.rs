@@ -1,0 +1,217 @@
+//! The collector of mistakes: every one found is reported, at the user's token.
+
+use proc_macro2::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
+use std::collections::HashSet;
+
+/// Where a piece of the declaration begins and ends.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    pub(crate) start: Span,
+    pub(crate) end: Span,
+}
+
+impl Place {
+    pub(crate) fn at(span: Span) -> Self {
+        Self {
+            start: span,
+            end: span,
+        }
+    }
+
+    /// From the start of this place to the end of another.
+    pub(crate) fn to(self, other: Self) -> Self {
+        Self {
+            start: self.start,
+            end: other.end,
+        }
+    }
+}
+
+/// One mistake.
+#[derive(Debug, Clone)]
+pub struct Mistake {
+    /// Code of the mistake (`E01` to `E20`); `None` for plain syntax errors.
+    pub code: Option<&'static str>,
+    /// What is wrong and what to write instead.
+    pub message: String,
+    pub(crate) place: Place,
+}
+
+impl Mistake {
+    /// The text that the compiler shows: the code, if there is one, then the message.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self.code {
+            Some(code) => format!("{code}: {}", self.message),
+            None => self.message.clone(),
+        }
+    }
+
+    /// A `compile_error!` that underlines the place of the mistake.
+    fn to_tokens(&self) -> TokenStream {
+        let Place { start, end } = self.place;
+        let punct = |symbol, spacing| {
+            let mut punct = Punct::new(symbol, spacing);
+            punct.set_span(start);
+            TokenTree::Punct(punct)
+        };
+        let mut text = Literal::string(&self.text());
+        text.set_span(end);
+        let mut group = Group::new(Delimiter::Brace, TokenTree::Literal(text).into());
+        group.set_span(end);
+        TokenStream::from_iter([
+            punct(':', Spacing::Joint),
+            punct(':', Spacing::Alone),
+            TokenTree::Ident(Ident::new("core", start)),
+            punct(':', Spacing::Joint),
+            punct(':', Spacing::Alone),
+            TokenTree::Ident(Ident::new("compile_error", start)),
+            punct('!', Spacing::Alone),
+            TokenTree::Group(group),
+        ])
+    }
+}
+
+/// A mistake has been reported; whoever receives this says nothing more about it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Reported;
+
+/// Result of a step that reports its own mistakes.
+pub(crate) type Checked<T> = Result<T, Reported>;
+
+/// Mistakes found so far.
+#[derive(Debug, Default)]
+pub(crate) struct Diagnostics {
+    mistakes: Vec<Mistake>,
+    /// Names whose declaration failed.
+    poisoned: HashSet<String>,
+}
+
+impl Diagnostics {
+    /// Reports a mistake with its code. The same text is reported once.
+    pub(crate) fn report(
+        &mut self,
+        code: &'static str,
+        place: Place,
+        message: impl Into<String>,
+    ) -> Reported {
+        self.push(Some(code), place, message.into())
+    }
+
+    /// Reports a plain syntax error.
+    pub(crate) fn syntax(&mut self, place: Place, message: impl Into<String>) -> Reported {
+        self.push(None, place, message.into())
+    }
+
+    fn push(&mut self, code: Option<&'static str>, place: Place, message: String) -> Reported {
+        if !self
+            .mistakes
+            .iter()
+            .any(|known| known.code == code && known.message == message)
+        {
+            self.mistakes.push(Mistake {
+                code,
+                message,
+                place,
+            });
+        }
+        Reported
+    }
+
+    /// Marks a name whose declaration failed, so that its uses give no second message.
+    pub(crate) fn poison(&mut self, name: &str) {
+        self.poisoned.insert(name.to_owned());
+    }
+
+    /// Whether the declaration of a name failed.
+    pub(crate) fn is_poisoned(&self, name: &str) -> bool {
+        self.poisoned.contains(name)
+    }
+
+    /// Number of mistakes so far.
+    pub(crate) fn mistakes(&self) -> usize {
+        self.mistakes.len()
+    }
+
+    pub(crate) fn into_mistakes(self) -> Vec<Mistake> {
+        self.mistakes
+    }
+}
+
+/// All mistakes as `compile_error!`s.
+pub(crate) fn to_tokens(mistakes: &[Mistake]) -> TokenStream {
+    mistakes.iter().flat_map(Mistake::to_tokens).collect()
+}
+
+/// The candidate closest to `name` in spelling, if any is close.
+pub(crate) fn closest<'a>(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    let limit = match name.chars().count() {
+        0..=2 => 1,
+        3..=5 => 2,
+        _ => 3,
+    };
+    candidates
+        .into_iter()
+        .map(|candidate| (distance(name, candidate), candidate))
+        .filter(|&(distance, candidate)| {
+            // A single letter replaced by another is another name, not a slip.
+            let shorter = candidate.chars().count().min(name.chars().count());
+            distance <= limit && distance < shorter.max(1)
+        })
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, candidate)| candidate)
+}
+
+/// Edit distance with transpositions of neighbours; a difference in case alone counts nothing.
+fn distance(a: &str, b: &str) -> usize {
+    let a: Vec<char> = a.to_lowercase().chars().take(64).collect();
+    let b: Vec<char> = b.to_lowercase().chars().take(64).collect();
+    let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
+    for (i, row) in rows.iter_mut().enumerate() {
+        row[0] = i;
+    }
+    for (j, cell) in rows[0].iter_mut().enumerate() {
+        *cell = j;
+    }
+    for i in 1..=a.len() {
+        for j in 1..=b.len() {
+            let change = usize::from(a[i - 1] != b[j - 1]);
+            let mut best = (rows[i - 1][j] + 1)
+                .min(rows[i][j - 1] + 1)
+                .min(rows[i - 1][j - 1] + change);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                best = best.min(rows[i - 2][j - 2] + 1);
+            }
+            rows[i][j] = best;
+        }
+    }
+    rows[a.len()][b.len()]
+}
+
+/// `a, b, c` in backquotes.
+pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    names
+        .into_iter()
+        .map(|name| format!("`{name}`"))
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closest_finds_slips_and_ignores_strangers() {
+        let names = ["theta", "phi", "m_b", "m_r", "y"];
+        assert_eq!(closest("thetta", names), Some("theta"));
+        assert_eq!(closest("htea", names), Some("theta"));
+        assert_eq!(closest("m_rr", names), Some("m_r"));
+        assert_eq!(closest("Phi", names), Some("phi"));
+        assert_eq!(closest("velocity", names), None);
+        assert_eq!(closest("q", names), None);
+    }
+}

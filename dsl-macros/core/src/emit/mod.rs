@@ -1,0 +1,135 @@
+//! Equations to Rust items: the struct, its parameters, and the implementation of the model trait.
+
+mod declaration;
+mod kernel;
+mod oracle;
+mod plan;
+mod readable;
+mod structure;
+
+pub(crate) use structure::stub;
+
+use crate::ast::Scene;
+use crate::derive::Equations;
+use crate::scene::CheckedScene;
+use plan::{ContactPlan, Plan};
+use proc_macro2::TokenStream;
+use std::fmt::Write;
+use std::time::{Duration, SystemTime};
+
+/// When the expansion began and how long the derivation took.
+pub(crate) struct Timing {
+    pub(crate) expanded_at: SystemTime,
+    pub(crate) derivation: Duration,
+}
+
+/// Most operations of one kernel: some seconds of compile time.
+pub(crate) const BUDGET: usize = 60_000;
+
+/// A kernel that is too large to be compiled in reasonable time.
+pub(crate) struct TooLarge {
+    pub(crate) kernel: String,
+    pub(crate) operations: usize,
+}
+
+/// Emits a scene.
+pub(crate) fn scene(
+    declared: &Scene,
+    scene: &CheckedScene,
+    equations: &Equations,
+    timing: &Timing,
+) -> Result<TokenStream, TooLarge> {
+    let plan = Plan::of(scene, equations);
+    for kernel in &plan.kernels {
+        let operations = kernel.tape.operations();
+        if operations > BUDGET {
+            return Err(TooLarge {
+                kernel: kernel.name.clone(),
+                operations,
+            });
+        }
+    }
+    let mut code = String::new();
+    code.push_str(
+        "#[allow(unused, non_snake_case, non_upper_case_globals, clippy::all, clippy::pedantic, \
+         clippy::nursery, clippy::restriction)] const _: () = {",
+    );
+    for kernel in &plan.kernels {
+        kernel.write(scene, &mut code);
+    }
+    code.push_str(&plan.helpers);
+    declaration::write(scene, equations, &plan, timing, &mut code);
+    implementation(scene, &plan, &mut code);
+    if let Some((helpers, methods)) = oracle::write(declared, scene) {
+        let name = &scene.name.text;
+        let _ = write!(code, "impl {name} {{ {helpers} {methods} }}");
+    }
+    code.push_str("};");
+    let mut tokens = structure::tokens(scene, &plan);
+    match code.parse::<TokenStream>() {
+        Ok(emitted) => tokens.extend(emitted),
+        Err(error) => {
+            let text = format!("the emitted code does not read as Rust: {error}");
+            tokens.extend(quote::quote!(::core::compile_error! { #text }));
+        }
+    }
+    Ok(tokens)
+}
+
+fn implementation(scene: &CheckedScene, plan: &Plan, code: &mut String) {
+    let name = &scene.name.text;
+    let mut read = String::new();
+    let mut write = String::new();
+    for (i, parameter) in scene.parameters.iter().enumerate() {
+        let field = &parameter.name.text;
+        let _ = write!(read, "{i} => self.{field},");
+        let _ = write!(write, "{i} => self.{field} = value,");
+    }
+    let arms = |body: &dyn Fn(&ContactPlan) -> &str| {
+        let mut arms = String::new();
+        for (i, contact) in plan.contacts.iter().enumerate() {
+            let _ = write!(arms, "{i} => {{ {} }}", body(contact));
+        }
+        arms
+    };
+    let _ = write!(
+        code,
+        "#[automatically_derived] impl ::hangtime::model::Model for {name} {{
+            fn declaration(&self) -> &'static ::hangtime::model::Declaration {{ &DECLARATION }}
+            fn parameter(&self, index: usize) -> f64 {{ match index {{ {read} _ => f64::NAN }} }}
+            fn set_parameter(&mut self, index: usize, value: f64) {{ match index {{ {write} _ => {{}} }} }}
+            fn start(&self, q: &mut [f64], v: &mut [f64]) {{ {}; {} }}
+            fn horizon(&self) -> Option<f64> {{ {} }}
+            fn bounds(&self, lower: &mut [f64], upper: &mut [f64]) {{ {}; {} }}
+            fn free_acceleration(&self, x: &[f64], a: &mut [f64]) {{ {} }}
+            fn free_jacobian(&self, x: &[f64], values: &mut [f64]) {{ {} }}
+            fn free_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {{ {} }}
+            fn mass_matrix(&self, x: &[f64], m: &mut [f64]) {{ {} }}
+            fn energy(&self, x: &[f64], energy: &mut [f64]) {{ {} }}
+            fn gap(&self, contact: usize, x: &[f64]) -> f64 {{ let mut out = [f64::NAN]; match contact {{ \
+         {} _ => {{}} }} out[0] }}
+            fn contact(&self, contact: usize, x: &[f64], point: &mut [f64]) {{ match contact {{ {} _ => \
+         point.fill(f64::NAN) }} }}
+            fn contact_jacobian(&self, contact: usize, x: &[f64], values: &mut [f64]) {{ match contact \
+         {{ {} _ => values.fill(f64::NAN) }} }}
+            fn contact_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut \
+         [f64]) {{ match contact {{ {} _ => values.fill(f64::NAN) }} }}
+            fn boxed(&self) -> ::std::boxed::Box<dyn ::hangtime::model::Model> {{ \
+         ::std::boxed::Box::new(::core::clone::Clone::clone(self)) }}
+        }}",
+        plan.start[0],
+        plan.start[1],
+        plan.horizon,
+        plan.bounds[0],
+        plan.bounds[1],
+        plan.free_acceleration,
+        plan.free_jacobian,
+        plan.free_hessian,
+        plan.mass_matrix,
+        plan.energy,
+        arms(&|contact| &contact.gap),
+        arms(&|contact| &contact.contact),
+        arms(&|contact| &contact.jacobian),
+        arms(&|contact| &contact.hessian),
+    );
+}

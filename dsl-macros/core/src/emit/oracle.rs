@@ -1,0 +1,512 @@
+//! The Lagrangian, the forces and the gaps once more, as functions that are generic over dual
+//! numbers: an oracle for the derived equations.
+//!
+//! They are written from the syntax tree and share nothing with the expression graph: `dot` and
+//! `diff` are evaluated at run time by dual numbers of dual numbers.
+
+use super::kernel::literal;
+use crate::ast::{Expr, Kind, Name, Operator, Relation, Scene, Statement};
+use crate::scene::{self, CheckedScene, Coordinate};
+use std::collections::HashMap;
+use std::fmt::Write;
+
+/// Longest oracle, in statements; a longer one is left out, as it would only cost compile time.
+const LONGEST: usize = 4000;
+
+const BOUND: &str = "D: ::hangtime::__private::num_dual::DualNum<Primitive = f64> + Copy";
+const DUAL: &str = "::hangtime::__private::num_dual::Dual";
+
+/// Source of the helper functions and of the methods; `None` if they would grow too long.
+pub(super) fn write(declared: &Scene, checked: &CheckedScene) -> Option<(String, String)> {
+    let mut oracle = Oracle {
+        checked,
+        functions: HashMap::new(),
+        abbreviations: HashMap::new(),
+        helpers: String::new(),
+        count: 0,
+        length: 0,
+    };
+    let n = checked.coordinates.len();
+    let mut lagrangian = None;
+    let mut forces: Vec<Vec<(f64, Expr)>> = vec![Vec::new(); n];
+    let mut gaps: HashMap<String, (Expr, Expr)> = HashMap::new();
+    let mut dissipation = false;
+    for statement in &declared.statements {
+        match statement {
+            Statement::Let { name, value } => {
+                let helper = oracle.helper(value)?;
+                oracle.abbreviations.insert(name.text.clone(), helper);
+            }
+            Statement::Function {
+                name,
+                arguments,
+                body,
+            } => {
+                oracle
+                    .functions
+                    .insert(name.text.clone(), (arguments.clone(), body.clone()));
+            }
+            Statement::Lagrangian { value, .. } => lagrangian = Some(oracle.helper(value)?),
+            Statement::Dissipation { .. } => dissipation = true,
+            Statement::Forces(assignments) => {
+                for assignment in assignments {
+                    let index = checked
+                        .coordinates
+                        .iter()
+                        .position(|known| known.name.text == assignment.target.text)?;
+                    let scale = scene::scale(checked.coordinates[index].unit.as_ref());
+                    forces[index].push((scale, assignment.value.clone()));
+                }
+            }
+            Statement::Surface {
+                name,
+                left,
+                relation,
+                right,
+                ..
+            } => {
+                let sides = match relation {
+                    Relation::AtLeast => (left.clone(), right.clone()),
+                    Relation::AtMost => (right.clone(), left.clone()),
+                };
+                gaps.insert(name.text.clone(), sides);
+            }
+            _ => {}
+        }
+    }
+    let mut methods = String::new();
+    let (lagrangian, _) = lagrangian?;
+    let _ = write!(
+        methods,
+        "/// The Lagrangian, for any kind of dual number: `q` and `v` in declared units, `t` in seconds.
+        pub fn lagrangian<{BOUND}>(&self, q: &[D], v: &[D], t: D) -> D {{ \
+         Self::{lagrangian}(self, q, v, &[], t, t)[0] }}"
+    );
+    if !dissipation {
+        let mut body = String::new();
+        for (i, terms) in forces.iter().enumerate() {
+            for (scale, value) in terms {
+                let (helper, _) = oracle.helper(value)?;
+                let _ = write!(
+                    body,
+                    "forces[{i}] += Self::{helper}(self, q, v, u, t, t)[0] * {};",
+                    literal(*scale)
+                );
+            }
+        }
+        let _ = write!(
+            methods,
+            "/// The generalized forces, one a coordinate, for any kind of dual number: `q`, `v` and `u` \
+             in declared units, `t` in seconds.
+            pub fn generalized_forces<{BOUND}>(&self, q: &[D], v: &[D], u: &[D], t: D) -> [D; {n}] {{ \
+             let mut forces = [D::from(0.0); {n}]; {body} forces }}"
+        );
+    }
+    let mut body = String::new();
+    for contact in &checked.contacts {
+        let (left, right) = gaps.get(&contact.name.text)?;
+        let ((left, _), (right, _)) = (oracle.helper(left)?, oracle.helper(right)?);
+        let _ = write!(
+            body,
+            "Self::{left}(self, q, v, &[], t, t)[0] - Self::{right}(self, q, v, &[], t, t)[0],"
+        );
+    }
+    let _ = write!(
+        methods,
+        "/// The gaps of all contacts [SI], for any kind of dual number: `q` in declared units, `t` in \
+         seconds.
+        pub fn gaps<{BOUND}>(&self, q: &[D], t: D) -> [D; {}] {{ let v: &[D] = &[]; [{body}] }}",
+        checked.contacts.len()
+    );
+    Some((oracle.helpers, methods))
+}
+
+struct Oracle<'a> {
+    checked: &'a CheckedScene,
+    functions: HashMap<String, (Vec<Name>, Expr)>,
+    /// Helper and number of components of each abbreviation.
+    abbreviations: HashMap<String, (String, usize)>,
+    helpers: String,
+    count: usize,
+    length: usize,
+}
+
+/// Statements of one helper function.
+#[derive(Default)]
+struct Body {
+    text: String,
+    count: usize,
+}
+
+impl Body {
+    fn bind(&mut self, value: &str) -> String {
+        let name = format!("e{}", self.count);
+        self.count += 1;
+        let _ = write!(self.text, "let {name} = {value};");
+        name
+    }
+}
+
+impl Oracle<'_> {
+    /// Emits `fn(p, q, v, u, t, s) -> [D; components]` for an expression; `s` is the argument of the
+    /// function that is being differentiated.
+    fn helper(&mut self, expr: &Expr) -> Option<(String, usize)> {
+        let mut body = Body::default();
+        let components = self.expr(expr, &mut body)?;
+        self.length += body.count;
+        if self.length > LONGEST {
+            return None;
+        }
+        let name = format!("__oracle_{}", self.count);
+        self.count += 1;
+        let length = components.len();
+        let _ = write!(
+            self.helpers,
+            "fn {name}<{BOUND}>(p: &Self, q: &[D], v: &[D], u: &[D], t: D, s: D) -> [D; {length}] {{ {} \
+             [{}] }}",
+            body.text,
+            components.join(", ")
+        );
+        Some((name, length))
+    }
+
+    /// Names of the components of an expression.
+    fn expr(&mut self, expr: &Expr, body: &mut Body) -> Option<Vec<String>> {
+        if self.length + body.count > LONGEST {
+            return None;
+        }
+        Some(match &expr.kind {
+            Kind::Number { value, unit, .. } => {
+                let scale = unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
+                vec![body.bind(&format!("D::from({})", literal(value * scale)))]
+            }
+            Kind::Name(name) => self.name(&name.text, body)?,
+            Kind::Negate(inner) => {
+                let inner = self.expr(inner, body)?;
+                each(&inner, body, |component| format!("-{component}"))
+            }
+            Kind::Binary {
+                operator,
+                left,
+                right,
+                ..
+            } => self.binary(*operator, left, right, body)?,
+            Kind::Call {
+                function,
+                arguments,
+            } => self.call(&function.text, arguments, body)?,
+            Kind::Derivative {
+                function,
+                order,
+                argument,
+            } => self.derivative(&function.text, *order, argument, body)?,
+            Kind::Norm(inner) => {
+                let inner = self.expr(inner, body)?;
+                let squares = inner
+                    .iter()
+                    .map(|c| format!("{c} * {c}"))
+                    .collect::<Vec<_>>();
+                let sum = body.bind(&squares.join(" + "));
+                vec![body.bind(&format!("{sum}.sqrt()"))]
+            }
+            Kind::Vector(items) => {
+                let mut components = Vec::with_capacity(items.len());
+                for item in items {
+                    components.extend(self.expr(item, body)?);
+                }
+                components
+            }
+            Kind::Component { vector, name } => {
+                let vector = self.expr(vector, body)?;
+                let index = match (vector.len(), name.text.as_str()) {
+                    (2, "y") | (3, "x") => 0,
+                    (2, "z") | (3, "y") => 1,
+                    (3, "z") => 2,
+                    _ => {
+                        let other = self.name(&name.text, body)?;
+                        return Some(vec![inner_product(&vector, &other, body)]);
+                    }
+                };
+                vec![vector.get(index)?.clone()]
+            }
+            Kind::Index { vector, index } => {
+                vec![self.expr(vector, body)?.get(*index)?.clone()]
+            }
+        })
+    }
+
+    fn name(&self, name: &str, body: &mut Body) -> Option<Vec<String>> {
+        if let Some((helper, length)) = self.abbreviations.get(name) {
+            let value = body.bind(&format!("Self::{helper}(p, q, v, u, t, s)"));
+            return Some((0..*length).map(|i| format!("{value}[{i}]")).collect());
+        }
+        let scaled = |text: String, scale: f64| {
+            if scale == 1.0 {
+                text
+            } else {
+                format!("{text} * {}", literal(scale))
+            }
+        };
+        let find = |list: &[Coordinate], vector: &str| {
+            let index = list.iter().position(|known| known.name.text == name)?;
+            let scale = scene::scale(list[index].unit.as_ref());
+            Some(scaled(format!("{vector}[{index}]"), scale))
+        };
+        if let Some(parameter) = self
+            .checked
+            .parameters
+            .iter()
+            .find(|known| known.name.text == name)
+        {
+            let scale = scene::scale(parameter.unit.as_ref());
+            let value = scaled(format!("p.{name}"), scale);
+            return Some(vec![body.bind(&format!("D::from({value})"))]);
+        }
+        let value = find(&self.checked.coordinates, "q")
+            .or_else(|| find(&self.checked.controls, "u"))
+            .or_else(|| match name {
+                "t" => Some("t".to_owned()),
+                "pi" => Some("D::from(::core::f64::consts::PI)".to_owned()),
+                ARGUMENT => Some("s".to_owned()),
+                _ => None,
+            })?;
+        Some(vec![body.bind(&value)])
+    }
+
+    fn binary(
+        &mut self,
+        operator: Operator,
+        left: &Expr,
+        right: &Expr,
+        body: &mut Body,
+    ) -> Option<Vec<String>> {
+        // The square of a norm has no root in it, which would not be differentiable at 0.
+        if operator == Operator::Power
+            && let Kind::Norm(inner) = &left.kind
+            && matches!(&right.kind, Kind::Number { value, unit: None, .. } if *value == 2.0)
+        {
+            let inner = self.expr(inner, body)?;
+            return Some(vec![inner_product(&inner, &inner, body)]);
+        }
+        let own = self.expr(left, body)?;
+        if operator == Operator::Power {
+            return self.power(&own, right, body);
+        }
+        let its = self.expr(right, body)?;
+        let symbol = operator.symbol();
+        Some(match (own.len(), its.len()) {
+            (1, _) => each(&its, body, |c| format!("{} {symbol} {c}", own[0])),
+            (_, 1) => each(&own, body, |c| format!("{c} {symbol} {}", its[0])),
+            _ => own
+                .iter()
+                .zip(&its)
+                .map(|(a, b)| body.bind(&format!("{a} {symbol} {b}")))
+                .collect(),
+        })
+    }
+
+    fn power(&mut self, base: &[String], exponent: &Expr, body: &mut Body) -> Option<Vec<String>> {
+        let constant = match &exponent.kind {
+            Kind::Number {
+                value, unit: None, ..
+            } => Some(*value),
+            Kind::Negate(inner) => match inner.kind {
+                Kind::Number {
+                    value, unit: None, ..
+                } => Some(-value),
+                _ => None,
+            },
+            _ => None,
+        };
+        let base = &base[0];
+        Some(vec![match constant {
+            Some(value) if value.fract() == 0.0 && (1.0..=64.0).contains(&value) => {
+                let factors = vec![base.as_str(); value as usize];
+                body.bind(&factors.join(" * "))
+            }
+            Some(value) => body.bind(&format!("{base}.powf({})", literal(value))),
+            None => {
+                let exponent = self.expr(exponent, body)?;
+                body.bind(&format!("{base}.powd({})", exponent[0]))
+            }
+        }])
+    }
+
+    fn call(&mut self, function: &str, arguments: &[Expr], body: &mut Body) -> Option<Vec<String>> {
+        if let Some((names, inner)) = self.functions.get(function) {
+            let map: HashMap<&str, &Expr> = names
+                .iter()
+                .map(|name| name.text.as_str())
+                .zip(arguments)
+                .collect();
+            let inserted = insert(inner, &map);
+            return self.expr(&inserted, body);
+        }
+        match (function, arguments) {
+            ("dot", [argument]) => {
+                let (helper, length) = self.helper(argument)?;
+                let n = self.checked.coordinates.len();
+                let rate = body.bind(&format!(
+                    "{{ let q: [{DUAL}<D>; {n}] = ::core::array::from_fn(|i| {DUAL}::new(q[i], v[i])); \
+                     Self::{helper}::<{DUAL}<D>>(p, &q, &[], &[], {DUAL}::new(t, D::from(1.0)), \
+                     {DUAL}::new(s, D::from(0.0))).map(|c| c.eps) }}"
+                ));
+                Some((0..length).map(|i| format!("{rate}[{i}]")).collect())
+            }
+            ("dot", [left, right]) => {
+                let (own, its) = (self.expr(left, body)?, self.expr(right, body)?);
+                Some(vec![inner_product(&own, &its, body)])
+            }
+            ("cross", [left, right]) => {
+                let (a, b) = (self.expr(left, body)?, self.expr(right, body)?);
+                let mut minor = |i: usize, j: usize| {
+                    body.bind(&format!("{} * {} - {} * {}", a[i], b[j], a[j], b[i]))
+                };
+                Some(if a.len() == 2 {
+                    vec![minor(0, 1)]
+                } else {
+                    vec![minor(1, 2), minor(2, 0), minor(0, 1)]
+                })
+            }
+            ("atan2", [y, x]) => {
+                let (y, x) = (self.expr(y, body)?, self.expr(x, body)?);
+                Some(vec![body.bind(&format!("{}.atan2({})", y[0], x[0]))])
+            }
+            (function, [argument]) => {
+                let argument = self.expr(argument, body)?;
+                Some(vec![body.bind(&format!("{}.{function}()", argument[0]))])
+            }
+            _ => None,
+        }
+    }
+
+    fn derivative(
+        &mut self,
+        function: &str,
+        order: usize,
+        argument: &Expr,
+        body: &mut Body,
+    ) -> Option<Vec<String>> {
+        let at = self.expr(argument, body)?;
+        let hole = Expr {
+            kind: Kind::Name(Name {
+                text: ARGUMENT.to_owned(),
+                ident: proc_macro2::Ident::new("argument", proc_macro2::Span::call_site()),
+            }),
+            place: argument.place,
+            depth: 1,
+            parenthesized: false,
+        };
+        let inner = match self.functions.get(function) {
+            Some((names, inner)) => {
+                let map = names
+                    .iter()
+                    .map(|name| (name.text.as_str(), &hole))
+                    .collect();
+                insert(inner, &map)
+            }
+            None => Expr {
+                kind: Kind::Call {
+                    function: Name {
+                        text: function.to_owned(),
+                        ident: proc_macro2::Ident::new(function, proc_macro2::Span::call_site()),
+                    },
+                    arguments: vec![hole],
+                },
+                ..argument.clone()
+            },
+        };
+        let (mut helper, length) = self.helper(&inner)?;
+        let n = self.checked.coordinates.len();
+        let (nv, nu) = ("v.len()", self.checked.controls.len());
+        for _ in 0..order {
+            let name = format!("__oracle_{}", self.count);
+            self.count += 1;
+            let _ = write!(
+                self.helpers,
+                "fn {name}<{BOUND}>(p: &Self, q: &[D], v: &[D], u: &[D], t: D, s: D) -> [D; {length}] {{
+                    let constant = |x: D| {DUAL}::new(x, D::from(0.0));
+                    let q: [{DUAL}<D>; {n}] = ::core::array::from_fn(|i| constant(q[i]));
+                    let v: [{DUAL}<D>; {n}] = ::core::array::from_fn(|i| if i < {nv} {{ constant(v[i]) \
+                 }} else {{ constant(s) }});
+                    let u: [{DUAL}<D>; {nu}] = ::core::array::from_fn(|i| if i < u.len() {{ \
+                 constant(u[i]) }} else {{ constant(s) }});
+                    Self::{helper}::<{DUAL}<D>>(p, &q, &v, &u, constant(t), {DUAL}::new(s, \
+                 D::from(1.0))).map(|c| c.eps)
+                }}"
+            );
+            helper = name;
+        }
+        let value = body.bind(&format!("Self::{helper}(p, q, v, u, t, {})", at[0]));
+        Some((0..length).map(|i| format!("{value}[{i}]")).collect())
+    }
+}
+
+/// Stands for the argument of the function that is being differentiated; no name of the language has
+/// a blank.
+const ARGUMENT: &str = "the argument";
+
+fn each(components: &[String], body: &mut Body, f: impl Fn(&str) -> String) -> Vec<String> {
+    components.iter().map(|c| body.bind(&f(c))).collect()
+}
+
+fn inner_product(a: &[String], b: &[String], body: &mut Body) -> String {
+    let products: Vec<String> = a.iter().zip(b).map(|(a, b)| format!("{a} * {b}")).collect();
+    body.bind(&products.join(" + "))
+}
+
+/// The expression with names replaced by expressions.
+fn insert(expr: &Expr, map: &HashMap<&str, &Expr>) -> Expr {
+    let boxed = |inner: &Expr| Box::new(insert(inner, map));
+    let all = |items: &[Expr]| items.iter().map(|item| insert(item, map)).collect();
+    let kind = match &expr.kind {
+        Kind::Number { .. } => expr.kind.clone(),
+        Kind::Name(name) => {
+            return map
+                .get(name.text.as_str())
+                .map_or_else(|| expr.clone(), |&replacement| replacement.clone());
+        }
+        Kind::Negate(inner) => Kind::Negate(boxed(inner)),
+        Kind::Binary {
+            operator,
+            place,
+            left,
+            right,
+        } => Kind::Binary {
+            operator: *operator,
+            place: *place,
+            left: boxed(left),
+            right: boxed(right),
+        },
+        Kind::Call {
+            function,
+            arguments,
+        } => Kind::Call {
+            function: function.clone(),
+            arguments: all(arguments),
+        },
+        Kind::Derivative {
+            function,
+            order,
+            argument,
+        } => Kind::Derivative {
+            function: function.clone(),
+            order: *order,
+            argument: boxed(argument),
+        },
+        Kind::Norm(inner) => Kind::Norm(boxed(inner)),
+        Kind::Vector(items) => Kind::Vector(all(items)),
+        Kind::Component { vector, name } => Kind::Component {
+            vector: boxed(vector),
+            name: name.clone(),
+        },
+        Kind::Index { vector, index } => Kind::Index {
+            vector: boxed(vector),
+            index: *index,
+        },
+    };
+    Expr {
+        kind,
+        ..expr.clone()
+    }
+}

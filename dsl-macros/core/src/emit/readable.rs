@@ -1,0 +1,227 @@
+//! Expressions as a person would write them.
+
+use crate::graph::{self, Node, Sym, Variable};
+use crate::scene::CheckedScene;
+use std::fmt::Write;
+
+/// Longest formula that is printed in full; longer ones are summarised by their operation count.
+const LONGEST: usize = 600;
+
+const SUM: u8 = 1;
+const PRODUCT: u8 = 2;
+const POWER: u8 = 3;
+
+/// The expression in the names of the scene; velocities are written `y'`.
+pub(crate) fn formula(scene: &CheckedScene, sym: Sym) -> String {
+    let mut printer = Printer {
+        scene,
+        text: String::new(),
+    };
+    match printer.write(sym, 0) {
+        Ok(()) => printer.text,
+        Err(TooLong) => format!("({} operations)", crate::tape::operations(&[sym])),
+    }
+}
+
+struct TooLong;
+
+struct Printer<'a> {
+    scene: &'a CheckedScene,
+    text: String,
+}
+
+impl Printer<'_> {
+    fn push(&mut self, text: &str) -> Result<(), TooLong> {
+        self.text.push_str(text);
+        if self.text.len() > LONGEST {
+            Err(TooLong)
+        } else {
+            Ok(())
+        }
+    }
+
+    fn write(&mut self, sym: Sym, outer: u8) -> Result<(), TooLong> {
+        match sym.node() {
+            Node::Number(bits) => {
+                let value = f64::from_bits(bits);
+                if value < 0.0 && outer > SUM {
+                    self.push(&format!("({value})"))
+                } else {
+                    self.push(&value.to_string())
+                }
+            }
+            Node::Variable(variable) => {
+                let name = self.name(variable);
+                self.push(&name)
+            }
+            Node::Sum(terms) => {
+                let mut terms: Vec<(Sym, f64)> = terms
+                    .iter()
+                    .map(|&(term, bits)| (term, f64::from_bits(bits)))
+                    .collect();
+                if let [(term, coefficient)] = terms.as_slice() {
+                    return self.scaled(*term, *coefficient, outer);
+                }
+                // Positive terms first, constants last among their sign.
+                terms.sort_by_key(|&(term, coefficient)| (coefficient < 0.0, term == Sym::ONE));
+                if outer > SUM {
+                    self.push("(")?;
+                }
+                for (i, &(term, coefficient)) in terms.iter().enumerate() {
+                    if i > 0 {
+                        self.push(if coefficient < 0.0 { " - " } else { " + " })?;
+                        self.scaled(term, coefficient.abs(), PRODUCT)?;
+                    } else {
+                        self.scaled(term, coefficient, PRODUCT)?;
+                    }
+                }
+                if outer > SUM {
+                    self.push(")")?;
+                }
+                Ok(())
+            }
+            Node::Product(factors) => self.fraction(&factors, None, outer),
+            Node::Call(function, argument) => {
+                self.push(function.name())?;
+                self.push("(")?;
+                self.write(argument, 0)?;
+                self.push(")")
+            }
+            Node::Call2(graph::Function2::Power, base, exponent) => {
+                self.write(base, POWER + 1)?;
+                self.push("^")?;
+                self.write(exponent, POWER + 1)
+            }
+            Node::Call2(function, first, second) => {
+                self.push(function.name())?;
+                self.push("(")?;
+                self.write(first, 0)?;
+                self.push(", ")?;
+                self.write(second, 0)?;
+                self.push(")")
+            }
+        }
+    }
+
+    fn scaled(&mut self, term: Sym, coefficient: f64, outer: u8) -> Result<(), TooLong> {
+        if term == Sym::ONE {
+            return self.write(Sym::number(coefficient), outer);
+        }
+        if coefficient == 1.0 {
+            return self.write(term, outer);
+        }
+        if coefficient == -1.0 {
+            self.push("-")?;
+            return self.write(term, PRODUCT);
+        }
+        self.fraction(&graph::factors_of(term), Some(coefficient), outer)
+    }
+
+    fn fraction(
+        &mut self,
+        factors: &[(Sym, i32)],
+        coefficient: Option<f64>,
+        outer: u8,
+    ) -> Result<(), TooLong> {
+        let brackets = outer > PRODUCT;
+        if brackets {
+            self.push("(")?;
+        }
+        let mut first = true;
+        // 0.5*x reads better as x/2.
+        let mut divisor = None;
+        if let Some(coefficient) = coefficient {
+            let inverse = 1.0 / coefficient;
+            if coefficient.abs() < 1.0 && inverse.fract() == 0.0 && inverse.abs() < 1000.0 {
+                divisor = Some(inverse.abs());
+                if coefficient < 0.0 {
+                    self.push("-")?;
+                }
+            } else {
+                self.push(&coefficient.to_string())?;
+                first = false;
+            }
+        }
+        for &(base, halves) in factors.iter().filter(|&&(_, halves)| halves > 0) {
+            if !first {
+                self.push("*")?;
+            }
+            first = false;
+            self.power(base, halves)?;
+        }
+        if first {
+            self.push("1")?;
+        }
+        let below: Vec<(Sym, i32)> = factors
+            .iter()
+            .filter(|&&(_, halves)| halves < 0)
+            .map(|&(base, halves)| (base, -halves))
+            .collect();
+        let count = below.len() + usize::from(divisor.is_some());
+        if count > 0 {
+            self.push("/")?;
+            if count > 1 {
+                self.push("(")?;
+            }
+            if let Some(divisor) = divisor {
+                self.push(&divisor.to_string())?;
+            }
+            for (i, &(base, halves)) in below.iter().enumerate() {
+                if i > 0 || divisor.is_some() {
+                    self.push("*")?;
+                }
+                self.power(base, halves)?;
+            }
+            if count > 1 {
+                self.push(")")?;
+            }
+        }
+        if brackets {
+            self.push(")")?;
+        }
+        Ok(())
+    }
+
+    fn power(&mut self, base: Sym, halves: i32) -> Result<(), TooLong> {
+        match halves {
+            1 => {
+                self.push("sqrt(")?;
+                self.write(base, 0)?;
+                self.push(")")
+            }
+            2 => self.write(base, POWER),
+            _ => {
+                self.write(base, POWER + 1)?;
+                let mut exponent = String::new();
+                let _ = if halves % 2 == 0 {
+                    write!(exponent, "^{}", halves / 2)
+                } else {
+                    write!(exponent, "^({halves}/2)")
+                };
+                self.push(&exponent)
+            }
+        }
+    }
+
+    fn name(&self, variable: Variable) -> String {
+        let named = |list: &[crate::scene::Coordinate], i: u16, suffix: &str| {
+            list.get(usize::from(i))
+                .map_or_else(String::new, |known| format!("{}{suffix}", known.name.text))
+        };
+        match variable {
+            Variable::Parameter(i) => {
+                let Some(parameter) = self.scene.parameters.get(usize::from(i)) else {
+                    return String::new();
+                };
+                parameter.name.text.clone()
+            }
+            Variable::Coordinate(i) => named(&self.scene.coordinates, i, ""),
+            Variable::Velocity(i) => named(&self.scene.coordinates, i, "'"),
+            Variable::Control(i) => named(&self.scene.controls, i, ""),
+            Variable::Time => "t".to_owned(),
+            Variable::Multiplier(i) => format!("lambda{i}"),
+            Variable::Unknown(i) => format!("a{i}"),
+            Variable::Argument(i) => format!("arg{i}"),
+        }
+    }
+}

@@ -1,0 +1,281 @@
+//! The struct of a scene: its parameters as fields, with defaults and setters.
+
+use super::plan::Plan;
+use crate::ast::{Documentation, Name, WrittenUnit};
+use crate::scene::{CheckedScene, Coordinate, Parameter};
+use proc_macro2::{Ident, Literal, Span, TokenStream};
+use quote::{format_ident, quote};
+use std::fmt::Write;
+
+/// The struct, its default, and its setters.
+pub(super) fn tokens(scene: &CheckedScene, plan: &Plan) -> TokenStream {
+    let (visibility, name) = (&scene.visibility, &scene.name.ident);
+    let documentation = doc(&scene_documentation(scene, plan));
+    let fields = scene.parameters.iter().map(|parameter| {
+        let ident = &parameter.name.ident;
+        let documentation = doc(&parameter_documentation(parameter));
+        quote!(#documentation pub #ident: f64,)
+    });
+    let defaults = scene.parameters.iter().map(|parameter| {
+        let ident = &parameter.name.ident;
+        let value = Literal::f64_suffixed(finite(parameter.default));
+        if parameter.default < 0.0 {
+            let value = Literal::f64_suffixed(-finite(parameter.default));
+            quote!(#ident: -#value,)
+        } else {
+            quote!(#ident: #value,)
+        }
+    });
+    let setters = scene.parameters.iter().map(|parameter| {
+        let ident = &parameter.name.ident;
+        let setter = format_ident!("with_{}", parameter.name.text, span = Span::call_site());
+        let documentation = doc(&format!(
+            "The same scene with another `{}`{}.",
+            parameter.name.text,
+            in_brackets(parameter.unit.as_ref())
+        ));
+        quote! {
+            #documentation
+            #[must_use]
+            pub fn #setter(mut self, value: f64) -> Self {
+                self.#ident = value;
+                self
+            }
+        }
+    });
+    quote! {
+        #documentation
+        #[derive(Debug, Clone, PartialEq)]
+        #[allow(non_snake_case)]
+        #visibility struct #name {
+            #(#fields)*
+        }
+
+        #[automatically_derived]
+        impl ::core::default::Default for #name {
+            fn default() -> Self {
+                Self { #(#defaults)* }
+            }
+        }
+
+        #[automatically_derived]
+        #[allow(non_snake_case, dead_code)]
+        impl #name {
+            #(#setters)*
+        }
+    }
+}
+
+/// What stands for a scene with mistakes: its name, its parameters and the trait, so that no use of the
+/// scene gives a second message.
+pub(crate) fn stub(visibility: &TokenStream, name: &Ident, parameters: &[Name]) -> TokenStream {
+    let methods = [
+        (
+            "declaration",
+            quote!((&self) -> &'static ::hangtime::model::Declaration),
+        ),
+        ("parameter", quote!((&self, _: usize) -> f64)),
+        ("set_parameter", quote!((&mut self, _: usize, _: f64))),
+        ("start", quote!((&self, _: &mut [f64], _: &mut [f64]))),
+        ("horizon", quote!((&self) -> ::core::option::Option<f64>)),
+        ("bounds", quote!((&self, _: &mut [f64], _: &mut [f64]))),
+        (
+            "free_acceleration",
+            quote!((&self, _: &[f64], _: &mut [f64])),
+        ),
+        ("free_jacobian", quote!((&self, _: &[f64], _: &mut [f64]))),
+        (
+            "free_hessian",
+            quote!((&self, _: &[f64], _: &[f64], _: &mut [f64])),
+        ),
+        ("mass_matrix", quote!((&self, _: &[f64], _: &mut [f64]))),
+        ("energy", quote!((&self, _: &[f64], _: &mut [f64]))),
+        ("gap", quote!((&self, _: usize, _: &[f64]) -> f64)),
+        (
+            "contact",
+            quote!((&self, _: usize, _: &[f64], _: &mut [f64])),
+        ),
+        (
+            "contact_jacobian",
+            quote!((&self, _: usize, _: &[f64], _: &mut [f64])),
+        ),
+        (
+            "contact_hessian",
+            quote!((&self, _: usize, _: &[f64], _: &[f64], _: &mut [f64])),
+        ),
+        (
+            "boxed",
+            quote!((&self) -> ::std::boxed::Box<dyn ::hangtime::model::Model>),
+        ),
+    ]
+    .map(|(method, signature)| {
+        let method = Ident::new(method, Span::call_site());
+        quote!(fn #method #signature { ::core::panic!("this scene has mistakes") })
+    });
+    let fields = parameters.iter().map(|parameter| &parameter.ident);
+    let setters = parameters.iter().map(|parameter| {
+        let setter = format_ident!("with_{}", parameter.text, span = Span::call_site());
+        quote!(pub fn #setter(self, _: f64) -> Self { self })
+    });
+    quote! {
+        #[derive(Debug, Clone, PartialEq, Default)]
+        #[allow(missing_docs, dead_code, non_snake_case)]
+        #visibility struct #name { #(pub #fields: f64,)* }
+        #[allow(missing_docs, dead_code, non_snake_case)]
+        impl #name { #(#setters)* }
+        #[automatically_derived]
+        impl ::hangtime::model::Model for #name {
+            #(#methods)*
+        }
+    }
+}
+
+fn finite(value: f64) -> f64 {
+    if value.is_finite() { value } else { 0.0 }
+}
+
+fn doc(text: &str) -> TokenStream {
+    quote!(#[doc = #text])
+}
+
+fn in_brackets(unit: Option<&WrittenUnit>) -> String {
+    unit.map_or_else(String::new, |unit| format!(" [{}]", unit.text))
+}
+
+fn parameter_documentation(parameter: &Parameter) -> String {
+    let mut text = text(&parameter.documentation);
+    if text.is_empty() {
+        let _ = write!(text, "Parameter `{}`", parameter.name.text);
+    }
+    let _ = write!(
+        text,
+        "{}, {} by default.",
+        in_brackets(parameter.unit.as_ref()),
+        parameter.default
+    );
+    text
+}
+
+fn scene_documentation(scene: &CheckedScene, plan: &Plan) -> String {
+    let mut page = text(&scene.documentation);
+    if page.is_empty() {
+        let _ = write!(page, "The scene `{}`.", scene.name.text);
+    }
+    page.push_str("\n\n# Coordinates and controls\n\n");
+    for (what, list) in [
+        ("coordinate", &scene.coordinates),
+        ("control", &scene.controls),
+    ] {
+        for quantity in list {
+            page.push_str(&quantity_line(what, quantity));
+        }
+    }
+    if !scene.contacts.is_empty() {
+        page.push_str("\n# Contacts\n\n");
+        for contact in &scene.contacts {
+            let _ = writeln!(
+                page,
+                "- `{}`: inelastic{}{}",
+                contact.name.text,
+                if contact.along.is_some() {
+                    ", impulse in a direction of its own"
+                } else {
+                    ""
+                },
+                sentence(&text(&contact.documentation))
+            );
+        }
+    }
+    if scene.explicit_time {
+        page.push_str(
+            "\nThe scene depends on the physical time `t`; in the time-freezing reformulation that is \
+             the clock state.\n",
+        );
+    }
+    page.push_str("\n# Derived functions\n\n| function | operations | values |\n|---|---|---|\n");
+    for kernel in plan.listed() {
+        let _ = writeln!(
+            page,
+            "| `{}` | {} | {} |",
+            kernel.name,
+            kernel.tape.operations(),
+            kernel.tape.outputs.len()
+        );
+    }
+    page.push_str("\n# Pattern of the Jacobian of the free acceleration\n\n```text\n");
+    let jacobian = &plan.free_patterns[0];
+    for row in 0..jacobian.rows {
+        for column in 0..jacobian.columns {
+            page.push(if jacobian.entries.contains(&(row, column)) {
+                '*'
+            } else {
+                '.'
+            });
+        }
+        page.push('\n');
+    }
+    page.push_str("```\n");
+    page
+}
+
+fn quantity_line(what: &str, quantity: &Coordinate) -> String {
+    format!(
+        "- {what} `{}`{}{}\n",
+        quantity.name.text,
+        in_brackets(quantity.unit.as_ref()),
+        sentence(&text(&quantity.documentation))
+    )
+}
+
+fn sentence(text: &str) -> String {
+    if text.is_empty() {
+        String::new()
+    } else {
+        format!(": {text}")
+    }
+}
+
+/// Doc comments as plain text.
+pub(super) fn text(documentation: &Documentation) -> String {
+    let lines: Vec<String> = documentation
+        .lines
+        .iter()
+        .map(|line| unquote(&line.to_string()).trim().to_owned())
+        .collect();
+    lines.join("\n").trim().to_owned()
+}
+
+/// The content of a string literal.
+fn unquote(literal: &str) -> String {
+    if let Some(raw) = literal.strip_prefix('r') {
+        return raw.trim_matches('#').trim_matches('"').to_owned();
+    }
+    let inner = literal
+        .strip_prefix('"')
+        .and_then(|rest| rest.strip_suffix('"'))
+        .unwrap_or(literal);
+    let mut text = String::with_capacity(inner.len());
+    let mut characters = inner.chars();
+    while let Some(character) = characters.next() {
+        if character != '\\' {
+            text.push(character);
+            continue;
+        }
+        match characters.next() {
+            Some('n') => text.push('\n'),
+            Some('t') => text.push('\t'),
+            Some('r') => text.push('\r'),
+            Some('u') => {
+                let code: String = characters
+                    .by_ref()
+                    .skip(1)
+                    .take_while(|&c| c != '}')
+                    .collect();
+                text.extend(u32::from_str_radix(&code, 16).ok().and_then(char::from_u32));
+            }
+            Some(other) => text.push(other),
+            None => {}
+        }
+    }
+    text
+}

@@ -1,0 +1,666 @@
+//! Expressions of the syntax tree to nodes of the graph.
+
+use crate::ast::{Expr, Kind, Name, Operator};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
+use crate::graph::{self, Function, Function2, Sym, Variable};
+use crate::words;
+use std::collections::{BTreeMap, HashSet};
+use std::rc::Rc;
+
+/// Most nodes of the syntax tree that one scene may evaluate, calls of functions included: far above
+/// any mechanism, and a second or so of compile time.
+const BUDGET: usize = 300_000;
+
+/// What an expression stands for.
+#[derive(Debug, Clone)]
+pub(crate) enum Value {
+    Scalar(Sym),
+    Vector(Rc<[Sym]>),
+}
+
+impl Value {
+    pub(crate) fn components(&self) -> &[Sym] {
+        match self {
+            Self::Scalar(sym) => std::slice::from_ref(sym),
+            Self::Vector(components) => components,
+        }
+    }
+}
+
+/// What a name stands for.
+#[derive(Clone)]
+pub(crate) enum Meaning {
+    Value(Value),
+    Function(Rc<UserFunction>),
+}
+
+/// `fn name(arguments) = body`.
+pub(crate) struct UserFunction {
+    pub(crate) arguments: Vec<Name>,
+    pub(crate) body: Expr,
+}
+
+/// All names in force, and which of them have been used.
+#[derive(Default)]
+pub(crate) struct Scope {
+    pub(crate) names: BTreeMap<String, Meaning>,
+    pub(crate) used: HashSet<String>,
+    /// Names that are declared further down.
+    pub(crate) later: HashSet<String>,
+    /// Arguments of the functions being evaluated, innermost last.
+    frames: Vec<Vec<(String, Value)>>,
+    evaluated: usize,
+    arguments: u16,
+}
+
+impl Scope {
+    /// Evaluates an expression.
+    pub(crate) fn value(&mut self, expr: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
+        self.evaluated += 1;
+        if self.evaluated > BUDGET {
+            return Err(diagnostics.syntax(
+                expr.place,
+                "the declaration grows too large when its functions are inserted; simplify it",
+            ));
+        }
+        match &expr.kind {
+            Kind::Number { value, unit, .. } => {
+                let scale = unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
+                Ok(Value::Scalar(Sym::number(value * scale)))
+            }
+            Kind::Name(name) => self.name(name, diagnostics),
+            Kind::Negate(inner) => {
+                let inner = self.value(inner, diagnostics)?;
+                Ok(map(&inner, |component| -component))
+            }
+            Kind::Binary {
+                operator,
+                place,
+                left,
+                right,
+            } => {
+                let left_value = self.value(left, diagnostics);
+                let right_value = self.value(right, diagnostics);
+                binary(
+                    *operator,
+                    (left, left_value?),
+                    (right, right_value?),
+                    *place,
+                    diagnostics,
+                )
+            }
+            Kind::Call {
+                function,
+                arguments,
+            } => self.call(expr, function, arguments, diagnostics),
+            Kind::Derivative {
+                function,
+                order,
+                argument,
+            } => self.derivative(function, *order, argument, diagnostics),
+            Kind::Norm(inner) => self.norm(inner, diagnostics),
+            Kind::Vector(items) => {
+                let mut components = Vec::with_capacity(items.len());
+                let mut failed = false;
+                for item in items {
+                    match self.scalar(item, diagnostics) {
+                        Ok(component) => components.push(component),
+                        Err(Reported) => failed = true,
+                    }
+                }
+                if failed {
+                    return Err(Reported);
+                }
+                Ok(Value::Vector(components.into()))
+            }
+            Kind::Component { vector, name } => self.component(vector, name, diagnostics),
+            Kind::Index { vector, index } => {
+                let value = self.value(vector, diagnostics)?;
+                let components = value.components();
+                match (&value, components.get(*index)) {
+                    (Value::Vector(_), Some(&component)) => Ok(Value::Scalar(component)),
+                    (Value::Vector(_), None) => Err(diagnostics.report(
+                        "E02",
+                        expr.place,
+                        format!(
+                            "`{vector}` has {} components, counted from 0; there is no [{index}]",
+                            components.len()
+                        ),
+                    )),
+                    (Value::Scalar(_), _) => Err(not_a_vector(vector, diagnostics)),
+                }
+            }
+        }
+    }
+
+    /// Evaluates an expression that must be a number.
+    pub(crate) fn scalar(&mut self, expr: &Expr, diagnostics: &mut Diagnostics) -> Checked<Sym> {
+        match self.value(expr, diagnostics)? {
+            Value::Scalar(sym) => {
+                if sym.as_number().is_some_and(|value| !value.is_finite()) {
+                    return Err(diagnostics.syntax(
+                        expr.place,
+                        format!("`{expr}` has no finite value; check divisions by zero and roots"),
+                    ));
+                }
+                Ok(sym)
+            }
+            Value::Vector(components) => Err(diagnostics.report(
+                "E02",
+                expr.place,
+                format!(
+                    "`{expr}` is a vector with {} components where a number is needed; take a \
+                     component, `|...|^2` or `dot(a, b)`",
+                    components.len()
+                ),
+            )),
+        }
+    }
+
+    fn name(&mut self, name: &Name, diagnostics: &mut Diagnostics) -> Checked<Value> {
+        let local = self
+            .frames
+            .last()
+            .and_then(|frame| frame.iter().find(|(known, _)| *known == name.text));
+        if let Some((_, value)) = local {
+            return Ok(value.clone());
+        }
+        match self.names.get(&name.text) {
+            Some(Meaning::Value(value)) => {
+                self.used.insert(name.text.clone());
+                Ok(value.clone())
+            }
+            Some(Meaning::Function(_)) => Err(diagnostics.report(
+                "E02",
+                name.place(),
+                format!(
+                    "`{0}` is a function; write its argument, as in `{0}(y)`",
+                    name.text
+                ),
+            )),
+            None if name.text == "pi" => Ok(Value::Scalar(Sym::number(std::f64::consts::PI))),
+            None if name.text == "t" => Ok(Value::Scalar(Sym::variable(Variable::Time))),
+            None => Err(self.undeclared(name, diagnostics)),
+        }
+    }
+
+    fn undeclared(&self, name: &Name, diagnostics: &mut Diagnostics) -> Reported {
+        let text = &name.text;
+        if diagnostics.is_poisoned(text) {
+            return Reported;
+        }
+        if self.later.contains(text) {
+            return diagnostics.report(
+                "E01",
+                name.place(),
+                format!("`{text}` is declared further down; move its declaration up"),
+            );
+        }
+        if words::FUNCTIONS.contains(&text.as_str())
+            || words::SPECIAL_FUNCTIONS.contains(&text.as_str())
+        {
+            return diagnostics.report(
+                "E02",
+                name.place(),
+                format!("`{text}` is a function; write its argument, as in `{text}(y)`"),
+            );
+        }
+        let frame = self.frames.last().into_iter().flatten();
+        let known: Vec<&str> = frame
+            .map(|(name, _)| name.as_str())
+            .chain(self.names.keys().map(String::as_str))
+            .collect();
+        let message = match closest(text, known.iter().copied()) {
+            Some(near) => format!("`{text}` is not declared; did you mean `{near}`?"),
+            None if text == "time" => {
+                "`time` is not declared; physical time is written `t`".to_owned()
+            }
+            None if known.is_empty() => {
+                format!("`{text}` is not declared; add it to `parameters` or `coordinates`")
+            }
+            None => format!(
+                "`{text}` is not declared; add it to `parameters` or `coordinates` (declared: {})",
+                list(known)
+            ),
+        };
+        diagnostics.report("E01", name.place(), message)
+    }
+
+    fn component(
+        &mut self,
+        vector: &Expr,
+        name: &Name,
+        diagnostics: &mut Diagnostics,
+    ) -> Checked<Value> {
+        let value = self.value(vector, diagnostics)?;
+        let Value::Vector(components) = &value else {
+            return Err(not_a_vector(vector, diagnostics));
+        };
+        let names: &[&str] = match components.len() {
+            2 => &["y", "z"],
+            3 => &["x", "y", "z"],
+            _ => &[],
+        };
+        if let Some(index) = names.iter().position(|known| *known == name.text) {
+            return Ok(Value::Scalar(components[index]));
+        }
+        // `a . b` with two vectors is their inner product.
+        if !["x", "y", "z"].contains(&name.text.as_str()) && self.names.contains_key(&name.text) {
+            let other = self.name(name, diagnostics)?;
+            return inner_product(&value, &other, name.place(), diagnostics);
+        }
+        Err(diagnostics.report(
+            "E02",
+            name.place(),
+            if names.is_empty() {
+                format!(
+                    "`{vector}` has {} components without names; write an index, as in `{vector}[0]`",
+                    components.len()
+                )
+            } else {
+                format!(
+                    "`{vector}` has {} components, {}; there is no `{}`",
+                    components.len(),
+                    list(names.iter().copied()),
+                    name.text
+                )
+            },
+        ))
+    }
+
+    fn norm(&mut self, inner: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
+        match self.value(inner, diagnostics)? {
+            Value::Scalar(_) => Err(diagnostics.report(
+                "E12",
+                inner.place,
+                format!(
+                    "`|{inner}|` of a number has a kink at 0; square it, or declare a `surface` where \
+                     the motion switches"
+                ),
+            )),
+            Value::Vector(components) => {
+                let square: Sym = components.iter().map(|component| component.square()).sum();
+                Ok(Value::Scalar(square.power(1)))
+            }
+        }
+    }
+
+    fn derivative(
+        &mut self,
+        function: &Name,
+        order: usize,
+        argument: &Expr,
+        diagnostics: &mut Diagnostics,
+    ) -> Checked<Value> {
+        let at = self.scalar(argument, diagnostics)?;
+        self.arguments += 1;
+        let place_holder = Variable::Argument(self.arguments);
+        let variable = Sym::variable(place_holder);
+        let value = if let Some(elementary) = elementary(&function.text) {
+            Value::Scalar(elementary(variable))
+        } else {
+            self.apply(
+                function,
+                vec![Value::Scalar(variable)],
+                function.place(),
+                diagnostics,
+            )?
+        };
+        let mut components = value.components().to_vec();
+        for _ in 0..order {
+            components = graph::partial(&components, place_holder);
+        }
+        let components =
+            graph::substitute(&components, |other| (other == place_holder).then_some(at));
+        Ok(match value {
+            Value::Scalar(_) => Value::Scalar(components[0]),
+            Value::Vector(_) => Value::Vector(components.into()),
+        })
+    }
+
+    fn call(
+        &mut self,
+        whole: &Expr,
+        function: &Name,
+        arguments: &[Expr],
+        diagnostics: &mut Diagnostics,
+    ) -> Checked<Value> {
+        let text = function.text.as_str();
+        if self.names.contains_key(text) || self.is_local(text) {
+            let mut values = Vec::with_capacity(arguments.len());
+            let mut failed = false;
+            for argument in arguments {
+                match self.value(argument, diagnostics) {
+                    Ok(value) => values.push(value),
+                    Err(Reported) => failed = true,
+                }
+            }
+            if failed {
+                return Err(Reported);
+            }
+            return self.apply(function, values, whole.place, diagnostics);
+        }
+        if words::NONSMOOTH.contains(&text) {
+            return Err(diagnostics.report(
+                "E12",
+                whole.place,
+                format!(
+                    "`{text}` has a kink or a jump, which smooth dynamics must not have; declare a \
+                     `surface` where the motion switches"
+                ),
+            ));
+        }
+        let wanted = match text {
+            "dot" if arguments.len() == 2 => 2,
+            "atan2" | "cross" => 2,
+            _ => 1,
+        };
+        let known = elementary(text).is_some() || words::SPECIAL_FUNCTIONS.contains(&text);
+        if !known && diagnostics.is_poisoned(text) {
+            return Err(Reported);
+        }
+        if !known {
+            let mut functions: Vec<&str> = words::FUNCTIONS.to_vec();
+            functions.extend(words::SPECIAL_FUNCTIONS);
+            functions.extend(
+                self.names
+                    .iter()
+                    .filter(|(_, meaning)| matches!(meaning, Meaning::Function(_)))
+                    .map(|(name, _)| name.as_str()),
+            );
+            let message = if self.later.contains(text) {
+                format!("`{text}` is declared further down; move its declaration up")
+            } else if text == "log" {
+                "`log` is ambiguous; the natural logarithm is `ln`".to_owned()
+            } else {
+                match closest(text, functions.iter().copied()) {
+                    Some(near) => {
+                        format!("function `{text}` is not declared; did you mean `{near}`?")
+                    }
+                    None => format!(
+                        "function `{text}` is not declared; declare it by `fn {text}(y) = ...`, or \
+                         write `*` if a product is meant"
+                    ),
+                }
+            };
+            return Err(diagnostics.report("E01", function.place(), message));
+        }
+        if arguments.len() != wanted {
+            return Err(diagnostics.report(
+                "E02",
+                whole.place,
+                format!(
+                    "`{text}` takes {wanted} argument{}, found {}",
+                    if wanted == 1 { "" } else { "s" },
+                    arguments.len()
+                ),
+            ));
+        }
+        match (text, arguments) {
+            ("dot", [argument]) => self.time_derivative(argument, diagnostics),
+            ("dot" | "cross", [left, right]) => {
+                let left_value = self.value(left, diagnostics);
+                let right_value = self.value(right, diagnostics);
+                let (left_value, right_value) = (left_value?, right_value?);
+                if text == "dot" {
+                    inner_product(&left_value, &right_value, whole.place, diagnostics)
+                } else {
+                    cross_product(&left_value, &right_value, whole.place, diagnostics)
+                }
+            }
+            ("atan2", [y, x]) => {
+                let (y, x) = (self.scalar(y, diagnostics), self.scalar(x, diagnostics));
+                Ok(Value::Scalar(y?.call2(Function2::Atan2, x?)))
+            }
+            (_, [argument]) => {
+                let argument = self.scalar(argument, diagnostics)?;
+                match elementary(text) {
+                    Some(elementary) => Ok(Value::Scalar(elementary(argument))),
+                    None => Err(Reported),
+                }
+            }
+            _ => Err(Reported),
+        }
+    }
+
+    fn is_local(&self, name: &str) -> bool {
+        self.frames
+            .last()
+            .is_some_and(|frame| frame.iter().any(|(known, _)| known == name))
+    }
+
+    /// A declared function at given arguments.
+    fn apply(
+        &mut self,
+        function: &Name,
+        values: Vec<Value>,
+        place: Place,
+        diagnostics: &mut Diagnostics,
+    ) -> Checked<Value> {
+        let declared = match self.names.get(&function.text) {
+            Some(Meaning::Function(declared)) if !self.is_local(&function.text) => {
+                Rc::clone(declared)
+            }
+            None if !self.is_local(&function.text) => {
+                return Err(self.undeclared(function, diagnostics));
+            }
+            _ => {
+                return Err(diagnostics.report(
+                    "E02",
+                    function.place(),
+                    format!(
+                        "`{0}` is not a function; write a product as `{0}*(...)`",
+                        function.text
+                    ),
+                ));
+            }
+        };
+        self.used.insert(function.text.clone());
+        if declared.arguments.len() != values.len() {
+            return Err(diagnostics.report(
+                "E02",
+                place,
+                format!(
+                    "`{}` takes {} argument{}, found {}",
+                    function.text,
+                    declared.arguments.len(),
+                    if declared.arguments.len() == 1 {
+                        ""
+                    } else {
+                        "s"
+                    },
+                    values.len()
+                ),
+            ));
+        }
+        let frame = declared
+            .arguments
+            .iter()
+            .map(|argument| argument.text.clone())
+            .zip(values)
+            .collect();
+        self.frames.push(frame);
+        let value = self.value(&declared.body, diagnostics);
+        self.frames.pop();
+        value
+    }
+
+    /// `dot(e)`: the total time derivative along the motion.
+    fn time_derivative(
+        &mut self,
+        argument: &Expr,
+        diagnostics: &mut Diagnostics,
+    ) -> Checked<Value> {
+        let value = self.value(argument, diagnostics)?;
+        for variable in graph::variables(value.components()) {
+            let message = match variable {
+                Variable::Velocity(_) => format!(
+                    "`dot({argument})` would be an acceleration, which follows from the Lagrangian; \
+                     take `dot` once, of positions only"
+                ),
+                Variable::Control(_) => format!(
+                    "`dot({argument})` needs the derivative of a control, which may jump; take `dot` \
+                     of positions only"
+                ),
+                _ => continue,
+            };
+            return Err(diagnostics.syntax(argument.place, message));
+        }
+        let rates = graph::directional(value.components(), velocity_direction);
+        Ok(match value {
+            Value::Scalar(_) => Value::Scalar(rates[0]),
+            Value::Vector(_) => Value::Vector(rates.into()),
+        })
+    }
+}
+
+/// The direction in which time moves the variables, velocities held.
+pub(crate) fn velocity_direction(variable: Variable) -> Sym {
+    match variable {
+        Variable::Coordinate(i) => Sym::variable(Variable::Velocity(i)),
+        Variable::Time => Sym::ONE,
+        _ => Sym::ZERO,
+    }
+}
+
+/// The elementary function with this name.
+fn elementary(name: &str) -> Option<Box<dyn Fn(Sym) -> Sym>> {
+    if name == "sqrt" {
+        return Some(Box::new(|x| x.power(1)));
+    }
+    Function::named(name)
+        .map(|function| -> Box<dyn Fn(Sym) -> Sym> { Box::new(move |x| x.call(function)) })
+}
+
+fn map(value: &Value, f: impl Fn(Sym) -> Sym) -> Value {
+    match value {
+        Value::Scalar(sym) => Value::Scalar(f(*sym)),
+        Value::Vector(components) => {
+            Value::Vector(components.iter().map(|&component| f(component)).collect())
+        }
+    }
+}
+
+fn not_a_vector(expr: &Expr, diagnostics: &mut Diagnostics) -> Reported {
+    diagnostics.report(
+        "E02",
+        expr.place,
+        format!("`{expr}` is a number and has no components; write a vector as `(y, z)`"),
+    )
+}
+
+fn inner_product(
+    left: &Value,
+    right: &Value,
+    place: Place,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    match (left, right) {
+        (Value::Vector(a), Value::Vector(b)) if a.len() == b.len() => Ok(Value::Scalar(
+            a.iter().zip(b.iter()).map(|(&a, &b)| a * b).sum(),
+        )),
+        (a, b) => Err(diagnostics.report(
+            "E02",
+            place,
+            format!(
+                "the inner product needs two vectors of the same length, found {} and {}",
+                describe(a),
+                describe(b)
+            ),
+        )),
+    }
+}
+
+fn cross_product(
+    left: &Value,
+    right: &Value,
+    place: Place,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    match (left.components(), right.components()) {
+        (&[a, b], &[c, d]) => Ok(Value::Scalar(a * d - b * c)),
+        (&[a, b, c], &[d, e, f]) => Ok(Value::Vector(
+            [b * f - c * e, c * d - a * f, a * e - b * d].into(),
+        )),
+        _ => Err(diagnostics.report(
+            "E02",
+            place,
+            format!(
+                "the cross product needs two vectors of two or of three components, found {} and {}",
+                describe(left),
+                describe(right)
+            ),
+        )),
+    }
+}
+
+fn describe(value: &Value) -> String {
+    match value {
+        Value::Scalar(_) => "a number".to_owned(),
+        Value::Vector(components) => format!("{} components", components.len()),
+    }
+}
+
+fn binary(
+    operator: Operator,
+    (left, left_value): (&Expr, Value),
+    (right, right_value): (&Expr, Value),
+    place: Place,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    match (operator, &left_value, &right_value) {
+        (Operator::Power, Value::Scalar(base), Value::Scalar(exponent)) => {
+            if *exponent == Sym::ZERO {
+                return Ok(Value::Scalar(Sym::ONE));
+            }
+            Ok(Value::Scalar(base.call2(Function2::Power, *exponent)))
+        }
+        (Operator::Power, Value::Vector(_), _) => Err(diagnostics.report(
+            "E02",
+            place,
+            format!("a vector has no power; the square of its length is `|{left}|^2`"),
+        )),
+        (Operator::Divide, _, Value::Scalar(divisor)) if divisor.is_structural_zero() => {
+            Err(diagnostics.syntax(right.place, format!("`{right}` is zero; it cannot divide")))
+        }
+        (Operator::Add, Value::Scalar(a), Value::Scalar(b)) => Ok(Value::Scalar(*a + *b)),
+        (Operator::Subtract, Value::Scalar(a), Value::Scalar(b)) => Ok(Value::Scalar(*a - *b)),
+        (Operator::Multiply, Value::Scalar(a), Value::Scalar(b)) => Ok(Value::Scalar(*a * *b)),
+        (Operator::Divide, _, Value::Scalar(b)) => {
+            let inverse = b.power(-2);
+            Ok(map(&left_value, |component| component * inverse))
+        }
+        (Operator::Multiply, Value::Scalar(a), Value::Vector(_)) => {
+            Ok(map(&right_value, |component| *a * component))
+        }
+        (Operator::Multiply, Value::Vector(_), Value::Scalar(b)) => {
+            Ok(map(&left_value, |component| component * *b))
+        }
+        (Operator::Add | Operator::Subtract, Value::Vector(a), Value::Vector(b))
+            if a.len() == b.len() =>
+        {
+            let sign = if operator == Operator::Add { 1.0 } else { -1.0 };
+            Ok(Value::Vector(
+                a.iter()
+                    .zip(b.iter())
+                    .map(|(&a, &b)| graph::sum([(a, 1.0), (b, sign)]))
+                    .collect(),
+            ))
+        }
+        (Operator::Multiply, Value::Vector(_), Value::Vector(_)) => Err(diagnostics.report(
+            "E02",
+            place,
+            format!("`{left}*{right}` multiplies two vectors; write `dot({left}, {right})`"),
+        )),
+        (operator, a, b) => Err(diagnostics.report(
+            "E02",
+            place,
+            format!(
+                "`{}` between {} (`{left}`) and {} (`{right}`)",
+                operator.symbol(),
+                describe(a),
+                describe(b)
+            ),
+        )),
+    }
+}

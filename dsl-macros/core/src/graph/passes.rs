@@ -1,0 +1,193 @@
+//! Passes over the graph: dual numbers forward, adjoints backward, substitution, dependence.
+
+use super::{Node, Sym, Variable, children, product, sum};
+use num_dual::Dual;
+use std::collections::{BTreeSet, HashMap};
+
+/// All expressions that `roots` consist of, parts before wholes.
+pub(crate) fn reachable(roots: &[Sym]) -> Vec<Sym> {
+    let mut seen: BTreeSet<Sym> = BTreeSet::new();
+    let mut stack: Vec<Sym> = roots.to_vec();
+    while let Some(sym) = stack.pop() {
+        if seen.insert(sym) {
+            stack.extend(children(&sym.node()));
+        }
+    }
+    // A node is created after its parts, so the order of creation is an order of evaluation.
+    seen.into_iter().collect()
+}
+
+/// All variables that `roots` depend on.
+pub(crate) fn variables(roots: &[Sym]) -> BTreeSet<Variable> {
+    reachable(roots)
+        .into_iter()
+        .filter_map(|sym| match sym.node() {
+            Node::Variable(variable) => Some(variable),
+            _ => None,
+        })
+        .collect()
+}
+
+/// Whether an expression contains a variable for which `test` holds.
+pub(crate) fn depends_on(root: Sym, test: impl Fn(Variable) -> bool) -> bool {
+    variables(&[root]).into_iter().any(test)
+}
+
+/// Derivatives of `roots` in the direction in which each variable moves by `direction`: one sweep of
+/// dual numbers over the graph.
+pub(crate) fn directional(roots: &[Sym], direction: impl Fn(Variable) -> Sym) -> Vec<Sym> {
+    let mut duals: HashMap<Sym, Dual<Sym>> = HashMap::new();
+    for sym in reachable(roots) {
+        let dual = dual_of(sym, &duals, &direction);
+        duals.insert(sym, dual);
+    }
+    roots
+        .iter()
+        .map(|root| duals.get(root).map_or(Sym::ZERO, |dual| dual.eps))
+        .collect()
+}
+
+/// Partial derivatives of `roots` with respect to one variable.
+pub(crate) fn partial(roots: &[Sym], variable: Variable) -> Vec<Sym> {
+    directional(roots, |other| {
+        if other == variable {
+            Sym::ONE
+        } else {
+            Sym::ZERO
+        }
+    })
+}
+
+fn dual_of(
+    sym: Sym,
+    duals: &HashMap<Sym, Dual<Sym>>,
+    direction: &impl Fn(Variable) -> Sym,
+) -> Dual<Sym> {
+    let of = |part: Sym| {
+        duals
+            .get(&part)
+            .copied()
+            .unwrap_or_else(|| Dual::from_re(part))
+    };
+    let node = sym.node();
+    if let Node::Variable(variable) = node {
+        return Dual::new(sym, direction(variable));
+    }
+    if children(&node)
+        .into_iter()
+        .all(|part| of(part).eps.is_structural_zero())
+    {
+        return Dual::from_re(sym);
+    }
+    match node {
+        Node::Number(_) | Node::Variable(_) => Dual::from_re(sym),
+        Node::Sum(terms) => {
+            let eps = sum(terms
+                .iter()
+                .map(|&(term, bits)| (of(term).eps, f64::from_bits(bits))));
+            Dual::new(sym, eps)
+        }
+        Node::Product(factors) => {
+            // Over the powers of the factors, the product rule of the dual numbers; the value is the
+            // node itself, so that it is not built a second time in another order.
+            let mut terms = Vec::new();
+            for (i, &(factor, halves)) in factors.iter().enumerate() {
+                let eps = of(factor).eps;
+                if eps.is_structural_zero() {
+                    continue;
+                }
+                let mut rest: Vec<(Sym, i32)> = factors.to_vec();
+                rest[i].1 = halves - 2;
+                rest.push((eps, 2));
+                terms.push((product(rest), f64::from(halves) / 2.0));
+            }
+            Dual::new(sym, sum(terms))
+        }
+        Node::Call(function, argument) => {
+            Dual::new(sym, of(argument).eps * function.derivative(argument))
+        }
+        Node::Call2(function, first, second) => {
+            let (by_first, by_second) = function.derivatives(first, second);
+            let (first, second) = (of(first).eps, of(second).eps);
+            let mut eps = Sym::ZERO;
+            if !first.is_structural_zero() {
+                eps += first * by_first;
+            }
+            if !second.is_structural_zero() {
+                eps += second * by_second;
+            }
+            Dual::new(sym, eps)
+        }
+    }
+}
+
+/// Gradient of `root` with respect to `by`: adjoints from the root down.
+pub(crate) fn gradient(root: Sym, by: &[Variable]) -> Vec<Sym> {
+    let mut adjoints: HashMap<Sym, Vec<(Sym, f64)>> = HashMap::new();
+    adjoints.insert(root, vec![(Sym::ONE, 1.0)]);
+    let mut totals: HashMap<Variable, Sym> = HashMap::new();
+    for sym in reachable(&[root]).into_iter().rev() {
+        let Some(parts) = adjoints.remove(&sym) else {
+            continue;
+        };
+        let adjoint = sum(parts);
+        let mut add = |part: Sym, value: Sym, factor: f64| {
+            adjoints.entry(part).or_default().push((value, factor));
+        };
+        match sym.node() {
+            Node::Number(_) => {}
+            Node::Variable(variable) => {
+                totals.insert(variable, adjoint);
+            }
+            Node::Sum(terms) => {
+                for &(term, bits) in terms.iter() {
+                    add(term, adjoint, f64::from_bits(bits));
+                }
+            }
+            Node::Product(factors) => {
+                for (i, &(factor, halves)) in factors.iter().enumerate() {
+                    let mut rest: Vec<(Sym, i32)> = factors.to_vec();
+                    rest[i].1 = halves - 2;
+                    rest.push((adjoint, 2));
+                    add(factor, product(rest), f64::from(halves) / 2.0);
+                }
+            }
+            Node::Call(function, argument) => {
+                add(argument, adjoint * function.derivative(argument), 1.0);
+            }
+            Node::Call2(function, first, second) => {
+                let (by_first, by_second) = function.derivatives(first, second);
+                add(first, adjoint * by_first, 1.0);
+                add(second, adjoint * by_second, 1.0);
+            }
+        }
+    }
+    by.iter()
+        .map(|variable| totals.get(variable).copied().unwrap_or(Sym::ZERO))
+        .collect()
+}
+
+/// `roots` with some variables replaced.
+pub(crate) fn substitute(roots: &[Sym], replace: impl Fn(Variable) -> Option<Sym>) -> Vec<Sym> {
+    let mut images: HashMap<Sym, Sym> = HashMap::new();
+    for sym in reachable(roots) {
+        let of = |part: Sym| images.get(&part).copied().unwrap_or(part);
+        let image = match sym.node() {
+            Node::Number(_) => sym,
+            Node::Variable(variable) => replace(variable).unwrap_or(sym),
+            Node::Sum(terms) => sum(terms
+                .iter()
+                .map(|&(term, bits)| (of(term), f64::from_bits(bits)))),
+            Node::Product(factors) => {
+                product(factors.iter().map(|&(factor, halves)| (of(factor), halves)))
+            }
+            Node::Call(function, argument) => of(argument).call(function),
+            Node::Call2(function, first, second) => of(first).call2(function, of(second)),
+        };
+        images.insert(sym, image);
+    }
+    roots
+        .iter()
+        .map(|root| images.get(root).copied().unwrap_or(*root))
+        .collect()
+}

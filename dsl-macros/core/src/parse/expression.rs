@@ -1,0 +1,457 @@
+//! Expressions, by binding powers: `+ -` < `* /` < unary minus < `^` < components and indices.
+
+use super::cursor::Cursor;
+use super::{unexpected, unit};
+use crate::ast::{Expr, Kind, Name, Operator};
+use crate::diagnostics::{Checked, Diagnostics, Place, closest};
+use crate::words;
+use proc_macro2::{Delimiter, Group, Literal, TokenTree};
+
+/// Deepest tree; deeper ones are refused so that recursion over an expression is safe.
+const DEPTH: usize = 150;
+
+const SUM: u8 = 1;
+const PRODUCT: u8 = 3;
+const SIGN: u8 = 5;
+const POWER: u8 = 7;
+
+/// Parses one expression and leaves the cursor behind it.
+pub(super) fn expression(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Expr> {
+    let mut parser = Parser {
+        diagnostics,
+        nesting: 0,
+    };
+    let expr = parser.climb(cursor, 0)?;
+    parser.juxtaposed(cursor, &expr)?;
+    Ok(expr)
+}
+
+struct Parser<'a> {
+    diagnostics: &'a mut Diagnostics,
+    nesting: usize,
+}
+
+impl Parser<'_> {
+    fn climb(&mut self, cursor: &mut Cursor, least: u8) -> Checked<Expr> {
+        self.nesting += 1;
+        if self.nesting > DEPTH {
+            self.nesting -= 1;
+            return Err(self.too_deep(cursor.place()));
+        }
+        let expr = self.climb_unguarded(cursor, least);
+        self.nesting -= 1;
+        expr
+    }
+
+    fn climb_unguarded(&mut self, cursor: &mut Cursor, least: u8) -> Checked<Expr> {
+        let mut left = self.prefix(cursor)?;
+        loop {
+            let (operator, own) = match cursor.peek() {
+                Some(TokenTree::Punct(punct)) => match punct.as_char() {
+                    '+' => (Operator::Add, SUM),
+                    '-' => (Operator::Subtract, SUM),
+                    '*' => (Operator::Multiply, PRODUCT),
+                    '/' => (Operator::Divide, PRODUCT),
+                    '^' => (Operator::Power, POWER),
+                    _ => return Ok(left),
+                },
+                _ => return Ok(left),
+            };
+            if own < least {
+                return Ok(left);
+            }
+            let place = cursor.place();
+            cursor.advance();
+            if operator == Operator::Multiply && cursor.at_symbol("*") {
+                return Err(self
+                    .diagnostics
+                    .syntax(place, "`**` is no operator; write powers as `x^2`"));
+            }
+            // The exponent may carry a sign: x^-2.
+            let right = self.climb(
+                cursor,
+                if operator == Operator::Power {
+                    SIGN
+                } else {
+                    own + 1
+                },
+            )?;
+            if operator == Operator::Power && stacked_power(&right) {
+                return Err(self.diagnostics.syntax(
+                    place,
+                    format!(
+                        "two powers in a row are easily misread; put the inner one in parentheses, as in \
+                         `{left}^({right})`"
+                    ),
+                ));
+            }
+            left = self.binary(operator, place, left, right)?;
+        }
+    }
+
+    fn binary(
+        &mut self,
+        operator: Operator,
+        place: Place,
+        left: Expr,
+        right: Expr,
+    ) -> Checked<Expr> {
+        let whole = left.place.to(right.place);
+        let depth = left.depth.max(right.depth);
+        self.node(
+            Kind::Binary {
+                operator,
+                place,
+                left: Box::new(left),
+                right: Box::new(right),
+            },
+            whole,
+            depth,
+        )
+    }
+
+    fn node(&mut self, kind: Kind, place: Place, depth_below: usize) -> Checked<Expr> {
+        // Sums grow to the left, one level a term; they may be longer than nesting may be deep.
+        if depth_below >= 4 * DEPTH {
+            return Err(self.too_deep(place));
+        }
+        Ok(Expr {
+            kind,
+            place,
+            depth: depth_below + 1,
+            parenthesized: false,
+        })
+    }
+
+    fn too_deep(&mut self, place: Place) -> crate::diagnostics::Reported {
+        self.diagnostics.syntax(
+            place,
+            "the expression is nested too deeply; split it with `let`",
+        )
+    }
+
+    fn prefix(&mut self, cursor: &mut Cursor) -> Checked<Expr> {
+        let start = cursor.place();
+        if cursor.eat_symbol("+") {
+            return self.climb(cursor, SIGN);
+        }
+        if cursor.eat_symbol("-") {
+            let inner = self.climb(cursor, SIGN)?;
+            let (place, depth) = (start.to(inner.place), inner.depth);
+            return self.node(Kind::Negate(Box::new(inner)), place, depth);
+        }
+        let primary = self.primary(cursor)?;
+        self.postfix(cursor, primary)
+    }
+
+    fn postfix(&mut self, cursor: &mut Cursor, mut expr: Expr) -> Checked<Expr> {
+        loop {
+            if cursor.at_symbol(".") && matches!(cursor.peek_at(1), Some(TokenTree::Ident(_))) {
+                cursor.advance();
+                let Some(name) = cursor.eat_name() else {
+                    return Ok(expr);
+                };
+                let (place, depth) = (expr.place.to(name.place()), expr.depth);
+                expr = self.node(
+                    Kind::Component {
+                        vector: Box::new(expr),
+                        name,
+                    },
+                    place,
+                    depth,
+                )?;
+            } else if let Some(group) = cursor.eat_group(Delimiter::Bracket) {
+                let index = self.index(&group)?;
+                let (place, depth) = (expr.place.to(Place::at(group.span_close())), expr.depth);
+                expr = self.node(
+                    Kind::Index {
+                        vector: Box::new(expr),
+                        index,
+                    },
+                    place,
+                    depth,
+                )?;
+            } else {
+                return Ok(expr);
+            }
+        }
+    }
+
+    fn index(&mut self, group: &Group) -> Checked<usize> {
+        let mut inner = Cursor::inside(group);
+        if let Some(TokenTree::Literal(literal)) = inner.advance()
+            && inner.is_empty()
+            && let Ok(index) = literal.to_string().parse()
+        {
+            return Ok(index);
+        }
+        Err(self.diagnostics.syntax(
+            Place::at(group.span_open()),
+            "an index is a whole number from 0; a unit in brackets stands after a number only",
+        ))
+    }
+
+    fn primary(&mut self, cursor: &mut Cursor) -> Checked<Expr> {
+        let place = cursor.place();
+        if let Some(TokenTree::Literal(literal)) = cursor.peek() {
+            let literal = literal.clone();
+            cursor.advance();
+            return self.number(cursor, &literal);
+        }
+        if cursor.eat_symbol("|") {
+            let inner = self.climb(cursor, 0)?;
+            if !cursor.eat_symbol("|") {
+                self.juxtaposed(cursor, &inner)?;
+                return Err(unexpected(
+                    cursor,
+                    self.diagnostics,
+                    "the closing `|` of a norm",
+                ));
+            }
+            let (whole, depth) = (place.to(cursor.previous()), inner.depth);
+            return self.node(Kind::Norm(Box::new(inner)), whole, depth);
+        }
+        if let Some(group) = cursor.eat_group(Delimiter::Parenthesis) {
+            let mut items = self.items(&group)?;
+            let whole = Place {
+                start: group.span_open(),
+                end: group.span_close(),
+            };
+            let depth = items.iter().map(|item| item.depth).max().unwrap_or(0);
+            return match items.len() {
+                0 => Err(self
+                    .diagnostics
+                    .syntax(whole, "empty parentheses; write an expression in them")),
+                1 => {
+                    let mut inner = items.remove(0);
+                    inner.place = whole;
+                    inner.parenthesized = true;
+                    Ok(inner)
+                }
+                _ => self.node(Kind::Vector(items), whole, depth),
+            };
+        }
+        if cursor.ident().is_some_and(|ident| {
+            let text = ident.to_string();
+            !words::STATEMENTS.contains(&text.as_str())
+        }) && let Some(name) = cursor.eat_name()
+        {
+            return self.name(cursor, name);
+        }
+        Err(unexpected(cursor, self.diagnostics, "an expression"))
+    }
+
+    fn name(&mut self, cursor: &mut Cursor, name: Name) -> Checked<Expr> {
+        if name.text == "if" || name.text == "match" {
+            return Err(self.diagnostics.report(
+                "E12",
+                name.place(),
+                format!(
+                    "`{}` switches inside smooth dynamics; declare a `surface` where the motion switches",
+                    name.text
+                ),
+            ));
+        }
+        let Some(group) = cursor.eat_group(Delimiter::Parenthesis) else {
+            let place = name.place();
+            return self.node(Kind::Name(name), place, 0);
+        };
+        let whole = name.place().to(Place::at(group.span_close()));
+        if name.text == "diff" {
+            return self.derivative(cursor, &name, &group);
+        }
+        let arguments = self.items(&group)?;
+        let depth = arguments.iter().map(|item| item.depth).max().unwrap_or(0);
+        self.node(
+            Kind::Call {
+                function: name,
+                arguments,
+            },
+            whole,
+            depth,
+        )
+    }
+
+    /// `diff(f)(y)`, `diff(diff(f))(y)`.
+    fn derivative(&mut self, cursor: &mut Cursor, diff: &Name, group: &Group) -> Checked<Expr> {
+        let mut order = 1;
+        let mut inner = Cursor::inside(group);
+        while inner.at_word("diff") && order < 8 {
+            inner.advance();
+            let Some(group) = inner.eat_group(Delimiter::Parenthesis) else {
+                return Err(unexpected(&inner, self.diagnostics, "`(` after `diff`"));
+            };
+            if !inner.is_empty() {
+                return Err(unexpected(
+                    &inner,
+                    self.diagnostics,
+                    "`)` after `diff(...)`",
+                ));
+            }
+            inner = Cursor::inside(&group);
+            order += 1;
+        }
+        let Some(function) = inner.eat_name().filter(|_| inner.is_empty()) else {
+            return Err(self.diagnostics.syntax(
+                diff.place(),
+                "`diff` takes the name of a declared function of one argument: `diff(f)(y)` is f'(y); \
+                 the time derivative is `dot(...)`",
+            ));
+        };
+        let Some(argument) = cursor.eat_group(Delimiter::Parenthesis) else {
+            return Err(unexpected(
+                cursor,
+                self.diagnostics,
+                &format!("the argument, as in `diff({})(y)`", function.text),
+            ));
+        };
+        let place = diff.place().to(Place::at(argument.span_close()));
+        let mut items = self.items(&argument)?;
+        if items.len() != 1 {
+            return Err(self.diagnostics.report(
+                "E02",
+                place,
+                format!(
+                    "`diff({})` takes one argument, found {}",
+                    function.text,
+                    items.len()
+                ),
+            ));
+        }
+        let item = items.remove(0);
+        let depth = item.depth;
+        self.node(
+            Kind::Derivative {
+                function,
+                order,
+                argument: Box::new(item),
+            },
+            place,
+            depth,
+        )
+    }
+
+    /// Expressions between commas.
+    fn items(&mut self, group: &Group) -> Checked<Vec<Expr>> {
+        let mut inner = Cursor::inside(group);
+        let mut items = Vec::new();
+        while !inner.is_empty() {
+            let item = self.climb(&mut inner, 0)?;
+            self.juxtaposed(&inner, &item)?;
+            items.push(item);
+            if !inner.is_empty() && !inner.eat_symbol(",") {
+                return Err(unexpected(
+                    &inner,
+                    self.diagnostics,
+                    "an operator, `,` or `)`",
+                ));
+            }
+        }
+        Ok(items)
+    }
+
+    /// Two factors without an operator between them.
+    fn juxtaposed(&mut self, cursor: &Cursor, left: &Expr) -> Checked<()> {
+        let right = match cursor.peek() {
+            Some(TokenTree::Ident(ident)) => {
+                let text = ident.to_string();
+                if words::STATEMENTS.contains(&text.as_str()) || text == "in" {
+                    return Ok(());
+                }
+                match cursor.peek_at(1) {
+                    // A name with a block behind it was meant to begin a statement.
+                    Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace => {
+                        return Ok(());
+                    }
+                    Some(TokenTree::Group(group))
+                        if group.delimiter() == Delimiter::Parenthesis =>
+                    {
+                        format!("{text}(...)")
+                    }
+                    _ => {
+                        if let Some(statement) = closest(&text, words::STATEMENTS) {
+                            return Err(self.diagnostics.syntax(
+                                cursor.place(),
+                                format!("unknown statement `{text}`; did you mean `{statement}`?"),
+                            ));
+                        }
+                        text
+                    }
+                }
+            }
+            Some(TokenTree::Literal(literal)) => literal.to_string(),
+            Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis => {
+                "(...)".to_owned()
+            }
+            _ => return Ok(()),
+        };
+        // The last term is what the missing operator would multiply.
+        let mut last = left;
+        while let Kind::Binary {
+            operator: Operator::Add | Operator::Subtract,
+            right,
+            ..
+        } = &last.kind
+        {
+            last = right;
+        }
+        let left = match last.to_string() {
+            long if long.chars().count() > 24 => "...".to_owned(),
+            short => short,
+        };
+        Err(self.diagnostics.syntax(
+            cursor.place(),
+            format!("an operator is missing before `{right}`; write a product as `{left}*{right}`"),
+        ))
+    }
+
+    fn number(&mut self, cursor: &mut Cursor, literal: &Literal) -> Checked<Expr> {
+        let place = Place::at(literal.span());
+        let text = literal.to_string();
+        let digits = text.replace('_', "");
+        let value = match digits.parse::<f64>() {
+            Ok(value) if value.is_finite() => value,
+            Ok(_) => {
+                return Err(self.diagnostics.syntax(
+                    place,
+                    format!("the number {text} is too large for double precision"),
+                ));
+            }
+            Err(_) => return Err(self.bad_number(place, &digits)),
+        };
+        let unit = match cursor.eat_group(Delimiter::Bracket) {
+            Some(group) => unit::bracketed(&group, self.diagnostics)?,
+            None => None,
+        };
+        let end = cursor.previous();
+        self.node(Kind::Number { value, text, unit }, place.to(end), 0)
+    }
+
+    fn bad_number(&mut self, place: Place, text: &str) -> crate::diagnostics::Reported {
+        let end = text
+            .find(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E'))
+            .unwrap_or(text.len());
+        let (number, suffix) = text.split_at(end);
+        let message = if !text.starts_with(|c: char| c.is_ascii_digit()) {
+            format!("{text} is not a number; expressions are made of numbers and names")
+        } else if number.parse::<f64>().is_ok() && !suffix.is_empty() {
+            format!(
+                "`{text}` is not a number; write a unit as `{number} [{suffix}]` and a product as \
+                 `{number}*{suffix}`"
+            )
+        } else {
+            format!("`{text}` is not a decimal number")
+        };
+        self.diagnostics.syntax(place, message)
+    }
+}
+
+/// Whether an exponent is itself a power without parentheses around it.
+fn stacked_power(exponent: &Expr) -> bool {
+    !exponent.parenthesized
+        && match &exponent.kind {
+            Kind::Negate(inner) => stacked_power(inner),
+            Kind::Binary { operator, .. } => *operator == Operator::Power,
+            _ => false,
+        }
+}

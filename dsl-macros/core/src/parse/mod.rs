@@ -1,0 +1,147 @@
+//! Tokens to syntax tree. Own code instead of a Rust parser: formulas read as on paper, and every
+//! mistake is reported in the words of the language, all of them in one run.
+
+mod cursor;
+mod expression;
+mod statement;
+mod unit;
+
+pub(crate) use statement::law_of;
+
+use crate::ast::{Documentation, Name, Scene, Statement};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
+use crate::words;
+use cursor::Cursor;
+use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
+
+/// Parses one declaration. What could be read is returned even when mistakes were reported.
+pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<Scene> {
+    let mut cursor = Cursor::new(input, Span::call_site());
+    let documentation = documentation(&mut cursor, diagnostics);
+    let visibility = visibility(&mut cursor);
+    let Some(name) = cursor.eat_name() else {
+        return Err(diagnostics.syntax(
+            cursor.place(),
+            format!(
+                "expected the name of the scene, found {}; write `pub Name {{ ... }}`",
+                cursor.describe()
+            ),
+        ));
+    };
+    let Some(body) = cursor.eat_group(Delimiter::Brace) else {
+        return Err(diagnostics.syntax(
+            cursor.place(),
+            format!(
+                "expected `{{` after the name `{}`, found {}",
+                name.text,
+                cursor.describe()
+            ),
+        ));
+    };
+    if !cursor.is_empty() {
+        diagnostics.syntax(
+            cursor.place(),
+            format!(
+                "unexpected {} after the scene; declare one scene in each `model!`",
+                cursor.describe()
+            ),
+        );
+    }
+    let statements = statement::statements(&mut Cursor::inside(&body), diagnostics);
+    Ok(Scene {
+        documentation,
+        visibility,
+        name,
+        statements,
+    })
+}
+
+/// What a stub needs of a scene with mistakes.
+pub(crate) struct Outline {
+    pub(crate) visibility: TokenStream,
+    pub(crate) name: Name,
+    pub(crate) parameters: Vec<Name>,
+}
+
+/// The outline of a scene, as far as it can be told from input with mistakes.
+pub(crate) fn outline(input: TokenStream) -> Option<Outline> {
+    let mut silent = Diagnostics::default();
+    let Ok(scene) = scene(input.clone(), &mut silent) else {
+        let mut cursor = Cursor::new(input, Span::call_site());
+        documentation(&mut cursor, &mut silent);
+        return Some(Outline {
+            visibility: visibility(&mut cursor),
+            name: cursor.eat_name().filter(is_plain)?,
+            parameters: Vec::new(),
+        });
+    };
+    let mut parameters: Vec<Name> = Vec::new();
+    for statement in scene.statements {
+        if let Statement::Parameters(quantities) = statement {
+            for quantity in quantities {
+                if is_plain(&quantity.name)
+                    && !parameters
+                        .iter()
+                        .any(|known| known.text == quantity.name.text)
+                {
+                    parameters.push(quantity.name);
+                }
+            }
+        }
+    }
+    is_plain(&scene.name).then_some(Outline {
+        visibility: scene.visibility,
+        name: scene.name,
+        parameters,
+    })
+}
+
+/// Whether a name can be emitted as an identifier.
+fn is_plain(name: &Name) -> bool {
+    !words::is_rust_word(&name.text)
+}
+
+fn visibility(cursor: &mut Cursor) -> TokenStream {
+    let mut tokens = TokenStream::new();
+    if cursor.at_word("pub") {
+        tokens.extend(cursor.advance());
+        if let Some(group) = cursor.eat_group(Delimiter::Parenthesis) {
+            tokens.extend([TokenTree::Group(group)]);
+        }
+    }
+    tokens
+}
+
+/// Doc comments, which reach the macro as `#[doc = "text"]`.
+fn documentation(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Documentation {
+    let mut documentation = Documentation::default();
+    while cursor.at_symbol("#") {
+        let place = cursor.place();
+        cursor.advance();
+        let Some(group) = cursor.eat_group(Delimiter::Bracket) else {
+            diagnostics.syntax(place, "unexpected `#`; only doc comments may stand here");
+            continue;
+        };
+        let mut inner = Cursor::inside(&group);
+        let is_doc = inner.eat_word("doc") && inner.eat_symbol("=");
+        match (is_doc, inner.advance()) {
+            (true, Some(TokenTree::Literal(line))) => documentation.lines.push(line),
+            _ => {
+                diagnostics.syntax(
+                    place,
+                    "attributes are not part of the language; only doc comments may stand here",
+                );
+            }
+        }
+    }
+    documentation
+}
+
+/// Reports what was found instead of `expected`.
+fn unexpected(cursor: &Cursor, diagnostics: &mut Diagnostics, expected: &str) -> Reported {
+    let place: Place = cursor.place();
+    diagnostics.syntax(
+        place,
+        format!("expected {expected}, found {}", cursor.describe()),
+    )
+}

@@ -1,0 +1,491 @@
+//! Statements: keyword, then a block, a list or an expression. After a mistake parsing goes on at the
+//! next keyword, or behind the next comma of a list.
+
+use super::cursor::Cursor;
+use super::expression::expression;
+use super::{documentation, unexpected, unit};
+use crate::ast::{Assignment, Documentation, Expr, Kind, Name, Quantity, Relation, Statement};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
+use crate::words;
+use proc_macro2::{Delimiter, TokenTree};
+
+/// Parses the body of a scene.
+pub(super) fn statements(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Vec<Statement> {
+    let mut statements = Vec::new();
+    while !cursor.is_empty() {
+        let documentation = documentation(cursor, diagnostics);
+        if cursor.is_empty() {
+            break;
+        }
+        match statement(cursor, documentation, diagnostics) {
+            Ok(statement) => statements.push(statement),
+            Err(Reported) => {
+                cursor.skip_until(|cursor| {
+                    cursor.ident().is_some_and(|ident| {
+                        let word = ident.to_string();
+                        begins_statement(&word) || is_misspelt_block(cursor, &word)
+                    })
+                });
+            }
+        }
+        while cursor.eat_symbol(";") || cursor.eat_symbol(",") {}
+    }
+    statements
+}
+
+/// Whether a name with a block behind it was meant to begin a statement.
+fn is_misspelt_block(cursor: &Cursor, word: &str) -> bool {
+    matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
+        if group.delimiter() == Delimiter::Brace)
+        && closest(word, words::STATEMENTS).is_some()
+}
+
+fn begins_statement(word: &str) -> bool {
+    words::STATEMENTS.contains(&word) && word != "along" && word != "holding"
+}
+
+fn statement(
+    cursor: &mut Cursor,
+    documentation: Documentation,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
+    let keyword = cursor.place();
+    let Some(word) = cursor.eat_name() else {
+        let error = unexpected(
+            cursor,
+            diagnostics,
+            "a statement such as `parameters` or `lagrangian`",
+        );
+        cursor.advance();
+        return Err(error);
+    };
+    match word.text.as_str() {
+        "parameters" => Ok(Statement::Parameters(quantities(
+            cursor,
+            &word,
+            diagnostics,
+        )?)),
+        "coordinates" => Ok(Statement::Coordinates(quantities(
+            cursor,
+            &word,
+            diagnostics,
+        )?)),
+        "controls" => Ok(Statement::Controls(quantities(cursor, &word, diagnostics)?)),
+        "let" => {
+            let name = name(cursor, "the name of the abbreviation", diagnostics)?;
+            let value = equals(cursor, diagnostics).and_then(|()| expression(cursor, diagnostics));
+            match value {
+                Ok(value) => Ok(Statement::Let { name, value }),
+                Err(Reported) => {
+                    diagnostics.poison(&name.text);
+                    Err(Reported)
+                }
+            }
+        }
+        "fn" => function(cursor, diagnostics),
+        "lagrangian" => {
+            cursor.eat_symbol("=");
+            let value = expression(cursor, diagnostics)?;
+            Ok(Statement::Lagrangian { keyword, value })
+        }
+        "dissipation" => {
+            cursor.eat_symbol("=");
+            let value = expression(cursor, diagnostics)?;
+            Ok(Statement::Dissipation { keyword, value })
+        }
+        "forces" => Ok(Statement::Forces(assignments(cursor, &word, diagnostics)?)),
+        "surface" => surface(cursor, documentation, diagnostics),
+        "impact" => impact(cursor, diagnostics),
+        "start" => Ok(Statement::Start(assignments(cursor, &word, diagnostics)?)),
+        "horizon" => {
+            let value = expression(cursor, diagnostics)?;
+            Ok(Statement::Horizon { keyword, value })
+        }
+        text if words::NOT_YET.contains(&text) => {
+            let error = diagnostics.syntax(
+                keyword,
+                format!("the statement `{text}` is not available yet; leave it out"),
+            );
+            Err(error)
+        }
+        text => {
+            let message = match closest(text, words::STATEMENTS[..12].iter().copied()) {
+                Some(near) => format!("unknown statement `{text}`; did you mean `{near}`?"),
+                None => format!(
+                    "unknown statement `{text}`; a statement begins with {}",
+                    list(words::STATEMENTS[..12].iter().copied())
+                ),
+            };
+            // What a misspelt block declares is known by name, so that its uses give no messages.
+            if let Some(group) = cursor.eat_group(Delimiter::Brace) {
+                let mut inner = Cursor::inside(&group);
+                while !inner.is_empty() {
+                    if let Some(name) = inner.eat_name() {
+                        diagnostics.poison(&name.text);
+                    } else {
+                        inner.advance();
+                    }
+                }
+            }
+            Err(diagnostics.syntax(keyword, message))
+        }
+    }
+}
+
+fn name(cursor: &mut Cursor, what: &str, diagnostics: &mut Diagnostics) -> Checked<Name> {
+    if cursor
+        .ident()
+        .is_some_and(|ident| words::STATEMENTS.contains(&ident.to_string().as_str()))
+    {
+        return Err(diagnostics.report(
+            "E11",
+            cursor.place(),
+            format!(
+                "{} is a word of the language; choose another name",
+                cursor.describe()
+            ),
+        ));
+    }
+    match cursor.eat_name() {
+        Some(name) => Ok(name),
+        None => Err(unexpected(cursor, diagnostics, what)),
+    }
+}
+
+fn equals(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<()> {
+    if cursor.eat_symbol("=") {
+        Ok(())
+    } else {
+        Err(unexpected(cursor, diagnostics, "`=`"))
+    }
+}
+
+fn block(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnostics) -> Checked<Cursor> {
+    match cursor.eat_group(Delimiter::Brace) {
+        Some(group) => Ok(Cursor::inside(&group)),
+        None => Err(unexpected(
+            cursor,
+            diagnostics,
+            &format!("`{{` after `{}`", word.text),
+        )),
+    }
+}
+
+/// Entries between commas; a faulty entry is skipped, the others are kept.
+fn entries<T>(
+    mut inner: Cursor,
+    diagnostics: &mut Diagnostics,
+    mut entry: impl FnMut(&mut Cursor, &mut Diagnostics) -> Checked<T>,
+) -> Vec<T> {
+    let mut found = Vec::new();
+    while !inner.is_empty() {
+        let result = entry(&mut inner, diagnostics);
+        match result {
+            Ok(item) => {
+                found.push(item);
+                if !inner.is_empty() && !inner.at_symbol(",") {
+                    unexpected(&inner, diagnostics, "`,` or `}`");
+                    inner.skip_until(|cursor| cursor.at_symbol(","));
+                }
+            }
+            Err(Reported) => inner.skip_until(|cursor| cursor.at_symbol(",")),
+        }
+        inner.eat_symbol(",");
+    }
+    found
+}
+
+fn quantities(
+    cursor: &mut Cursor,
+    word: &Name,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Vec<Quantity>> {
+    let inner = block(cursor, word, diagnostics)?;
+    Ok(entries(inner, diagnostics, quantity))
+}
+
+fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quantity> {
+    let documentation = documentation(cursor, diagnostics);
+    let name = name(cursor, "a name", diagnostics)?;
+    let unit = if cursor.eat_symbol(":") {
+        // A faulty unit has been reported and skipped; the quantity is declared all the same.
+        unit::declared(cursor, diagnostics).unwrap_or(None)
+    } else {
+        None
+    };
+    let rest = bounds_and_value(cursor, diagnostics);
+    let Ok((bounds, value)) = rest else {
+        diagnostics.poison(&name.text);
+        return Err(Reported);
+    };
+    Ok(Quantity {
+        documentation,
+        name,
+        unit,
+        bounds,
+        value,
+    })
+}
+
+/// Bounds of a quantity, if it has any.
+type Bounds = Option<(Expr, Expr)>;
+
+fn bounds_and_value(
+    cursor: &mut Cursor,
+    diagnostics: &mut Diagnostics,
+) -> Checked<(Bounds, Option<Expr>)> {
+    let bounds = if cursor.eat_word("in") {
+        let lower = expression(cursor, diagnostics)?;
+        if !cursor.eat_symbol("..=") {
+            return Err(unexpected(
+                cursor,
+                diagnostics,
+                "`..=` between lower and upper bound",
+            ));
+        }
+        let upper = expression(cursor, diagnostics)?;
+        Some((lower, upper))
+    } else {
+        None
+    };
+    let value = if cursor.eat_symbol("=") {
+        Some(expression(cursor, diagnostics)?)
+    } else {
+        None
+    };
+    Ok((bounds, value))
+}
+
+fn assignments(
+    cursor: &mut Cursor,
+    word: &Name,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Vec<Assignment>> {
+    let inner = block(cursor, word, diagnostics)?;
+    Ok(entries(inner, diagnostics, |cursor, diagnostics| {
+        let velocity = cursor.at_word("dot")
+            && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
+                if group.delimiter() == Delimiter::Parenthesis);
+        let target = if velocity {
+            cursor.advance();
+            let group = cursor.eat_group(Delimiter::Parenthesis);
+            let mut inner = group
+                .as_ref()
+                .map_or_else(|| cursor.clone(), Cursor::inside);
+            let target = name(&mut inner, "a coordinate", diagnostics)?;
+            if !inner.is_empty() {
+                return Err(unexpected(&inner, diagnostics, "`)`"));
+            }
+            target
+        } else {
+            name(cursor, "a coordinate", diagnostics)?
+        };
+        if !cursor.eat_symbol(":") {
+            return Err(unexpected(cursor, diagnostics, "`:`"));
+        }
+        let value = expression(cursor, diagnostics)?;
+        Ok(Assignment {
+            target,
+            velocity,
+            value,
+        })
+    }))
+}
+
+fn function(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {
+    let function = name(cursor, "the name of the function", diagnostics)?;
+    let text = function.text.clone();
+    let statement = function_after_name(cursor, function, diagnostics);
+    if statement.is_err() {
+        diagnostics.poison(&text);
+    }
+    statement
+}
+
+fn function_after_name(
+    cursor: &mut Cursor,
+    function: Name,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
+    let Some(group) = cursor.eat_group(Delimiter::Parenthesis) else {
+        return Err(unexpected(cursor, diagnostics, "`(` and the arguments"));
+    };
+    let before = diagnostics.mistakes();
+    let arguments = entries(
+        Cursor::inside(&group),
+        diagnostics,
+        |cursor, diagnostics| name(cursor, "the name of an argument", diagnostics),
+    );
+    if diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    if arguments.is_empty() {
+        return Err(diagnostics.syntax(
+            Place::at(group.span_open()),
+            format!(
+                "function `{}` has no argument; write `let {} = ...` instead",
+                function.text, function.text
+            ),
+        ));
+    }
+    equals(cursor, diagnostics)?;
+    let body = expression(cursor, diagnostics)?;
+    Ok(Statement::Function {
+        name: function,
+        arguments,
+        body,
+    })
+}
+
+fn surface(
+    cursor: &mut Cursor,
+    documentation: Documentation,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
+    let name = name(cursor, "the name of the surface", diagnostics)?;
+    let text = name.text.clone();
+    let statement = surface_after_name(cursor, documentation, name, diagnostics);
+    if statement.is_err() {
+        diagnostics.poison(&text);
+    }
+    statement
+}
+
+fn surface_after_name(
+    cursor: &mut Cursor,
+    documentation: Documentation,
+    name: Name,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
+    if !cursor.eat_symbol(":") {
+        return Err(unexpected(
+            cursor,
+            diagnostics,
+            "`:` after the surface's name",
+        ));
+    }
+    let left = expression(cursor, diagnostics)?;
+    let relation = if cursor.eat_symbol(">=") {
+        Relation::AtLeast
+    } else if cursor.eat_symbol("<=") {
+        Relation::AtMost
+    } else if cursor.at_symbol(">") || cursor.at_symbol("<") || cursor.at_symbol("=") {
+        return Err(diagnostics.syntax(
+            cursor.place(),
+            "a surface is an inequality `>=` or `<=`; equality holds in contact",
+        ));
+    } else {
+        return Err(unexpected(cursor, diagnostics, "`>=` or `<=`"));
+    };
+    let right = expression(cursor, diagnostics)?;
+    Ok(Statement::Surface {
+        documentation,
+        name,
+        left,
+        relation,
+        right,
+    })
+}
+
+fn impact(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {
+    let mut surfaces = vec![name(cursor, "the name of a surface", diagnostics)?];
+    while cursor.eat_symbol(",") {
+        surfaces.push(name(cursor, "the name of a surface", diagnostics)?);
+    }
+    let statement = law(cursor, surfaces.clone(), diagnostics);
+    if statement.is_err() {
+        for surface in &surfaces {
+            diagnostics.poison(&law_of(&surface.text));
+        }
+    }
+    statement
+}
+
+/// Under which name the law of a surface is marked as faulty.
+pub(crate) fn law_of(surface: &str) -> String {
+    format!("impact {surface}")
+}
+
+fn law(
+    cursor: &mut Cursor,
+    surfaces: Vec<Name>,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
+    if !cursor.eat_symbol(":") {
+        return Err(unexpected(cursor, diagnostics, "`:` and an impact law"));
+    }
+    let law_place = cursor.place();
+    match cursor.eat_name() {
+        Some(law) if law.text == "inelastic" => {}
+        Some(law) if law.text == "restitution" => {
+            let coefficient = expression(cursor, diagnostics)?;
+            if let Kind::Negate(_) = coefficient.kind {
+                return Err(restitution_outside(&coefficient, diagnostics));
+            }
+            if let Kind::Number { value, .. } = coefficient.kind
+                && value > 1.0
+            {
+                return Err(restitution_outside(&coefficient, diagnostics));
+            }
+            return Err(diagnostics.syntax(
+                law_place,
+                "the impact law `restitution` is not available yet; write `inelastic`",
+            ));
+        }
+        Some(law) if law.text == "elastic" => {
+            return Err(diagnostics.syntax(
+                law_place,
+                "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`",
+            ));
+        }
+        Some(law) => {
+            return Err(diagnostics.syntax(
+                law_place,
+                format!("unknown impact law `{}`; write `inelastic`", law.text),
+            ));
+        }
+        None => {
+            return Err(unexpected(
+                cursor,
+                diagnostics,
+                "an impact law such as `inelastic`",
+            ));
+        }
+    }
+    let mut along = None;
+    while cursor.eat_symbol(",") {
+        let place = cursor.place();
+        if cursor.eat_word("along") {
+            if along.is_some() {
+                return Err(diagnostics.report(
+                    "E20",
+                    place,
+                    "two impulse directions for one impact law",
+                ));
+            }
+            along = Some(expression(cursor, diagnostics)?);
+        } else if cursor.at_word("holding") || cursor.at_word("friction") {
+            return Err(diagnostics.syntax(
+                place,
+                format!(
+                    "{} is not available yet; an impulse direction can be given by `along (...)`",
+                    cursor.describe()
+                ),
+            ));
+        } else {
+            return Err(unexpected(cursor, diagnostics, "`along (...)`"));
+        }
+    }
+    Ok(Statement::Impact { surfaces, along })
+}
+
+fn restitution_outside(coefficient: &Expr, diagnostics: &mut Diagnostics) -> Reported {
+    diagnostics.report(
+        "E10",
+        coefficient.place,
+        format!(
+            "coefficient of restitution {coefficient} is outside [0, 1]: 0 keeps no normal velocity, 1 \
+             all of it"
+        ),
+    )
+}

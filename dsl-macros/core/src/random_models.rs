@@ -1,0 +1,306 @@
+//! Random Lagrangians over the grammar, derived, and compared with nested dual numbers.
+
+use crate::derive::{self, Solution, Sparse};
+use crate::diagnostics::Diagnostics;
+use crate::graph::{self, Variable};
+use crate::testing::{Evaluator, Nested, Point, run};
+use crate::{check, parse};
+use std::fmt::Write;
+
+/// Models per test run; the requirement is 200.
+const MODELS: u64 = 240;
+
+/// A small generator of random numbers (splitmix64), so that runs repeat exactly.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, n: u64) -> u64 {
+        self.next() % n
+    }
+
+    /// Uniform in -1..1.
+    fn number(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// A function of some of the names that is smooth and moderate for arguments between -1 and 1.
+fn formula(random: &mut Random, names: &[String], depth: u32) -> String {
+    let pick = |random: &mut Random| names[random.below(names.len() as u64) as usize].clone();
+    if depth == 0 {
+        return match random.below(4) {
+            0 => format!("{}", 1 + random.below(4)),
+            1 => ["a", "b"][random.below(2) as usize].to_owned(),
+            _ => pick(random),
+        };
+    }
+    let inner = |random: &mut Random| formula(random, names, depth - 1);
+    match random.below(12) {
+        0 | 1 => format!("({} + {})", inner(random), inner(random)),
+        2 => format!("({} - {})", inner(random), inner(random)),
+        3 | 4 => format!("{}*{}", inner(random), inner(random)),
+        5 => format!("sin({})", inner(random)),
+        6 => format!("cos({})", inner(random)),
+        7 => format!("({})^2", inner(random)),
+        8 => format!("({})/(3 + sin({}))", inner(random), inner(random)),
+        9 => format!("sqrt(2 + cos({}))", inner(random)),
+        10 => format!("f({})", inner(random)),
+        _ => format!("diff(f)({})", inner(random)),
+    }
+}
+
+/// Source of a random scene: point masses at random places, a random potential, random forces.
+fn source(random: &mut Random) -> String {
+    let n = 1 + random.below(4) as usize;
+    let names: Vec<String> = (1..=n).map(|i| format!("q{i}")).collect();
+    let mut text = String::from("S { parameters { a = 0.7, b = 1.3, m = 2 } coordinates {");
+    for name in &names {
+        let _ = write!(text, "{name}, ");
+    }
+    text.push_str("} controls { u } ");
+    let functions = [
+        "tanh(s) + s^2",
+        "s*exp(-s)",
+        "a*(1 - cos(b*s))",
+        "atan(s + 1)",
+        "ln(3 + s^2)",
+    ];
+    let _ = write!(
+        text,
+        "fn f(s) = {} ",
+        functions[random.below(functions.len() as u64) as usize]
+    );
+    let mut kinetic = Vec::new();
+    for (i, name) in names.iter().enumerate() {
+        // Masses may move along their own coordinate plus anything of the others: never singular.
+        let depth = random.below(3) as u32;
+        let (first, second) = (
+            formula(random, &names, depth),
+            formula(random, &names, depth),
+        );
+        let _ = write!(text, "let p{i} = ({name} + ({first})/5, ({second})/4) ");
+        kinetic.push(format!("m/2*|dot(p{i})|^2 + dot({name})^2"));
+    }
+    let potential = formula(random, &names, 3);
+    let _ = write!(
+        text,
+        "lagrangian {} - ({potential}) + b*f(a) forces {{ q1: u*cos({}) - a*dot(q1)*b*m }} }}",
+        kinetic.join(" + "),
+        formula(random, &names, 1),
+    );
+    text
+}
+
+#[expect(
+    clippy::needless_range_loop,
+    reason = "indices of a matrix read better"
+)]
+/// The free acceleration at a point, by nested dual numbers and elimination.
+fn acceleration(evaluator: &Evaluator<'_>, point: &Point) -> Vec<Nested> {
+    let n = point.q.len();
+    let (first, second) = (point.tag, point.tag + 1);
+    let one = Nested::Real(1.0);
+    let mut m = vec![vec![Nested::Real(0.0); n]; n];
+    let mut right = Vec::with_capacity(n);
+    for i in 0..n {
+        let with = |q: bool, moving: bool, j: Option<usize>| {
+            let mut shifted = point.clone();
+            shifted.tag += 2;
+            if moving {
+                for (q, v) in shifted.q.iter_mut().zip(&point.v) {
+                    *q = Nested::dual(first, q.clone(), v.clone());
+                }
+            }
+            if let Some(j) = j {
+                shifted.v[j] = Nested::dual(first, shifted.v[j].clone(), one.clone());
+            }
+            let slot = if q {
+                &mut shifted.q[i]
+            } else {
+                &mut shifted.v[i]
+            };
+            *slot = Nested::dual(second, slot.clone(), one.clone());
+            evaluator.scalar(evaluator.lagrangian, &shifted).eps(second)
+        };
+        for j in 0..n {
+            m[i][j] = with(false, false, Some(j)).eps(first);
+        }
+        let mut value = with(true, false, None).add(&with(false, true, None).eps(first).negated());
+        if let Some(force) = evaluator.forces.get(evaluator.coordinates[i]) {
+            // Forces may contain velocities, which `dot` yields by a dual of its own.
+            let mut at = point.clone();
+            at.tag += 2;
+            value = value.add(&evaluator.scalar(force, &at));
+        }
+        right.push(value);
+    }
+    for k in 0..n {
+        let inverse = m[k][k].apply("recip");
+        for i in k + 1..n {
+            let factor = m[i][k].times(&inverse).negated();
+            for j in k..n {
+                m[i][j] = m[i][j].add(&factor.times(&m[k][j]));
+            }
+            right[i] = right[i].add(&factor.times(&right[k]));
+        }
+    }
+    for i in (0..n).rev() {
+        for k in i + 1..n {
+            right[i] = right[i].add(&m[i][k].times(&right[k]).negated());
+        }
+        right[i] = right[i].times(&m[i][i].apply("recip"));
+    }
+    right
+}
+
+fn agree(what: &str, source: &str, found: f64, wanted: f64, scale: f64) {
+    // The requirement is 1e-10; condition numbers of the random mass matrices reach 1e3.
+    let error = (found - wanted).abs();
+    assert!(
+        error <= 1e-10 * scale.max(1.0),
+        "{what}: {found:e} instead of {wanted:e} in\n{source}"
+    );
+}
+
+/// Compares a sparse matrix with a dense one; whether each structural nonzero is one.
+fn compare(
+    what: &str,
+    source: &str,
+    sparse: &Sparse,
+    values: &[f64],
+    wanted: &[Vec<f64>],
+    nonzero: &mut [bool],
+) {
+    let scale = wanted.iter().flatten().fold(0.0_f64, |s, w| s.max(w.abs()));
+    let mut dense = vec![vec![0.0; sparse.columns]; sparse.rows];
+    for (k, &(i, j)) in sparse.entries.iter().enumerate() {
+        dense[i][j] = values[k];
+        nonzero[k] |= wanted[i][j].abs() > 1e-9 * scale;
+    }
+    for (found, wanted) in dense.iter().flatten().zip(wanted.iter().flatten()) {
+        agree(what, source, *found, *wanted, scale);
+    }
+}
+
+#[test]
+#[expect(
+    clippy::needless_range_loop,
+    reason = "indices of a matrix read better"
+)]
+fn random_models_agree_with_nested_dual_numbers_and_have_minimal_patterns() {
+    let mut minimal = 0;
+    for seed in 0..MODELS {
+        let mut random = Random(seed.wrapping_mul(0x5851_f42d_4c95_7f2d));
+        let source = source(&mut random);
+        graph::reset();
+        let mut diagnostics = Diagnostics::default();
+        let tokens = source.parse().unwrap();
+        let declared = parse::scene(tokens, &mut diagnostics).unwrap();
+        let scene = check::scene(&declared, &mut diagnostics);
+        let Ok(scene) = scene else {
+            let texts: Vec<String> = diagnostics
+                .into_mistakes()
+                .iter()
+                .map(crate::Mistake::text)
+                .collect();
+            panic!("{texts:?}\n{source}");
+        };
+        let Ok(equations) = derive::equations(&scene) else {
+            panic!("singular\n{source}");
+        };
+        let Solution::Explicit(solution) = &equations.acceleration else {
+            panic!("random models are small");
+        };
+        let evaluator = Evaluator::new(&declared);
+        let n = scene.coordinates.len();
+        let inputs = equations.inputs;
+        let mut first = vec![false; solution.jacobian.entries.len()];
+        let mut second = vec![false; solution.hessian.entries.len()];
+        for _ in 0..2 {
+            let x: Vec<f64> = (0..inputs).map(|_| random.number()).collect();
+            let weights: Vec<f64> = (0..n).map(|_| random.number()).collect();
+            let input = |variable| match variable {
+                Variable::Coordinate(i) => x[usize::from(i)],
+                Variable::Velocity(i) => x[n + usize::from(i)],
+                Variable::Control(i) => x[2 * n + usize::from(i)],
+                Variable::Parameter(i) => scene.parameters[usize::from(i)].default,
+                Variable::Multiplier(i) => weights[usize::from(i)],
+                other => panic!("{other:?} is no input"),
+            };
+            let at = |seeds: &[usize]| {
+                let mut values: Vec<Nested> = x.iter().map(|&x| Nested::Real(x)).collect();
+                for (tag, &seed) in seeds.iter().enumerate() {
+                    let tag = tag as u32 + 1;
+                    values[seed] = Nested::dual(tag, values[seed].clone(), Nested::Real(1.0));
+                }
+                let u = values.split_off(2 * n);
+                let v = values.split_off(n);
+                let tag = seeds.len() as u32 + 1;
+                acceleration(
+                    &evaluator,
+                    &Point {
+                        q: values,
+                        v,
+                        u,
+                        tag,
+                    },
+                )
+            };
+            let found = run(&solution.values, input);
+            let wanted = at(&[]);
+            let scale = wanted.iter().fold(0.0_f64, |s, w| s.max(w.real().abs()));
+            for (found, wanted) in found.iter().zip(&wanted) {
+                agree("acceleration", &source, *found, wanted.real(), scale);
+            }
+            let mut wanted = vec![vec![0.0; inputs]; n];
+            for j in 0..inputs {
+                for (i, value) in at(&[j]).iter().enumerate() {
+                    wanted[i][j] = value.eps(1).real();
+                }
+            }
+            let values = run(&solution.jacobian.values, input);
+            compare(
+                "jacobian",
+                &source,
+                &solution.jacobian,
+                &values,
+                &wanted,
+                &mut first,
+            );
+            let mut wanted = vec![vec![0.0; inputs]; inputs];
+            for i in 0..inputs {
+                for j in 0..=i {
+                    wanted[i][j] = at(&[i, j])
+                        .iter()
+                        .zip(&weights)
+                        .map(|(value, weight)| value.eps(2).eps(1).real() * weight)
+                        .sum();
+                }
+            }
+            let values = run(&solution.hessian.values, input);
+            compare(
+                "hessian",
+                &source,
+                &solution.hessian,
+                &values,
+                &wanted,
+                &mut second,
+            );
+        }
+        if first.iter().chain(&second).all(|&nonzero| nonzero) {
+            minimal += 1;
+        }
+    }
+    assert!(
+        100 * minimal >= 95 * MODELS,
+        "patterns of only {minimal} of {MODELS} models are minimal"
+    );
+}

@@ -1,0 +1,57 @@
+//! The checked declaration: every expression a node of the graph, in SI units.
+
+use crate::ast::{Documentation, Name, WrittenUnit};
+use crate::graph::Sym;
+use hangtime_units::Unit;
+use proc_macro2::TokenStream;
+
+/// A checked scene.
+pub(crate) struct CheckedScene {
+    pub(crate) documentation: Documentation,
+    pub(crate) visibility: TokenStream,
+    pub(crate) name: Name,
+    pub(crate) parameters: Vec<Parameter>,
+    pub(crate) coordinates: Vec<Coordinate>,
+    pub(crate) controls: Vec<Coordinate>,
+    pub(crate) lagrangian: Sym,
+    /// Generalized forces in the units of the coordinates as declared, one a coordinate.
+    pub(crate) forces: Vec<Sym>,
+    pub(crate) contacts: Vec<Contact>,
+    /// Initial coordinates and velocities, in declared units.
+    pub(crate) start: (Vec<Sym>, Vec<Sym>),
+    pub(crate) horizon: Option<Sym>,
+    pub(crate) explicit_time: bool,
+}
+
+/// A number that can be changed at run time.
+pub(crate) struct Parameter {
+    pub(crate) name: Name,
+    pub(crate) unit: Option<WrittenUnit>,
+    pub(crate) documentation: Documentation,
+    /// Value in the declared unit.
+    pub(crate) default: f64,
+}
+
+/// A coordinate or a control.
+pub(crate) struct Coordinate {
+    pub(crate) name: Name,
+    pub(crate) unit: Option<WrittenUnit>,
+    pub(crate) documentation: Documentation,
+    /// In the declared unit.
+    pub(crate) bounds: Option<(Sym, Sym)>,
+}
+
+/// A surface with its law.
+pub(crate) struct Contact {
+    pub(crate) name: Name,
+    pub(crate) documentation: Documentation,
+    pub(crate) gap: Sym,
+    pub(crate) unit: Option<Unit>,
+    /// The declared impulse direction, in the units of the velocities as declared.
+    pub(crate) along: Option<Vec<Sym>>,
+}
+
+/// How many SI units one declared unit is.
+pub(crate) fn scale(unit: Option<&WrittenUnit>) -> f64 {
+    unit.map_or(1.0, |written| written.unit.scale)
+}

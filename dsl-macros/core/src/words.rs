@@ -1,0 +1,67 @@
+//! Every word of the language.
+
+/// Words that begin a statement.
+pub(crate) const STATEMENTS: [&str; 19] = [
+    "parameters",
+    "coordinates",
+    "controls",
+    "let",
+    "fn",
+    "lagrangian",
+    "dissipation",
+    "forces",
+    "surface",
+    "impact",
+    "start",
+    "horizon",
+    "friction",
+    "constraint",
+    "minimize",
+    "finally",
+    "free",
+    "along",
+    "holding",
+];
+
+/// Statements of the language that no solver treats yet.
+pub(crate) const NOT_YET: [&str; 5] = ["friction", "constraint", "minimize", "finally", "free"];
+
+/// Functions of one number.
+pub(crate) const FUNCTIONS: [&str; 13] = [
+    "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "ln", "sqrt",
+    "cbrt",
+];
+
+/// Functions with their own rules.
+pub(crate) const SPECIAL_FUNCTIONS: [&str; 4] = ["dot", "diff", "atan2", "cross"];
+
+/// Functions with a kink or a jump, which dynamics must not have.
+pub(crate) const NONSMOOTH: [&str; 10] = [
+    "abs",
+    "min",
+    "max",
+    "sign",
+    "signum",
+    "floor",
+    "ceil",
+    "round",
+    "step",
+    "heaviside",
+];
+
+/// Names that the time-freezing reformulation and the emitted code keep for themselves.
+pub(crate) const RESERVED: [&str; 6] =
+    ["t", "time", "clock", "numerical_time", "clock_state", "pi"];
+
+/// Words that Rust does not allow as the name of a field or of a type.
+const RUST_WORDS: [&str; 38] = [
+    "as", "async", "await", "box", "break", "const", "continue", "crate", "dyn", "else", "enum",
+    "extern", "false", "fn", "for", "gen", "if", "impl", "in", "let", "loop", "match", "mod",
+    "move", "mut", "pub", "ref", "return", "self", "static", "struct", "super", "trait", "true",
+    "type", "unsafe", "use", "where",
+];
+
+/// Whether a word cannot name a field or a type in Rust.
+pub(crate) fn is_rust_word(text: &str) -> bool {
+    RUST_WORDS.contains(&text) || text.starts_with("r#") || text == "Self" || text == "_"
+}

@@ -1,0 +1,193 @@
+//! Malformed declarations: never a panic, never a hang, always a message.
+//!
+//! The mutations are those that people and editors make: tokens dropped, doubled, exchanged, replaced,
+//! whole statements moved. The seeds are fixed, so that every run is the same; `HANGTIME_FUZZ_CASES`
+//! sets their number (100 000 for a thorough run in the release profile).
+
+use proc_macro2::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
+
+/// Declarations to start from; together they use every statement.
+const SCENES: [&str; 4] = [
+    "/// A ball. \n pub Ball { parameters { m: kg = 1, g: m/s^2 = 9.81 } coordinates { z: m in 0..=9 } lagrangian \
+     m/2*dot(z)^2 - m*g*z surface ground: z >= 0 impact ground: inelastic start { z: 1, dot(z): 2 [m/s] } \
+     horizon 5 [s] }",
+    "Pump { parameters { a: m = 0.2, k: 1/m = 2, m: kg = 3 } coordinates { y: m, s: m } controls { u: N in \
+     -1..=1 } fn track(y) = a*(1 - cos(k*y)) let p = (y, track(y) + s) lagrangian m/2*|dot(p)|^2 forces { s: \
+     u } surface ground: s >= 0 impact ground: inelastic, along (-diff(track)(y), 1) }",
+    "pub(crate) Two { parameters { c = 2 } coordinates { q, p } lagrangian dot(q)^2/2 + c*dot(p)^2*(2 + \
+     sin(q)) - exp(q/3) + t*q dissipation c/2*dot(p)^2 surface wall: q <= 3 impact wall: inelastic }",
+    "V { parameters { e = 2 } coordinates { x, y, z } let p = (x, y, z) lagrangian |dot(p)|^2/2 - dot(p, p) \
+     + cross((x, y), (y, z))^e + p[0]*p.z + p . p + atan2(y, 3 + x) }",
+];
+
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % n.max(1)
+    }
+}
+
+/// A token out of thin air.
+fn invented(random: &mut Random) -> TokenTree {
+    const WORDS: [&str; 34] = [
+        "m",
+        "y",
+        "z",
+        "dot",
+        "diff",
+        "let",
+        "fn",
+        "pub",
+        "lagrangian",
+        "surface",
+        "impact",
+        "inelastic",
+        "along",
+        "parameters",
+        "coordinates",
+        "controls",
+        "forces",
+        "start",
+        "horizon",
+        "if",
+        "abs",
+        "in",
+        "restitution",
+        "friction",
+        "t",
+        "pi",
+        "sin",
+        "sqrt",
+        "self",
+        "_x",
+        "dissipation",
+        "minimize",
+        "holding",
+        "kg",
+    ];
+    const SYMBOLS: [char; 22] = [
+        '+', '-', '*', '/', '^', '|', '=', ',', ':', ';', '.', '>', '<', '!', '#', '$', '?', '@',
+        '&', '%', '~', '=',
+    ];
+    match random.below(8) {
+        0..=2 => TokenTree::Ident(Ident::new(
+            WORDS[random.below(WORDS.len())],
+            Span::call_site(),
+        )),
+        3 | 4 => TokenTree::Punct(Punct::new(
+            SYMBOLS[random.below(SYMBOLS.len())],
+            if random.below(2) == 0 {
+                Spacing::Joint
+            } else {
+                Spacing::Alone
+            },
+        )),
+        5 => TokenTree::Literal(match random.below(6) {
+            0 => Literal::f64_unsuffixed(1e300),
+            1 => Literal::string("text"),
+            2 => Literal::character('c'),
+            3 => Literal::f32_suffixed(1.5),
+            4 => Literal::u64_unsuffixed(u64::MAX),
+            _ => Literal::usize_unsuffixed(random.below(4)),
+        }),
+        _ => {
+            let delimiter = [
+                Delimiter::Parenthesis,
+                Delimiter::Brace,
+                Delimiter::Bracket,
+                Delimiter::None,
+            ][random.below(4)];
+            let inside = (0..random.below(3)).map(|_| invented(random)).collect();
+            TokenTree::Group(Group::new(delimiter, inside))
+        }
+    }
+}
+
+/// The stream with one change, somewhere.
+fn mutated(stream: TokenStream, random: &mut Random) -> TokenStream {
+    let mut tokens: Vec<TokenTree> = stream.into_iter().collect();
+    if tokens.is_empty() {
+        return invented(random).into();
+    }
+    let at = random.below(tokens.len());
+    if let TokenTree::Group(group) = &tokens[at]
+        && random.below(8) != 0
+    {
+        let inside = mutated(group.stream(), random);
+        tokens[at] = TokenTree::Group(Group::new(group.delimiter(), inside));
+        return tokens.into_iter().collect();
+    }
+    let other = random.below(tokens.len());
+    match random.below(6) {
+        0 => {
+            tokens.remove(at);
+        }
+        1 => {
+            let copy = tokens[at].clone();
+            tokens.insert(at, copy);
+        }
+        2 => tokens.swap(at, other),
+        3 => tokens[at] = invented(random),
+        4 => tokens.insert(at, invented(random)),
+        _ => {
+            let moved = tokens.remove(at);
+            tokens.insert(other.min(tokens.len()), moved);
+        }
+    }
+    tokens.into_iter().collect()
+}
+
+#[test]
+fn malformed_declarations_are_answered_by_messages() {
+    let cases: u64 = std::env::var("HANGTIME_FUZZ_CASES")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(1500);
+    let scenes: Vec<TokenStream> = SCENES.iter().map(|text| text.parse().unwrap()).collect();
+    for scene in &scenes {
+        let mistakes = hangtime_dsl::try_expand(scene.clone())
+            .err()
+            .unwrap_or_default();
+        assert!(
+            mistakes.is_empty(),
+            "{:?}",
+            mistakes
+                .iter()
+                .map(hangtime_dsl::Mistake::text)
+                .collect::<Vec<_>>()
+        );
+    }
+    let mut refused = 0;
+    for seed in 0..cases {
+        let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(1));
+        let mut stream = scenes[random.below(scenes.len())].clone();
+        for _ in 0..=random.below(3) {
+            stream = mutated(stream, &mut random);
+        }
+        let text = stream.to_string();
+        if let Err(mistakes) = hangtime_dsl::try_expand(stream.clone()) {
+            refused += 1;
+            assert!(!mistakes.is_empty(), "refused without a message: {text}");
+            for mistake in &mistakes {
+                assert!(!mistake.message.trim().is_empty(), "empty message: {text}");
+                assert!(
+                    !mistake.message.contains('\n'),
+                    "a message is one line: {:?}",
+                    mistake.message
+                );
+            }
+        }
+        // The whole expansion must be made of tokens too, stub included.
+        assert!(
+            !hangtime_dsl::expand(stream).is_empty(),
+            "nothing emitted: {text}"
+        );
+    }
+    // Most single changes break a declaration; if hardly any did, the test would test nothing.
+    assert!(refused > cases / 2, "{refused} of {cases}");
+}

@@ -1,0 +1,207 @@
+//! The text of every message, by calling the expander directly.
+
+/// Messages for a whole declaration, or "accepted".
+fn messages(source: &str) -> Vec<String> {
+    let tokens = source.parse().expect("the source is made of tokens");
+    match hangtime_dsl::try_expand(tokens) {
+        Ok(_) => vec!["accepted".to_owned()],
+        Err(mistakes) => mistakes.iter().map(hangtime_dsl::Mistake::text).collect(),
+    }
+}
+
+/// A point mass in a plane with further statements.
+fn with(statements: &str) -> Vec<String> {
+    messages(&format!(
+        "pub S {{ parameters {{ m: kg = 1, g: m/s^2 = 9.81 }} coordinates {{ y: m, z: m }} {statements} }}"
+    ))
+}
+
+/// The same with a correct Lagrangian.
+fn beside(statements: &str) -> Vec<String> {
+    with(&format!(
+        "lagrangian m/2*|dot((y, z))|^2 - m*g*z {statements}"
+    ))
+}
+
+macro_rules! texts {
+    ($($name:ident: $how:ident $source:expr => $($text:expr),+;)*) => {
+        $(#[test]
+        fn $name() {
+            assert_eq!($how($source), vec![$($text),+]);
+        })*
+    };
+}
+
+texts! {
+    point_mass_is_accepted: beside "" => "accepted";
+    explicit_time_is_accepted: messages "S { coordinates { y } lagrangian dot(y)^2/2 + t*y }" => "accepted";
+    scene_without_units_takes_bare_numbers: messages
+        "S { coordinates { y } lagrangian dot(y)^2/2 - 9.81*y surface s: y >= 3 impact s: inelastic }"
+        => "accepted";
+
+    // E01
+    misspelt_names_are_all_reported: with "lagrangian m/2*dot(y)^2 + m/2*dott(z)^2 - mm*g*z" =>
+        "E01: function `dott` is not declared; did you mean `dot`?",
+        "E01: `mm` is not declared; add it to `parameters` or `coordinates` (declared: `g`, `m`, `y`, `z`)";
+    name_used_before_its_declaration: with "lagrangian m/2*dot(y)^2 + m/2*dot(z)^2 - v let v = m*g*z" =>
+        "E01: `v` is declared further down; move its declaration up";
+    force_on_something_else: beside "controls { u: N } forces { x: u, m: u }" =>
+        "E01: `x` is not declared (coordinates: `y`, `z`)",
+        "E01: `m` is not a coordinate (coordinates: `y`, `z`)";
+    misspelt_block_gives_one_message: messages "S { parametres { a = 3 } coordinates { y } lagrangian a*dot(y)^2 }" =>
+        "unknown statement `parametres`; did you mean `parameters`?";
+
+    // E02
+    product_of_vectors: with "lagrangian m/2*dot((y, z))*dot((y, z))" =>
+        "E02: `m/2*dot((y, z))*dot((y, z))` multiplies two vectors; write `dot(m/2*dot((y, z)), dot((y, z)))`";
+    vector_for_number: with "lagrangian m/2*dot((y, z))" =>
+        "E02: `m/2*dot((y, z))` is a vector with 2 components where a number is needed; take a component, `|...|^2` or `dot(a, b)`";
+    missing_component: with "let p = (y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.x" =>
+        "E02: `p` has 2 components, `y`, `z`; there is no `x`";
+    wrong_number_of_arguments: with "fn f(a, b) = a*b lagrangian m/2*|dot((y, z))|^2 - m*g*f(z)" =>
+        "E02: `f` takes 2 arguments, found 1";
+    direction_of_wrong_length: beside "surface wall: y >= 0 impact wall: inelastic, along (1, 2, 3)" =>
+        "E02: the impulse direction has 3 components; it needs one for each of the 2 coordinates, in their order";
+
+    // E03
+    height_forgotten: with "lagrangian m/2*|dot((y, z))|^2 - m*g" =>
+        "E03: units differ: `m/2*|dot((y, z))|^2` is in J, `m*g` is in N; both sides of `-` must agree";
+    mass_forgotten: with "lagrangian m/2*|dot((y, z))|^2 - g*z" =>
+        "E03: units differ: `m/2*|dot((y, z))|^2` is in J, `g*z` is in m^2/s^2; both sides of `-` must agree";
+    square_forgotten: with "lagrangian m/2*dot(y)^2 + m/2*dot(z) - m*g*z" =>
+        "E03: units differ: `m/2*dot(y)^2` is in J, `m/2*dot(z)` is in N s; both sides of `+` must agree";
+    bare_number_beside_a_length: beside "surface wall: y >= 3 impact wall: inelastic" =>
+        "E03: units differ: `y` is in m, `3` has no unit; both sides of surface `wall` must agree; a bare number has no unit, write it in brackets, as in `3 [m]`";
+    swapped_units_of_start: beside "start { y: 3 [m/s], dot(z): 2 [m] }" =>
+        "E03: units differ: `3 [m/s]` is in m/s, where m is needed (it is the start value of `y`)",
+        "E03: units differ: `2 [m]` is in m, where m/s is needed (it is the start value of `dot(z)`)";
+    sine_of_a_length: beside "surface wall: y >= 1 [m]*sin(z) impact wall: inelastic" =>
+        "E03: units differ: `sin` needs a pure number, `z` is in m";
+    force_in_wrong_unit: beside "controls { u: kg } forces { y: u }" =>
+        "E03: units differ: `u` is in kg, where N is needed (a force on `y` is the Lagrangian's unit over that of the coordinate)";
+    inferred_unit_contradicts_itself: messages
+        "S { parameters { m: kg = 1, k = 2, c = 1 } coordinates { y: m } lagrangian m/2*dot(y)^2 - k/2*y^2 - c*k*y + c*y^2 }" =>
+        "E03: units differ: `m/2*dot(y)^2 - k/2*y^2 - c*k*y` is in J, `c*y^2` is in m^3; both sides of `+` must agree";
+    horizon_is_a_time: beside "horizon 3 [m]" =>
+        "E03: units differ: `3 [m]` is in m, where s is needed (the horizon is a time)";
+
+    // E04, E05, E06
+    potential_only: with "lagrangian -m*g*z" =>
+        "E04: the Lagrangian contains no velocity, so nothing moves; add the kinetic energy, e.g. `m/2*dot(y)^2`";
+    no_lagrangian: messages "S { coordinates { y: m } }" =>
+        "E04: scene `S` declares no Lagrangian; write `lagrangian` kinetic minus potential energy";
+    no_coordinates: messages "S { lagrangian 1 }" =>
+        "E04: scene `S` declares no coordinates; write `coordinates { y: m, z: m }`";
+    coordinate_without_inertia: with "lagrangian m/2*dot(y)^2 - m*g*z" =>
+        "E05: coordinate `z` carries no inertia: the Lagrangian is not quadratic in `dot(z)`; add its kinetic energy, or make it a parameter or a control";
+    inertia_in_one_direction_only: with "lagrangian m/2*(dot(y) + dot(z))^2 - m*g*z" =>
+        "E06: the mass matrix is singular whatever the parameters: `z` carries no inertia of its own; add its kinetic energy or leave the coordinate out";
+
+    // E07, E09
+    surface_without_coordinate: beside "surface wall: m >= 3 [kg] impact wall: inelastic" =>
+        "E07: surface `wall` depends on no coordinate; use one of `y`, `z`";
+    surface_with_velocity: beside "surface wall: dot(y) >= 0 impact wall: inelastic" =>
+        "E07: surface `wall` depends on the velocity `dot(y)`; a surface bounds positions only";
+    surface_with_control: beside "controls { u: m } surface wall: y >= u impact wall: inelastic" =>
+        "E07: surface `wall` depends on the control `u`; a surface bounds positions only";
+    surface_that_cancels: beside "surface wall: y - y >= 0 impact wall: inelastic" =>
+        "E09: the coordinates cancel out of surface `wall`, so it has no normal; check both sides of the inequality";
+    squared_gap: beside "surface wall: y^2 >= 0 impact wall: inelastic" =>
+        "E09: the gradient of surface `wall` is zero where it is touched, as the gap is a square; write the distance itself";
+    tangential_impulse: beside "surface wall: y >= 0 impact wall: inelastic, along (0, 1)" =>
+        "E09: the impulse direction of `wall` is tangential to the surface, so it cannot stop the motion into it; give it a normal component";
+
+    // E10, E11, E12, E13
+    restitution_above_one: beside "surface wall: y >= 0 impact wall: restitution 1.5" =>
+        "E10: coefficient of restitution 1.5 is outside [0, 1]: 0 keeps no normal velocity, 1 all of it";
+    reserved_names: messages "S { parameters { t: s = 3, clock = 1, type = 1, let = 2 } coordinates { y } lagrangian dot(y)^2 }" =>
+        "E11: `let` is a word of the language; choose another name",
+        "E11: `t` is reserved for the physical time; choose another name",
+        "E11: `clock` is reserved for the clock of the time-freezing reformulation; choose another name",
+        "E11: `type` is a word of Rust and cannot be a field; choose another name";
+    absolute_value: beside "surface wall: abs(y) >= 0 impact wall: inelastic" =>
+        "E12: `abs` has a kink or a jump, which smooth dynamics must not have; declare a `surface` where the motion switches";
+    bars_around_a_number: with "lagrangian m/2*|dot((y, z))|^2 - m*g*|z|" =>
+        "E12: `|z|` of a number has a kink at 0; square it, or declare a `surface` where the motion switches";
+    branch: with "lagrangian if y > 0 { 1 } else { 2 }" =>
+        "E12: `if` switches inside smooth dynamics; declare a `surface` where the motion switches";
+    norm_of_velocity: with "lagrangian m/2*|dot((y, z))|^2 + m*|dot((y, z))|*1 [m/s]" =>
+        "E13: a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`";
+
+    // E16, E17, E19, E20
+    everything_unused: beside "controls { u: N } let a = y fn f(b) = b^2" =>
+        "E16: control `u` is never used; let it act by `forces { ... }`",
+        "E16: abbreviation `a` is never used; leave it out",
+        "E16: function `f` is never used; leave it out";
+    bounds_exchanged: messages "S { coordinates { y: m in 3..=1 } lagrangian dot(y)^2 }" =>
+        "E17: lower bound 3 of `y` lies above its upper bound 1; exchange them";
+    start_outside_bounds: messages "S { coordinates { y in 0..=1 } lagrangian dot(y)^2 start { y: 3 } }" =>
+        "E17: `y` starts at 3, outside its bounds 0..=1";
+    names_of_functions_and_twice: messages "S { parameters { sin = 2, a = 3, a = 4 } coordinates { y } lagrangian a*dot(y)^2 }" =>
+        "E19: `sin` is the name of a function; choose another name",
+        "E19: `a` is declared twice; rename this parameter";
+    law_for_no_surface: beside "surface wall: y >= 0 impact wal: inelastic" =>
+        "E20: there is no surface `wal`; did you mean `wall`?",
+        "E20: surface `wall` has no impact law; write `impact wall: inelastic`";
+    two_laws: beside "surface wall: y >= 0 impact wall: inelastic impact wall: inelastic" =>
+        "E20: surface `wall` has two impact laws; keep one";
+
+    // Syntax
+    stacked_power: with "lagrangian m/2*dot(y)^2^2 + m/2*dot(z)^2" =>
+        "two powers in a row are easily misread; put the inner one in parentheses, as in `dot(y)^(2^2)`";
+    missing_operator: with "lagrangian m/2 dot(y)^2 + m/2*dot(z)^2" =>
+        "an operator is missing before `dot(...)`; write a product as `m/2*dot(...)`";
+    number_with_suffix: with "lagrangian m/2*dot(y)^2 + 2y" =>
+        "`2y` is not a number; write a unit as `2 [y]` and a product as `2*y`";
+    stars_for_power: with "lagrangian m**2" =>
+        "`**` is no operator; write powers as `x^2`";
+    acceleration: with "lagrangian m/2*dot(y)^2 + m/2*dot(dot(z))" =>
+        "`dot(dot(z))` would be an acceleration, which follows from the Lagrangian; take `dot` once, of positions only";
+    strict_inequality: beside "surface wall: y > 0 impact wall: inelastic" =>
+        "a surface is an inequality `>=` or `<=`; equality holds in contact";
+    unknown_unit: messages "S { parameters { a: sec = 3 } coordinates { y } lagrangian a*dot(y)^2 }" =>
+        "unknown unit `sec`; did you mean `s`?";
+    missing_default: messages "S { parameters { a: kg } coordinates { y } lagrangian a*dot(y)^2 }" =>
+        "parameter `a` needs a default value, as in `a: kg = 1`";
+    not_available_yet: beside "minimize time" =>
+        "the statement `minimize` is not available yet; leave it out";
+    nothing: messages "" => "expected the name of the scene, found the end; write `pub Name { ... }`";
+    name_alone: messages "pub S" => "expected `{` after the name `S`, found the end";
+}
+
+#[test]
+fn deep_nesting_is_refused_without_exhausting_the_stack() {
+    for open in ["(", "-", "sin(", "|"] {
+        let close = match open {
+            "|" => "|",
+            "-" => "",
+            _ => ")",
+        };
+        let source = format!(
+            "S {{ coordinates {{ y }} lagrangian {}y{} }}",
+            open.repeat(400),
+            close.repeat(400)
+        );
+        let messages = messages(&source);
+        assert!(
+            messages
+                .iter()
+                .any(|text| text.contains("nested too deeply"))
+                || open == "|" && !messages.is_empty(),
+            "{open}: {messages:?}"
+        );
+    }
+}
+
+#[test]
+fn functions_that_double_their_argument_are_refused_when_they_grow_too_large() {
+    let mut source = String::from("S { coordinates { y } fn f0(x) = x + x^2 ");
+    for i in 1..40 {
+        source += &format!("fn f{i}(x) = f{}(x) + f{}(2*x) ", i - 1, i - 1);
+    }
+    source += "lagrangian f39(dot(y)) }";
+    assert_eq!(
+        messages(&source),
+        ["the declaration grows too large when its functions are inserted; simplify it"]
+    );
+}

@@ -1,0 +1,191 @@
+//! Everything that `model!` derives, against dual numbers of the same Lagrangian at run time.
+
+mod support;
+
+use hangtime::model::Model;
+use num_dual::DualNum;
+use proptest::prelude::*;
+use support::compare;
+
+hangtime::model! {
+    /// A ski jumper, seen as a point mass.
+    pub SkiJump {
+        parameters {
+            /// Mass of the jumper.
+            m: kg = 80,
+            g: m/s^2 = 9.81,
+            /// Where the jumper starts.
+            start_y: m = 10.2759,
+        }
+        coordinates { y: m, z: m }
+        fn jump(y) = -0.0001524 [1/m^3]*y^4 - 0.002149 [1/m^2]*y^3 + 0.4162 [1/m]*y^2 - 9.154*y + 99.15 [m]
+        let p = (y, z)
+        lagrangian m/2*|dot(p)|^2 - m*g*z
+        /// The table.
+        surface table: z >= jump(y)
+        /// The hill below it.
+        surface slope: z >= 45 [m] - y/2
+        impact table, slope: inelastic
+        start { y: start_y, z: jump(start_y) }
+        horizon 5 [s]
+    }
+}
+
+hangtime::model! {
+    /// Bike and rider: two point masses on a massless link, on a track.
+    pub PumpTrack {
+        parameters  { m_b: kg = 15, m_r: kg = 75, g: m/s^2 = 9.81, a: m = 0.2, k: 1/m = 2 }
+        coordinates { y: m, s: m, l: m in 0.27803..=0.59559 }        // s: height above the track, l: link length
+        controls    { u: N in -108.25..=376.875 }
+
+        fn track(y) = a * (1 - cos(k*y))
+        let bike  = (y, track(y) + s)
+        let rider = (y, track(y) + s + l)
+
+        lagrangian  m_b/2*|dot(bike)|^2 + m_r/2*|dot(rider)|^2 - m_b*g*bike.z - m_r*g*rider.z
+        forces      { l: u }                                          // generalized force on a coordinate
+        surface ground: s >= 0
+        impact  ground: inelastic, along (-diff(track)(y), 1, 0)
+    }
+}
+
+hangtime::model! {
+    /// A double pendulum in other units than SI, with a motor, a wall and a moving support.
+    pub DoublePendulum {
+        parameters {
+            m_1: kg = 1.3, m_2: g = 700, l_1: cm = 80, l_2: m = 0.6, g: m/s^2 = 9.81,
+            damping: N m s/rad = 0.1, shake: m = 0.05, omega: 1/s = 3, wall: m = 1.1,
+        }
+        coordinates { a: rad, b: deg }
+        controls { torque: N m }
+        let support = (0, shake*sin(omega*t))
+        let p_1 = support + l_1*(sin(a), -cos(a))
+        let p_2 = p_1 + l_2*(sin(a + b), -cos(a + b))
+        lagrangian m_1/2*|dot(p_1)|^2 + m_2/2*|dot(p_2)|^2 - m_1*g*p_1.z - m_2*g*p_2.z
+        forces { b: torque - damping*dot(b), a: -damping*dot(a) }
+        surface post: p_2.y <= wall
+        surface floor: p_2.z >= -1.2 [m] + 0.1 [1/m]*p_2.y^2
+        impact post, floor: inelastic
+    }
+}
+
+hangtime::model! {
+    /// Five links in relative angles over a wavy floor, the joints with springs, the last one driven.
+    pub Chain {
+        parameters {
+            m: kg = 0.9, l: m = 0.5, g: m/s^2 = 9.81, k: N m = 2, mu: 1/m = 1.7, tilt: 1 = 0.3,
+        }
+        coordinates { q1, q2, q3, q4, q5 }
+        controls { u: N m }
+        fn tip(angle) = l*(sin(angle), -cos(angle))
+        let a2 = q1 + q2
+        let a3 = a2 + q3
+        let a4 = a3 + q4
+        let a5 = a4 + q5
+        let p1 = tip(q1)
+        let p2 = p1 + tip(a2)
+        let p3 = p2 + tip(a3)
+        let p4 = p3 + tip(a4)
+        let p5 = p4 + tip(a5)
+        fn kinetic(p) = m/2*|dot(p)|^2
+        lagrangian kinetic(p1) + kinetic(p2) + kinetic(p3) + kinetic(p4) + kinetic(p5)
+            - m*g*(p1.z + p2.z + p3.z + p4.z + p5.z) - k/2*(q2^2 + q3^2 + q4^2 + q5^2)
+        forces { q5: u, q1: -0.1 [N m s]*dot(q1) }
+        surface floor: p5.z >= -3 [m] + 0.1 [m]*sin(mu*p5.y)
+        surface ceiling: p3.z <= 1.6 [m] + tilt*p3.y
+        impact floor: inelastic
+        impact ceiling: inelastic, along (1, -1, sin(q2), 0, 2)
+    }
+}
+
+hangtime::model! {
+    /// Every function of the language once.
+    pub Functions {
+        parameters { c = 1.5, e = 2.3 }
+        coordinates { x, y, z }
+        fn f(s) = sqrt(1 + s^2) + tanh(s)*exp(-s/3) + atan(s) + cbrt(3 + s)
+        let p = (x, y + f(x), z*cosh(x/2))
+        lagrangian |dot(p)|^2/2 + c*dot(z)^2*(2 + sin(x*y)) - ln(4 + x^2 + y) - atan2(y, 3 + x) - (4 + z)^e
+            - diff(diff(f))(z)*tan(x/4) - asin(y/5)*acos(z/5) - sinh(x)*(3 + y)^1.5
+        forces { x: cross((x, y), (y, dot(x))), y: dot(p, (1, dot(y), z)) }
+        surface wall: 5 + x - y^2 + sin(z) >= 0
+        impact wall: inelastic
+    }
+}
+
+oracle!(SkiJump);
+oracle!(DoublePendulum);
+oracle!(Functions);
+oracle!(PumpTrack, pump_direction);
+impl support::Oracle for Chain {
+    fn lagrangian_of<D: DualNum<Primitive = f64> + Copy>(&self, q: &[D], v: &[D], t: D) -> D {
+        self.lagrangian(q, v, t)
+    }
+    fn forces_of<D: DualNum<Primitive = f64> + Copy>(
+        &self,
+        q: &[D],
+        v: &[D],
+        u: &[D],
+        t: D,
+    ) -> Vec<D> {
+        self.generalized_forces(q, v, u, t).to_vec()
+    }
+    fn gap_of<D: DualNum<Primitive = f64> + Copy>(&self, contact: usize, q: &[D], t: D) -> D {
+        self.gaps(q, t)[contact]
+    }
+    fn along_of<D: DualNum<Primitive = f64> + Copy>(
+        &self,
+        contact: usize,
+        q: &[D],
+    ) -> Option<Vec<D>> {
+        (contact == 1).then(|| {
+            vec![
+                D::from(1.0),
+                D::from(-1.0),
+                q[1].sin(),
+                D::from(0.0),
+                D::from(2.0),
+            ]
+        })
+    }
+}
+
+fn pump_direction<D: DualNum<Primitive = f64> + Copy>(scene: &PumpTrack, q: &[D]) -> Vec<D> {
+    let slope = (q[0] * scene.k).sin() * (scene.a * scene.k);
+    vec![-slope, D::from(1.0), D::from(0.0)]
+}
+
+/// Inputs of a scene and weights, all moderate.
+fn point(inputs: usize) -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
+    (
+        prop::collection::vec(-1.2..1.2_f64, inputs),
+        prop::collection::vec(-1.0..1.0_f64, 8),
+    )
+}
+
+macro_rules! property {
+    ($name:ident, $scene:ty, $inputs:expr, $cases:expr) => {
+        proptest! {
+            #![proptest_config(ProptestConfig { cases: $cases, failure_persistence: None, ..ProptestConfig::default() })]
+            #[test]
+            fn $name((x, weights) in point($inputs)) {
+                let model = <$scene>::default();
+                prop_assert_eq!(model.declaration().inputs(), $inputs);
+                if let Err(message) = compare(&model, &x, &weights) {
+                    return Err(TestCaseError::fail(message));
+                }
+            }
+        }
+    };
+}
+
+property!(ski_jump_agrees_with_dual_numbers, SkiJump, 4, 128);
+property!(pump_track_agrees_with_dual_numbers, PumpTrack, 7, 128);
+property!(
+    double_pendulum_agrees_with_dual_numbers,
+    DoublePendulum,
+    6,
+    128
+);
+property!(chain_of_five_agrees_with_dual_numbers, Chain, 11, 24);
+property!(every_function_agrees_with_dual_numbers, Functions, 6, 128);

@@ -1,0 +1,361 @@
+//! An independent route to everything that a declaration derives: the generic Lagrangian at run time,
+//! dual numbers of dual numbers, and elimination.
+
+use hangtime::model::{Model, SparsityPattern, contact_point};
+use num_dual::{Dual, Dual64, DualNum, HyperDual, HyperDual64};
+
+/// The generic functions that a declaration emits beside the derived ones.
+pub(crate) trait Oracle: Model + Sized {
+    /// The Lagrangian.
+    fn lagrangian_of<D: DualNum<Primitive = f64> + Copy>(&self, q: &[D], v: &[D], t: D) -> D;
+    /// The generalized forces.
+    fn forces_of<D: DualNum<Primitive = f64> + Copy>(
+        &self,
+        q: &[D],
+        v: &[D],
+        u: &[D],
+        t: D,
+    ) -> Vec<D>;
+    /// The gap of one contact.
+    fn gap_of<D: DualNum<Primitive = f64> + Copy>(&self, contact: usize, q: &[D], t: D) -> D;
+    /// The declared impulse direction of a contact, if it has one.
+    fn along_of<D: DualNum<Primitive = f64> + Copy>(
+        &self,
+        _contact: usize,
+        _q: &[D],
+    ) -> Option<Vec<D>> {
+        None
+    }
+}
+
+/// Implements [`Oracle`] by the emitted methods.
+#[macro_export]
+macro_rules! oracle {
+    ($scene:ty $(, $along:expr)?) => {
+        impl $crate::support::Oracle for $scene {
+            fn lagrangian_of<D: num_dual::DualNum<Primitive = f64> + Copy>(
+                &self, q: &[D], v: &[D], t: D,
+            ) -> D {
+                self.lagrangian(q, v, t)
+            }
+            fn forces_of<D: num_dual::DualNum<Primitive = f64> + Copy>(
+                &self, q: &[D], v: &[D], u: &[D], t: D,
+            ) -> Vec<D> {
+                self.generalized_forces(q, v, u, t).to_vec()
+            }
+            fn gap_of<D: num_dual::DualNum<Primitive = f64> + Copy>(
+                &self, contact: usize, q: &[D], t: D,
+            ) -> D {
+                self.gaps(q, t)[contact]
+            }
+            $(fn along_of<D: num_dual::DualNum<Primitive = f64> + Copy>(
+                &self, _contact: usize, q: &[D],
+            ) -> Option<Vec<D>> {
+                Some($along(self, q))
+            })?
+        }
+    };
+}
+
+/// `x` split into coordinates, velocities, controls and time.
+fn split<'a, M: Oracle, D: DualNum<Primitive = f64> + Copy>(
+    model: &M,
+    x: &'a [D],
+) -> (&'a [D], &'a [D], &'a [D], D) {
+    let declaration = model.declaration();
+    let (n, nu) = (declaration.coordinates.len(), declaration.controls.len());
+    let t = if declaration.explicit_time {
+        x[2 * n + nu]
+    } else {
+        D::from(0.0)
+    };
+    (&x[..n], &x[n..2 * n], &x[2 * n..2 * n + nu], t)
+}
+
+fn constant<D: DualNum<Primitive = f64> + Copy>(x: &[D]) -> Vec<HyperDual<D>> {
+    x.iter().map(|&x| HyperDual::from_re(x)).collect()
+}
+
+/// Mass matrix, row by row.
+pub(crate) fn mass<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
+    model: &M,
+    x: &[D],
+) -> Vec<Vec<D>> {
+    let (q, v, _, t) = split(model, x);
+    let n = q.len();
+    let mut m = vec![vec![D::from(0.0); n]; n];
+    for i in 0..n {
+        for j in 0..=i {
+            let mut v = constant(v);
+            v[i].eps1 += D::from(1.0);
+            v[j].eps2 += D::from(1.0);
+            let entry = model
+                .lagrangian_of(&constant(q), &v, HyperDual::from_re(t))
+                .eps1eps2;
+            (m[i][j], m[j][i]) = (entry, entry);
+        }
+    }
+    m
+}
+
+/// Free acceleration from the Lagrangian by hyper-dual numbers and elimination.
+pub(crate) fn acceleration<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
+    model: &M,
+    x: &[D],
+) -> Vec<D> {
+    let (q, v, u, t) = split(model, x);
+    let n = q.len();
+    let mut right = model.forces_of(q, v, u, t);
+    for (i, right) in right.iter_mut().enumerate() {
+        // First direction: along the motion; second: the velocity, then the coordinate.
+        let mut moving: Vec<HyperDual<D>> = constant(q);
+        for (moving, &v) in moving.iter_mut().zip(v) {
+            moving.eps1 = v;
+        }
+        let mut velocity = constant(v);
+        velocity[i].eps2 = D::from(1.0);
+        let mut time = HyperDual::from_re(t);
+        time.eps1 = D::from(1.0);
+        *right -= model.lagrangian_of(&moving, &velocity, time).eps1eps2;
+        let mut displaced: Vec<Dual<D>> = q.iter().map(|&q| Dual::from_re(q)).collect();
+        displaced[i].eps = D::from(1.0);
+        let v: Vec<Dual<D>> = v.iter().map(|&v| Dual::from_re(v)).collect();
+        *right += model.lagrangian_of(&displaced, &v, Dual::from_re(t)).eps;
+    }
+    solve(mass(model, x), right, n)
+}
+
+/// Gaussian elimination without pivoting, for positive definite matrices.
+fn solve<D: DualNum<Primitive = f64> + Copy>(
+    mut m: Vec<Vec<D>>,
+    mut b: Vec<D>,
+    n: usize,
+) -> Vec<D> {
+    for k in 0..n {
+        for i in k + 1..n {
+            let factor = m[i][k] / m[k][k];
+            for j in k..n {
+                let pivot = m[k][j];
+                m[i][j] -= factor * pivot;
+            }
+            let pivot = b[k];
+            b[i] -= factor * pivot;
+        }
+    }
+    for i in (0..n).rev() {
+        for k in i + 1..n {
+            let known = b[k];
+            b[i] -= m[i][k] * known;
+        }
+        b[i] = b[i] / m[i][i];
+    }
+    b
+}
+
+/// Rows `(g, v_n, d)` of a contact.
+pub(crate) fn contact_rows<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
+    model: &M,
+    contact: usize,
+    x: &[D],
+) -> Vec<D> {
+    let (q, v, _, t) = split(model, x);
+    let n = q.len();
+    let moving: Vec<Dual<D>> = q.iter().zip(v).map(|(&q, &v)| Dual::new(q, v)).collect();
+    let motion = model.gap_of(contact, &moving, Dual::new(t, D::from(1.0)));
+    let normal: Vec<D> = (0..n)
+        .map(|i| {
+            let mut q: Vec<Dual<D>> = q.iter().map(|&q| Dual::from_re(q)).collect();
+            q[i].eps = D::from(1.0);
+            model.gap_of(contact, &q, Dual::from_re(t)).eps
+        })
+        .collect();
+    let w = model
+        .along_of(contact, q)
+        .unwrap_or_else(|| solve(mass(model, x), normal.clone(), n));
+    let product = normal
+        .iter()
+        .zip(&w)
+        .fold(D::from(0.0), |sum, (&n, &w)| sum + n * w);
+    let mut rows = vec![motion.re, motion.eps];
+    rows.extend(w.iter().map(|&w| w / product));
+    rows
+}
+
+/// Relative tolerance: products and quotients of a few hundred roundings, times the condition of the
+/// mass matrices in these tests (below 1e3).
+pub(crate) const TOLERANCE: f64 = 1e-12;
+
+fn agree(what: &str, found: &[f64], wanted: &[f64]) -> Result<(), String> {
+    let scale = wanted.iter().fold(1.0_f64, |scale, w| scale.max(w.abs()));
+    for (i, (found, wanted)) in found.iter().zip(wanted).enumerate() {
+        let error = (found - wanted).abs();
+        // A NaN must fail, hence the negation.
+        if !(error <= TOLERANCE * scale) {
+            return Err(format!(
+                "{what}[{i}]: {found:e} instead of {wanted:e}, relative error {:e}",
+                error / scale
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn dense(pattern: &SparsityPattern, values: &[f64]) -> Vec<f64> {
+    let mut all = vec![0.0; pattern.rows * pattern.columns];
+    for (&(row, column), value) in pattern.entries.iter().zip(values) {
+        all[row as usize * pattern.columns + column as usize] = *value;
+    }
+    all
+}
+
+fn check_first(
+    what: &str,
+    pattern: &SparsityPattern,
+    values: &[f64],
+    x: &[f64],
+    f: impl Fn(&[Dual64]) -> Vec<Dual64>,
+) -> Result<(), String> {
+    let mut wanted = vec![0.0; pattern.rows * pattern.columns];
+    for column in 0..x.len() {
+        let mut seeded: Vec<Dual64> = x.iter().map(|&x| Dual64::from_re(x)).collect();
+        seeded[column].eps = 1.0;
+        for (row, value) in f(&seeded).into_iter().enumerate() {
+            wanted[row * pattern.columns + column] = value.eps;
+        }
+    }
+    agree(what, &dense(pattern, values), &wanted)
+}
+
+fn check_second(
+    what: &str,
+    pattern: &SparsityPattern,
+    values: &[f64],
+    x: &[f64],
+    multipliers: &[f64],
+    f: impl Fn(&[HyperDual64]) -> Vec<HyperDual64>,
+) -> Result<(), String> {
+    let n = x.len();
+    let mut wanted = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..=i {
+            let mut seeded: Vec<HyperDual64> = x.iter().map(|&x| HyperDual64::from_re(x)).collect();
+            seeded[i].eps1 = 1.0;
+            seeded[j].eps2 = 1.0;
+            wanted[i * n + j] = f(&seeded)
+                .iter()
+                .zip(multipliers)
+                .map(|(value, multiplier)| value.eps1eps2 * multiplier)
+                .sum();
+        }
+    }
+    agree(what, &dense(pattern, values), &wanted)
+}
+
+/// Compares everything that a scene derives with the independent route at one point.
+///
+/// # Errors
+/// The first disagreement.
+pub(crate) fn compare<M: Oracle>(model: &M, x: &[f64], weights: &[f64]) -> Result<(), String> {
+    let declaration = model.declaration();
+    let n = declaration.coordinates.len();
+    let mut m = vec![0.0; n * n];
+    model.mass_matrix(x, &mut m);
+    agree("mass matrix", &m, &mass(model, x).concat())?;
+    let mut a = vec![0.0; n];
+    model.free_acceleration(x, &mut a);
+    agree("free acceleration", &a, &acceleration(model, x))?;
+    let pattern = &declaration.free_jacobian;
+    let mut values = vec![f64::NAN; pattern.entries.len()];
+    model.free_jacobian(x, &mut values);
+    check_first("free jacobian", pattern, &values, x, |x| {
+        acceleration(model, x)
+    })?;
+    let pattern = &declaration.free_hessian;
+    let mut values = vec![f64::NAN; pattern.entries.len()];
+    model.free_hessian(x, &weights[..n], &mut values);
+    check_second("free hessian", pattern, &values, x, &weights[..n], |x| {
+        acceleration(model, x)
+    })?;
+    energy(model, x)?;
+    for (i, contact) in declaration.contacts.iter().enumerate() {
+        let wanted = contact_rows(model, i, x);
+        let mut point = vec![f64::NAN; contact_point::length(n)];
+        model.contact(i, x, &mut point);
+        let mut rows = vec![model.gap(i, x), point[contact_point::NORMAL_VELOCITY]];
+        rows.extend(&point[contact_point::direction(n)..]);
+        agree("contact", &rows, &wanted)?;
+        check_point(model, i, x, &point)?;
+        let mut values = vec![f64::NAN; contact.jacobian.entries.len()];
+        model.contact_jacobian(i, x, &mut values);
+        check_first("contact jacobian", &contact.jacobian, &values, x, |x| {
+            contact_rows(model, i, x)
+        })?;
+        let mut values = vec![f64::NAN; contact.hessian.entries.len()];
+        model.contact_hessian(i, x, &weights[..2 + n], &mut values);
+        check_second(
+            "contact hessian",
+            &contact.hessian,
+            &values,
+            x,
+            &weights[..2 + n],
+            |x| contact_rows(model, i, x),
+        )?;
+    }
+    Ok(())
+}
+
+/// Normal, curvature and inverse inertia of a contact.
+fn check_point<M: Oracle>(
+    model: &M,
+    contact: usize,
+    x: &[f64],
+    point: &[f64],
+) -> Result<(), String> {
+    let (q, v, _, t) = split(model, x);
+    let n = q.len();
+    let normal: Vec<f64> = (0..n)
+        .map(|i| {
+            let mut q: Vec<Dual64> = q.iter().map(|&q| Dual64::from_re(q)).collect();
+            q[i].eps = 1.0;
+            model.gap_of(contact, &q, Dual64::from_re(t)).eps
+        })
+        .collect();
+    agree("normal", &point[contact_point::NORMAL..][..n], &normal)?;
+    let moving: Vec<HyperDual64> = q
+        .iter()
+        .zip(v)
+        .map(|(&q, &v)| HyperDual64::new(q, v, v, 0.0))
+        .collect();
+    let second = model
+        .gap_of(contact, &moving, HyperDual64::new(t, 1.0, 1.0, 0.0))
+        .eps1eps2;
+    let inverse = solve(mass(model, x), normal.clone(), n);
+    let inertia: f64 = normal.iter().zip(&inverse).map(|(n, w)| n * w).sum();
+    agree(
+        "curvature and inverse inertia",
+        &[
+            point[contact_point::CURVATURE],
+            point[contact_point::INVERSE_INERTIA],
+        ],
+        &[second, inertia],
+    )
+}
+
+/// Kinetic energy is half the quadratic form of the mass matrix for these scenes; the potential is what
+/// remains of the Lagrangian at rest.
+fn energy<M: Oracle>(model: &M, x: &[f64]) -> Result<(), String> {
+    let (q, v, _, t) = split(model, x);
+    let rest = model.lagrangian_of(q, &vec![0.0; q.len()], t);
+    let power: f64 = (0..q.len())
+        .map(|i| {
+            let mut v: Vec<Dual64> = v.iter().map(|&v| Dual64::from_re(v)).collect();
+            v[i].eps = 1.0;
+            let q: Vec<Dual64> = q.iter().map(|&q| Dual64::from_re(q)).collect();
+            model.lagrangian_of(&q, &v, Dual64::from_re(t)).eps * v[i].re
+        })
+        .sum();
+    let kinetic = power - model.lagrangian_of(q, v, t) + rest;
+    let mut found = [f64::NAN; 2];
+    model.energy(x, &mut found);
+    agree("energy", &found, &[kinetic, -rest])
+}

@@ -1,0 +1,11 @@
+hangtime::model! {
+    pub Ball {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 2 }
+        coordinates { z: m }
+        lagrangian m/2*dot(z)^2 - m*g*z
+        surface ground: z + height >= z
+        impact ground: inelastic
+    }
+}
+
+fn main() {}

@@ -1,0 +1,65 @@
+//! Why a unit or a quantity was refused.
+
+use std::fmt;
+
+/// Why a unit, a quantity or a conversion was refused.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum UnitError {
+    /// A symbol that is no unit.
+    Unknown {
+        /// The symbol.
+        symbol: String,
+        /// A unit that looks like it, if any.
+        suggestion: Option<&'static str>,
+    },
+    /// Something other than symbols, powers, products and quotients.
+    Malformed {
+        /// The whole text.
+        text: String,
+        /// What is wrong, and the remedy.
+        reason: &'static str,
+    },
+    /// The text does not begin with a number.
+    NotANumber {
+        /// The whole text.
+        text: String,
+    },
+    /// The two units measure different things.
+    Different {
+        /// Unit given.
+        from: String,
+        /// Unit wanted.
+        to: String,
+    },
+}
+
+impl fmt::Display for UnitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown {
+                symbol,
+                suggestion: Some(suggestion),
+            } => write!(f, "unknown unit `{symbol}`; did you mean `{suggestion}`?"),
+            Self::Unknown {
+                symbol,
+                suggestion: None,
+            } => write!(
+                f,
+                "unknown unit `{symbol}`; write SI units such as m, kg, s, N, J, rad, deg, km/h"
+            ),
+            Self::Malformed { text, reason } => write!(f, "unit `{text}`: {reason}"),
+            Self::NotANumber { text } => write!(
+                f,
+                "`{text}` does not begin with a number; write a number and an optional unit such as \
+                 15km/h"
+            ),
+            Self::Different { from, to } => write!(
+                f,
+                "`{from}` cannot be converted to `{to}`: they measure different things"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for UnitError {}
