@@ -6,8 +6,9 @@ use crate::tape;
 /// Most terms of an expanded form that is tried.
 const TERMS: usize = 200;
 
-/// Most operations of an expression for which other forms are tried.
-const SIZE: usize = 400;
+/// Most operations of an expression for which other forms are tried. Larger ones share more when they
+/// are left alone (measured: 150 saves a quarter of the Hessian of a bicycle on two wheels against 400).
+const SIZE: usize = 150;
 
 /// The cheapest of: the expression as it is, multiplied out, and multiplied out with squares of
 /// cosines or of sines removed.

@@ -268,7 +268,7 @@ impl Builder<'_> {
                 (lu, y)
             }}
             fn __{name}_sensitivity(p: &{scene}, x: &[f64], lu: &{PRIVATE}::Lu<{size}>, y: &[f64]) -> \
-             [[f64; {size}]; {inputs}] {{
+             [[f64; {inputs}]; {size}] {{
                 let mut values = [0.0_f64; {first_length}]; {first};
                 {PRIVATE}::sensitivity::<{size}, {inputs}>(lu, {first_pattern}, &values)
             }}
