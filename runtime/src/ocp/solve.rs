@@ -63,6 +63,8 @@ const NEIGHBOUR_BARRIERS: [f64; 2] = [1e-2, 1e-3];
 const NEIGHBOUR_ITERATIONS: usize = 150;
 /// Gap below which a flight counts as touching, relative to the gap margin.
 const TOUCHING: f64 = 0.1;
+/// Most switches of short contacts and flights for which a sequence is tried with them, too.
+const SHORT_SWITCHES: usize = 2;
 /// Points of the re-simulation in each interval.
 const OUTPUTS: usize = 10;
 
@@ -213,14 +215,13 @@ impl<'a> Search<'a, '_> {
         }
         let tidied = candidates
             .iter()
-            .map(|(sequence, _)| sequence.clone().tidied());
-        let tidied: Vec<Sequence> = tidied.collect();
-        let sequences = tidied
-            .into_iter()
-            .chain(candidates.iter().map(|(s, _)| s.clone()));
-        let sequences: Vec<Sequence> = sequences.collect();
-        for (index, sequence) in sequences.into_iter().enumerate() {
-            let path = &candidates[index % candidates.len()].1;
+            .map(|(sequence, path)| (sequence.clone().tidied(), path));
+        let raw = candidates.iter().filter(|(sequence, _)| {
+            let short = sequence.switches.len() - sequence.clone().tidied().switches.len();
+            short <= SHORT_SWITCHES
+        });
+        let raw = raw.map(|(sequence, path)| (sequence.clone(), path));
+        for (sequence, path) in tidied.chain(raw) {
             let Some(sequence) = sequence.ordered(self.setting.problem.intervals) else {
                 continue;
             };
