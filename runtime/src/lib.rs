@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! model  ->  time_freezing  ->  dcs  ->  fesd  ->  mpcc  ->  nlp  ->  linalg
-//!   \------------------------------->  simulation
+//!   \------------------------------->  simulation, ocp
 //! ```
 //!
 //! Arrows point one way: `nlp` knows nothing of time, `linalg` nothing of optimization.
@@ -21,6 +21,7 @@ pub mod linalg;
 pub mod model;
 pub mod mpcc;
 pub mod nlp;
+pub mod ocp;
 pub mod rk;
 pub mod simulation;
 mod time_freezing;

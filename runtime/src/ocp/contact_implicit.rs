@@ -27,6 +27,8 @@ pub(super) struct ContactImplicit<'a> {
     controls: Vec<Vec<usize>>,
     /// Variables `(q, v, r)` at the end of each element.
     elements: Vec<Vec<usize>>,
+    /// Pairs (force, gap) of the contacts of each element.
+    pairs: Vec<Vec<(usize, usize)>>,
     start: Vec<f64>,
 }
 
@@ -151,6 +153,7 @@ impl<'a> ContactImplicit<'a> {
             })
             .collect();
         let mut elements = Vec::with_capacity(count);
+        let mut pairs = Vec::with_capacity(count);
         for element in 0..count {
             let u = &frame.controls[element / per_interval];
             let time = guess.horizon * (element + 1) as f64 * share;
@@ -168,6 +171,7 @@ impl<'a> ContactImplicit<'a> {
             let (q, v): (Vec<usize>, Vec<usize>) =
                 (variables[..n].to_vec(), variables[n..].to_vec());
             let mut forces = Vec::with_capacity(contacts.len());
+            let mut gaps = Vec::with_capacity(contacts.len());
             for &contact in &contacts {
                 let name = declaration.contacts[contact].name;
                 let force = program.variable(
@@ -188,6 +192,7 @@ impl<'a> ContactImplicit<'a> {
                 program.block(&block, [&q, &[], &[], &[]], None, vec![(row, 0, 1.0)]);
                 program.pair(force, gap);
                 forces.push(force);
+                gaps.push((force, gap));
             }
             let mut uses = Vec::with_capacity(n);
             for k in 0..n {
@@ -206,6 +211,7 @@ impl<'a> ContactImplicit<'a> {
             before.clone_from(&variables);
             variables.extend(forces);
             elements.push(variables);
+            pairs.push(gaps);
         }
         frame.finish(&mut program, problem, n, &before);
         Self {
@@ -213,8 +219,23 @@ impl<'a> ContactImplicit<'a> {
             horizon,
             controls: frame.controls,
             elements,
+            pairs,
             start,
         }
+    }
+
+    /// Which contacts are closed in each element at a solver's point: those whose force exceeds the gap, each
+    /// in its unit.
+    pub(super) fn closed(&self, x: &[f64]) -> Vec<Vec<bool>> {
+        let elements = self.pairs.iter();
+        elements
+            .map(|pairs| {
+                pairs
+                    .iter()
+                    .map(|&(force, gap)| x[force] > x[gap])
+                    .collect()
+            })
+            .collect()
     }
 
     /// The motion of a solver's point.

@@ -1,9 +1,14 @@
 //! The check between the stages: gaps and bounds over the continuous motion of a solved program.
 
-use super::collocation::{Collocation, Cut, CutKind};
+use super::collocation::{Collocation, Cut, CutKind, SolvedPhase, lagrange};
+use crate::model::contact_point;
 
 /// Points of a phase that are looked at.
 const POINTS: usize = 64;
+
+/// Depth below a surface that rounding and collocation may cause right after an opening, relative to the
+/// margin.
+const DEPTH: f64 = 1e-4;
 
 /// What to look for.
 #[derive(Clone, Copy)]
@@ -49,11 +54,19 @@ pub(super) fn between_stages(
             let open = |phase: &usize| !program.phases[*phase].closed.contains(&contact);
             let flight: Vec<usize> = (next..program.phases.len()).take_while(open).collect();
             next += flight.len().max(1);
-            for (phase, theta) in lows(&flight, &mut gap, limits.gap) {
-                found.push(cut(phase, theta, CutKind::Gap(contact, limits.margin)));
+            let depth = DEPTH * limits.margin;
+            for (phase, theta, between) in lows(&flight, &mut gap, (limits.gap, depth)) {
+                // Near an opening there is no room for the whole margin.
+                let share = if between { 1.0 } else { DEPTH };
+                found.push(cut(
+                    phase,
+                    theta,
+                    CutKind::Gap(contact, share * limits.margin),
+                ));
             }
         }
     }
+    found.extend(departures(program, &solved, limits));
     for k in (0..n).filter(|&k| !parabolas[k]) {
         let (lower, upper) = (limits.bounds.0[k], limits.bounds.1[k]);
         if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
@@ -64,20 +77,60 @@ pub(super) fn between_stages(
             (value - lower).min(upper - value)
         };
         let all: Vec<usize> = (0..program.phases.len()).collect();
-        for (phase, theta) in lows(&all, &mut inside, -limits.bound) {
+        for (phase, theta, _) in lows(&all, &mut inside, (-limits.bound, limits.bound)) {
             found.push(cut(phase, theta, CutKind::Bounds(k)));
         }
     }
     found
 }
 
-/// Local minima below the limit of a function over consecutive phases, as (phase, theta): those before and
-/// after which it exceeds the limit, and those below the negative limit wherever they are.
+/// Flights that pass a jump of the controls so shortly after their opening that they are still on the surface,
+/// and are pushed back onto it after the jump.
+fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> Vec<Cut> {
+    let model = program.model;
+    let declaration = model.declaration();
+    let mut input = vec![0.0; declaration.inputs()];
+    let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
+    let slopes = lagrange(program.tableau, 0.0, true);
+    let mut found = Vec::new();
+    for (index, (phase, solved)) in program.phases.iter().zip(solved).enumerate() {
+        if phase.index.0 > 0 || index == 0 {
+            continue;
+        }
+        let before = &program.phases[index - 1];
+        for contact in 0..declaration.contacts.len() {
+            if phase.closed.contains(&contact) || before.closed.contains(&contact) {
+                continue;
+            }
+            let (mut gap, mut acceleration) = (f64::INFINITY, 0.0);
+            for (node, (state, slope)) in solved.states.iter().zip(&slopes).enumerate() {
+                input[..state.len()].copy_from_slice(state);
+                model.contact(contact, &input, &mut point);
+                if node == 0 {
+                    gap = point[contact_point::GAP];
+                }
+                acceleration += slope * point[contact_point::NORMAL_VELOCITY];
+            }
+            if gap < limits.gap && acceleration < -DEPTH * limits.margin {
+                found.push(Cut {
+                    interval: phase.interval,
+                    phase: phase.index,
+                    theta: 0.0,
+                    kind: CutKind::Departure(contact),
+                });
+            }
+        }
+    }
+    found
+}
+
+/// Local minima below the limit of a function over consecutive phases, as (phase, theta, whether the function
+/// exceeds the limit before and after): those of which that is true, and those deeper than the depth.
 fn lows(
     phases: &[usize],
     value: &mut dyn FnMut(usize, f64) -> f64,
-    limit: f64,
-) -> Vec<(usize, f64)> {
+    (limit, depth): (f64, f64),
+) -> Vec<(usize, f64, bool)> {
     let mut samples = Vec::with_capacity(phases.len() * POINTS + 1);
     for (position, &phase) in phases.iter().enumerate() {
         for i in usize::from(position > 0)..=POINTS {
@@ -91,7 +144,8 @@ fn lows(
     let mut found = Vec::new();
     for i in 1..samples.len().saturating_sub(1) {
         let (phase, theta, here) = samples[i];
-        if !(first < i && i < last) && here > -limit.abs() {
+        let between = first < i && i < last;
+        if !between && here > -depth {
             continue;
         }
         if here > samples[i - 1].2 || here >= samples[i + 1].2 {
@@ -104,7 +158,7 @@ fn lows(
             theta
         };
         if value(phase, theta) < limit {
-            found.push((phase, theta));
+            found.push((phase, theta, between));
         }
     }
     found

@@ -1,8 +1,12 @@
 //! A motion with its controls: what one phase of the solution hands to the next.
 
-use super::problem::{Component, Problem};
+use super::problem::{Component, Horizon, Problem};
+use super::settings::Guess;
 use crate::model::{Model, contact_point};
-use crate::simulation::{ControlSignal, Simulation};
+use crate::simulation::{ControlSignal, EventDriven, InputError, Simulation, Simulator as _};
+
+/// Samples of a guess in each interval.
+const SAMPLES: usize = 4;
 
 /// States over time, piecewise linear, with controls on equal intervals.
 #[derive(Debug, Clone)]
@@ -18,23 +22,33 @@ pub(super) struct Path {
 }
 
 impl Path {
-    /// A guess from the model alone: coordinates with a goal move to it at constant speed, the others
-    /// rest; controls are 0, or as near to it as their bounds allow.
-    pub(super) fn straight(model: &dyn Model, problem: &Problem, bounds: (&[f64], &[f64])) -> Self {
+    /// The start of the global phase.
+    pub(super) fn guess(
+        model: &dyn Model,
+        problem: &Problem,
+        guess: Guess,
+        bounds: (&[f64], &[f64]),
+    ) -> Result<Self, InputError> {
+        let straight = Self::straight(model, problem, bounds);
+        match guess {
+            Guess::Straight => Ok(straight),
+            Guess::Rest => Ok(straight.at_rest(model, problem)),
+            Guess::Ride => straight.ride(model, problem),
+            Guess::Perturbed { seed } => Ok(straight.perturbed(model, problem, seed, bounds)),
+        }
+    }
+
+    /// Coordinates with a goal move to it at constant speed, the others rest; controls are 0, or as near to
+    /// it as their bounds allow.
+    fn straight(model: &dyn Model, problem: &Problem, bounds: (&[f64], &[f64])) -> Self {
         let declaration = model.declaration();
         let n = declaration.coordinates.len();
         let horizon = problem.horizon_guess(model);
         let controls: Vec<f64> = (n..n + declaration.controls.len())
             .map(|k| 0.0_f64.clamp(bounds.0[k], bounds.1[k]))
             .collect();
-        let samples = 4 * problem.intervals;
-        let mut path = Self {
-            horizon,
-            controls: vec![controls.clone(); problem.intervals],
-            time: Vec::new(),
-            states: Vec::new(),
-        };
-        for i in 0..=samples {
+        let samples = SAMPLES * problem.intervals;
+        let states = (0..=samples).map(|i| {
             let share = i as f64 / samples as f64;
             let mut x = problem.q.clone();
             x.resize(2 * n, 0.0);
@@ -44,16 +58,95 @@ impl Path {
                     x[k] += share * (goal - problem.q[k]);
                 }
             }
-            x.extend(&controls);
-            let forces: Vec<f64> = (0..declaration.contacts.len())
-                .map(|contact| (-free_normal_acceleration(model, contact, &x)).max(0.0))
-                .collect();
-            x.truncate(2 * n);
-            x.extend(forces);
-            path.time.push(share * horizon);
-            path.states.push(x);
+            with_forces(model, x, &controls)
+        });
+        Self {
+            horizon,
+            states: states.collect(),
+            time: (0..=samples)
+                .map(|i| horizon * i as f64 / samples as f64)
+                .collect(),
+            controls: vec![controls.clone(); problem.intervals],
         }
-        path
+    }
+
+    /// All states as at the start, over 1 s unless the horizon is fixed.
+    fn at_rest(mut self, model: &dyn Model, problem: &Problem) -> Self {
+        let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
+        let state = with_forces(model, start, &self.controls[0]);
+        self.states.fill(state);
+        if let Horizon::Free { guess: None } = problem.horizon {
+            for time in &mut self.time {
+                *time /= self.horizon;
+            }
+            self.horizon = 1.0;
+        }
+        self
+    }
+
+    /// The motion under these controls; as far as it goes.
+    fn ride(self, model: &dyn Model, problem: &Problem) -> Result<Self, InputError> {
+        let simulator = EventDriven {
+            output_times: SAMPLES * problem.intervals,
+            ..EventDriven::default()
+        };
+        let motion = problem.initial_value_problem(self.horizon, self.signal());
+        let simulation = simulator.simulate(model, &motion, &mut |_| {})?;
+        if simulation.trajectory.time.is_empty() {
+            return Ok(self);
+        }
+        Ok(Self::of_simulation(
+            model,
+            &simulation,
+            self.horizon,
+            self.controls,
+        ))
+    }
+
+    /// Random controls within a quarter of their range, the horizon scaled by up to 15 %, and every coordinate
+    /// bent by up to a twentieth of the distance to its goal.
+    fn perturbed(
+        mut self,
+        model: &dyn Model,
+        problem: &Problem,
+        seed: u64,
+        bounds: (&[f64], &[f64]),
+    ) -> Self {
+        let n = problem.q.len();
+        let mut state = seed;
+        // SplitMix64 (Steele, Lea, Flood 2014), mapped to [-1, 1).
+        let mut random = || {
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = state;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        if let Horizon::Free { .. } = problem.horizon {
+            let factor = (0.15 * random()).exp();
+            self.horizon *= factor;
+            self.time.iter_mut().for_each(|time| *time *= factor);
+        }
+        for controls in &mut self.controls {
+            for (u, k) in controls.iter_mut().zip(n..) {
+                let range = bounds.1[k] - bounds.0[k];
+                let size = if range.is_finite() { 0.25 * range } else { 0.1 };
+                *u = (*u + size * random()).clamp(bounds.0[k], bounds.1[k]);
+            }
+        }
+        let last = (self.states.len() - 1) as f64;
+        for k in 0..n {
+            let goal = problem.goal(Component::Coordinate(k));
+            let bend = 0.05 * random() * goal.map_or(0.0, |goal| goal - problem.q[k]);
+            for (i, x) in self.states.iter_mut().enumerate() {
+                x[k] += bend * (std::f64::consts::PI * i as f64 / last).sin();
+            }
+        }
+        for (i, x) in self.states.iter_mut().enumerate() {
+            let interval = (i / SAMPLES).min(problem.intervals - 1);
+            *x = with_forces(model, x[..2 * n].to_vec(), &self.controls[interval]);
+        }
+        self
     }
 
     /// The motion of a simulation.
@@ -120,6 +213,19 @@ impl Path {
         let pair = self.states[next - 1].iter().zip(&self.states[next]);
         pair.map(|(a, b)| a + share * (b - a)).collect()
     }
+}
+
+/// `(q, v)` with the normal accelerations that keep the contacts closed, as far as they push.
+fn with_forces(model: &dyn Model, state: Vec<f64>, controls: &[f64]) -> Vec<f64> {
+    let mut x = state;
+    let plain = x.len();
+    x.extend(controls);
+    let forces: Vec<f64> = (0..model.declaration().contacts.len())
+        .map(|contact| (-free_normal_acceleration(model, contact, &x)).max(0.0))
+        .collect();
+    x.truncate(plain);
+    x.extend(forces);
+    x
 }
 
 /// Normal acceleration of a contact without its force, `n'a + curvature`, at `x = (q, v, u)`.

@@ -1,6 +1,6 @@
 //! Neighbours of a contact sequence: where a solution presses against the sequence it was given.
 
-use super::collocation::{Collocation, CutKind};
+use super::collocation::Collocation;
 use super::sequence::{Place, Sequence, Switch};
 use crate::nlp;
 
@@ -24,6 +24,8 @@ pub(super) struct Pressure<'a, 'm> {
     /// The sequence with its times.
     pub(super) sequence: &'a Sequence,
     pub(super) intervals: usize,
+    /// Gap below which a flight counts as touching.
+    pub(super) touching: f64,
 }
 
 impl Pressure<'_, '_> {
@@ -45,6 +47,14 @@ impl Pressure<'_, '_> {
     fn threshold(&self) -> f64 {
         let all = self.solution.multipliers.iter();
         ACTIVE * all.fold(f64::MIN_POSITIVE, |largest, y| largest.max(y.abs()))
+    }
+
+    /// Gap of a contact at the state with these variables.
+    fn gap(&self, contact: usize, state: &[usize], x: &[f64]) -> f64 {
+        let model = self.program.model;
+        let mut input: Vec<f64> = state.iter().map(|&i| x[i]).collect();
+        input.resize(model.declaration().inputs(), 0.0);
+        model.gap(contact, &input)
     }
 
     /// Sequences that the solution points to, the most promising first: without a pair of switches that
@@ -116,14 +126,15 @@ impl Pressure<'_, '_> {
 
     /// Sequences with a flight inserted where a contact force is held at 0, and with a contact inserted
     /// where a gap is held at 0: together with the stuck switches of [`directed`](Self::directed) these
-    /// are the places where gap and force vanish together.
+    /// are the places where gap and force vanish together. A flight that passes a surface at the gap margin is
+    /// none of them.
     pub(super) fn insertions(&self) -> Vec<Sequence> {
         let threshold = self.threshold();
         let mut places: Vec<(usize, bool, f64)> = Vec::new();
         let contacts = self.sequence.initially.len();
         let tableau = self.program.tableau;
         let x = self.program.program.physical(&self.solution.x);
-        let horizon = self.program.horizon(&x);
+        let horizon = self.program.horizon_at(&x);
         let solved = self.program.solved(&self.solution.x);
         for (phase, solved) in self.program.phases.iter().zip(&solved) {
             let opens = phase
@@ -145,22 +156,22 @@ impl Pressure<'_, '_> {
                 for contact in (0..contacts).filter(|i| !phase.closed.contains(i)) {
                     let row = stage.gap_rows[contact];
                     let closes = last && phase.closing == Some(contact);
-                    if !closes && self.solution.multipliers[row].abs() > threshold {
+                    if !closes
+                        && self.solution.multipliers[row].abs() > threshold
+                        && self.gap(contact, &stage.state, &x) < self.touching
+                    {
                         places.push((contact, true, time(*c)));
                     }
-                }
-            }
-            for &(cut, row) in &phase.cuts {
-                if let CutKind::Gap(contact, _) = cut.kind
-                    && self.solution.multipliers[row].abs() > threshold
-                {
-                    places.push((contact, true, time(cut.theta)));
                 }
             }
         }
         // Gap and force vanish together at every switch; that is no sign of another one nearby.
         let near = |contact: usize, time: f64| {
-            let mut own = self.sequence.switches.iter().filter(|s| s.contact == contact);
+            let mut own = self
+                .sequence
+                .switches
+                .iter()
+                .filter(|s| s.contact == contact);
             own.any(|switch| (switch.time - time).abs() < NEAR)
         };
         places.retain(|&(contact, _, time)| !near(contact, time));

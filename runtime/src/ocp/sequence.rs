@@ -84,6 +84,40 @@ impl Sequence {
         sequence
     }
 
+    /// Reads the sequence from the contacts that are closed in each of `per_interval` elements of every
+    /// control interval.
+    pub(super) fn of_elements(
+        initially: Vec<bool>,
+        closed: &[Vec<bool>],
+        per_interval: usize,
+    ) -> Self {
+        let mut switches = Vec::new();
+        let mut before = &initially;
+        for (element, now) in closed.iter().enumerate() {
+            for (contact, (&was, &is)) in before.iter().zip(now).enumerate() {
+                if was == is {
+                    continue;
+                }
+                // A contact closes somewhere in an element, and opens after the last one in which it pushes.
+                let shift = if is { 0.5 } else { 0.0 };
+                let interval = element / per_interval;
+                let at_jump = !is && element % per_interval == 0 && element > 0;
+                switches.push(Switch {
+                    contact,
+                    closes: is,
+                    interval,
+                    place: if at_jump { Place::Start } else { Place::Inside },
+                    time: (element as f64 + shift) / per_interval as f64,
+                });
+            }
+            before = now;
+        }
+        Self {
+            switches,
+            initially,
+        }
+    }
+
     /// What tells it apart from others.
     pub(super) fn signature(&self) -> Signature {
         let switches = self.switches.iter();

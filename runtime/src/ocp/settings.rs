@@ -3,10 +3,29 @@
 use crate::rk::ButcherTableau;
 use crate::simulation::InputError;
 
+/// Where the global phase starts; every guess is made from the model and the problem alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Guess {
+    /// Coordinates with a goal move to it at constant speed, everything else rests.
+    #[default]
+    Straight,
+    /// All states as at the start, and a final time of 1 s where it is free.
+    Rest,
+    /// The simulated motion without controls.
+    Ride,
+    /// [`Straight`](Self::Straight) with random controls, a random horizon and bent coordinates.
+    Perturbed {
+        /// Equal seeds give equal guesses.
+        seed: u64,
+    },
+}
+
 /// Settings of the optimal control solver; change fields of [`Settings::default`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {
+    /// Where the global phase starts; default [`Guess::Straight`].
+    pub guess: Guess,
     /// Radau IIA stages of a phase; default 4, in `2..=9`. Order `2 n - 1`.
     pub stages: usize,
     /// Tolerance of the collocation programs; default 1e-9, in (0, 1).
@@ -14,6 +33,8 @@ pub struct Settings {
     /// Gap that a flight keeps where it would otherwise graze the surface \[unit of the gap\]; default
     /// 1e-5, > 0. A grazing plan is not one that a motion can follow: a hair lower it would land.
     pub gap_margin: f64,
+    /// Most motions of the global phase that are refined, the best first; default 2, at least 1.
+    pub starts: usize,
     /// Most programs, those of the global phase included; default 60.
     pub maximum_programs: usize,
     /// Most iterations of one program; default 500.
@@ -30,9 +51,11 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            guess: Guess::default(),
             stages: 4,
             tolerance: 1e-9,
             gap_margin: 1e-5,
+            starts: 2,
             maximum_programs: 60,
             maximum_iterations: 500,
             replay_tolerance: 1e-9,
@@ -66,6 +89,7 @@ impl Settings {
             }
         }
         for (what, value) in [
+            ("starts", self.starts),
             ("most programs", self.maximum_programs),
             ("most iterations", self.maximum_iterations),
         ] {

@@ -17,11 +17,37 @@ use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::{
     EventDriven, EventKind, InputError, Simulation, SimulationStatus, Simulator as _,
 };
-use crate::{mpcc, simulation};
+use crate::{mpcc, mpcc::RelaxationRule, simulation};
 
-/// Elements an interval of the global phase, first relaxed with `sigma` down to the second number from
-/// the barrier parameter that is third.
-const REFINEMENTS: [(usize, f64, f64); 2] = [(1, 1e-3, 1e-1), (4, 1e-6, 1e-4)];
+/// Elements an interval of the first programs of the global phase, and the rules that relax them. The
+/// next line is tried if the rules of one do not all end at the same motion.
+const COARSE: [(usize, &[RelaxationRule]); 2] = [
+    (
+        1,
+        &[
+            RelaxationRule::Proportional,
+            RelaxationRule::Continuation,
+            RelaxationRule::RollOff,
+        ],
+    ),
+    (2, &[RelaxationRule::RollOff, RelaxationRule::Continuation]),
+];
+/// Last relaxation and first barrier parameter of the first programs.
+const COARSE_RELAXATION: (f64, f64) = (1e-3, 1e-1);
+/// Elements an interval of the refined programs, started from the first ones.
+const FINE: usize = 4;
+/// Rules of the refined programs.
+const FINE_RULES: [RelaxationRule; 3] = [
+    RelaxationRule::Proportional,
+    RelaxationRule::RollOff,
+    RelaxationRule::Continuation,
+];
+/// How many of them are tried where the first programs did not agree.
+const FINE_ALTERNATIVES: usize = 2;
+/// Last relaxation and first barrier parameter of the refined programs.
+const FINE_RELAXATION: (f64, f64) = (1e-6, 1e-4);
+/// Relative difference of the objective within which two relaxed motions count as the same.
+const SAME: f64 = 1e-3;
 /// Barrier parameters that a collocation program is started with, in this order.
 const BARRIERS: [f64; 3] = [1e-2, 1e-3, 1e-1];
 /// Barrier parameter after a cut, and those that follow if that fails.
@@ -30,6 +56,13 @@ const BARRIERS_AFTER_CUT: [f64; 3] = [1e-4, 1e-2, 1e-3];
 const ROUNDS: usize = 5;
 /// Relative decrease of the objective that counts as an improvement.
 const IMPROVEMENT: f64 = 1e-9;
+/// Gap below which a motion starts on a surface, in its unit.
+const AT_START: f64 = 1e-9;
+/// Barrier parameters that a neighbouring sequence is started with, and most iterations for it.
+const NEIGHBOUR_BARRIERS: [f64; 2] = [1e-2, 1e-3];
+const NEIGHBOUR_ITERATIONS: usize = 150;
+/// Gap below which a flight counts as touching, relative to the gap margin.
+const TOUCHING: f64 = 0.1;
 /// Points of the re-simulation in each interval.
 const OUTPUTS: usize = 10;
 
@@ -65,8 +98,8 @@ pub fn solve(
     let clock = ThreadTime::try_now();
     let (lower, upper) = bounds(model);
     let bounds = (&lower[..], &upper[..]);
-    let straight = Path::straight(model, problem, bounds);
-    let units = Units::new(model, &straight, bounds);
+    let guess = Path::guess(model, problem, settings.guess, bounds)?;
+    let units = Units::new(model, &guess, bounds);
     let Some(tableau) = ButcherTableau::new(Scheme::RadauIia, settings.stages) else {
         return Err(settings.refuse_stages());
     };
@@ -90,11 +123,21 @@ pub fn solve(
         undecided: false,
         failure: None,
     };
-    let mut solution = search.run(&straight)?;
+    let mut solution = search.run(&guess)?;
     if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
         solution.seconds = elapsed.as_secs_f64();
     }
     Ok(solution)
+}
+
+/// A motion of the global phase.
+struct Relaxed {
+    objective: f64,
+    path: Path,
+    /// Which contacts are closed in each element.
+    closed: Vec<Vec<bool>>,
+    /// Elements an interval.
+    elements: usize,
 }
 
 /// A solved program of a sequence.
@@ -121,26 +164,39 @@ struct Search<'a, 's> {
 }
 
 impl<'a> Search<'a, '_> {
-    fn run(&mut self, straight: &Path) -> Result<Solution, InputError> {
-        let Some(global) = self.global(straight)? else {
-            return Ok(self.failed());
-        };
-        let replay = self.simulate(&global, self.settings.replay_tolerance)?;
-        let sequence = self.read(&replay, &global).tidied();
-        let path = match replay.status {
-            SimulationStatus::Solved => Path::of_simulation(
-                self.setting.model,
-                &replay,
-                global.horizon,
-                global.controls.clone(),
-            ),
-            _ => global,
-        };
-        self.attempt(&sequence, &path, &[])?;
-        if self.best.is_none() {
-            return Ok(self.failed());
+    fn run(&mut self, guess: &Path) -> Result<Solution, InputError> {
+        let mut stationarity = Stationarity::None;
+        let mut best: Option<Local<'a>> = None;
+        for global in self.global(guess)?.into_iter().take(self.settings.starts) {
+            // The relaxed motion and the event-driven one under the same controls may disagree about the
+            // sequence where the motion is sensitive; both are candidates.
+            let sequence =
+                Sequence::of_elements(self.closed_at_start(), &global.closed, global.elements);
+            self.attempt(&sequence.tidied(), &global.path, &[])?;
+            let replay = self.simulate(&global.path, self.settings.replay_tolerance)?;
+            if replay.status == SimulationStatus::Solved {
+                let sequence = self.read(&replay, &global.path).tidied();
+                let Path {
+                    horizon, controls, ..
+                } = global.path;
+                let path = Path::of_simulation(self.setting.model, &replay, horizon, controls);
+                if !self.tried.contains(&sequence.signature()) {
+                    self.attempt(&sequence, &path, &[])?;
+                }
+            }
+            let proved = self.repair()?;
+            let found = self.best.take();
+            let value = |local: &Option<Local>| {
+                local
+                    .as_ref()
+                    .map_or(f64::INFINITY, |l| l.solution.objective)
+            };
+            if value(&found) < value(&best) {
+                best = found;
+                stationarity = proved;
+            }
         }
-        let stationarity = self.repair()?;
+        self.best = best;
         self.finish(stationarity)
     }
 
@@ -153,8 +209,52 @@ impl<'a> Search<'a, '_> {
         });
     }
 
-    /// The contact-implicit phase; `None` if no refinement could be solved.
-    fn global(&mut self, straight: &Path) -> Result<Option<Path>, InputError> {
+    /// The contact-implicit phase: distinct motions, the best first; none if no program could be solved.
+    fn global(&mut self, guess: &Path) -> Result<Vec<Relaxed>, InputError> {
+        let mut coarse: Vec<Relaxed> = Vec::new();
+        for (elements, rules) in COARSE {
+            let mut solved = 0;
+            for &rule in rules {
+                let found = self.relaxed(guess, elements, rule, COARSE_RELAXATION)?;
+                solved += usize::from(found.is_some());
+                insert(&mut coarse, found);
+            }
+            // Rules that agree on one motion leave little doubt about it.
+            if coarse.len() == 1 && solved == rules.len() {
+                break;
+            }
+        }
+        let mut starts: Vec<Path> = coarse.into_iter().map(|found| found.path).collect();
+        let hard = starts.len() != 1;
+        if starts.is_empty() {
+            starts.push(guess.clone());
+        }
+        let mut fine: Vec<Relaxed> = Vec::new();
+        for start in &starts {
+            for (index, &rule) in FINE_RULES.iter().enumerate() {
+                if index >= FINE_ALTERNATIVES && !fine.is_empty() {
+                    break;
+                }
+                let found = self.relaxed(start, FINE, rule, FINE_RELAXATION)?;
+                let solved = found.is_some();
+                insert(&mut fine, found);
+                if solved && !hard {
+                    break;
+                }
+            }
+        }
+        Ok(fine)
+    }
+
+    /// One contact-implicit program, relaxed by one rule down to `relaxation.0` from the barrier parameter
+    /// `relaxation.1`.
+    fn relaxed(
+        &mut self,
+        start: &Path,
+        elements: usize,
+        rule: RelaxationRule,
+        relaxation: (f64, f64),
+    ) -> Result<Option<Relaxed>, InputError> {
         let Setting {
             model,
             problem,
@@ -162,36 +262,35 @@ impl<'a> Search<'a, '_> {
             bounds,
             ..
         } = self.setting;
-        let mut found: Option<Path> = None;
-        for (elements, relaxation, barrier) in REFINEMENTS {
-            let starts: Vec<Path> = found.iter().chain([straight]).cloned().collect();
-            found = None;
-            for start in starts {
-                let mut program =
-                    ContactImplicit::new(model, problem, elements, &start, units, bounds);
-                let mut settings = mpcc::Settings::default();
-                settings.crossover = false;
-                settings.final_relaxation = relaxation;
-                settings.interior_point.initial_barrier_parameter = barrier;
-                settings.interior_point.maximum_iterations = self.settings.maximum_iterations;
-                let solution = mpcc::solve(&mut program.program, &settings)
-                    .map_err(|error| refused(&error))?;
-                self.counts.programs += 1;
-                self.counts.global_iterations += solution.iterations;
-                self.counts.factorizations += solution.factorizations;
-                self.report("contact-implicit search");
-                if solution.status == mpcc::Status::Relaxed {
-                    found = Some(program.path(&solution.x));
-                    break;
-                }
-                let status = match solution.status {
-                    mpcc::Status::Failed(status) => status,
-                    _ => nlp::Status::Infeasible,
-                };
-                self.failure = Some((status, solution.violations));
-            }
+        let mut program = ContactImplicit::new(model, problem, elements, start, units, bounds);
+        let mut settings = mpcc::Settings {
+            rules: vec![rule],
+            crossover: false,
+            final_relaxation: relaxation.0,
+            ..mpcc::Settings::default()
+        };
+        settings.interior_point.initial_barrier_parameter = relaxation.1;
+        settings.interior_point.maximum_iterations = self.settings.maximum_iterations;
+        let solution =
+            mpcc::solve(&mut program.program, &settings).map_err(|error| refused(&error))?;
+        self.counts.programs += 1;
+        self.counts.global_iterations += solution.iterations;
+        self.counts.factorizations += solution.factorizations;
+        self.report("contact-implicit search");
+        if solution.status == mpcc::Status::Relaxed {
+            return Ok(Some(Relaxed {
+                objective: solution.objective,
+                path: program.path(&solution.x),
+                closed: program.closed(&solution.x),
+                elements,
+            }));
         }
-        Ok(found)
+        let status = match solution.status {
+            mpcc::Status::Failed(status) => status,
+            _ => nlp::Status::Infeasible,
+        };
+        self.failure = Some((status, solution.violations));
+        Ok(None)
     }
 
     fn simulate(&self, path: &Path, tolerance: f64) -> Result<Simulation, InputError> {
@@ -204,6 +303,17 @@ impl<'a> Search<'a, '_> {
         };
         let motion = problem.initial_value_problem(path.horizon, path.signal());
         simulator.simulate(self.setting.model, &motion, &mut |_| {})
+    }
+
+    /// Contacts that the motion starts on.
+    fn closed_at_start(&self) -> Vec<bool> {
+        let Setting { model, problem, .. } = self.setting;
+        let input = problem
+            .initial_value_problem(1.0, simulation::ControlSignal::Zero)
+            .input(model);
+        (0..model.declaration().contacts.len())
+            .map(|contact| model.gap(contact, &input) <= AT_START * self.setting.units.gap[contact])
+            .collect()
     }
 
     fn read(&self, replay: &Simulation, path: &Path) -> Sequence {
@@ -233,8 +343,7 @@ impl<'a> Search<'a, '_> {
             let barriers = if round > 0 {
                 &BARRIERS_AFTER_CUT[..]
             } else if self.best.is_some() {
-                // A neighbour starts near its solution or is not worth much.
-                &BARRIERS[..1]
+                &NEIGHBOUR_BARRIERS[..]
             } else {
                 &BARRIERS[..]
             };
@@ -249,14 +358,15 @@ impl<'a> Search<'a, '_> {
                 return Ok(false);
             }
             let limits = Limits {
-                gap: 0.1 * self.settings.gap_margin,
+                gap: TOUCHING * self.settings.gap_margin,
                 margin: self.settings.gap_margin,
                 bound: self.settings.tolerance,
                 bounds: self.setting.bounds,
             };
             let new = between_stages(&program, &solution.x, self.setting.parabolas, limits);
             (guess, sequence) = program.result(&solution.x);
-            if new.is_empty() {
+            // What is left after the last round is for the re-simulation to judge.
+            if new.is_empty() || round + 1 == ROUNDS {
                 self.best = Some(Local {
                     program,
                     solution,
@@ -281,19 +391,23 @@ impl<'a> Search<'a, '_> {
     ) -> Result<Option<(Collocation<'a>, nlp::Solution)>, InputError> {
         for &barrier in barriers {
             let mut program = Collocation::new(self.setting, sequence, guess, cuts);
-            let mut settings = nlp::Settings::default();
-            settings.tolerance = self.settings.tolerance;
-            settings.constraint_tolerance = self.settings.tolerance;
-            settings.initial_barrier_parameter = barrier;
-            settings.maximum_iterations = self.settings.maximum_iterations;
+            let mut settings = nlp::Settings {
+                tolerance: self.settings.tolerance,
+                constraint_tolerance: self.settings.tolerance,
+                initial_barrier_parameter: barrier,
+                maximum_iterations: self.settings.maximum_iterations,
+                ..nlp::Settings::default()
+            };
+            if self.best.is_some() {
+                // A neighbour starts near its solution, or is not worth much.
+                settings.maximum_iterations = settings.maximum_iterations.min(NEIGHBOUR_ITERATIONS);
+            }
             let solution =
                 nlp::solve(&mut program.program, &settings).map_err(|error| refused(&error))?;
             self.counts.programs += 1;
             self.counts.iterations += solution.counts.iterations;
             self.counts.factorizations += solution.counts.factorizations;
             self.report("collocation");
-            if std::env::var("LOG").is_ok() { let mut o = std::io::stdout(); println!("barrier {barrier} {:?} obj {} seq {:?}", solution.status, solution.objective, sequence.switches.iter().map(|s| (s.closes, s.interval, s.place, (s.time*1000.0).round()/1000.0)).collect::<Vec<_>>()); for v in solution.violations.iter().take(2) { println!("   {v:?}"); }
-              if std::env::var("LOG").unwrap() == "2" { for i in &solution.history { let _ = nlp::iteration_log::write_line(&mut o, i); } } }
             if matches!(
                 solution.status,
                 nlp::Status::Solved | nlp::Status::Acceptable
@@ -317,6 +431,7 @@ impl<'a> Search<'a, '_> {
                 solution: &best.solution,
                 sequence: &best.sequence,
                 intervals,
+                touching: TOUCHING * self.settings.gap_margin,
             };
             let directed = pressure.directed();
             let neighbours: Vec<Sequence> =
@@ -343,7 +458,11 @@ impl<'a> Search<'a, '_> {
                 }
             }
             if !improved {
-                return Ok(if self.undecided { Stationarity::None } else { stationarity });
+                return Ok(if self.undecided {
+                    Stationarity::None
+                } else {
+                    stationarity
+                });
             }
             self.counts.repairs += 1;
         }
@@ -451,6 +570,18 @@ fn complementarity(best: &Local) -> f64 {
         }
     }
     largest
+}
+
+/// Adds a motion to those sorted by objective, unless one with the same objective is there.
+fn insert(motions: &mut Vec<Relaxed>, found: Option<Relaxed>) {
+    let Some(found) = found else { return };
+    let objective = found.objective;
+    let tolerance = SAME * objective.abs().max(f64::MIN_POSITIVE);
+    let same = |other: &Relaxed| (other.objective - objective).abs() <= tolerance;
+    if !motions.iter().any(same) {
+        let place = motions.partition_point(|other| other.objective < objective);
+        motions.insert(place, found);
+    }
 }
 
 /// A refusal of the interior point method: the programs here are built to be accepted, except where the
