@@ -1,0 +1,3 @@
+fn main() { lab::main() }
+mod scenes;
+mod lab;
