@@ -1,3 +1,5 @@
-fn main() { lab::main() }
-mod scenes;
+fn main() {
+    lab::main()
+}
 mod lab;
+mod scenes;

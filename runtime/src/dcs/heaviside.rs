@@ -117,6 +117,14 @@ impl<'a> HeavisideSystem<'a> {
         (self.contacts > 0).then(|| self.product(self.contacts))
     }
 
+    /// Sets the lifted products from the step functions in `xi`.
+    pub(crate) fn set_products(&self, xi: &mut [f64]) {
+        for count in 2..=self.contacts {
+            xi[self.product(count)] =
+                xi[self.product(count - 1)] * xi[self.algebraic(count - 1, ALPHA)];
+        }
+    }
+
     /// Input vector of the model from `xi`.
     fn write_input(&mut self, xi: &[f64]) {
         let (n, states) = (self.n, self.states());

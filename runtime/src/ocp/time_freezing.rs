@@ -3,7 +3,7 @@
 use super::problem::{Component, Horizon, Problem, bounds};
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
-use crate::fesd::transcription::{Controls, Task, Transcription, Weights};
+use crate::fesd::transcription::{Controls, Guess, Task, Transcription, Weights};
 use crate::model::Model;
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
@@ -25,7 +25,7 @@ pub struct TimeFreezingSettings {
     /// Finite elements of a control interval; default 3, at least 1. One more than the switches that an
     /// interval should be able to hold; a touchdown is two (the jump has a beginning and an end).
     pub elements: usize,
-    /// Acceleration `a_bar` of the auxiliary dynamics \[unit of the gap / s^2\]; default 50, > 0. Of the
+    /// Acceleration `a_bar` of the auxiliary dynamics \[unit of the gap / s^2\]; default 20, > 0. Of the
     /// order of the contact accelerations, so that the step functions stay away from 0 and 1.
     pub auxiliary_acceleration: f64,
 }
@@ -36,7 +36,7 @@ impl Default for TimeFreezingSettings {
             scheme: Scheme::RadauIia,
             stages: 2,
             elements: 3,
-            auxiliary_acceleration: 50.0,
+            auxiliary_acceleration: 20.0,
         }
     }
 }
@@ -47,7 +47,7 @@ impl Default for TimeFreezingSettings {
 ///
 /// Bounds of coordinates are imposed at the ends of the finite elements, bounds of controls everywhere.
 /// The starting point is made from the problem alone: coordinates with a goal move to it at constant speed,
-/// the others rest; without goals, everything moves at the initial velocity. Controls start at zero, or as
+/// the others rest; without goals, it is a coarse simulation. Controls start at zero, or as
 /// near to it as their bounds allow.
 ///
 /// Sources: Nurkanovic, Albrecht, Brogliato, Diehl, Automatica 158 (2023) 111295 (time-freezing);
@@ -126,11 +126,17 @@ impl<'a> TimeFreezing<'a> {
         let states: Vec<State> = elements.clone().map(|e| program.state(x, e)).collect();
         TimeFreezingMotion {
             horizon: program.horizon(x),
-            controls: (0..self.intervals).map(|k| program.controls(x, k)).collect(),
+            controls: (0..self.intervals)
+                .map(|k| program.controls(x, k))
+                .collect(),
             time: states.iter().map(|state| state.time).collect(),
             step_functions: elements
                 .clone()
-                .map(|e| (0..program.contacts()).map(|i| program.mean_alpha(x, e, i)).collect())
+                .map(|e| {
+                    (0..program.contacts())
+                        .map(|i| program.mean_alpha(x, e, i))
+                        .collect()
+                })
                 .collect(),
             numerical_lengths: elements.map(|e| program.numerical_length(x, e)).collect(),
             q: states.iter().map(|state| state.q.clone()).collect(),
@@ -160,13 +166,12 @@ fn task(model: &dyn Model, problem: &Problem, elements: usize) -> Task {
         Component::Velocity(k) => (n + k, goal.value),
     });
     let goals: Vec<(usize, f64)> = goals.collect();
-    let guess_velocity = if goals.is_empty() {
-        problem.v.clone()
+    let guess = if goals.is_empty() {
+        Guess::Simulated
     } else {
         let goal = |k| problem.goal(Component::Coordinate(k));
-        (0..n)
-            .map(|k| goal(k).map_or(0.0, |goal| (goal - problem.q[k]) / horizon))
-            .collect()
+        let velocity = (0..n).map(|k| goal(k).map_or(0.0, |goal| (goal - problem.q[k]) / horizon));
+        Guess::Line(velocity.collect())
     };
     let objective = &problem.objective;
     let velocities = objective.final_velocities.iter();
@@ -197,7 +202,7 @@ fn task(model: &dyn Model, problem: &Problem, elements: usize) -> Task {
                 .chain(velocities)
                 .collect(),
         },
-        guess_velocity,
+        guess,
     }
 }
 

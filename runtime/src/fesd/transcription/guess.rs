@@ -1,61 +1,66 @@
 //! The starting point of the solver, from the task alone.
 
-use super::{SUMS, Transcription};
-use crate::dcs::{ALPHA, PER_CONTACT};
+use super::{Guess, SUMS, Transcription};
+use crate::dcs::{ALPHA, BETA, PER_CONTACT};
+
+/// Explicit Euler steps of a simulated guess in an interval without contact.
+const STEPS: usize = 200;
+
+/// A motion in numerical time on equal steps of one interval.
+struct Sampled {
+    /// Numerical length of the interval.
+    length: f64,
+    /// `(q, v, t)` and then the step functions of the following step, at each instant.
+    points: Vec<Vec<f64>>,
+}
+
+impl Sampled {
+    /// Linear interpolation at the fraction `share` of the interval; step functions are averaged over
+    /// `window` of it.
+    fn at(&self, share: f64, window: f64, states: usize) -> Vec<f64> {
+        let steps = (self.points.len() - 1) as f64;
+        let place = (share * steps).clamp(0.0, steps);
+        let first = (place as usize).min(self.points.len() - 2);
+        let fraction = place - first as f64;
+        let mut point: Vec<f64> = self.points[first][..states]
+            .iter()
+            .zip(&self.points[first + 1])
+            .map(|(a, b)| a + fraction * (b - a))
+            .collect();
+        let from = (((share - 0.5 * window) * steps).max(0.0) as usize).min(self.points.len() - 2);
+        let to = (((share + 0.5 * window) * steps) as usize).clamp(from + 1, self.points.len() - 1);
+        for k in states..self.points[first].len() {
+            let sum: f64 = self.points[from..to].iter().map(|point| point[k]).sum();
+            point.push(sum / (to - from) as f64);
+        }
+        point
+    }
+}
 
 impl Transcription<'_> {
-    /// Motion at the guessed velocity, with every step function undecided.
     pub(super) fn set_guess(&mut self) {
-        let n = self.dcs.system.coordinates();
-        let states = self.dcs.states();
         let mut guess = vec![0.0; self.variables];
         if let Some(horizon) = self.horizon {
             guess[horizon] = self.task.horizon;
         }
-        let duration = self.task.horizon / self.task.intervals as f64;
-        for interval in &self.intervals {
-            guess[interval.length] = duration;
+        let intervals = self.sample();
+        for (interval, sampled) in self.intervals.iter().zip(&intervals) {
+            guess[interval.length] = sampled.length;
             for (k, &control) in interval.controls.iter().enumerate() {
                 guess[control] = self.task.controls.values()[k] / self.control_units[k];
             }
         }
-        let share = 1.0 / self.task.elements as f64;
+        let count = self.task.elements;
+        let width = 1.0 / count as f64;
         for e in 0..self.elements.len() {
-            guess[self.elements[e].length] = share;
+            guess[self.elements[e].length] = width;
             for b in 0..self.elements[e].blocks.len() {
                 let c = self.tableau.c().get(b).copied().unwrap_or(1.0);
-                let elapsed = (e as f64 + c) * share * duration;
-                self.local.fill(0.0);
-                for k in 0..n {
-                    let velocity = self.task.guess_velocity[k];
-                    self.local[k] = self.start[k] + elapsed * velocity;
-                    self.local[n + k] = velocity;
-                }
-                let time = self.dcs.time();
-                self.local[time] = self.start[time] + elapsed;
-                for (k, &control) in self.task.controls.values().iter().enumerate() {
-                    self.local[states + k] = control;
-                }
-                self.dcs.rows(&self.local, &mut self.rows);
-                for contact in 0..self.dcs.contacts() {
-                    let (gap, velocity) = (
-                        self.dcs.system.gap(contact),
-                        self.dcs.system.normal_velocity(contact),
-                    );
-                    let margin = gap.max(velocity);
-                    let z = [
-                        0.5,
-                        0.5,
-                        margin.max(0.0),
-                        (-margin).max(0.0),
-                        (velocity - gap).max(0.0),
-                        (gap - velocity).max(0.0),
-                    ];
-                    let first = self.dcs.algebraic(contact, ALPHA);
-                    self.local[first..first + PER_CONTACT].copy_from_slice(&z);
-                    let place = self.dcs.lifted_gap(contact);
-                    self.local[place] = gap;
-                }
+                let share = ((e % count) as f64 + c) * width;
+                let window = width / self.tableau.stages() as f64;
+                let plain = self.dcs.time() + 1;
+                let point = intervals[e / count].at(share, window, plain);
+                self.set_local(&point[..plain], &point[plain..]);
                 for k in 0..self.local.len() {
                     if let Some(variable) = self.elements[e].blocks[b].variables[k] {
                         guess[variable] = self.local[k] / self.unit(k);
@@ -72,5 +77,102 @@ impl Transcription<'_> {
             }
         }
         self.guess = guess;
+    }
+
+    /// Local vector for `(q, v, t)` and step functions; the other algebraic variables follow.
+    fn set_local(&mut self, y: &[f64], alpha: &[f64]) {
+        let states = self.dcs.states();
+        self.local.fill(0.0);
+        self.local[..y.len()].copy_from_slice(y);
+        for (k, &control) in self.task.controls.values().iter().enumerate() {
+            self.local[states + k] = control;
+        }
+        for (contact, &alpha) in alpha.iter().enumerate() {
+            let place = self.dcs.algebraic(contact, ALPHA);
+            self.local[place] = alpha;
+            let place = self.dcs.algebraic(contact, BETA);
+            self.local[place] = 1.0 - alpha;
+        }
+        self.dcs.set_products(&mut self.local);
+        self.dcs.rows(&self.local, &mut self.rows);
+        for (contact, &alpha) in alpha.iter().enumerate() {
+            let gap = self.dcs.system.gap(contact);
+            let velocity = self.dcs.system.normal_velocity(contact);
+            let margin = gap.max(velocity);
+            let z = [
+                alpha,
+                1.0 - alpha,
+                margin.max(0.0),
+                (-margin).max(0.0),
+                (velocity - gap).max(0.0),
+                (gap - velocity).max(0.0),
+            ];
+            let first = self.dcs.algebraic(contact, ALPHA);
+            self.local[first..first + PER_CONTACT].copy_from_slice(&z);
+            let place = self.dcs.lifted_gap(contact);
+            self.local[place] = gap;
+        }
+    }
+
+    /// The guessed motion of each interval.
+    fn sample(&mut self) -> Vec<Sampled> {
+        let contacts = self.dcs.contacts();
+        let plain = self.dcs.time() + 1;
+        let duration = self.task.horizon / self.task.intervals as f64;
+        let mut y = self.start[..plain].to_vec();
+        (0..self.task.intervals)
+            .map(|k| match self.task.guess.clone() {
+                Guess::Line(velocity) => {
+                    let n = velocity.len();
+                    let end = |share: f64| {
+                        let elapsed = (k as f64 + share) * duration;
+                        let mut point = self.start[..n].to_vec();
+                        for (q, v) in point.iter_mut().zip(&velocity) {
+                            *q += elapsed * v;
+                        }
+                        point.extend(&velocity);
+                        point.push(self.start[2 * n] + elapsed);
+                        point.resize(plain + contacts, 0.5);
+                        point
+                    };
+                    Sampled {
+                        length: duration,
+                        points: vec![end(0.0), end(1.0)],
+                    }
+                }
+                Guess::Simulated => self.simulate(&mut y, duration),
+            })
+            .collect()
+    }
+
+    /// Explicit Euler steps of the time-freezing system from `y` until `duration` has passed on its clock.
+    fn simulate(&mut self, y: &mut [f64], duration: f64) -> Sampled {
+        let time = self.dcs.time();
+        let end = y[time] + duration;
+        let step = duration / STEPS as f64;
+        let most = (self.speed_bound * STEPS as f64) as usize;
+        let free = vec![1.0; self.dcs.contacts()];
+        let mut points = Vec::new();
+        loop {
+            self.set_local(y, &free);
+            let alpha: Vec<f64> = (0..self.dcs.contacts())
+                .map(|contact| {
+                    let gap = self.dcs.system.gap(contact);
+                    let margin = gap.max(self.dcs.system.normal_velocity(contact));
+                    f64::from(u8::from(margin > 0.0))
+                })
+                .collect();
+            let mut point = y.to_vec();
+            point.extend(&alpha);
+            points.push(point);
+            if points.len() > most || points.len() > 1 && y[time] >= end - 0.5 * step {
+                let length = step * (points.len() - 1) as f64;
+                return Sampled { length, points };
+            }
+            self.set_local(y, &alpha);
+            for (value, rate) in y.iter_mut().zip(&self.rows) {
+                *value += step * rate;
+            }
+        }
     }
 }

@@ -21,10 +21,11 @@
 
 mod derivatives;
 mod guess;
+mod modes;
 mod program;
 mod task;
 
-pub(crate) use task::{Controls, Task, Weights};
+pub(crate) use task::{Controls, Guess, Task, Weights};
 
 use crate::dcs::{ALPHA, BETA, HeavisideSystem, LAMBDA_MINUS, LAMBDA_PLUS, P, PER_CONTACT, W};
 use crate::fesd::finite_element::State;
@@ -33,7 +34,7 @@ use std::collections::BTreeMap;
 
 /// Smallest element length relative to the nominal one: elements of length zero would make the Jacobian
 /// singular.
-const SHORTEST: f64 = 1e-4;
+const SHORTEST: f64 = 1e-3;
 /// Weight of the step equilibration: small enough to leave the complementarity to the solver, large
 /// enough to fix the lengths that nothing else does.
 const EQUILIBRATION: f64 = 1e-4;

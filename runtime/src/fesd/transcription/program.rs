@@ -1,7 +1,7 @@
 //! The program as the solver sees it.
 
 use super::{Controls, EQUILIBRATION, SHORTEST, SUMS, Transcription};
-use crate::dcs::{ALPHA, BETA, PER_CONTACT};
+use crate::dcs::PER_CONTACT;
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
 
@@ -64,10 +64,8 @@ impl NlpProblem for Transcription<'_> {
                     for offset in 0..PER_CONTACT {
                         let place = self.dcs.algebraic(contact, offset);
                         if let Some(variable) = block.variables[place] {
+                            // alpha + beta = 1 bounds both from above
                             lower[variable] = 0.0;
-                            if matches!(offset, ALPHA | BETA) {
-                                upper[variable] = 1.0;
-                            }
                         }
                     }
                 }
@@ -231,5 +229,10 @@ impl NlpProblem for Transcription<'_> {
 impl Mpcc for Transcription<'_> {
     fn complementarities(&self) -> &[(usize, usize)] {
         &self.pairs
+    }
+
+    fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
+        self.mark_vanishing(x, vanishes);
+        true
     }
 }

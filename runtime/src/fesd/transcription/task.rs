@@ -21,8 +21,7 @@ pub(crate) struct Task {
     /// Values at the end, by index in `(q, v)`.
     pub(crate) goals: Vec<(usize, f64)>,
     pub(crate) objective: Weights,
-    /// Constant velocity of the initial guess.
-    pub(crate) guess_velocity: Vec<f64>,
+    pub(crate) guess: Guess,
 }
 
 /// Controls of all intervals.
@@ -36,6 +35,15 @@ pub(crate) enum Controls {
         upper: Vec<f64>,
         guess: Vec<f64>,
     },
+}
+
+/// Where the solver starts.
+#[derive(Debug, Clone)]
+pub(crate) enum Guess {
+    /// Motion at this velocity, with every step function undecided.
+    Line(Vec<f64>),
+    /// A coarse explicit simulation of the time-freezing system under the guessed controls.
+    Simulated,
 }
 
 /// Weights of the objective.
@@ -63,7 +71,7 @@ impl Task {
             coordinate_bounds: (vec![f64::NEG_INFINITY; n], vec![f64::INFINITY; n]),
             goals: Vec::new(),
             objective: Weights::default(),
-            guess_velocity: start.v.clone(),
+            guess: Guess::Simulated,
         }
     }
 }
