@@ -6,6 +6,9 @@ use crate::dcs::{ALPHA, BETA, PER_CONTACT};
 /// Explicit Euler steps of a simulated guess in an interval without contact.
 const STEPS: usize = 200;
 
+/// Steps without a change of a step function that count as flight or jump; in contact it chatters.
+const STEADY: usize = 5;
+
 /// A motion in numerical time on equal steps of one interval.
 struct Sampled {
     /// Numerical length of the interval.
@@ -15,6 +18,47 @@ struct Sampled {
 }
 
 impl Sampled {
+    /// Ends of `count` elements as fractions of the interval: at the changes of mode, the longest phases
+    /// divided evenly.
+    fn ends(&self, count: usize, states: usize) -> Vec<f64> {
+        let steps = self.points.len() - 1;
+        let mut modes = vec![Vec::new(); steps];
+        for k in states..self.points[0].len() {
+            let mut from = 0;
+            while from < steps {
+                let value = self.points[from][k];
+                let same = |i: &usize| self.points[*i][k] == value;
+                let to = from + (from..steps).take_while(same).count();
+                let mode = if to - from < STEADY { 0.5 } else { value };
+                modes[from..to].iter_mut().for_each(|step| step.push(mode));
+                from = to;
+            }
+        }
+        // lengths of the phases
+        let mut phases: Vec<usize> = modes
+            .chunk_by(|a, b| a == b)
+            .map(<[Vec<f64>]>::len)
+            .collect();
+        while phases.len() > count {
+            let shortest = (0..phases.len()).min_by_key(|&i| phases[i]).unwrap_or(0);
+            let length = phases.remove(shortest);
+            phases[shortest.saturating_sub(1)] += length;
+        }
+        let mut parts = vec![1; phases.len()];
+        for _ in phases.len()..count {
+            let longest = (0..phases.len()).max_by_key(|&i| phases[i] / parts[i]);
+            parts[longest.unwrap_or(0)] += 1;
+        }
+        let mut ends = Vec::with_capacity(count);
+        let mut start = 0.0;
+        for (&length, &parts) in phases.iter().zip(&parts) {
+            let length = length as f64 / steps as f64;
+            ends.extend((1..=parts).map(|part| start + length * part as f64 / parts as f64));
+            start += length;
+        }
+        ends
+    }
+
     /// Linear interpolation at the fraction `share` of the interval; step functions are averaged over
     /// `window` of it.
     fn at(&self, share: f64, window: f64, states: usize) -> Vec<f64> {
@@ -51,14 +95,22 @@ impl Transcription<'_> {
             }
         }
         let count = self.task.elements;
-        let width = 1.0 / count as f64;
+        let plain = self.dcs.time() + 1;
+        let ends: Vec<Vec<f64>> = intervals
+            .iter()
+            .map(|sampled| sampled.ends(count, plain))
+            .collect();
         for e in 0..self.elements.len() {
+            let ends = &ends[e / count];
+            let start = (e % count)
+                .checked_sub(1)
+                .map_or(0.0, |before| ends[before]);
+            let width = ends[e % count] - start;
             guess[self.elements[e].length] = width;
             for b in 0..self.elements[e].blocks.len() {
                 let c = self.tableau.c().get(b).copied().unwrap_or(1.0);
-                let share = ((e % count) as f64 + c) * width;
+                let share = start + c * width;
                 let window = width / self.tableau.stages() as f64;
-                let plain = self.dcs.time() + 1;
                 let point = intervals[e / count].at(share, window, plain);
                 self.set_local(&point[..plain], &point[plain..]);
                 for k in 0..self.local.len() {
