@@ -8,7 +8,7 @@
 use super::driver::{Driver, Stop};
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
-use crate::fesd::transcription::Transcription;
+use crate::fesd::transcription::{Task, Transcription};
 use crate::mpcc;
 use crate::simulation::EventKind;
 use crate::time_freezing::TimeFreezingSystem;
@@ -53,10 +53,7 @@ impl Driver<'_> {
             let mut program = Transcription::new(
                 HeavisideSystem::new(system),
                 self.tableau,
-                &self.state,
-                &self.u,
-                end - self.state.time,
-                elements,
+                Task::step(&self.state, &self.u, end - self.state.time, elements),
             );
             let mut settings = mpcc::Settings::default();
             settings.interior_point.maximum_iterations = MAX_ITERATIONS;
