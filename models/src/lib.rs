@@ -1,1 +1,21 @@
-//! The shipped scenes.
+//! The shipped scenes, each declared in the modelling language, and the list of them.
+//!
+//! [`scenes`] is the only place that knows which scenes exist; the command line and the tests read
+//! names, parameters, pictures and published results from there.
+
+mod published;
+mod pump_track;
+mod scene;
+mod ski_jump;
+
+pub use published::{PublishedDataError, PublishedFigure, PublishedMarker};
+pub use pump_track::{PumpTrack, PumpTrackHolding};
+pub use scene::{GroundLine, OptimalControl, Plane, Scene, Variant};
+pub use ski_jump::SkiJump;
+
+/// All shipped scenes, in the order in which they are listed.
+#[must_use]
+pub fn scenes() -> &'static [Scene] {
+    const SCENES: &[Scene] = &[ski_jump::SCENE, pump_track::SCENE];
+    SCENES
+}

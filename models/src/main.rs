@@ -1,3 +1,9 @@
 //! The command line of hangtime.
 
-fn main() {}
+mod command_line;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    command_line::run(std::env::args_os())
+}

@@ -15,4 +15,15 @@ pub trait Mpcc: NlpProblem {
         let (i, j) = self.complementarities()[index];
         format!("{} _|_ {}", self.variable_name(i), self.variable_name(j))
     }
+
+    /// Chooses which paired variables vanish at the solution near `x`: writes `true` to `vanishes[i]`
+    /// (all `false` on entry, length `n`) for each of them and returns `true`. At least one side of each
+    /// pair has to vanish.
+    ///
+    /// The default returns `false`: the smaller side of each pair vanishes. Problems whose pairs belong
+    /// together, such as the modes of a finite element, decide them together.
+    fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
+        let _ = (x, vanishes);
+        false
+    }
 }

@@ -5,14 +5,24 @@
 //! [`SimulationStatus`], not an error; an [`InputError`] means that the input was refused before the
 //! first step.
 
+mod event;
+mod fesd;
+mod fixed;
+mod moreau;
 mod problem;
 mod result;
+mod smooth;
 
+pub use event::EventDriven;
+pub use fesd::{Fesd, StepFormulation};
+pub use fixed::FixedStep;
+pub use moreau::Moreau;
 pub use problem::{ControlSignal, InitialValueProblem, InputError};
 pub use result::{
     Counts, Diagnosis, Event, EventKind, ProblemSize, Residuals, Seconds, Simulation,
     SimulationStatus, Trajectory,
 };
+pub use smooth::Smooth;
 
 use crate::model::Model;
 
@@ -23,7 +33,7 @@ pub trait Simulator {
 
     /// Simulates `model` over `problem`.
     ///
-    /// `progress` is called with the physical time reached [s] after every accepted step.
+    /// `progress` is called with the physical time reached \[s\] after every accepted step.
     ///
     /// # Errors
     /// [`InputError`] if the problem or the method's settings are refused; every failure after the

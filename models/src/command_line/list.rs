@@ -1,0 +1,115 @@
+//! `hangtime list`: the scenes and their parameters.
+
+use std::fmt::Write as _;
+
+use hangtime_models::{Scene, scenes};
+use serde::Serialize;
+
+use super::Report;
+use super::arguments::ListArguments;
+use super::json::{SCHEMA, to_line};
+use super::table::{headed, table};
+
+#[derive(Serialize)]
+struct Document {
+    schema: u32,
+    scenes: Vec<SceneEntry>,
+}
+
+#[derive(Serialize)]
+struct SceneEntry {
+    name: &'static str,
+    title: &'static str,
+    parameters: Vec<ParameterEntry>,
+    variants: Vec<Vec<VariantEntry>>,
+}
+
+#[derive(Serialize)]
+struct ParameterEntry {
+    name: &'static str,
+    unit: &'static str,
+    default: f64,
+    documentation: &'static str,
+}
+
+#[derive(Serialize)]
+struct VariantEntry {
+    name: &'static str,
+    choice: &'static str,
+}
+
+impl SceneEntry {
+    fn of(scene: &Scene) -> Self {
+        let model = scene.model();
+        Self {
+            name: scene.name,
+            title: scene.title,
+            parameters: model
+                .declaration()
+                .parameters
+                .iter()
+                .map(|parameter| ParameterEntry {
+                    name: parameter.name,
+                    unit: parameter.unit,
+                    default: parameter.default,
+                    documentation: parameter.documentation,
+                })
+                .collect(),
+            variants: scene
+                .variants
+                .iter()
+                .filter(|variant| !variant.settings.is_empty())
+                .map(|variant| {
+                    variant
+                        .settings
+                        .iter()
+                        .map(|&(name, choice)| VariantEntry { name, choice })
+                        .collect()
+                })
+                .collect(),
+        }
+    }
+}
+
+pub(super) fn run(arguments: &ListArguments) -> Report {
+    let scenes: Vec<SceneEntry> = scenes().iter().map(SceneEntry::of).collect();
+    let text = if arguments.json {
+        to_line(&Document {
+            schema: SCHEMA,
+            scenes,
+        })
+    } else {
+        scenes.iter().fold(String::new(), |mut text, scene| {
+            let _ = writeln!(
+                text,
+                "{}\n  {}\n\n{}",
+                scene.name,
+                scene.title,
+                parameters(scene)
+            );
+            text
+        })
+    };
+    Report {
+        text,
+        diagnoses: Vec::new(),
+    }
+}
+
+fn parameters(scene: &SceneEntry) -> String {
+    let numbers = scene.parameters.iter().map(|parameter| {
+        vec![
+            headed(parameter.name, parameter.unit),
+            parameter.default.to_string(),
+            parameter.documentation.trim().to_owned(),
+        ]
+    });
+    let choices = scene.variants.iter().flatten().map(|variant| {
+        vec![
+            variant.name.to_owned(),
+            variant.choice.to_owned(),
+            "form of the scene".to_owned(),
+        ]
+    });
+    table(["parameter", "default", ""], numbers.chain(choices))
+}

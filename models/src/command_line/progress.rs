@@ -1,0 +1,77 @@
+//! Progress of long runs: a bar on a terminal, nothing otherwise.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Runs shorter than this show no bar, and a bar is redrawn no more often.
+const PATIENCE: Duration = Duration::from_millis(150);
+
+/// A progress bar over a physical quantity.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    next: Instant,
+    end: f64,
+}
+
+impl Progress {
+    /// A bar that runs from 0 to `end`; drawn on the standard error stream if that is a terminal.
+    pub(crate) fn new(title: &str, end: f64) -> Self {
+        /// Cells of the bar's own scale.
+        const CELLS: u64 = 1000;
+        let bar = ProgressBar::new(CELLS).with_message(title.to_owned());
+        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} % {eta}") {
+            bar.set_style(style);
+        }
+        Self {
+            bar,
+            next: Instant::now() + PATIENCE,
+            end,
+        }
+    }
+
+    /// Moves the bar to `reached`.
+    pub(crate) fn reach(&mut self, reached: f64) {
+        let now = Instant::now();
+        if now >= self.next {
+            self.next = now + PATIENCE;
+            let share = (reached / self.end).clamp(0.0, 1.0);
+            let length = self.bar.length().unwrap_or_default() as f64;
+            self.bar.set_position((share * length) as u64);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A line that says what a long run is doing; drawn on the standard error stream if that is a terminal.
+pub(crate) struct Spinner {
+    bar: ProgressBar,
+}
+
+impl Spinner {
+    /// A line that begins with `title`.
+    pub(crate) fn new(title: &str) -> Self {
+        let bar = ProgressBar::new_spinner().with_prefix(title.to_owned());
+        if let Ok(style) = ProgressStyle::with_template("{prefix} {spinner} {elapsed} {msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(PATIENCE);
+        Self { bar }
+    }
+
+    /// Changes what the line says.
+    pub(crate) fn say(&self, message: &str) {
+        self.bar.set_message(message.to_owned());
+    }
+}
+
+impl Drop for Spinner {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,185 @@
+//! `hangtime simulate`: one simulation, as tables, as JSON, and as files.
+
+use std::fmt::Write as _;
+
+use hangtime::simulation::{InitialValueProblem, Simulation};
+
+use super::Report;
+use super::arguments::SimulateArguments;
+use super::failure::BadInput;
+use super::json::Document;
+use super::method::ChosenMethod;
+use super::motion::motion;
+use super::output::OutputDirectory;
+use super::progress::Progress;
+use super::settings::ChosenScene;
+use super::spreadsheet::{events_csv, trajectory_csv};
+use super::table::{headed, per_second, seconds, table};
+
+pub(super) fn run(arguments: &SimulateArguments) -> Result<Report, BadInput> {
+    let chosen = ChosenScene::from_arguments(&arguments.scene)?;
+    let method = ChosenMethod::from_arguments(&arguments.method)?;
+    let problem = InitialValueProblem::of(chosen.model.as_ref(), arguments.horizon)
+        .and_then(|problem| problem.check(chosen.model.as_ref()).map(|()| problem))
+        .map_err(|error| chosen.refuse(&error))?;
+    let directory = arguments
+        .out
+        .as_deref()
+        .map(OutputDirectory::open)
+        .transpose()?;
+    let mut progress = Progress::new(chosen.scene.name, problem.horizon);
+    let simulation = method
+        .simulate(chosen.model.as_ref(), &problem, &mut |t| progress.reach(t))
+        .map_err(|error| chosen.refuse(&error))?;
+    drop(progress);
+    let json = Document::new(&chosen, problem.horizon, &method.settings, &simulation).text();
+    let mut written = String::new();
+    if let Some(directory) = directory {
+        for path in directory.write(&files(&chosen, &json, &simulation))? {
+            let _ = writeln!(written, "wrote {}", path.display());
+        }
+    }
+    let diagnoses = diagnosis_line(&chosen, &simulation).into_iter().collect();
+    let text = if arguments.json {
+        json
+    } else {
+        tables(&chosen, problem.horizon, &method, &simulation) + &written
+    };
+    Ok(Report { text, diagnoses })
+}
+
+/// Why a simulation stopped early, in one line, if it did.
+pub(crate) fn diagnosis_line(chosen: &ChosenScene, simulation: &Simulation) -> Option<String> {
+    let diagnosis = simulation.status.diagnosis()?;
+    let text = format!(
+        "{}: {} at t = {} s: {}",
+        chosen.scene.name,
+        simulation.status.name(),
+        diagnosis.time,
+        diagnosis.message
+    );
+    Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+/// The files of one simulation, as (name, content).
+fn files(chosen: &ChosenScene, json: &str, simulation: &Simulation) -> Vec<(String, String)> {
+    let declaration = chosen.model.declaration();
+    let name = chosen.scene.name;
+    let mut files = vec![
+        (format!("{name}.json"), json.to_owned()),
+        (
+            format!("{name}-trajectory.csv"),
+            trajectory_csv(declaration, &simulation.trajectory),
+        ),
+        (
+            format!("{name}-events.csv"),
+            events_csv(declaration, &simulation.events),
+        ),
+    ];
+    if let Some(plane) = &chosen.scene.plane {
+        let title = chosen.scene.title.to_owned();
+        let model = chosen.model.as_ref();
+        let picture = motion(title, plane, model, simulation, Vec::new(), None);
+        files.push((format!("{name}.svg"), picture.svg()));
+    }
+    files
+}
+
+/// A number for people: ten decimals, or an exponent where they would fill the line.
+fn digits(value: f64) -> String {
+    if value.abs() < 1e7 {
+        format!("{value:.10}")
+    } else {
+        format!("{value:.10e}")
+    }
+}
+
+/// The result for people.
+fn tables(
+    chosen: &ChosenScene,
+    horizon: f64,
+    method: &ChosenMethod,
+    simulation: &Simulation,
+) -> String {
+    let declaration = chosen.model.declaration();
+    let mut text = format!("{}: {}\n\n", chosen.scene.name, chosen.scene.title);
+    let parameters = chosen.parameters();
+    let _ = writeln!(text, "parameters  {}", parameters.join(", "));
+    let _ = writeln!(text, "method      {}", method.settings);
+    let _ = writeln!(text, "horizon     {horizon} s");
+    let _ = writeln!(text, "status      {}\n", simulation.status.name());
+
+    let mut header: Vec<String> = ["event", "contact", "time [s]"].map(str::to_owned).into();
+    header.extend(
+        declaration
+            .coordinates
+            .iter()
+            .map(|c| headed(c.name, c.unit)),
+    );
+    header.extend(
+        declaration
+            .coordinates
+            .iter()
+            .map(|c| headed(&format!("d{}/dt", c.name), &per_second(c.unit))),
+    );
+    let rows = simulation.events.iter().map(|event| {
+        let names = [
+            event.kind.name().replace('_', " "),
+            declaration.contacts[event.contact].name.to_owned(),
+            digits(event.time),
+        ];
+        let states = event.q.iter().chain(&event.v_after).copied().map(digits);
+        names.into_iter().chain(states).collect()
+    });
+    if simulation.events.is_empty() {
+        text += "no events\n\n";
+    } else {
+        text += &table(header, rows);
+        text += "  (velocities right after the event)\n\n";
+    }
+
+    let trajectory = &simulation.trajectory;
+    if let (Some(&time), Some(q), Some(v)) = (
+        trajectory.time.last(),
+        trajectory.q.last(),
+        trajectory.v.last(),
+    ) {
+        let _ = writeln!(text, "state at t = {time} s");
+        let rows = declaration.coordinates.iter().enumerate().map(|(i, c)| {
+            let unit = if c.unit.is_empty() { "1" } else { c.unit };
+            vec![
+                c.name.to_owned(),
+                digits(q[i]),
+                unit.to_owned(),
+                digits(v[i]),
+                per_second(c.unit),
+            ]
+        });
+        text += &table(["coordinate", "value", "", "velocity", ""], rows);
+        text += "\n";
+    }
+
+    let residuals = simulation.residuals;
+    let _ = writeln!(
+        text,
+        "residuals   primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
+        residuals.primal, residuals.dual, residuals.complementarity
+    );
+    let counts = simulation.counts;
+    let _ = writeln!(
+        text,
+        "counts      {} elements, {} Newton iterations, {} factorizations, {} evaluations, \
+         {} interior point iterations in {} fallbacks",
+        counts.elements,
+        counts.newton,
+        counts.factorizations,
+        counts.evaluations,
+        counts.interior_point,
+        counts.fallbacks
+    );
+    let _ = writeln!(text, "CPU time    {}", seconds(simulation.seconds.total));
+    for note in &simulation.notes {
+        let _ = writeln!(text, "note        {note}");
+    }
+    text
+}

@@ -1,0 +1,56 @@
+//! Tables for people.
+
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+
+/// Lines up `rows` under `header`: the first column to the left, numbers to the right.
+pub(crate) fn table<H, R>(header: H, rows: R) -> String
+where
+    H: IntoIterator,
+    H::Item: Into<String>,
+    R: IntoIterator<Item = Vec<String>>,
+{
+    let mut table = Table::new();
+    table
+        .load_preset(presets::NOTHING)
+        .set_content_arrangement(ContentArrangement::Disabled)
+        .set_header(header.into_iter().map(Into::into).collect::<Vec<String>>());
+    for row in rows {
+        table.add_row(row);
+    }
+    for (index, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((if index == 0 { 2 } else { 1 }, 1));
+        if index > 0 {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table.trim_fmt() + "\n"
+}
+
+/// A number with its unit as an axis or a column is headed: `y [m]`, or `y` without a unit.
+pub(crate) fn headed(name: &str, unit: &str) -> String {
+    if unit.is_empty() {
+        name.to_owned()
+    } else {
+        format!("{name} [{unit}]")
+    }
+}
+
+/// The unit of a time derivative.
+pub(crate) fn per_second(unit: &str) -> String {
+    if unit.is_empty() {
+        "1/s".to_owned()
+    } else {
+        format!("{unit}/s")
+    }
+}
+
+/// CPU time for people.
+pub(crate) fn seconds(value: f64) -> String {
+    if value < 1e-3 {
+        format!("{:.0} us", value * 1e6)
+    } else if value < 1.0 {
+        format!("{:.1} ms", value * 1e3)
+    } else {
+        format!("{value:.2} s")
+    }
+}

@@ -1,0 +1,99 @@
+//! A ski jump: a point mass slides off a curved table, flies, and lands on a straight slope.
+//!
+//! Source: J. Golembiewski, T. Faulwasser, "Tutorial Problems for Nonsmooth Dynamics and Optimal
+//! Control: Ski Jumping and Accelerating a Bike Without Pedaling", section III-A; the numbers are
+//! those of the authors' scripts and of the data of their Fig. 3.
+
+use hangtime::model::Model;
+
+use crate::published::PublishedFigure;
+use crate::scene::{GroundLine, Plane, Scene, Variant};
+
+hangtime::model! {
+    /// A ski jumper: a point mass that slides off a curved table and lands on a straight slope.
+    pub SkiJump {
+        parameters {
+            /// Mass of the jumper.
+            m: kg = 80,
+            /// Gravitational acceleration.
+            g: m/s^2 = 9.81,
+            /// Horizontal position of the start on the table; 10.2759 m is 45 m high, 8.264 m is 50 m.
+            start_y: m = 10.2759,
+        }
+        coordinates {
+            /// Horizontal position.
+            y: m,
+            /// Height.
+            z: m,
+        }
+
+        fn table(y) = -0.0001524[1/m^3]*y^4 - 0.002149[1/m^2]*y^3 + 0.4162[1/m]*y^2 - 9.154*y + 99.15[m]
+        fn slope(y) = 45[m] - y/2
+
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        surface table: z - table(y) >= 0
+        surface slope: z - slope(y) >= 0
+        impact table: inelastic
+        impact slope: inelastic
+
+        start { y: start_y, z: table(start_y) }
+        horizon 5 [s]
+    }
+}
+
+/// Its entry in the list of scenes.
+pub(crate) const SCENE: Scene = Scene {
+    name: "ski-jump",
+    title: "a point mass slides off a curved table, flies, and lands on a straight slope",
+    variants: &[Variant {
+        settings: &[],
+        model: || Box::new(SkiJump::default()),
+    }],
+    plane: Some(Plane {
+        axes: ["y [m]", "z [m]"],
+        unit: "m",
+        bodies: &["jumper"],
+        positions: |_, q| vec![[q[0], q[1]]],
+        ground,
+    }),
+    optimal_control: None,
+    published: &[
+        PublishedFigure {
+            name: "ski_sim_45",
+            title: "ski jump, start 45 m high",
+            source: "Golembiewski and Faulwasser, Fig. 3a",
+            settings: &[("start_y", 10.2759)],
+            marker_rate: 5.0,
+            csv: include_str!("../data/ski_sim_45.csv"),
+        },
+        PublishedFigure {
+            name: "ski_sim_50",
+            title: "ski jump, start 50 m high",
+            source: "Golembiewski and Faulwasser, Fig. 3b",
+            settings: &[("start_y", 8.264)],
+            marker_rate: 5.0,
+            csv: include_str!("../data/ski_sim_50.csv"),
+        },
+    ],
+};
+
+/// Points of a ground line.
+const POINTS: usize = 200;
+
+/// The surfaces, from the gaps: at `z = 0` a gap is the negative height of its surface.
+fn ground(model: &dyn Model, from: f64, to: f64) -> Vec<GroundLine> {
+    let height = |contact: usize, y: f64| -model.gap(contact, &[y, 0.0, 0.0, 0.0]);
+    model
+        .declaration()
+        .contacts
+        .iter()
+        .enumerate()
+        .map(|(contact, declared)| GroundLine {
+            name: declared.name,
+            points: (0..=POINTS)
+                .map(|i| from + (to - from) * i as f64 / POINTS as f64)
+                .map(|y| [y, height(contact, y)])
+                .collect(),
+        })
+        .collect()
+}

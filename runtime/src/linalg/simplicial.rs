@@ -1,0 +1,238 @@
+//! Sparse `L D L'` without pivoting, on faer's simplicial kernels.
+
+use faer::Side;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::simplicial::{self, SimplicialLdltRef};
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par};
+
+use super::{FactorizationError, Inertia, KktFactorization, SymmetricPattern};
+
+/// `L D L'` with an approximate minimum degree order and static shifts in place of pivoting.
+///
+/// The factorized matrix is `K + diag(delta_w + static_primal, -(delta_c + static_dual))`: without
+/// pivoting a saddle point matrix is only factorizable in every order when it is quasi-definite, and
+/// the static shifts make it so wherever `W` allows. They are part of the factors but not of the
+/// system: [`super::RefinedSolver`] removes their effect by refinement. The inertia is that of `D`.
+pub struct SimplicialLdl {
+    primal: usize,
+    static_primal: f64,
+    static_dual: f64,
+    symbolic: SymbolicCholesky<usize>,
+    /// `permutation[new] = old`.
+    permutation: Vec<usize>,
+    /// Permuted upper triangle: pointers, rows, values, and where each pattern entry goes.
+    column_pointers: Vec<usize>,
+    row_indices: Vec<usize>,
+    permuted_values: Vec<f64>,
+    scatter: Vec<usize>,
+    diagonal: Vec<usize>,
+    factor_values: Vec<f64>,
+    work: Vec<f64>,
+    scratch: MemBuffer,
+}
+
+impl SimplicialLdl {
+    /// Default of the static shift of primal rows: 1e-10 costs no accuracy after refinement.
+    pub const STATIC_PRIMAL: f64 = 1e-10;
+    /// Default of the static shift of dual rows.
+    pub const STATIC_DUAL: f64 = 1e-9;
+
+    /// Analyses the pattern; the first `primal` rows are primal, the others dual.
+    ///
+    /// # Errors
+    /// [`FactorizationError::Analysis`] when memory or the index range does not suffice.
+    pub fn new(pattern: &SymmetricPattern, primal: usize) -> Result<Self, FactorizationError> {
+        Self::with_static_shifts(pattern, primal, Self::STATIC_PRIMAL, Self::STATIC_DUAL)
+    }
+
+    /// As [`SimplicialLdl::new`], with static shifts of the caller's choice (both `>= 0`).
+    ///
+    /// # Errors
+    /// [`FactorizationError::Analysis`] when memory or the index range does not suffice.
+    pub fn with_static_shifts(
+        pattern: &SymmetricPattern,
+        primal: usize,
+        static_primal: f64,
+        static_dual: f64,
+    ) -> Result<Self, FactorizationError> {
+        let n = pattern.dimension();
+        let lower = SymbolicSparseColMatRef::new_checked(
+            n,
+            n,
+            pattern.column_pointers(),
+            None,
+            pattern.row_indices(),
+        );
+        let parameters = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
+            ..Default::default()
+        };
+        let symbolic =
+            factorize_symbolic_cholesky(lower, Side::Lower, SymmetricOrdering::Amd, parameters)
+                .map_err(|_| FactorizationError::Analysis(n))?;
+        let (permutation, inverse) = match symbolic.perm() {
+            Some(order) => {
+                let (forward, inverse) = order.arrays();
+                (forward.to_vec(), inverse.to_vec())
+            }
+            None => ((0..n).collect(), (0..n).collect()),
+        };
+        let (column_pointers, row_indices, scatter) = permute_to_upper(pattern, &inverse);
+        let diagonal = (0..n).map(|j| scatter[pattern.diagonal(j)]).collect();
+        let factor_values = vec![0.0; symbolic.len_val()];
+        let scratch = MemBuffer::new(simplicial::factorize_simplicial_numeric_ldlt_scratch::<
+            usize,
+            f64,
+        >(n));
+        Ok(Self {
+            primal,
+            static_primal,
+            static_dual,
+            symbolic,
+            permutation,
+            permuted_values: vec![0.0; row_indices.len()],
+            column_pointers,
+            row_indices,
+            scatter,
+            diagonal,
+            factor_values,
+            work: vec![0.0; n],
+            scratch,
+        })
+    }
+
+    fn symbolic_factor(&self) -> Option<&simplicial::SymbolicSimplicialCholesky<usize>> {
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(symbolic) => Some(symbolic),
+            SymbolicCholeskyRaw::Supernodal(_) => None,
+        }
+    }
+}
+
+/// Upper triangle of the permuted matrix, columns sorted, and the scatter map from the pattern.
+fn permute_to_upper(
+    pattern: &SymmetricPattern,
+    inverse: &[usize],
+) -> (Vec<usize>, Vec<usize>, Vec<usize>) {
+    let n = pattern.dimension();
+    let mut pointers = vec![0_usize; n + 1];
+    let position = |i: usize, j: usize| {
+        let (a, b) = (inverse[i], inverse[j]);
+        (a.min(b), a.max(b))
+    };
+    for j in 0..n {
+        for k in pattern.column_pointers()[j]..pattern.column_pointers()[j + 1] {
+            pointers[position(pattern.row_indices()[k], j).1 + 1] += 1;
+        }
+    }
+    for j in 0..n {
+        pointers[j + 1] += pointers[j];
+    }
+    let mut next = pointers.clone();
+    let mut entries = vec![(0_usize, 0_usize); pattern.stored()];
+    for j in 0..n {
+        for k in pattern.column_pointers()[j]..pattern.column_pointers()[j + 1] {
+            let (row, column) = position(pattern.row_indices()[k], j);
+            entries[next[column]] = (row, k);
+            next[column] += 1;
+        }
+    }
+    let mut scatter = vec![0; pattern.stored()];
+    for j in 0..n {
+        entries[pointers[j]..pointers[j + 1]].sort_unstable();
+    }
+    let mut rows = Vec::with_capacity(entries.len());
+    for (k, &(row, source)) in entries.iter().enumerate() {
+        rows.push(row);
+        scatter[source] = k;
+    }
+    (pointers, rows, scatter)
+}
+
+impl KktFactorization for SimplicialLdl {
+    fn factor(
+        &mut self,
+        values: &[f64],
+        delta_w: f64,
+        delta_c: f64,
+    ) -> Result<Inertia, FactorizationError> {
+        let n = self.permutation.len();
+        for (&position, &value) in self.scatter.iter().zip(values) {
+            self.permuted_values[position] = value;
+        }
+        for (row, &position) in self.diagonal.iter().enumerate() {
+            self.permuted_values[position] += if row < self.primal {
+                delta_w + self.static_primal
+            } else {
+                -(delta_c + self.static_dual)
+            };
+        }
+        let SymbolicCholeskyRaw::Simplicial(symbolic) = self.symbolic.raw() else {
+            return Err(FactorizationError::Analysis(n));
+        };
+        let matrix = SparseColMatRef::new(
+            SymbolicSparseColMatRef::new_checked(
+                n,
+                n,
+                &self.column_pointers,
+                None,
+                &self.row_indices,
+            ),
+            &self.permuted_values,
+        );
+        let result = simplicial::factorize_simplicial_numeric_ldlt(
+            &mut self.factor_values,
+            matrix,
+            LdltRegularization::default(),
+            symbolic,
+            MemStack::new(&mut self.scratch),
+        );
+        if let Err(faer::linalg::cholesky::ldlt::factor::LdltError::ZeroPivot { index }) = result {
+            let row = self.permutation[index.saturating_sub(1).min(n - 1)];
+            let finite = self.permuted_values.iter().all(|a| a.is_finite());
+            return Err(if finite {
+                FactorizationError::ZeroPivot(row)
+            } else {
+                FactorizationError::NotFinite(row)
+            });
+        }
+        let negative = symbolic.col_ptr()[..n]
+            .iter()
+            .filter(|&&start| self.factor_values[start] < 0.0)
+            .count();
+        Ok(Inertia {
+            positive: n - negative,
+            negative,
+            zero: 0,
+        })
+    }
+
+    fn solve(&mut self, right_hand_side: &mut [f64]) {
+        for (w, &old) in self.work.iter_mut().zip(&self.permutation) {
+            *w = right_hand_side[old];
+        }
+        if let SymbolicCholeskyRaw::Simplicial(symbolic) = self.symbolic.raw() {
+            let n = self.permutation.len();
+            SimplicialLdltRef::new(symbolic, &self.factor_values).solve_in_place_with_conj(
+                Conj::No,
+                MatMut::from_column_major_slice_mut(&mut self.work, n, 1),
+                Par::Seq,
+                MemStack::new(&mut self.scratch),
+            );
+        }
+        for (&w, &old) in self.work.iter().zip(&self.permutation) {
+            right_hand_side[old] = w;
+        }
+    }
+
+    fn factor_entries(&self) -> usize {
+        self.symbolic_factor().map_or(0, |s| s.len_val())
+    }
+}

@@ -1,0 +1,88 @@
+//! What the caller may choose.
+
+use crate::nlp;
+
+/// How the relaxation parameter `sigma` of `x_i x_j <= sigma` falls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum RelaxationRule {
+    /// `sigma = mu^2 / (mu^2 + 1e-6)`: near 1 until the barrier parameter is 1e-3, then quadratic.
+    RollOff,
+    /// `sigma = 1` until the problem with `mu = 1e-3` is solved, then steps whose length follows the
+    /// iterations that the last one took, with a return to the last good point.
+    Continuation,
+    /// `sigma = 10 mu`: fastest, but prone to poor local minima.
+    Proportional,
+    /// A sequence of separate solves with `sigma = 1, 0.1, ..., 1e-8`, each from the last point; for
+    /// comparison (Scholtes 2001).
+    Homotopy,
+}
+
+/// Settings of the method for complementarity problems; change fields of [`Settings::default`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Settings {
+    /// Settings of the interior point runs. The defaults here differ from those of a nonlinear program:
+    /// `permanent_dual_shift` is 1e-10, because Jacobians of complementarity problems lose rank.
+    pub interior_point: nlp::Settings,
+    /// Rules to try, in this order, until one ends at a certified point; default all but the homotopy.
+    pub rules: Vec<RelaxationRule>,
+    /// Last `sigma`; default 1e-8, > 0.
+    pub final_relaxation: f64,
+    /// Whether to fix one side of each pair and solve the smooth program after the relaxed one;
+    /// default true. Without it complementarity is only met to `final_relaxation`, and nothing is
+    /// certified.
+    pub crossover: bool,
+    /// Most changes of the fixed sides after the first crossover; default 10.
+    pub maximum_repairs: usize,
+    /// A paired variable below this counts as zero when points are classified; default 1e-7, > 0.
+    pub zero_tolerance: f64,
+    /// Most linear programs that a certificate of B-stationarity may solve; default 200.
+    pub maximum_certificate_programs: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        let interior_point = nlp::Settings {
+            permanent_dual_shift: 1e-10,
+            maximum_iterations: 1000,
+            ..nlp::Settings::default()
+        };
+        Self {
+            interior_point,
+            rules: vec![
+                RelaxationRule::RollOff,
+                RelaxationRule::Continuation,
+                RelaxationRule::Proportional,
+            ],
+            final_relaxation: 1e-8,
+            crossover: true,
+            maximum_repairs: 10,
+            zero_tolerance: 1e-7,
+            maximum_certificate_programs: 200,
+        }
+    }
+}
+
+impl Settings {
+    /// Checks every field against its range.
+    ///
+    /// # Errors
+    /// [`nlp::InputError::Setting`] names the first field outside its range.
+    pub fn validate(&self) -> Result<(), nlp::InputError> {
+        self.interior_point.validate()?;
+        let fault = |name, value, range| Err(nlp::InputError::Setting { name, value, range });
+        if self.rules.is_empty() {
+            return fault("rules", 0.0, "a list of at least one rule");
+        }
+        for (name, value) in [
+            ("final_relaxation", self.final_relaxation),
+            ("zero_tolerance", self.zero_tolerance),
+        ] {
+            if !(value > 0.0 && value < 1.0) {
+                return fault(name, value, "(0, 1)");
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,95 @@
+//! What the caller keeps.
+
+use super::{Certificate, RelaxationRule};
+use crate::nlp::{self, Violation};
+
+/// Why a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Status {
+    /// Exact complementarity, optimality conditions within tolerance, certified S- or B-stationary.
+    Solved,
+    /// The relaxed problem is solved, but no crossover led to an exact point, or none was wanted:
+    /// complementarity holds to the final relaxation.
+    Relaxed,
+    /// Exact complementarity and optimality within the chosen sides of the pairs, but B-stationarity could
+    /// not be decided within the limit of linear programs.
+    Uncertified,
+    /// A feasible point with a known descent direction that the repairs could not follow.
+    NotStationary,
+    /// Every rule ended at a stationary point of the constraint violation.
+    Infeasible,
+    /// No rule reached a solution; the reason is that of the best run.
+    Failed(nlp::Status),
+}
+
+impl Status {
+    /// Whether the point is certified.
+    pub fn is_solved(self) -> bool {
+        self == Self::Solved
+    }
+}
+
+impl std::fmt::Display for Status {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Solved => f.write_str("solved and certified"),
+            Self::Relaxed => f.write_str("solved in the relaxed sense only"),
+            Self::Uncertified => f.write_str("solved, b-stationarity not decided"),
+            Self::NotStationary => f.write_str("feasible, but a descent direction exists"),
+            Self::Infeasible => f.write_str("converged to a point of local infeasibility"),
+            Self::Failed(status) => write!(f, "failed: {status}"),
+        }
+    }
+}
+
+/// Residuals of the original problem, unscaled.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct Residuals {
+    /// Largest violation of a constraint or bound.
+    pub primal: f64,
+    /// Largest entry of the gradient of the Lagrangian with the multipliers of the pairs.
+    pub dual: f64,
+    /// Largest `min(x_i, x_j)` of a pair.
+    pub complementarity: f64,
+}
+
+/// Result of a run.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Solution {
+    /// Why the run ended.
+    pub status: Status,
+    /// The point, length `n`.
+    pub x: Vec<f64>,
+    /// Objective at the point.
+    pub objective: f64,
+    /// Multipliers of the constraints, length `m`.
+    pub multipliers: Vec<f64>,
+    /// Multipliers of the lower bounds, length `n`; for paired variables the multipliers `nu` of the
+    /// complementarity problem, of either sign.
+    pub multipliers_lower: Vec<f64>,
+    /// Multipliers of the upper bounds, length `n`.
+    pub multipliers_upper: Vec<f64>,
+    /// Residuals of the original problem.
+    pub residuals: Residuals,
+    /// Kind of the point; absent when there was no crossover.
+    pub certificate: Option<Certificate>,
+    /// The rule that led to the point.
+    pub rule: RelaxationRule,
+    /// `sigma` at the end of the relaxed run.
+    pub relaxation_parameter: f64,
+    /// Interior point iterations of all runs, crossovers included.
+    pub iterations: usize,
+    /// Iterations of the crossovers alone.
+    pub crossover_iterations: usize,
+    /// Changes of the fixed sides after the first crossover.
+    pub repairs: usize,
+    /// Factorizations of all runs.
+    pub factorizations: usize,
+    /// Log of the relaxed run that led to the point.
+    pub history: Vec<nlp::IterationInfo>,
+    /// Worst violated rows, bounds and pairs, at most ten; empty when all are within tolerance.
+    pub violations: Vec<Violation>,
+}

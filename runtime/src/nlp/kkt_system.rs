@@ -1,0 +1,396 @@
+//! The Newton system of the barrier problem.
+//!
+//! Slacks, bound multipliers and product rows are eliminated. With `Sigma = z_l/(x-l) + z_u/(u-x)`,
+//! `D_k` the same quantity of slack `k`, `g` the gradient of the barrier Lagrangian, and for each row
+//! the flexibility `e = sum_k 1/D_k`, what remains is
+//!
+//! ```text
+//!     [ W + Sigma + delta_w I + sum_pairs a a'/e    J'               ] [dx]     [ g - sum_pairs a t/e ]
+//!     [ J                                          -diag(e) - delta_c ] [dy] = - [ t                   ]
+//! ```
+//!
+//! where `t = residual - sum_k sign_k g_k / D_k`, `a = (x_j, x_i)` is the gradient of a product row, and `W`
+//! holds the multiplier of each product at position (i, j). A pair thus changes a 2x2 block and adds no
+//! row; and the restoration phase, whose elastic slacks are eliminated too, has the same pattern.
+
+use super::barrier_problem::{BarrierProblem, Objective};
+use super::formulation::Formulation;
+use super::iterate::Iterate;
+use super::{InputError, LinearSolver};
+use crate::linalg::{
+    FactorizationError, Inertia, KktFactorization, MultifrontalLdl, RefinedSolver, SimplicialLdl,
+    SolveQuality, SymmetricPattern,
+};
+
+/// Assembly, factorization and solution of Newton systems on one pattern.
+pub(crate) struct KktSystem {
+    n: usize,
+    m: usize,
+    solver: RefinedSolver,
+    hessian_map: Vec<usize>,
+    jacobian_map: Vec<usize>,
+    jacobian_entries: Vec<(usize, usize)>,
+    /// Positions (i, i), (j, j), (i, j) of each product.
+    product_map: Vec<[usize; 3]>,
+    /// Number of products that a variable belongs to.
+    product_count: Vec<f64>,
+    pub(crate) hessian_values: Vec<f64>,
+    pub(crate) jacobian_values: Vec<f64>,
+    values: Vec<f64>,
+    /// `e` of each row and `D` of each slack, of the assembled matrix.
+    flexibility: Vec<f64>,
+    stiffness: Vec<f64>,
+    /// Gradient of the barrier Lagrangian, and `t`.
+    barrier_gradient: Vec<f64>,
+    row_terms: Vec<f64>,
+    right_hand_side: Vec<f64>,
+    solution: Vec<f64>,
+    /// Number of products whose off-diagonal entry was capped in the last assembly.
+    pub(crate) capped: usize,
+    pub(crate) factorizations: usize,
+    pub(crate) seconds: f64,
+    is_static: bool,
+}
+
+impl KktSystem {
+    pub(crate) fn new(
+        formulation: &Formulation<'_>,
+        linear_solver: LinearSolver,
+    ) -> Result<Self, InputError> {
+        let n = formulation.variables.len();
+        let m = formulation.rows.len();
+        let mut entries: Vec<(usize, usize)> = formulation.hessian_entries().collect();
+        let hessian_length = entries.len();
+        entries.extend(formulation.jacobian_entries().map(|(row, j)| (n + row, j)));
+        let jacobian_end = entries.len();
+        for &(i, j) in &formulation.products {
+            entries.extend([(i, i), (j, j), (i, j)]);
+        }
+        let (pattern, map) = SymmetricPattern::new(n + m, &entries)
+            .ok_or(InputError::Linear(FactorizationError::Analysis(n + m)))?;
+        let product_map = map[jacobian_end..]
+            .chunks_exact(3)
+            .map(|p| [p[0], p[1], p[2]])
+            .collect();
+        let mut product_count = vec![0.0; n];
+        for &(i, j) in &formulation.products {
+            product_count[i] += 1.0;
+            product_count[j] += 1.0;
+        }
+        let back_end: Box<dyn KktFactorization + Send> = match linear_solver {
+            LinearSolver::Pivoting => Box::new(MultifrontalLdl::new(&pattern, n)?),
+            LinearSolver::Static => Box::new(SimplicialLdl::new(&pattern, n)?),
+        };
+        let values = vec![0.0; pattern.stored()];
+        Ok(Self {
+            n,
+            m,
+            solver: RefinedSolver::new(pattern, n, back_end),
+            hessian_map: map[..hessian_length].to_vec(),
+            jacobian_map: map[hessian_length..jacobian_end].to_vec(),
+            jacobian_entries: formulation.jacobian_entries().collect(),
+            product_map,
+            product_count,
+            hessian_values: vec![0.0; hessian_length],
+            jacobian_values: vec![0.0; jacobian_end - hessian_length],
+            values,
+            flexibility: Vec::new(),
+            stiffness: Vec::new(),
+            barrier_gradient: Vec::new(),
+            row_terms: Vec::new(),
+            right_hand_side: vec![0.0; n + m],
+            solution: vec![0.0; n + m],
+            capped: 0,
+            factorizations: 0,
+            seconds: 0.0,
+            is_static: linear_solver == LinearSolver::Static,
+        })
+    }
+
+    /// Changes from the static to the pivoting factorization for the rest of the run; `false` if it is in
+    /// use already.
+    pub(crate) fn change_to_pivoting(&mut self) -> bool {
+        if !self.is_static {
+            return false;
+        }
+        self.is_static = false;
+        match MultifrontalLdl::new(self.solver.pattern(), self.n) {
+            Ok(back_end) => {
+                self.solver.replace_back_end(Box::new(back_end));
+                true
+            }
+            Err(_) => false,
+        }
+    }
+
+    /// Number of explicit rows, the negative eigenvalues of a matrix that gives descent.
+    pub(crate) fn rows(&self) -> usize {
+        self.m
+    }
+
+    /// Entries of the Jacobian with their values.
+    pub(crate) fn jacobian(&self) -> impl Iterator<Item = ((usize, usize), f64)> + '_ {
+        self.jacobian_entries
+            .iter()
+            .copied()
+            .zip(self.jacobian_values.iter().copied())
+    }
+
+    /// Assembles the matrix at `iterate` from the Hessian and Jacobian values held here. With
+    /// `cap_products` the off-diagonal multiplier of a pair is limited so that its bound terms keep the
+    /// 2x2 block positive: `|r| <= 0.99 sqrt(Sigma_i/k_i Sigma_j/k_j)`, `k` pairs sharing a variable.
+    pub(crate) fn assemble(
+        &mut self,
+        problem: &BarrierProblem,
+        iterate: &Iterate,
+        mu: f64,
+        cap_products: bool,
+    ) {
+        let stiffness_of = |i: usize| {
+            let mut stiffness = 0.0;
+            if problem.lower[i].is_finite() {
+                stiffness += iterate.z_lower[i] / (iterate.v[i] - problem.lower[i]);
+            }
+            if problem.upper[i].is_finite() {
+                stiffness += iterate.z_upper[i] / (problem.upper[i] - iterate.v[i]);
+            }
+            stiffness
+        };
+        self.values.fill(0.0);
+        for (&position, &h) in self.hessian_map.iter().zip(&self.hessian_values) {
+            self.values[position] += h;
+        }
+        for (&position, &a) in self.jacobian_map.iter().zip(&self.jacobian_values) {
+            self.values[position] += a;
+        }
+        self.stiffness.clear();
+        for i in 0..problem.variables() {
+            self.stiffness.push(stiffness_of(i));
+        }
+        for i in 0..self.n {
+            self.values[self.solver.pattern().diagonal(i)] += self.stiffness[i];
+        }
+        if let Objective::Proximity { weight, .. } = &problem.objective {
+            for (i, w) in weight.iter().enumerate() {
+                self.values[self.solver.pattern().diagonal(i)] += mu.sqrt() * w * w;
+            }
+        }
+        self.flexibility.clear();
+        self.flexibility.resize(problem.rows(), 0.0);
+        for (slack, d) in problem.slacks.iter().zip(&self.stiffness[self.n..]) {
+            self.flexibility[slack.row] += 1.0 / d;
+        }
+        for row in 0..self.m {
+            self.values[self.solver.pattern().diagonal(self.n + row)] -= self.flexibility[row];
+        }
+        self.capped = 0;
+        for (pair, (&(i, j), map)) in problem.products.iter().zip(&self.product_map).enumerate() {
+            let w = 1.0 / self.flexibility[self.m + pair];
+            let (x_i, x_j) = (iterate.v[i], iterate.v[j]);
+            let mut r = iterate.y[self.m + pair];
+            if cap_products {
+                let share = |k: usize| self.stiffness[k] / self.product_count[k];
+                let cap = 0.99 * (share(i) * share(j)).sqrt();
+                if r.abs() > cap {
+                    r = r.signum() * cap;
+                    self.capped += 1;
+                }
+            }
+            self.values[map[0]] += w * x_j * x_j;
+            self.values[map[1]] += w * x_i * x_i;
+            self.values[map[2]] += r + w * x_i * x_j;
+        }
+    }
+
+    /// Assembles the matrix of the least-squares multiplier problem, `[I J'; J -e]` with `D = 1`.
+    fn assemble_least_squares(&mut self, problem: &BarrierProblem) {
+        self.values.fill(0.0);
+        for (&position, &a) in self.jacobian_map.iter().zip(&self.jacobian_values) {
+            self.values[position] += a;
+        }
+        self.stiffness.clear();
+        self.stiffness.resize(problem.variables(), 1.0);
+        self.flexibility.clear();
+        self.flexibility.resize(problem.rows(), 0.0);
+        for slack in &problem.slacks {
+            self.flexibility[slack.row] += 1.0;
+        }
+        for i in 0..self.n {
+            self.values[self.solver.pattern().diagonal(i)] += 1.0;
+        }
+        for row in 0..self.m {
+            self.values[self.solver.pattern().diagonal(self.n + row)] -= self.flexibility[row];
+        }
+    }
+
+    /// Factorizes the assembled matrix with the given shifts.
+    pub(crate) fn factor(
+        &mut self,
+        delta_w: f64,
+        delta_c: f64,
+    ) -> Result<Inertia, FactorizationError> {
+        let start = std::time::Instant::now();
+        self.factorizations += 1;
+        let result = self.solver.factor(&self.values, delta_w, delta_c);
+        self.seconds += start.elapsed().as_secs_f64();
+        result
+    }
+
+    /// Newton direction for the row residuals given, from the factors of the last
+    /// [`KktSystem::factor`]. `lagrangian` is the gradient of the Lagrangian with bound multipliers.
+    pub(crate) fn direction(
+        &mut self,
+        problem: &BarrierProblem,
+        iterate: &Iterate,
+        lagrangian: &[f64],
+        residual: &[f64],
+        mu: f64,
+        direction: &mut Iterate,
+    ) -> SolveQuality {
+        self.barrier_gradient.clear();
+        for (i, lagrangian) in lagrangian.iter().enumerate() {
+            let mut g = lagrangian + iterate.z_lower[i] - iterate.z_upper[i];
+            if problem.lower[i].is_finite() {
+                g -= mu / (iterate.v[i] - problem.lower[i]);
+            }
+            if problem.upper[i].is_finite() {
+                g += mu / (problem.upper[i] - iterate.v[i]);
+            }
+            self.barrier_gradient.push(g + mu * problem.damping(i));
+        }
+        let quality = self.solve_reduced(problem, iterate, residual, direction);
+        for i in 0..problem.variables() {
+            let step = direction.v[i];
+            direction.z_lower[i] = if problem.lower[i].is_finite() {
+                let distance = iterate.v[i] - problem.lower[i];
+                (mu - iterate.z_lower[i] * step) / distance - iterate.z_lower[i]
+            } else {
+                0.0
+            };
+            direction.z_upper[i] = if problem.upper[i].is_finite() {
+                let distance = problem.upper[i] - iterate.v[i];
+                (mu + iterate.z_upper[i] * step) / distance - iterate.z_upper[i]
+            } else {
+                0.0
+            };
+        }
+        quality
+    }
+
+    /// Solves for (dx, ds, dy) from `barrier_gradient` and `residual`.
+    fn solve_reduced(
+        &mut self,
+        problem: &BarrierProblem,
+        iterate: &Iterate,
+        residual: &[f64],
+        direction: &mut Iterate,
+    ) -> SolveQuality {
+        let start = std::time::Instant::now();
+        let n = self.n;
+        self.row_terms.clear();
+        self.row_terms.extend_from_slice(residual);
+        for (k, slack) in problem.slacks.iter().enumerate() {
+            self.row_terms[slack.row] -=
+                slack.sign * self.barrier_gradient[n + k] / self.stiffness[n + k];
+        }
+        for i in 0..n {
+            self.right_hand_side[i] = -self.barrier_gradient[i];
+        }
+        for row in 0..self.m {
+            self.right_hand_side[n + row] = -self.row_terms[row];
+        }
+        for (pair, &(i, j)) in problem.products.iter().enumerate() {
+            let t = self.row_terms[self.m + pair] / self.flexibility[self.m + pair];
+            self.right_hand_side[i] -= iterate.v[j] * t;
+            self.right_hand_side[j] -= iterate.v[i] * t;
+        }
+        let quality = self.solver.solve(&self.right_hand_side, &mut self.solution);
+        direction.v[..n].copy_from_slice(&self.solution[..n]);
+        direction.y[..self.m].copy_from_slice(&self.solution[n..]);
+        for (pair, &(i, j)) in problem.products.iter().enumerate() {
+            let row = self.m + pair;
+            let product = iterate.v[j] * direction.v[i] + iterate.v[i] * direction.v[j];
+            direction.y[row] = (product + self.row_terms[row]) / self.flexibility[row];
+        }
+        for (k, slack) in problem.slacks.iter().enumerate() {
+            let g = self.barrier_gradient[n + k] + slack.sign * direction.y[slack.row];
+            direction.v[n + k] = -g / self.stiffness[n + k];
+        }
+        self.seconds += start.elapsed().as_secs_f64();
+        quality
+    }
+
+    /// Least-squares multipliers of the explicit rows,
+    /// `min |grad F + J' y - z_l + z_u + products|`, into `iterate.y`; the multipliers of product rows are
+    /// data. Leaves zeros if the system is singular or an entry exceeds `limit`.
+    pub(crate) fn least_squares_multipliers(
+        &mut self,
+        problem: &BarrierProblem,
+        iterate: &mut Iterate,
+        gradient: &[f64],
+        limit: f64,
+        work: &mut Iterate,
+    ) {
+        iterate.y[..self.m].fill(0.0);
+        self.assemble_least_squares(problem);
+        if self.factor(0.0, 0.0).is_err() {
+            return;
+        }
+        self.barrier_gradient.clear();
+        for (i, gradient) in gradient.iter().enumerate() {
+            self.barrier_gradient
+                .push(gradient - iterate.z_lower[i] + iterate.z_upper[i]);
+        }
+        for (pair, &(i, j)) in problem.products.iter().enumerate() {
+            let y = iterate.y[self.m + pair];
+            self.barrier_gradient[i] += y * iterate.v[j];
+            self.barrier_gradient[j] += y * iterate.v[i];
+        }
+        // product rows take no part: their own multiplier is fixed
+        self.row_terms.clear();
+        self.row_terms.resize(problem.rows(), 0.0);
+        for (k, slack) in problem.slacks.iter().enumerate() {
+            if slack.row < self.m {
+                self.row_terms[slack.row] -= slack.sign * self.barrier_gradient[self.n + k];
+            }
+        }
+        for i in 0..self.n {
+            self.right_hand_side[i] = -self.barrier_gradient[i];
+        }
+        for row in 0..self.m {
+            self.right_hand_side[self.n + row] = -self.row_terms[row];
+        }
+        let quality = self.solver.solve(&self.right_hand_side, &mut self.solution);
+        let y = &self.solution[self.n..];
+        if quality.residual < 1e-5 && y.iter().all(|y| y.abs() <= limit) {
+            work.y[..self.m].copy_from_slice(y);
+            iterate.y[..self.m].copy_from_slice(y);
+        }
+    }
+
+    /// Evaluates Hessian and Jacobian at the iterate.
+    pub(crate) fn evaluate_jacobian(&mut self, formulation: &mut Formulation<'_>, v: &[f64]) {
+        formulation.jacobian(&v[..self.n], &mut self.jacobian_values);
+    }
+
+    /// Evaluates the Hessian of the Lagrangian of the explicit rows.
+    pub(crate) fn evaluate_hessian(
+        &mut self,
+        formulation: &mut Formulation<'_>,
+        problem: &BarrierProblem,
+        iterate: &Iterate,
+    ) {
+        formulation.hessian(
+            &iterate.v[..self.n],
+            problem.objective_weight(),
+            &iterate.y[..self.m],
+            &mut self.hessian_values,
+        );
+    }
+
+    /// Whether all derivative values held here are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.jacobian_values.iter().all(|a| a.is_finite())
+            && self.hessian_values.iter().all(|a| a.is_finite())
+    }
+}

@@ -1,0 +1,139 @@
+//! What the caller may choose.
+
+use super::InputError;
+
+/// Which factorization solves the Newton systems.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LinearSolver {
+    /// Multifrontal `L B L'` with 1x1 and 2x2 pivots and postponed columns: exact inertia, no shifts.
+    Pivoting,
+    /// Simplicial `L D L'` without pivoting, with static shifts and refinement; `Pivoting` takes over
+    /// for the rest of a run when refinement fails.
+    Static,
+}
+
+/// Settings of the interior point method; change fields of [`Settings::default`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Settings {
+    /// Bound of the scaled optimality error at which a point is a solution; default 1e-8, in (0, 1).
+    pub tolerance: f64,
+    /// Bound of the unscaled constraint violation of a solution; default 1e-6, > 0.
+    pub constraint_tolerance: f64,
+    /// Looser bound of the optimality error that ends a run that makes no progress; default 1e-6.
+    pub acceptable_tolerance: f64,
+    /// Consecutive iterations within `acceptable_tolerance` that end a run; default 15, 0 = never.
+    pub acceptable_iterations: usize,
+    /// Most iterations, those of the restoration phase included; default 3000.
+    pub maximum_iterations: usize,
+    /// Most seconds of wall-clock time; default infinite.
+    pub maximum_seconds: f64,
+    /// First barrier parameter; default 0.1, > 0. Small values suit warm starts.
+    pub initial_barrier_parameter: f64,
+    /// Least absolute distance of the first point from its bounds; default 1e-2, > 0.
+    pub bound_push: f64,
+    /// Least distance of the first point from two-sided bounds, relative to their distance; default
+    /// 1e-2, in (0, 0.5).
+    pub bound_fraction: f64,
+    /// Relative relaxation of all bounds, so that a feasible set without interior gets one; default
+    /// 1e-8, `>= 0`. Solutions may violate bounds by as much.
+    pub bound_relaxation: f64,
+    /// Objective and rows are scaled so that gradients at the start do not exceed this; default 100.
+    pub scaling_gradient: f64,
+    /// Most second-order corrections in an iteration; default 4.
+    pub maximum_corrections: usize,
+    /// Shift of the dual rows relative to `mu^0.25` that is always on; default 0. Complementarity
+    /// problems use 1e-10: their Jacobians lose rank.
+    pub permanent_dual_shift: f64,
+    /// Factorization; default pivoting.
+    pub linear_solver: LinearSolver,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-8,
+            constraint_tolerance: 1e-6,
+            acceptable_tolerance: 1e-6,
+            acceptable_iterations: 15,
+            maximum_iterations: 3000,
+            maximum_seconds: f64::INFINITY,
+            initial_barrier_parameter: 0.1,
+            bound_push: 1e-2,
+            bound_fraction: 1e-2,
+            bound_relaxation: 0.0,
+            scaling_gradient: 100.0,
+            maximum_corrections: 4,
+            permanent_dual_shift: 0.0,
+            linear_solver: LinearSolver::Pivoting,
+        }
+    }
+}
+
+impl Settings {
+    /// Checks every field against its range.
+    ///
+    /// # Errors
+    /// [`InputError::Setting`] names the first field outside its range.
+    pub fn validate(&self) -> Result<(), InputError> {
+        let check = |name, value: f64, valid: bool, range| {
+            if valid {
+                Ok(())
+            } else {
+                Err(InputError::Setting { name, value, range })
+            }
+        };
+        let positive = |name, value: f64| check(name, value, value > 0.0, "(0, inf)");
+        check(
+            "tolerance",
+            self.tolerance,
+            self.tolerance > 0.0 && self.tolerance < 1.0,
+            "(0, 1)",
+        )?;
+        positive("constraint_tolerance", self.constraint_tolerance)?;
+        positive("acceptable_tolerance", self.acceptable_tolerance)?;
+        positive("maximum_seconds", self.maximum_seconds)?;
+        positive("initial_barrier_parameter", self.initial_barrier_parameter)?;
+        positive("bound_push", self.bound_push)?;
+        positive("scaling_gradient", self.scaling_gradient)?;
+        check(
+            "bound_fraction",
+            self.bound_fraction,
+            self.bound_fraction > 0.0 && self.bound_fraction < 0.5,
+            "(0, 0.5)",
+        )?;
+        let small = |value: f64| (0.0..1e-2).contains(&value);
+        check(
+            "bound_relaxation",
+            self.bound_relaxation,
+            small(self.bound_relaxation),
+            "[0, 0.01)",
+        )?;
+        check(
+            "permanent_dual_shift",
+            self.permanent_dual_shift,
+            small(self.permanent_dual_shift),
+            "[0, 0.01)",
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn validate_default_passes_and_not_a_number_does_not() {
+        assert_eq!(Settings::default().validate(), Ok(()));
+        let settings = Settings {
+            bound_push: f64::NAN,
+            ..Settings::default()
+        };
+        let message = settings.validate().unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "setting `bound_push` is NaN; choose a value in (0, inf)"
+        );
+    }
+}

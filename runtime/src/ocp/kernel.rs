@@ -1,0 +1,258 @@
+//! Functions of a model that appear in the rows of a program, with their derivatives.
+
+use crate::model::{Model, contact_point};
+
+/// A vector-valued function of a local input vector `(q, v, u, r)`, where `r` has one entry for each
+/// contact that acts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Kernel {
+    /// `a(q, v, u) + sum_i d_i(q) r_i`: the acceleration in contact.
+    Acceleration(Vec<usize>),
+    /// `sum_i d_i(q) r_i`: the effect of impulses, or of position corrections.
+    Push(Vec<usize>),
+    /// `(g_i(q), v_n,i(q, v))`: gap and normal velocity of one contact.
+    Contact(usize),
+}
+
+impl Kernel {
+    /// Contacts that act.
+    fn acting(&self) -> &[usize] {
+        match self {
+            Self::Acceleration(contacts) | Self::Push(contacts) => contacts,
+            Self::Contact(_) => &[],
+        }
+    }
+}
+
+/// A kernel of a model with its structure and the memory of its last evaluation.
+pub(super) struct Evaluator<'a> {
+    model: &'a dyn Model,
+    kernel: Kernel,
+    /// Length of `(q, v, u)`.
+    plain: usize,
+    coordinates: usize,
+    /// Structural nonzeros of the Jacobian as (output, input).
+    pub(super) jacobian_pattern: Vec<(usize, usize)>,
+    /// Structural nonzeros of the Hessian as (input, input), lower triangle.
+    pub(super) hessian_pattern: Vec<(usize, usize)>,
+    point: Vec<f64>,
+    weights: Vec<f64>,
+    values: Vec<f64>,
+    /// Values at the last point.
+    pub(super) outputs: Vec<f64>,
+    /// Dense Jacobian at the last point, row-major.
+    pub(super) jacobian: Vec<f64>,
+    /// Dense weighted Hessian at the last point, row-major, lower triangle.
+    pub(super) hessian: Vec<f64>,
+}
+
+impl<'a> Evaluator<'a> {
+    pub(super) fn new(model: &'a dyn Model, kernel: Kernel) -> Self {
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let plain = declaration.inputs();
+        let inputs = plain + kernel.acting().len();
+        let outputs = match kernel {
+            Kernel::Contact(_) => 2,
+            _ => n,
+        };
+        let mut jacobian = vec![false; outputs * inputs];
+        let mut hessian = vec![false; inputs * inputs];
+        let mut mark = |i: usize, j: usize| hessian[i.max(j) * inputs + i.min(j)] = true;
+        if matches!(kernel, Kernel::Acceleration(_)) {
+            for &(row, column) in declaration.free_jacobian.entries {
+                jacobian[row as usize * inputs + column as usize] = true;
+            }
+            for &(i, j) in declaration.free_hessian.entries {
+                mark(i as usize, j as usize);
+            }
+        }
+        for (index, &contact) in kernel.acting().iter().enumerate() {
+            let contact = &declaration.contacts[contact];
+            for &(row, column) in contact.jacobian.entries {
+                if row >= 2 {
+                    jacobian[(row as usize - 2) * inputs + column as usize] = true;
+                    mark(plain + index, column as usize);
+                }
+            }
+            for &(i, j) in contact.hessian.entries {
+                mark(i as usize, j as usize);
+            }
+            for output in 0..n {
+                jacobian[output * inputs + plain + index] = true;
+            }
+        }
+        if let Kernel::Contact(contact) = kernel {
+            let contact = &declaration.contacts[contact];
+            for &(row, column) in contact.jacobian.entries {
+                if row < 2 {
+                    jacobian[row as usize * inputs + column as usize] = true;
+                }
+            }
+            for &(i, j) in contact.hessian.entries {
+                mark(i as usize, j as usize);
+            }
+        }
+        let entries = |flags: &[bool]| {
+            let marked = flags.iter().enumerate().filter(|&(_, &flag)| flag);
+            marked.map(|(i, _)| (i / inputs, i % inputs)).collect()
+        };
+        let values = declaration
+            .contacts
+            .iter()
+            .flat_map(|contact| {
+                [
+                    contact.jacobian.entries.len(),
+                    contact.hessian.entries.len(),
+                ]
+            })
+            .chain([
+                declaration.free_jacobian.entries.len(),
+                declaration.free_hessian.entries.len(),
+            ])
+            .max();
+        Self {
+            model,
+            plain,
+            coordinates: n,
+            jacobian_pattern: entries(&jacobian),
+            hessian_pattern: entries(&hessian),
+            point: vec![0.0; contact_point::length(n)],
+            weights: vec![0.0; 2 + n],
+            values: vec![0.0; values.unwrap_or(0)],
+            outputs: vec![0.0; outputs],
+            jacobian: vec![0.0; outputs * inputs],
+            hessian: vec![0.0; inputs * inputs],
+            kernel,
+        }
+    }
+
+    pub(super) fn kernel(&self) -> &Kernel {
+        &self.kernel
+    }
+
+    /// Length of the local input vector.
+    pub(super) fn inputs(&self) -> usize {
+        self.plain + self.kernel.acting().len()
+    }
+
+    /// Evaluates `outputs`.
+    pub(super) fn evaluate(&mut self, x: &[f64]) {
+        let (plain, forces) = x.split_at(self.plain);
+        match &self.kernel {
+            Kernel::Acceleration(_) => self.model.free_acceleration(plain, &mut self.outputs),
+            Kernel::Push(_) => self.outputs.fill(0.0),
+            Kernel::Contact(contact) => {
+                self.model.contact(*contact, plain, &mut self.point);
+                self.outputs[0] = self.point[contact_point::GAP];
+                self.outputs[1] = self.point[contact_point::NORMAL_VELOCITY];
+            }
+        }
+        let direction = contact_point::direction(self.coordinates);
+        for (&contact, force) in self.kernel.acting().iter().zip(forces) {
+            self.model.contact(contact, plain, &mut self.point);
+            for (output, d) in self.outputs.iter_mut().zip(&self.point[direction..]) {
+                *output += d * force;
+            }
+        }
+    }
+
+    /// Evaluates `outputs` and `jacobian`.
+    pub(super) fn differentiate(&mut self, x: &[f64]) {
+        self.evaluate(x);
+        self.jacobian.fill(0.0);
+        let inputs = self.inputs();
+        let (plain, forces) = x.split_at(self.plain);
+        let declaration = self.model.declaration();
+        if matches!(self.kernel, Kernel::Acceleration(_)) {
+            let entries = declaration.free_jacobian.entries;
+            self.model
+                .free_jacobian(plain, &mut self.values[..entries.len()]);
+            for (&(row, column), value) in entries.iter().zip(&self.values) {
+                self.jacobian[row as usize * inputs + column as usize] += value;
+            }
+        }
+        let direction = contact_point::direction(self.coordinates);
+        for (index, (&contact, force)) in self.kernel.acting().iter().zip(forces).enumerate() {
+            self.model.contact(contact, plain, &mut self.point);
+            for output in 0..self.coordinates {
+                self.jacobian[output * inputs + self.plain + index] =
+                    self.point[direction + output];
+            }
+            let entries = declaration.contacts[contact].jacobian.entries;
+            self.model
+                .contact_jacobian(contact, plain, &mut self.values[..entries.len()]);
+            for (&(row, column), value) in entries.iter().zip(&self.values) {
+                if row >= 2 {
+                    self.jacobian[(row as usize - 2) * inputs + column as usize] += value * force;
+                }
+            }
+        }
+        if let Kernel::Contact(contact) = self.kernel {
+            let entries = declaration.contacts[contact].jacobian.entries;
+            self.model
+                .contact_jacobian(contact, plain, &mut self.values[..entries.len()]);
+            for (&(row, column), value) in entries.iter().zip(&self.values) {
+                if row < 2 {
+                    self.jacobian[row as usize * inputs + column as usize] += value;
+                }
+            }
+        }
+    }
+
+    /// Evaluates the Hessian of `multipliers' outputs`; call after [`differentiate`](Self::differentiate)
+    /// at the same point.
+    pub(super) fn curve(&mut self, x: &[f64], multipliers: &[f64]) {
+        self.hessian.fill(0.0);
+        let inputs = self.inputs();
+        let (plain, forces) = x.split_at(self.plain);
+        let declaration = self.model.declaration();
+        if matches!(self.kernel, Kernel::Acceleration(_)) {
+            let entries = declaration.free_hessian.entries;
+            self.model
+                .free_hessian(plain, multipliers, &mut self.values[..entries.len()]);
+            for (&(i, j), value) in entries.iter().zip(&self.values) {
+                self.hessian[i as usize * inputs + j as usize] += value;
+            }
+        }
+        for (index, (&contact, force)) in self.kernel.acting().iter().zip(forces).enumerate() {
+            self.weights[..2].fill(0.0);
+            for (weight, multiplier) in self.weights[2..].iter_mut().zip(multipliers) {
+                *weight = multiplier * force;
+            }
+            let entries = declaration.contacts[contact].hessian.entries;
+            self.model.contact_hessian(
+                contact,
+                plain,
+                &self.weights,
+                &mut self.values[..entries.len()],
+            );
+            for (&(i, j), value) in entries.iter().zip(&self.values) {
+                self.hessian[i as usize * inputs + j as usize] += value;
+            }
+            let entries = declaration.contacts[contact].jacobian.entries;
+            self.model
+                .contact_jacobian(contact, plain, &mut self.values[..entries.len()]);
+            for (&(row, column), value) in entries.iter().zip(&self.values) {
+                if row >= 2 {
+                    self.hessian[(self.plain + index) * inputs + column as usize] +=
+                        value * multipliers[row as usize - 2];
+                }
+            }
+        }
+        if let Kernel::Contact(contact) = self.kernel {
+            self.weights.fill(0.0);
+            self.weights[..2].copy_from_slice(multipliers);
+            let entries = declaration.contacts[contact].hessian.entries;
+            self.model.contact_hessian(
+                contact,
+                plain,
+                &self.weights,
+                &mut self.values[..entries.len()],
+            );
+            for (&(i, j), value) in entries.iter().zip(&self.values) {
+                self.hessian[i as usize * inputs + j as usize] += value;
+            }
+        }
+    }
+}

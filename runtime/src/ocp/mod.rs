@@ -1,0 +1,64 @@
+//! Optimal control of mechanical systems with impacts.
+//!
+//! A [`Problem`] asks for controls, constant on intervals of equal physical length, that take a
+//! [`Model`](crate::model::Model) to its goals at least cost. [`solve`] goes through phases, each of which
+//! starts where the one before it ended:
+//!
+//! ```text
+//! contact-implicit   implicit Euler, one complementarity pair an element and contact: which contacts close when
+//! sequence           read from that motion, and from an event-driven simulation under its controls
+//! collocation        Radau IIA of order 7 between the switches, exit conditions, impact maps, bounds at all times
+//! repair             neighbouring sequences that the solution presses towards, while they improve it
+//! re-simulation      event-driven, under the final controls; its distance from the plan is part of the result
+//! ```
+//!
+//! The relaxed complementarity problem of the first phase is never reported as a result. What comes out is a local
+//! optimum; [`Stationarity`] says what is proved about its contact sequence.
+//!
+//! # Examples
+//! Least final time of a cart that is pushed from rest to 1 m and has no bound on its speed: it accelerates all the
+//! way, `t = sqrt(2 m / u)`.
+//!
+//! ```
+//! use hangtime::ocp::{self, Component, Goal, Objective, Problem, Settings};
+//!
+//! hangtime::model! {
+//!     /// A cart that is pushed.
+//!     pub Cart {
+//!         parameters { m: kg = 2 }
+//!         coordinates { y: m }
+//!         controls { u: N in -1..=1 }
+//!         lagrangian m/2*dot(y)^2
+//!         forces { y: u }
+//!     }
+//! }
+//!
+//! let cart = Cart::default();
+//! let goal = Goal { component: Component::Coordinate(0), value: 1.0 };
+//! let problem = Problem::of(&cart, Objective::time(), vec![goal], 4);
+//! let solution = ocp::solve(&cart, &problem, &Settings::default(), &mut |_| {})?;
+//! assert!(solution.status.is_solved());
+//! assert!((solution.horizon - 2.0).abs() < 1e-6);
+//! # Ok::<(), hangtime::simulation::InputError>(())
+//! ```
+
+mod collocation;
+mod contact_implicit;
+mod cuts;
+mod kernel;
+mod path;
+mod problem;
+mod program;
+mod repair;
+mod sequence;
+mod settings;
+mod solution;
+mod solve;
+mod time_freezing;
+mod transcribe;
+
+pub use problem::{Component, Goal, Horizon, Objective, Problem};
+pub use settings::{Guess, Settings};
+pub use solution::{Counts, Size, Solution, Stationarity, Status};
+pub use solve::{Progress, solve};
+pub use time_freezing::{TimeFreezing, TimeFreezingMotion, TimeFreezingSettings};

@@ -1,0 +1,287 @@
+//! A motion with its controls: what one phase of the solution hands to the next.
+
+use super::problem::{Component, Horizon, Problem};
+use super::settings::Guess;
+use crate::model::{Model, contact_point};
+use crate::simulation::{ControlSignal, EventDriven, InputError, Simulation, Simulator as _};
+
+/// Samples of a guess in each interval.
+const SAMPLES: usize = 4;
+
+/// States over time, piecewise linear, with controls on equal intervals.
+#[derive(Debug, Clone)]
+pub(super) struct Path {
+    /// Length \[s\].
+    pub(super) horizon: f64,
+    /// Controls of each interval.
+    pub(super) controls: Vec<Vec<f64>>,
+    /// Instants \[s\], not decreasing; twice at a jump.
+    pub(super) time: Vec<f64>,
+    /// `(q, v, r)` at each instant, where `r` are the normal accelerations that the contacts provide.
+    pub(super) states: Vec<Vec<f64>>,
+}
+
+impl Path {
+    /// The start of the global phase.
+    pub(super) fn guess(
+        model: &dyn Model,
+        problem: &Problem,
+        guess: Guess,
+        bounds: (&[f64], &[f64]),
+    ) -> Result<Self, InputError> {
+        let straight = Self::straight(model, problem, bounds);
+        match guess {
+            Guess::Straight => Ok(straight),
+            Guess::Rest => Ok(straight.at_rest(model, problem)),
+            Guess::Ride => straight.ride(model, problem),
+            Guess::Perturbed { seed } => Ok(straight.perturbed(model, problem, seed, bounds)),
+        }
+    }
+
+    /// Coordinates with a goal move to it at constant speed, the others rest; controls are 0, or as near to
+    /// it as their bounds allow.
+    fn straight(model: &dyn Model, problem: &Problem, bounds: (&[f64], &[f64])) -> Self {
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let horizon = problem.horizon_guess(model);
+        let controls: Vec<f64> = (n..n + declaration.controls.len())
+            .map(|k| 0.0_f64.clamp(bounds.0[k], bounds.1[k]))
+            .collect();
+        let samples = SAMPLES * problem.intervals;
+        let states = (0..=samples).map(|i| {
+            let share = i as f64 / samples as f64;
+            let mut x = problem.q.clone();
+            x.resize(2 * n, 0.0);
+            for k in 0..n {
+                if let Some(goal) = problem.goal(Component::Coordinate(k)) {
+                    x[n + k] = (goal - problem.q[k]) / horizon;
+                    x[k] += share * (goal - problem.q[k]);
+                }
+            }
+            with_forces(model, x, &controls)
+        });
+        Self {
+            horizon,
+            states: states.collect(),
+            time: (0..=samples)
+                .map(|i| horizon * i as f64 / samples as f64)
+                .collect(),
+            controls: vec![controls.clone(); problem.intervals],
+        }
+    }
+
+    /// All states as at the start, over 1 s unless the horizon is fixed.
+    fn at_rest(mut self, model: &dyn Model, problem: &Problem) -> Self {
+        let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
+        let state = with_forces(model, start, &self.controls[0]);
+        self.states.fill(state);
+        if let Horizon::Free { guess: None } = problem.horizon {
+            for time in &mut self.time {
+                *time /= self.horizon;
+            }
+            self.horizon = 1.0;
+        }
+        self
+    }
+
+    /// The motion under these controls; as far as it goes.
+    fn ride(self, model: &dyn Model, problem: &Problem) -> Result<Self, InputError> {
+        let simulator = EventDriven {
+            output_times: SAMPLES * problem.intervals,
+            ..EventDriven::default()
+        };
+        let motion = problem.initial_value_problem(self.horizon, self.signal());
+        let simulation = simulator.simulate(model, &motion, &mut |_| {})?;
+        if simulation.trajectory.time.is_empty() {
+            return Ok(self);
+        }
+        Ok(Self::of_simulation(
+            model,
+            &simulation,
+            self.horizon,
+            self.controls,
+        ))
+    }
+
+    /// Random controls within a quarter of their range, the horizon scaled by up to 15 %, and every coordinate
+    /// bent by up to a twentieth of the distance to its goal.
+    fn perturbed(
+        mut self,
+        model: &dyn Model,
+        problem: &Problem,
+        seed: u64,
+        bounds: (&[f64], &[f64]),
+    ) -> Self {
+        let n = problem.q.len();
+        let mut state = seed;
+        // SplitMix64 (Steele, Lea, Flood 2014), mapped to [-1, 1).
+        let mut random = || {
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = state;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        if let Horizon::Free { .. } = problem.horizon {
+            let factor = (0.15 * random()).exp();
+            self.horizon *= factor;
+            self.time.iter_mut().for_each(|time| *time *= factor);
+        }
+        for controls in &mut self.controls {
+            for (u, k) in controls.iter_mut().zip(n..) {
+                let range = bounds.1[k] - bounds.0[k];
+                let size = if range.is_finite() { 0.25 * range } else { 0.1 };
+                *u = (*u + size * random()).clamp(bounds.0[k], bounds.1[k]);
+            }
+        }
+        let last = (self.states.len() - 1) as f64;
+        for k in 0..n {
+            let goal = problem.goal(Component::Coordinate(k));
+            let bend = 0.05 * random() * goal.map_or(0.0, |goal| goal - problem.q[k]);
+            for (i, x) in self.states.iter_mut().enumerate() {
+                x[k] += bend * (std::f64::consts::PI * i as f64 / last).sin();
+            }
+        }
+        for (i, x) in self.states.iter_mut().enumerate() {
+            let interval = (i / SAMPLES).min(problem.intervals - 1);
+            *x = with_forces(model, x[..2 * n].to_vec(), &self.controls[interval]);
+        }
+        self
+    }
+
+    /// The motion of a simulation.
+    pub(super) fn of_simulation(
+        model: &dyn Model,
+        simulation: &Simulation,
+        horizon: f64,
+        controls: Vec<Vec<f64>>,
+    ) -> Self {
+        let declaration = model.declaration();
+        let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
+        let trajectory = &simulation.trajectory;
+        let states = (0..trajectory.time.len()).map(|i| {
+            let mut x = trajectory.q[i].clone();
+            x.extend(&trajectory.v[i]);
+            let plain = x.len();
+            x.extend(&trajectory.u[i]);
+            let forces: Vec<f64> = (0..declaration.contacts.len())
+                .map(|contact| {
+                    model.contact(contact, &x, &mut point);
+                    trajectory.contact_force[i][contact] * point[contact_point::INVERSE_INERTIA]
+                })
+                .collect();
+            x.truncate(plain);
+            x.extend(forces);
+            x
+        });
+        Self {
+            horizon,
+            controls,
+            time: trajectory.time.clone(),
+            states: states.collect(),
+        }
+    }
+
+    /// The controls as a signal.
+    pub(super) fn signal(&self) -> ControlSignal {
+        let intervals = self.controls.len();
+        ControlSignal::PiecewiseConstant {
+            times: (0..intervals)
+                .map(|k| self.horizon * k as f64 / intervals as f64)
+                .collect(),
+            values: self.controls.clone(),
+        }
+    }
+
+    /// `(q, v, r)` at time `t`, on the later side of a jump if `after`.
+    pub(super) fn at(&self, t: f64, after: bool) -> Vec<f64> {
+        let next = if after {
+            self.time.partition_point(|&time| time <= t)
+        } else {
+            self.time.partition_point(|&time| time < t)
+        };
+        let last = self.time.len() - 1;
+        if next == 0 || next > last {
+            return self.states[next.min(last)].clone();
+        }
+        let (from, to) = (self.time[next - 1], self.time[next]);
+        let share = if to > from {
+            (t - from) / (to - from)
+        } else {
+            1.0
+        };
+        let pair = self.states[next - 1].iter().zip(&self.states[next]);
+        pair.map(|(a, b)| a + share * (b - a)).collect()
+    }
+}
+
+/// `(q, v)` with the normal accelerations that keep the contacts closed, as far as they push.
+fn with_forces(model: &dyn Model, state: Vec<f64>, controls: &[f64]) -> Vec<f64> {
+    let mut x = state;
+    let plain = x.len();
+    x.extend(controls);
+    let forces: Vec<f64> = (0..model.declaration().contacts.len())
+        .map(|contact| (-free_normal_acceleration(model, contact, &x)).max(0.0))
+        .collect();
+    x.truncate(plain);
+    x.extend(forces);
+    x
+}
+
+/// Normal acceleration of a contact without its force, `n'a + curvature`, at `x = (q, v, u)`.
+pub(super) fn free_normal_acceleration(model: &dyn Model, contact: usize, x: &[f64]) -> f64 {
+    let n = model.declaration().coordinates.len();
+    let mut point = vec![0.0; contact_point::length(n)];
+    let mut acceleration = vec![0.0; n];
+    model.contact(contact, x, &mut point);
+    model.free_acceleration(x, &mut acceleration);
+    let normal = &point[contact_point::NORMAL..][..n];
+    let along: f64 = normal.iter().zip(&acceleration).map(|(n, a)| n * a).sum();
+    along + point[contact_point::CURVATURE]
+}
+
+/// Units of the unknowns, from the start of the motion and the bounds.
+#[derive(Debug, Clone)]
+pub(super) struct Units {
+    /// Time \[s\]: the guess of the horizon.
+    pub(super) time: f64,
+    /// Each control: half of its range, or 1 where that is infinite.
+    pub(super) controls: Vec<f64>,
+    /// Normal acceleration of each contact at the start under no force, at least a tenth of the
+    /// largest.
+    pub(super) force: Vec<f64>,
+    /// Gap of each contact: how far that acceleration carries in a tenth of the time, times 10.
+    pub(super) gap: Vec<f64>,
+}
+
+impl Units {
+    pub(super) fn new(model: &dyn Model, path: &Path, bounds: (&[f64], &[f64])) -> Self {
+        let declaration = model.declaration();
+        let (n, controls) = (declaration.coordinates.len(), declaration.controls.len());
+        let control_units = (n..n + controls).map(|k| {
+            let half = (bounds.1[k] - bounds.0[k]) / 2.0;
+            if half.is_finite() && half > 0.0 {
+                half
+            } else {
+                1.0
+            }
+        });
+        let mut x = path.states[0][..2 * n].to_vec();
+        x.extend(&path.controls[0]);
+        let accelerations: Vec<f64> = (0..declaration.contacts.len())
+            .map(|contact| free_normal_acceleration(model, contact, &x).abs())
+            .collect();
+        let largest = accelerations.iter().copied().fold(0.0, f64::max);
+        let floor = if largest > 0.0 { 0.1 * largest } else { 1.0 };
+        let force: Vec<f64> = accelerations.iter().map(|a| a.max(floor)).collect();
+        Self {
+            time: path.horizon,
+            controls: control_units.collect(),
+            gap: force
+                .iter()
+                .map(|force| force * path.horizon * path.horizon / 200.0)
+                .collect(),
+            force,
+        }
+    }
+}

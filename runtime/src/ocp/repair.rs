@@ -1,0 +1,199 @@
+//! Neighbours of a contact sequence: where a solution presses against the sequence it was given.
+
+use super::collocation::Collocation;
+use super::sequence::{Place, Sequence, Switch};
+use crate::nlp;
+
+/// Switches of a contact closer than this many intervals may cancel each other.
+const CLOSE: f64 = 1.1;
+/// A switch nearer to the end of its interval than this share of it sticks there.
+const STUCK: f64 = 0.01;
+/// Where a moved switch is started, as a distance from the end it came through.
+const ENTRY: f64 = 0.05;
+/// Half the length of an inserted contact or flight, in intervals.
+const INSERTED: f64 = 0.2;
+/// Distance from a switch of the same contact within which no other one is inserted, in intervals.
+const NEAR: f64 = 0.6;
+/// Multipliers above this share of the largest one belong to conditions that matter.
+const ACTIVE: f64 = 1e-6;
+
+/// What a solved program says about its sequence.
+pub(super) struct Pressure<'a, 'm> {
+    pub(super) program: &'a Collocation<'m>,
+    pub(super) solution: &'a nlp::Solution,
+    /// The sequence with its times.
+    pub(super) sequence: &'a Sequence,
+    pub(super) intervals: usize,
+    /// Gap below which a flight counts as touching.
+    pub(super) touching: f64,
+}
+
+impl Pressure<'_, '_> {
+    fn moved(
+        &self,
+        index: usize,
+        interval: Option<usize>,
+        place: Place,
+        time: f64,
+    ) -> Option<Sequence> {
+        let mut sequence = self.sequence.clone();
+        let switch = &mut sequence.switches[index];
+        switch.interval = interval?;
+        switch.place = place;
+        switch.time = time;
+        sequence.ordered(self.intervals)
+    }
+
+    fn threshold(&self) -> f64 {
+        let all = self.solution.multipliers.iter();
+        ACTIVE * all.fold(f64::MIN_POSITIVE, |largest, y| largest.max(y.abs()))
+    }
+
+    /// Gap of a contact at the state with these variables.
+    fn gap(&self, contact: usize, state: &[usize], x: &[f64]) -> f64 {
+        let model = self.program.model;
+        let mut input: Vec<f64> = state.iter().map(|&i| x[i]).collect();
+        input.resize(model.declaration().inputs(), 0.0);
+        model.gap(contact, &input)
+    }
+
+    /// Sequences that the solution points to, the most promising first: without a pair of switches that
+    /// are close to each other, with a switch that sticks to the end of its interval moved through it or
+    /// onto it, with an opening at a jump of the controls moved to the side that it presses against.
+    pub(super) fn directed(&self) -> Vec<Sequence> {
+        let switches = &self.sequence.switches;
+        let mut found = Vec::new();
+        for (i, j) in self.sequence.neighbours() {
+            if switches[j].time - switches[i].time < CLOSE {
+                found.extend(self.sequence.without((i, j)).ordered(self.intervals));
+            }
+        }
+        for closes in [false, true] {
+            for (index, switch) in switches.iter().enumerate() {
+                if switch.place == Place::Start || switch.closes != closes {
+                    continue;
+                }
+                let (k, offset) = (switch.interval, switch.time - switch.interval as f64);
+                let (to, time) = if offset < STUCK {
+                    (k.checked_sub(1), k as f64 - ENTRY)
+                } else if offset > 1.0 - STUCK {
+                    (Some(k + 1), (k + 1) as f64 + ENTRY)
+                } else {
+                    continue;
+                };
+                found.extend(self.moved(index, to, Place::Inside, time));
+                let nearest = switch.time.round();
+                found.extend(self.moved(index, Some(nearest as usize), Place::Start, nearest));
+            }
+        }
+        let threshold = self.threshold();
+        for (index, switch) in switches.iter().enumerate() {
+            if switch.place != Place::Start {
+                continue;
+            }
+            let k = switch.interval;
+            if switch.closes {
+                let time = k as f64 - ENTRY;
+                found.extend(self.moved(index, k.checked_sub(1), Place::Inside, time));
+                found.extend(self.moved(index, Some(k), Place::Inside, k as f64 + ENTRY));
+                continue;
+            }
+            let phases = &self.program.phases;
+            let after = phases.iter().find(|phase| phase.interval == k);
+            let pressed = after.is_some_and(|phase| {
+                phase.openings.iter().any(|&(contact, row)| {
+                    contact == switch.contact && self.solution.multipliers[row].abs() > threshold
+                })
+            });
+            if pressed {
+                found.extend(self.moved(index, Some(k), Place::Inside, k as f64 + ENTRY));
+            }
+            let before = phases.iter().rev().find(|phase| phase.interval + 1 == k);
+            let pressed = before.is_some_and(|phase| {
+                let slot = phase.closed.iter().position(|&i| i == switch.contact);
+                let stage = phase.stages.last();
+                slot.zip(stage).is_some_and(|(slot, stage)| {
+                    self.solution.multipliers_lower[stage.forces[slot]] > threshold
+                })
+            });
+            if pressed {
+                let time = k as f64 - ENTRY;
+                found.extend(self.moved(index, k.checked_sub(1), Place::Inside, time));
+            }
+        }
+        found
+    }
+
+    /// Sequences with a flight inserted where a contact force is held at 0, and with a contact inserted
+    /// where a gap is held at 0: together with the stuck switches of [`directed`](Self::directed) these
+    /// are the places where gap and force vanish together. A flight that passes a surface at the gap margin is
+    /// none of them.
+    pub(super) fn insertions(&self) -> Vec<Sequence> {
+        let threshold = self.threshold();
+        let mut places: Vec<(usize, bool, f64)> = Vec::new();
+        let contacts = self.sequence.initially.len();
+        let tableau = self.program.tableau;
+        let x = self.program.program.physical(&self.solution.x);
+        let horizon = self.program.horizon_at(&x);
+        let solved = self.program.solved(&self.solution.x);
+        for (phase, solved) in self.program.phases.iter().zip(&solved) {
+            let opens = phase
+                .ends_with
+                .map(|index| &self.sequence.switches[index])
+                .filter(|switch| !switch.closes)
+                .map(|switch| switch.contact);
+            let time = |theta: f64| {
+                (solved.start + theta * solved.length) / horizon * self.intervals as f64
+            };
+            for (m, (stage, c)) in phase.stages.iter().zip(tableau.c()).enumerate() {
+                let last = m + 1 == phase.stages.len();
+                for (&contact, &force) in phase.closed.iter().zip(&stage.forces) {
+                    let exits = last && opens == Some(contact);
+                    if !exits && self.solution.multipliers_lower[force] > threshold {
+                        places.push((contact, false, time(*c)));
+                    }
+                }
+                for contact in (0..contacts).filter(|i| !phase.closed.contains(i)) {
+                    let row = stage.gap_rows[contact];
+                    let closes = last && phase.closing == Some(contact);
+                    if !closes
+                        && self.solution.multipliers[row].abs() > threshold
+                        && self.gap(contact, &stage.state, &x) < self.touching
+                    {
+                        places.push((contact, true, time(*c)));
+                    }
+                }
+            }
+        }
+        // Gap and force vanish together at every switch; that is no sign of another one nearby.
+        let near = |contact: usize, time: f64| {
+            let mut own = self
+                .sequence
+                .switches
+                .iter()
+                .filter(|s| s.contact == contact);
+            own.any(|switch| (switch.time - time).abs() < NEAR)
+        };
+        places.retain(|&(contact, _, time)| !near(contact, time));
+        let mut found: Vec<Sequence> = Vec::new();
+        for (contact, closes, time) in places {
+            let mut sequence = self.sequence.clone();
+            for (closes, time) in [(closes, time - INSERTED), (!closes, time + INSERTED)] {
+                let time = time.clamp(0.0, self.intervals as f64 - STUCK);
+                sequence.switches.push(Switch {
+                    contact,
+                    closes,
+                    interval: time.floor() as usize,
+                    place: Place::Inside,
+                    time,
+                });
+            }
+            if let Some(sequence) = sequence.ordered(self.intervals)
+                && !found.iter().any(|s| s.signature() == sequence.signature())
+            {
+                found.push(sequence);
+            }
+        }
+        found
+    }
+}

@@ -1,0 +1,116 @@
+//! What the caller may choose.
+
+use crate::rk::ButcherTableau;
+use crate::simulation::InputError;
+
+/// Where the global phase starts; every guess is made from the model and the problem alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Guess {
+    /// Coordinates with a goal move to it at constant speed, everything else rests.
+    #[default]
+    Straight,
+    /// All states as at the start, and a final time of 1 s where it is free.
+    Rest,
+    /// The simulated motion without controls.
+    Ride,
+    /// [`Straight`](Self::Straight) with random controls, a random horizon and bent coordinates.
+    Perturbed {
+        /// Equal seeds give equal guesses.
+        seed: u64,
+    },
+}
+
+/// Settings of the optimal control solver; change fields of [`Settings::default`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Settings {
+    /// Where the global phase starts; default [`Guess::Straight`].
+    pub guess: Guess,
+    /// Radau IIA stages of a phase; default 4, in `2..=9`. Order `2 n - 1`.
+    pub stages: usize,
+    /// Tolerance of the collocation programs; default 1e-9, in (0, 1).
+    pub tolerance: f64,
+    /// Gap that a flight keeps where it would otherwise graze the surface \[unit of the gap\]; default
+    /// 1e-5, > 0. A grazing plan is not one that a motion can follow: a hair lower it would land.
+    pub gap_margin: f64,
+    /// Most motions of the global phase that are refined, the best first; default 2, at least 1.
+    pub starts: usize,
+    /// Most programs, those of the global phase included; default 60.
+    pub maximum_programs: usize,
+    /// Most iterations of one program; default 500.
+    pub maximum_iterations: usize,
+    /// Tolerance of the simulation that reads the contact sequence; default 1e-9.
+    pub replay_tolerance: f64,
+    /// Tolerance of the re-simulation that judges the result; default 1e-12.
+    pub resimulation_tolerance: f64,
+    /// Largest distance between planned and re-simulated final coordinates of a confirmed result;
+    /// default 1e-6 \[unit of the coordinates\], > 0.
+    pub largest_distance: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            guess: Guess::default(),
+            stages: 4,
+            tolerance: 1e-9,
+            gap_margin: 1e-5,
+            starts: 2,
+            maximum_programs: 60,
+            maximum_iterations: 500,
+            replay_tolerance: 1e-9,
+            resimulation_tolerance: 1e-12,
+            largest_distance: 1e-6,
+        }
+    }
+}
+
+impl Settings {
+    /// Checks every field against its range.
+    ///
+    /// # Errors
+    /// [`InputError::OutOfRange`] names the first field outside its range.
+    pub fn check(&self) -> Result<(), InputError> {
+        if !(2..=ButcherTableau::MAX_STAGES).contains(&self.stages) {
+            return Err(self.refuse_stages());
+        }
+        for (what, value, below) in [
+            ("tolerance", self.tolerance, 1.0),
+            ("gap margin", self.gap_margin, f64::INFINITY),
+            ("largest distance", self.largest_distance, f64::INFINITY),
+        ] {
+            if !(value > 0.0 && value < below) {
+                return Err(InputError::OutOfRange {
+                    what: what.into(),
+                    value,
+                    unit: String::new(),
+                    bound: format!("above 0 and below {below}"),
+                });
+            }
+        }
+        for (what, value) in [
+            ("starts", self.starts),
+            ("most programs", self.maximum_programs),
+            ("most iterations", self.maximum_iterations),
+        ] {
+            if value == 0 {
+                return Err(InputError::OutOfRange {
+                    what: what.into(),
+                    value: 0.0,
+                    unit: String::new(),
+                    bound: "at least 1".into(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn refuse_stages(&self) -> InputError {
+        InputError::OutOfRange {
+            what: "Runge-Kutta stages".into(),
+            value: self.stages as f64,
+            unit: String::new(),
+            bound: format!("in 2..={}", ButcherTableau::MAX_STAGES),
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! What the caller keeps.
+
+use crate::nlp::{self, Violation};
+use crate::simulation::{EventKind, Residuals, Simulation};
+
+/// Why a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Status {
+    /// A certified local optimum that an independent simulation confirms.
+    Solved,
+    /// Confirmed by simulation, but the limit of programs was reached before all neighbouring contact
+    /// sequences were compared.
+    Uncertified,
+    /// The independent simulation does not follow the plan: other events, or another end.
+    Unconfirmed,
+    /// The programs converged to points of local infeasibility: the goal cannot be reached from the guess
+    /// within the bounds.
+    Infeasible,
+    /// A program ended without a solution, for the reason given.
+    Failed(nlp::Status),
+}
+
+impl Status {
+    /// Whether the result is a confirmed and certified local optimum.
+    #[must_use]
+    pub fn is_solved(self) -> bool {
+        self == Self::Solved
+    }
+
+    /// Name used in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::Uncertified => "uncertified",
+            Self::Unconfirmed => "unconfirmed",
+            Self::Infeasible => "infeasible",
+            Self::Failed(_) => "failed",
+        }
+    }
+}
+
+/// What is proved about the contact sequence of a result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Stationarity {
+    /// Nowhere do gap and force of a contact vanish together, and no switch sticks to a jump of the
+    /// controls: the sequence has no neighbours.
+    S,
+    /// There are such places, and none of the neighbouring sequences gives a better motion.
+    B,
+    /// Not decided.
+    None,
+}
+
+impl Stationarity {
+    /// Name used in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::S => "S",
+            Self::B => "B",
+            Self::None => "none",
+        }
+    }
+}
+
+/// Size of the last program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Size {
+    /// Variables.
+    pub variables: usize,
+    /// Equalities.
+    pub equalities: usize,
+    /// Inequalities, bounds of variables not counted.
+    pub inequalities: usize,
+    /// Nonzeros of the Jacobian.
+    pub jacobian_nonzeros: usize,
+    /// Nonzeros of the Hessian (lower triangle).
+    pub hessian_nonzeros: usize,
+}
+
+/// Work done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Programs solved.
+    pub programs: usize,
+    /// Interior point iterations of the global phase.
+    pub global_iterations: usize,
+    /// Interior point iterations of the collocation programs.
+    pub iterations: usize,
+    /// Factorizations of all programs.
+    pub factorizations: usize,
+    /// Changes of the contact sequence that improved the objective.
+    pub repairs: usize,
+}
+
+/// Result of a run.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// Why it ended.
+    pub status: Status,
+    /// Objective of the plan.
+    pub objective: f64,
+    /// Length of the motion \[s\].
+    pub horizon: f64,
+    /// What is proved about the contact sequence.
+    pub stationarity: Stationarity,
+    /// Largest difference of a final coordinate between plan and re-simulation.
+    pub resimulation_error: f64,
+    /// Residuals of the plan: violation of its equations and bounds, gradient of the Lagrangian,
+    /// and largest `min(gap, normal acceleration)`.
+    pub residuals: Residuals,
+    /// (time \[s\], kind, contact) of the switches of the plan; a closing counts as an impact.
+    pub planned_events: Vec<(f64, EventKind, usize)>,
+    /// Controls of each interval, all of equal length.
+    pub controls: Vec<Vec<f64>>,
+    /// The event-driven re-simulation of the plan's controls; absent without a plan.
+    pub motion: Option<Simulation>,
+    /// Worst violated rows, if a program failed.
+    pub violations: Vec<Violation>,
+    /// Size of the last program.
+    pub size: Size,
+    /// Work done.
+    pub counts: Counts,
+    /// CPU time \[s\].
+    pub seconds: f64,
+}
+
+impl Solution {
+    pub(super) fn without_motion(
+        status: Status,
+        violations: Vec<Violation>,
+        counts: Counts,
+    ) -> Self {
+        Self {
+            status,
+            objective: f64::NAN,
+            horizon: f64::NAN,
+            stationarity: Stationarity::None,
+            resimulation_error: f64::INFINITY,
+            residuals: Residuals {
+                primal: f64::NAN,
+                dual: f64::NAN,
+                complementarity: f64::NAN,
+            },
+            planned_events: Vec::new(),
+            controls: Vec::new(),
+            motion: None,
+            violations,
+            size: Size::default(),
+            counts,
+            seconds: 0.0,
+        }
+    }
+
+    /// Why the run did not end with a certified motion, in one line; `None` if it did.
+    #[must_use]
+    pub fn diagnosis(&self) -> Option<String> {
+        let worst = self.violations.first().map_or_else(
+            || "no row is violated".to_owned(),
+            |row| format!("worst row: {}, violated by {:.1e}", row.name, row.amount),
+        );
+        match self.status {
+            Status::Solved => None,
+            Status::Uncertified => Some(format!(
+                "{} programs solved before all neighbouring contact sequences were compared; raise the \
+                 limit on programs",
+                self.counts.programs
+            )),
+            Status::Unconfirmed => Some(format!(
+                "the re-simulation ends {:.1e} away from the plan; raise the number of stages or of \
+                 intervals, or the gap margin",
+                self.resimulation_error
+            )),
+            Status::Infeasible => Some(format!(
+                "the goal cannot be reached within the bounds from this guess; {worst}"
+            )),
+            Status::Failed(status) => Some(format!("{status}; {worst}")),
+        }
+    }
+}

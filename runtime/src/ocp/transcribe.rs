@@ -1,0 +1,507 @@
+//! Construction of the collocation program, phase by phase.
+
+use super::collocation::{Collocation, Cut, CutKind, Phase, Setting, Stage, lagrange};
+use super::contact_implicit::{Frame, state_name};
+use super::kernel::Kernel;
+use super::path::Path;
+use super::program::Program;
+use super::sequence::{Place, Sequence, Switch};
+
+/// Least distance of a guessed switch from the ends of its interval, relative to its length.
+const GUESS_MARGIN: f64 = 0.02;
+
+/// Shortest phase relative to its interval: in a phase of no length the contact forces are undetermined.
+const SHORTEST: f64 = 2e-3;
+
+/// State of the construction.
+struct Builder<'a, 's> {
+    setting: Setting<'a>,
+    program: Program<'a>,
+    guess: &'s Path,
+    cuts: &'s [Cut],
+    frame: Frame,
+    phases: Vec<Phase>,
+    closed: Vec<usize>,
+    state: Vec<usize>,
+    n: usize,
+}
+
+impl<'a> Collocation<'a> {
+    /// The program of a sequence, started at `guess`.
+    pub(super) fn new(
+        setting: Setting<'a>,
+        sequence: &Sequence,
+        guess: &Path,
+        cuts: &[Cut],
+    ) -> Self {
+        let (model, problem) = (setting.model, setting.problem);
+        let mut program = Program::new(model);
+        let frame = Frame::add(
+            &mut program,
+            model,
+            problem,
+            guess,
+            setting.units,
+            setting.bounds,
+        );
+        let start = problem.q.iter().chain(&problem.v).enumerate();
+        let state = start
+            .map(|(k, &value)| {
+                let name = format!("initial {}", state_name(model, k));
+                program.variable(name, (value, value), value, 1.0)
+            })
+            .collect();
+        let closed = sequence.initially.iter().enumerate();
+        let mut builder = Builder {
+            setting,
+            program,
+            guess,
+            cuts,
+            frame,
+            phases: Vec::new(),
+            closed: closed.filter(|(_, c)| **c).map(|(i, _)| i).collect(),
+            state,
+            n: problem.q.len(),
+        };
+        for interval in 0..problem.intervals {
+            builder.interval(interval, &sequence.switches);
+        }
+        let (frame, mut program) = (builder.frame, builder.program);
+        frame.finish(&mut program, problem, builder.n, &builder.state);
+        Self {
+            program: program.finish(),
+            model,
+            sequence: sequence.clone(),
+            phases: builder.phases,
+            tableau: setting.tableau,
+            horizon: frame.horizon,
+            controls: frame.controls,
+        }
+    }
+}
+
+impl Builder<'_, '_> {
+    fn interval(&mut self, interval: usize, switches: &[Switch]) {
+        let share = 1.0 / self.setting.problem.intervals as f64;
+        let here = |place: Place| {
+            let all = switches.iter().enumerate();
+            all.filter(move |(_, s)| s.interval == interval && s.place == place)
+        };
+        let (mut openings, mut before) = (Vec::new(), self.state.clone());
+        for (_, switch) in here(Place::Start) {
+            if switch.closes {
+                let time = self.guess.horizon * interval as f64 * share;
+                self.close(switch.contact, &format!("interval {}", interval - 1), time);
+                before.clone_from(&self.state);
+            } else {
+                self.closed.retain(|&contact| contact != switch.contact);
+                openings.push(switch.contact);
+            }
+        }
+        let inside: Vec<(usize, &Switch)> = here(Place::Inside).collect();
+        let length = self.guess.horizon / self.setting.problem.intervals as f64;
+        let count = inside.len() + 1;
+        let mut ends: Vec<f64> = inside
+            .iter()
+            .map(|(_, s)| (s.time - interval as f64).clamp(GUESS_MARGIN, 1.0 - GUESS_MARGIN))
+            .collect();
+        ends.push(1.0);
+        let durations: Vec<usize> = if count == 1 {
+            Vec::new()
+        } else {
+            let row = self
+                .program
+                .row(format!("length of interval {interval}"), 0.0, 0.0);
+            self.program.linear(row, self.frame.horizon, -share);
+            (0..count)
+                .map(|p| {
+                    let begin = if p == 0 { 0.0 } else { ends[p - 1] };
+                    let duration = self.program.variable(
+                        format!("length of phase {p} of interval {interval}"),
+                        (SHORTEST * length, f64::INFINITY),
+                        (ends[p] - begin) * length,
+                        length,
+                    );
+                    self.program.linear(row, duration, 1.0);
+                    duration
+                })
+                .collect()
+        };
+        let mut begin = 0.0;
+        for (p, &end) in ends.iter().enumerate() {
+            let (scale, factor) = match durations.get(p) {
+                Some(&duration) => (duration, 1.0),
+                None => (self.frame.horizon, share),
+            };
+            let times = (
+                (interval as f64 + begin) * length,
+                (interval as f64 + end) * length,
+            );
+            let ending = inside.get(p).copied();
+            let closing = match ending {
+                Some((_, switch)) => switch.closes.then_some(switch.contact),
+                None => switches
+                    .iter()
+                    .find(|s| s.closes && s.interval == interval + 1 && s.place == Place::Start)
+                    .map(|s| s.contact),
+            };
+            let opened: Vec<usize> = match p.checked_sub(1).map(|before| inside[before].1) {
+                None => openings.clone(),
+                Some(before) if before.closes => Vec::new(),
+                Some(before) => vec![before.contact],
+            };
+            self.phase(
+                interval,
+                (p, count),
+                (scale, factor),
+                times,
+                (ending, closing),
+                &opened,
+            );
+            begin = end;
+        }
+        self.node(interval, &before);
+    }
+
+    fn phase(
+        &mut self,
+        interval: usize,
+        index: (usize, usize),
+        (scale, factor): (usize, f64),
+        (from, to): (f64, f64),
+        (ending, closing): (Option<(usize, &Switch)>, Option<usize>),
+        opened: &[usize],
+    ) {
+        let Setting {
+            model,
+            units,
+            bounds,
+            parabolas,
+            tableau,
+            ..
+        } = self.setting;
+        let (n, program) = (self.n, &mut self.program);
+        let contacts = model.declaration().contacts;
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let closed = self.closed.clone();
+        let u = self.frame.controls[interval].clone();
+        let label = format!("interval {interval}, phase {}", index.0);
+        let stages = tableau.stages();
+        let mut phase = Phase {
+            interval,
+            index,
+            closed: closed.clone(),
+            start: self.state.clone(),
+            stages: Vec::with_capacity(stages),
+            scale,
+            factor,
+            openings: Vec::new(),
+            ends_with: ending.map(|(index, _)| index),
+            closing,
+        };
+        let mut corrections = Vec::with_capacity(stages);
+        for (m, c) in tableau.c().iter().enumerate() {
+            let sample = self.guess.at(from + c * (to - from), m + 1 < stages);
+            let state: Vec<usize> = (0..2 * n)
+                .map(|k| {
+                    let bounded = k < n && !parabolas[k];
+                    let range = if bounded {
+                        (bounds.0[k], bounds.1[k])
+                    } else {
+                        free
+                    };
+                    let name = format!("{} at stage {m} of {label}", state_name(model, k));
+                    program.variable(name, range, sample[k], 1.0)
+                })
+                .collect();
+            let mut forces = Vec::new();
+            let mut shifts = Vec::new();
+            for &i in &closed {
+                let name = contacts[i].name;
+                let length = to - from;
+                forces.push(program.variable(
+                    format!("force of `{name}` at stage {m} of {label}"),
+                    (0.0, f64::INFINITY),
+                    sample[2 * n + i] * length,
+                    units.force[i] * length,
+                ));
+                let name = format!("correction of `{name}` at stage {m} of {label}");
+                shifts.push(program.variable(name, free, 0.0, units.gap[i]));
+            }
+            corrections.push(shifts);
+            phase.stages.push(Stage {
+                state,
+                forces,
+                gap_rows: Vec::new(),
+            });
+        }
+        for (m, corrections) in corrections.iter().enumerate() {
+            let Stage { state, forces, .. } = &phase.stages[m];
+            let mut gap_rows = Vec::with_capacity(contacts.len());
+            let (q, v) = state.split_at(n);
+            let slopes = lagrange(tableau, tableau.c()[m], true);
+            let (mut moves, mut pushes, mut free_pushes) = (Vec::new(), Vec::new(), Vec::new());
+            for (k, &before) in phase.start.iter().enumerate() {
+                let name = format!(
+                    "collocation of {}, stage {m}, {label}",
+                    state_name(model, k)
+                );
+                let row = program.row(name, 0.0, 0.0);
+                program.linear(row, before, slopes[0]);
+                for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
+                    program.linear(row, stage.state[k], *slope);
+                }
+                if k < n {
+                    program.bilinear(row, scale, v[k], -factor);
+                    moves.push((row, k, -1.0));
+                } else {
+                    free_pushes.push((row, k - n, -factor));
+                    pushes.push((row, k - n, -1.0));
+                }
+            }
+            let kernel = Kernel::Acceleration(Vec::new());
+            program.block(&kernel, [q, v, &u, &[]], Some(scale), free_pushes);
+            if !closed.is_empty() {
+                let kernel = Kernel::Push(closed.clone());
+                program.block(&kernel, [q, &[], &[], forces], None, pushes);
+                program.block(&kernel, [q, &[], &[], corrections], None, moves);
+            }
+            for (i, contact) in contacts.iter().enumerate() {
+                let last = m + 1 == stages;
+                let closes = last && closing == Some(i);
+                let upper = if closed.contains(&i) || closes {
+                    0.0
+                } else {
+                    f64::INFINITY
+                };
+                let name = format!("gap `{}`, stage {m}, {label}", contact.name);
+                // Right after an opening the gap is of third order in time, so that its rows would have no
+                // interior: its sign follows from the force before, and is checked afterwards.
+                let lower = if opened.contains(&i) && upper > 0.0 {
+                    f64::NEG_INFINITY
+                } else {
+                    0.0
+                };
+                let row = program.row(name, lower, upper);
+                gap_rows.push(row);
+                let mut uses = vec![(row, 0, 1.0)];
+                if closed.contains(&i) {
+                    let name = format!("normal velocity of `{}`, stage {m}, {label}", contact.name);
+                    uses.push((program.row(name, 0.0, 0.0), 1, 1.0));
+                }
+                program.block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
+            }
+            phase.stages[m].gap_rows = gap_rows;
+        }
+        // The force right at the start of a contact phase, extrapolated from the stages.
+        let mut values = vec![0.0; stages];
+        tableau.lagrange_values(0.0, &mut values);
+        for (slot, &i) in closed.iter().enumerate() {
+            let name = format!("force of `{}` at the start of {label}", contacts[i].name);
+            let row = program.row(name, 0.0, f64::INFINITY);
+            for (stage, weight) in phase.stages.iter().zip(&values) {
+                program.linear(row, stage.forces[slot], *weight);
+            }
+        }
+        // The normal acceleration after an opening at a jump of the controls: the slope of the normal
+        // velocity, which starts from 0.
+        for &i in opened.iter().filter(|_| index.0 == 0) {
+            let name = format!("opening of `{}` at the start of {label}", contacts[i].name);
+            let row = program.row(name, 0.0, f64::INFINITY);
+            let slopes = lagrange(tableau, 0.0, true);
+            for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
+                let (q, v) = stage.state.split_at(n);
+                let uses = vec![(row, 1, *slope)];
+                program.block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
+            }
+            phase.openings.push((i, row));
+        }
+        self.add_cuts(&phase);
+        if let Some(stage) = phase.stages.last() {
+            self.state.clone_from(&stage.state);
+        }
+        if let Some((_, switch)) = ending {
+            self.switch(switch, &phase, &label, to);
+        }
+        self.phases.push(phase);
+    }
+
+    /// What happens at the end of a phase.
+    fn switch(&mut self, switch: &Switch, phase: &Phase, label: &str, time: f64) {
+        if switch.closes {
+            self.close(switch.contact, label, time);
+            return;
+        }
+        let slot = phase.closed.iter().position(|&i| i == switch.contact);
+        if let (Some(slot), Some(stage)) = (slot, phase.stages.last()) {
+            self.program.bound(stage.forces[slot], 0.0, 0.0);
+        }
+        self.closed.retain(|&contact| contact != switch.contact);
+    }
+
+    /// The impact map where a contact closes.
+    fn close(&mut self, contact: usize, label: &str, time: f64) {
+        let (n, program) = (self.n, &mut self.program);
+        self.closed.push(contact);
+        self.closed.sort_unstable();
+        let model = self.setting.model;
+        let contacts = model.declaration().contacts;
+        let sample = self.guess.at(time, true);
+        let q = self.state[..n].to_vec();
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut after = q.clone();
+        let mut uses = Vec::with_capacity(n);
+        for k in 0..n {
+            let name = format!(
+                "{} after the impact that ends {label}",
+                state_name(model, n + k)
+            );
+            let velocity = program.variable(name, free, sample[n + k], 1.0);
+            let name = format!("impact on {}, end of {label}", state_name(model, n + k));
+            let row = program.row(name, 0.0, 0.0);
+            program.linear(row, velocity, 1.0);
+            program.linear(row, self.state[n + k], -1.0);
+            uses.push((row, k, -1.0));
+            after.push(velocity);
+        }
+        let mut impulses = Vec::new();
+        for &i in &self.closed {
+            let name = format!("impulse of `{}` that ends {label}", contacts[i].name);
+            impulses.push(program.variable(name, (0.0, f64::INFINITY), 0.0, 1.0));
+            let name = format!("impact of `{}`, end of {label}", contacts[i].name);
+            let row = program.row(name, 0.0, 0.0);
+            let uses = vec![(row, 1, 1.0)];
+            program.block(&Kernel::Contact(i), [&q, &after[n..], &[], &[]], None, uses);
+        }
+        let kernel = Kernel::Push(self.closed.clone());
+        program.block(&kernel, [&q, &[], &[], &impulses], None, uses);
+        self.state = after;
+    }
+
+    fn add_cuts(&mut self, phase: &Phase) {
+        let Setting {
+            model,
+            bounds,
+            tableau,
+            ..
+        } = self.setting;
+        let declaration = model.declaration();
+        let (n, program) = (self.n, &mut self.program);
+        let here = self
+            .cuts
+            .iter()
+            .filter(|cut| cut.interval == phase.interval && cut.phase == phase.index);
+        for cut in here {
+            let weights = lagrange(tableau, cut.theta, false);
+            let combine = |program: &mut Program, row: usize, k: usize| {
+                program.linear(row, phase.start[k], weights[0]);
+                for (stage, weight) in phase.stages.iter().zip(&weights[1..]) {
+                    program.linear(row, stage.state[k], *weight);
+                }
+            };
+            let at = format!(
+                "between the stages of phase {} of interval {}",
+                cut.phase.0, cut.interval
+            );
+            match cut.kind {
+                CutKind::Bounds(k) => {
+                    let name = format!("`{}` {at}", declaration.coordinates[k].name);
+                    let row = program.row(name, bounds.0[k], bounds.1[k]);
+                    combine(program, row, k);
+                }
+                CutKind::Gap(contact, _) | CutKind::Departure(contact)
+                    if phase.closed.contains(&contact) => {}
+                CutKind::Departure(contact) => {
+                    let name =
+                        format!("departure of `{}` {at}", declaration.contacts[contact].name);
+                    let row = program.row(name, 0.0, f64::INFINITY);
+                    let slopes = lagrange(tableau, 0.0, true);
+                    let states = phase.stages.iter().map(|stage| &stage.state);
+                    for (state, slope) in std::iter::once(&phase.start).chain(states).zip(slopes) {
+                        let (q, v) = state.split_at(n);
+                        let uses = vec![(row, 1, slope)];
+                        program.block(&Kernel::Contact(contact), [q, v, &[], &[]], None, uses);
+                    }
+                }
+                CutKind::Gap(contact, margin) => {
+                    let time = self.guess.horizon / self.setting.problem.intervals as f64
+                        * (cut.interval as f64 + cut.theta);
+                    let sample = self.guess.at(time, true);
+                    let free = (f64::NEG_INFINITY, f64::INFINITY);
+                    let q: Vec<usize> = (0..n)
+                        .map(|k| {
+                            let name = format!("`{}` {at}", declaration.coordinates[k].name);
+                            let variable = program.variable(name.clone(), free, sample[k], 1.0);
+                            let row = program.row(name, 0.0, 0.0);
+                            program.linear(row, variable, -1.0);
+                            combine(program, row, k);
+                            variable
+                        })
+                        .collect();
+                    let name = format!("gap `{}` {at}", declaration.contacts[contact].name);
+                    let row = program.row(name, margin, f64::INFINITY);
+                    let uses = vec![(row, 0, 1.0)];
+                    program.block(&Kernel::Contact(contact), [&q, &[], &[], &[]], None, uses);
+                }
+            }
+        }
+    }
+
+    /// Bounds of the coordinates that are parabolas, over a whole interval.
+    fn node(&mut self, interval: usize, before: &[usize]) {
+        let Setting {
+            model,
+            bounds,
+            parabolas,
+            problem,
+            ..
+        } = self.setting;
+        let (n, program) = (self.n, &mut self.program);
+        let half = 0.5 / problem.intervals as f64;
+        for k in (0..n).filter(|&k| parabolas[k]) {
+            let name = model.declaration().coordinates[k].name;
+            let (q0, v0, q2) = (before[k], before[n + k], self.state[k]);
+            for (sign, bound) in [(1.0, bounds.0[k]), (-1.0, bounds.1[k])] {
+                if !bound.is_finite() {
+                    continue;
+                }
+                let unit = if (bounds.1[k] - bounds.0[k]).is_finite() {
+                    bounds.1[k] - bounds.0[k]
+                } else {
+                    1.0
+                };
+                let inside = format!("of `{name}` in interval {interval}");
+                let size = format!("size {inside}");
+                let size = program.variable(size, (0.0, f64::INFINITY), 0.1 * unit, unit);
+                let place = program.variable(format!("extremum {inside}"), (0.0, 1.0), 0.5, 1.0);
+                let product = program.variable(
+                    format!("product {inside}"),
+                    (0.0, f64::INFINITY),
+                    0.05 * unit,
+                    unit,
+                );
+                let row = program.row(format!("product {inside}"), 0.0, 0.0);
+                program.linear(row, product, 1.0 / unit);
+                program.bilinear(row, size, place, -1.0 / unit);
+                // b_0 - p theta, b_1 + p - p theta, b_2 - s + 2 p - p theta
+                for (index, [linear_size, linear_product]) in [[0.0, 0.0], [0.0, 1.0], [-1.0, 2.0]]
+                    .into_iter()
+                    .enumerate()
+                {
+                    let row = program.row(
+                        format!("control point {index} {inside}"),
+                        sign * bound / unit,
+                        f64::INFINITY,
+                    );
+                    program.linear(row, if index == 2 { q2 } else { q0 }, sign / unit);
+                    if index == 1 {
+                        program.bilinear(row, self.frame.horizon, v0, sign * half / unit);
+                    }
+                    program.linear(row, size, linear_size / unit);
+                    program.linear(row, product, linear_product / unit);
+                    program.bilinear(row, product, place, -1.0 / unit);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Event-driven simulation; see [`EventDriven`].
+//!
+//! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
+//! mode, `dop853` integrates it, `search` and `locate` find where the mode ends, `contact_mode` (with `lcp`)
+//! which one follows.
+
+pub(super) mod contact_mode;
+pub(super) mod dop853;
+pub(super) mod dynamics;
+mod integration;
+pub(super) mod lcp;
+mod locate;
+mod search;
+mod small_system;
+mod tableau;
+
+use super::{InitialValueProblem, InputError, Simulation, Simulator};
+use crate::model::Model;
+
+/// Admissible tolerances: below the first, rounding error of one step exceeds the tolerance; above the
+/// second, a step may jump over whatever happens in it.
+const TOLERANCES: (f64, f64) = (1e-14, 1e-2);
+
+/// Event-driven simulation: an explicit Runge-Kutta method of high order between the switches of the contact
+/// mode, which are located to rounding error.
+///
+/// Between events the constrained dynamics of the active contacts `I` are integrated,
+///
+/// ```text
+/// q' = v,   v' = a + sum_I d_i r_i,   D r = -(n' a + curvature),   D_ij = n_i' d_j
+/// ```
+///
+/// by DOP853 (Hairer, Norsett, Wanner, *Solving Ordinary Differential Equations I*, II.5 and II.6: order 8,
+/// error estimates of orders 5 and 3, continuous extension of order 7), and after every step the state is
+/// moved onto `g = 0`, `v_n = 0` along the contact directions, so that nothing drifts. A step ends early where
+/// a gap closes, a contact force vanishes or the controls jump: found on the continuous extension, then
+/// polished by true steps of the method. Moreau's impact law is applied to all closed contacts at once,
+/// `0 <= p _|_ v_n + D p >= 0`, `v+ = v- + sum_i d_i p_i`; the new contact mode follows from the
+/// complementarity of forces and normal accelerations, and where both vanish, from what follows a moment later.
+///
+/// Gaps below `1e-12 max(1, |q|)` are closed, dips below zero of a few times that are no impacts, and a flight
+/// lower than `1e-14 max(1, |q|)` is none, which ends geometric sequences of impacts. Up to twelve contacts can
+/// close at one instant.
+///
+/// It shares nothing with the finite element simulation but the model, so that each can check the other.
+///
+/// ```
+/// use hangtime::simulation::EventDriven;
+/// let accurate = EventDriven { tolerance: 1e-12, ..EventDriven::default() };
+/// assert_eq!(accurate.max_events, 10_000);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct EventDriven {
+    /// Error per step, absolute and relative, in `1e-14..=1e-2`; default `1e-9`. A tenth of it costs
+    /// about a third more evaluations.
+    pub tolerance: f64,
+    /// Longest step \[s\]; default none, which means a sixteenth of the horizon. Lower it if the ground
+    /// has features that are passed faster than that.
+    pub max_step: Option<f64>,
+    /// Largest number of events before the run ends as
+    /// [`AmbiguousContact`](super::SimulationStatus::AmbiguousContact); default 10 000.
+    pub max_events: usize,
+    /// Largest number of accepted and rejected steps; default 1 000 000.
+    pub max_steps: usize,
+    /// Number of equal intervals of the horizon at whose ends the trajectory has a point, from the
+    /// continuous extension, besides those at the ends of steps; default 0, none.
+    pub output_times: usize,
+    /// Acceleration `a_bar` of the auxiliary dynamics that the numerical time refers to
+    /// \[unit of the gap / s^2\]; default `100 * 9.81`. Physical results do not depend on it.
+    ///
+    /// In contact `dtau/dt = 1/p` with `p = prod_i (1 - r_i p / a_bar)`, which is `1 + r/a_bar` for one
+    /// contact. An impact takes `max_i p_i / a_bar`, which is `|v_n| / a_bar` for one contact and for
+    /// several that do not influence each other, with the impulses `p_i` of Moreau's law.
+    pub auxiliary_acceleration: f64,
+}
+
+impl Default for EventDriven {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-9,
+            max_step: None,
+            max_events: 10_000,
+            max_steps: 1_000_000,
+            output_times: 0,
+            auxiliary_acceleration: 981.0,
+        }
+    }
+}
+
+impl EventDriven {
+    fn check(&self) -> Result<(), InputError> {
+        let refuse = |what: &str, value: f64, unit: &str, bound: &str| {
+            Err(InputError::OutOfRange {
+                what: what.into(),
+                value,
+                unit: unit.into(),
+                bound: bound.into(),
+            })
+        };
+        if !(TOLERANCES.0..=TOLERANCES.1).contains(&self.tolerance) {
+            return refuse("tolerance", self.tolerance, "", "in 1e-14..=1e-2");
+        }
+        if let Some(max_step) = self.max_step
+            && (max_step <= 0.0 || max_step.is_nan())
+        {
+            return refuse("longest step", max_step, "s", "above 0");
+        }
+        if self.auxiliary_acceleration <= 0.0 || !self.auxiliary_acceleration.is_finite() {
+            return refuse(
+                "auxiliary acceleration",
+                self.auxiliary_acceleration,
+                "m/s^2",
+                "above 0 and finite",
+            );
+        }
+        if self.max_steps == 0 {
+            return refuse("largest number of steps", 0.0, "", "at least 1");
+        }
+        Ok(())
+    }
+}
+
+impl Simulator for EventDriven {
+    fn name(&self) -> &'static str {
+        "event"
+    }
+
+    fn simulate(
+        &self,
+        model: &dyn Model,
+        problem: &InitialValueProblem,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Simulation, InputError> {
+        self.check()?;
+        problem.check(model)?;
+        Ok(integration::Integration::new(self, model, problem).run(progress))
+    }
+}

@@ -1,0 +1,310 @@
+//! The earliest event within a step: found on the continuous extension, confirmed and polished with
+//! true steps of the method.
+
+use super::dop853::{Dop853, System};
+use super::dynamics::Dynamics;
+use super::locate::{self, Sample};
+
+/// Crossings of one contact on the continuous extension that true steps may refute before the step counts as
+/// too long.
+const FALSE_ALARMS: usize = 20;
+/// A crossing less deep than this share of the range of values within the step is confirmed by a true
+/// step: it may be an error of the continuous extension.
+const SHALLOW: f64 = 1e-4;
+/// Halvings of a step on the way back to where the true solution is positive.
+const HALVINGS: usize = 40;
+/// Secant steps before bisection.
+const SECANTS: usize = 12;
+/// Secant steps and bisections together; 64 bisections use up all digits.
+const POLISHING: usize = 80;
+
+/// Buffers of the search.
+#[derive(Debug, Clone)]
+pub(super) struct EventSearch {
+    state: Vec<f64>,
+    slope: Vec<f64>,
+    end: Vec<f64>,
+    zero: Vec<f64>,
+    false_alarms: Vec<usize>,
+    from: Vec<Option<Sample>>,
+}
+
+/// The step that was just made, from `(t, y)` with length `h`.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a> {
+    pub(super) t: f64,
+    pub(super) h: f64,
+    pub(super) y: &'a [f64],
+    /// Values of the contacts at its start and its end.
+    pub(super) start_values: &'a [f64],
+    pub(super) end_values: &'a [f64],
+}
+
+/// An event: which contact, and the length of the step that ends there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Found {
+    pub(super) contact: usize,
+    pub(super) h: f64,
+}
+
+/// A crossing of zero on the continuous extension.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    contact: usize,
+    /// Where the search began; the value there is a true one.
+    from: f64,
+    left: Sample,
+    right: Sample,
+    root: f64,
+}
+
+/// What the search found.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Outcome {
+    /// No event within the step.
+    Nothing,
+    /// The earliest event.
+    Event(Found),
+    /// The continuous extension is too far from the solution to find the events of this contact: the step
+    /// is too long.
+    Unresolved(usize),
+}
+
+impl EventSearch {
+    pub(super) fn new(dimension: usize, contacts: usize) -> Self {
+        Self {
+            state: vec![0.0; dimension],
+            slope: vec![0.0; dimension],
+            end: vec![0.0; dimension],
+            zero: vec![0.0; contacts],
+            false_alarms: vec![0; contacts],
+            from: vec![None; contacts],
+        }
+    }
+
+    /// Whether the values seen in the stages of the step leave room for an event: the lowest is smaller
+    /// than the range they span, so that a dip to zero could hide between them.
+    pub(super) fn is_needed(dynamics: &Dynamics<'_>) -> bool {
+        (0..dynamics.contacts).any(|i| may_cross(dynamics, i))
+    }
+
+    /// The earliest event within the step, whose continuous extension is ready. If there is one,
+    /// `method.end()` is the state there, on the surfaces of the active contacts; if there is nothing,
+    /// it stays the end of the step.
+    pub(super) fn earliest(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &mut Dop853,
+        step: Step<'_>,
+    ) -> Outcome {
+        for i in 0..dynamics.contacts {
+            self.from[i] = may_cross(dynamics, i).then_some(Sample {
+                at: 0.0,
+                value: step.start_values[i],
+            });
+            self.zero[i] = self.least_zero(dynamics, step, i);
+        }
+        self.end.copy_from_slice(method.end());
+        self.false_alarms.fill(0);
+        while let Some(crossing) = self.first_crossing(dynamics, method, step) {
+            let contact = crossing.contact;
+            match self.polish(dynamics, method, step, crossing) {
+                Ok(h) => return Outcome::Event(Found { contact, h }),
+                Err(value) => {
+                    let Sample { at, value: wrong } = crossing.right;
+                    self.false_alarms[contact] += 1;
+                    if at >= 1.0 || self.false_alarms[contact] > FALSE_ALARMS {
+                        return Outcome::Unresolved(contact);
+                    }
+                    self.from[contact] = Some(Sample { at, value });
+                    // So wrong is the continuous extension here.
+                    self.zero[contact] = self.zero[contact].max(4.0 * (value - wrong));
+                }
+            }
+        }
+        for i in 0..dynamics.contacts {
+            if step.end_values[i] < -self.least_zero(dynamics, step, i) {
+                return Outcome::Unresolved(i);
+            }
+        }
+        method.end_mut().copy_from_slice(&self.end);
+        Outcome::Nothing
+    }
+
+    /// What counts as zero for the value of a contact if the continuous extension is exact: one that starts
+    /// below zero and grows is no crossing.
+    fn least_zero(&self, dynamics: &Dynamics<'_>, step: Step<'_>, contact: usize) -> f64 {
+        let zero = dynamics.zero_value(contact, step.y);
+        zero.max(-2.0 * step.start_values[contact])
+    }
+
+    /// The crossing with the earliest root on the continuous extension.
+    fn first_crossing(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &Dop853,
+        step: Step<'_>,
+    ) -> Option<Crossing> {
+        let mut earliest: Option<Crossing> = None;
+        for contact in 0..dynamics.contacts {
+            let Some(from) = self.from[contact] else {
+                continue;
+            };
+            let zero = self.zero[contact];
+            let mut value = |theta| self.interpolated(dynamics, method, step, contact, theta);
+            let to = match earliest {
+                None => Sample {
+                    at: 1.0,
+                    value: step.end_values[contact],
+                },
+                Some(Crossing { root, .. }) => Sample {
+                    at: root,
+                    value: value(root),
+                },
+            };
+            if to.at <= from.at {
+                continue;
+            }
+            if let Some((left, right)) = locate::first_crossing(&mut value, from, to, zero) {
+                let left = locate::positive_before(&mut value, from, left, right);
+                let root = locate::root(&mut value, left, right);
+                earliest = Some(Crossing {
+                    contact,
+                    from: from.at,
+                    left,
+                    right,
+                    root,
+                });
+            }
+        }
+        earliest
+    }
+
+    /// Value of a contact on the continuous extension.
+    fn interpolated(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &Dop853,
+        step: Step<'_>,
+        contact: usize,
+        theta: f64,
+    ) -> f64 {
+        let t = step.t + theta * step.h;
+        method.interpolate(theta, &mut self.state[..2 * dynamics.n]);
+        if dynamics.is_active(contact) {
+            dynamics.derivative(t, &self.state, &mut self.slope);
+            dynamics.values[contact]
+        } else {
+            dynamics.load(t, &self.state);
+            dynamics.gap(contact)
+        }
+    }
+
+    /// Value of a contact after a true step of length `h`, which ends in `method.end()`.
+    fn stepped(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &mut Dop853,
+        step: Step<'_>,
+        contact: usize,
+        h: f64,
+    ) -> f64 {
+        method.step(dynamics, step.t, step.y, h);
+        if !dynamics.project(step.t + h, method.end_mut()) {
+            return f64::NAN;
+        }
+        if dynamics.is_active(contact) {
+            dynamics.derivative(step.t + h, method.end(), &mut self.slope);
+            dynamics.values[contact]
+        } else {
+            dynamics.load(step.t + h, method.end());
+            dynamics.gap(contact)
+        }
+    }
+
+    /// Length of the true step at whose end the value of the contact vanishes; if there is none in the
+    /// bracket, the value at its right end.
+    fn polish(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &mut Dop853,
+        step: Step<'_>,
+        crossing: Crossing,
+    ) -> Result<f64, f64> {
+        let Crossing {
+            contact,
+            mut from,
+            mut left,
+            mut right,
+            root: mut theta,
+        } = crossing;
+        let zero = self.least_zero(dynamics, step, contact);
+        let range = dynamics.highest[contact] - dynamics.lowest[contact];
+        let resolution = f64::EPSILON * (step.t.abs() + step.h);
+        let sinks = left.value <= 0.0 || (theta - left.at) * step.h <= resolution;
+        if right.at < 1.0 && (sinks || -right.value < SHALLOW * range) {
+            let value = self.stepped(dynamics, method, step, contact, right.at * step.h);
+            if value >= -zero {
+                return Err(value);
+            }
+        }
+        let mut slope;
+        if sinks {
+            // The continuous extension is positive nowhere; the true solution may be, for a while.
+            let mut width = right.at - left.at;
+            let positive = (0..HALVINGS).find_map(|_| {
+                width *= 0.5;
+                let at = left.at + width;
+                let value = self.stepped(dynamics, method, step, contact, at * step.h);
+                if value <= 0.0 {
+                    right = Sample { at, value };
+                }
+                (value > 0.0).then_some(Sample { at, value })
+            });
+            match positive {
+                Some(sample) => left = sample,
+                None => right = left,
+            }
+            from = left.at;
+            theta = left.at;
+            slope = (right.value - left.value) / ((right.at - left.at) * step.h);
+        } else {
+            let mut value = |theta| self.interpolated(dynamics, method, step, contact, theta);
+            let around = 1e-3 * (right.at - left.at);
+            let (before, after) = ((theta - around).max(0.0), (theta + around).min(1.0));
+            slope = (value(after) - value(before)) / ((after - before) * step.h);
+        }
+
+        let (mut low, mut high) = (from * step.h, right.at * step.h);
+        let mut h = theta * step.h;
+        let mut f = self.stepped(dynamics, method, step, contact, h);
+        for iteration in 0..POLISHING {
+            if f > 0.0 {
+                low = h;
+            } else {
+                high = h;
+            }
+            let newton = h - f / slope;
+            let next = if iteration < SECANTS && newton >= low && newton <= high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            if f == 0.0 || (next - h).abs() <= resolution || high - low <= resolution {
+                break;
+            }
+            let f_next = self.stepped(dynamics, method, step, contact, next);
+            let secant = (f_next - f) / (next - h);
+            if secant < 0.0 {
+                slope = secant;
+            }
+            (h, f) = (next, f_next);
+        }
+        if f <= zero { Ok(h) } else { Err(f) }
+    }
+}
+
+fn may_cross(dynamics: &Dynamics<'_>, contact: usize) -> bool {
+    let (lowest, highest) = (dynamics.lowest[contact], dynamics.highest[contact]);
+    lowest <= highest - lowest || lowest <= 0.0
+}

@@ -1,0 +1,94 @@
+//! Why a run stopped, in words.
+
+use super::driver::{Driver, Stop};
+use crate::fesd::contact_mode::ModeError;
+use crate::fesd::finite_element::ElementError;
+use crate::simulation::{Diagnosis, SimulationStatus};
+
+impl Driver<'_> {
+    pub(super) fn note(&mut self, text: &str) {
+        if !self.notes.iter().any(|note| note == text) {
+            self.notes.push(text.into());
+        }
+    }
+
+    pub(super) fn diagnosis(
+        &self,
+        step: usize,
+        contact: Option<usize>,
+        message: String,
+    ) -> Diagnosis {
+        Diagnosis {
+            time: self.state.time,
+            step,
+            contact,
+            message,
+        }
+    }
+
+    pub(super) fn stopped(&self, step: usize, stop: &Stop) -> SimulationStatus {
+        let names: Vec<&str> = self
+            .active
+            .iter()
+            .map(|&i| self.model.declaration().contacts[i].name)
+            .collect();
+        let mode = if names.is_empty() {
+            "in free motion".to_string()
+        } else {
+            format!("in contact with {}", names.join(", "))
+        };
+        let contact = self.active.first().copied();
+        let describe =
+            |what: &str| format!("step {step} at t = {} s {mode}: {what}", self.state.time);
+        match stop {
+            Stop::Element(ElementError::NotFinite) | Stop::Mode(ModeError::NotFinite) => {
+                SimulationStatus::NotFinite(self.diagnosis(
+                    step,
+                    contact,
+                    describe(
+                        "the model is infinite or not a number here; look for a division by zero \
+                         or a root of a negative number",
+                    ),
+                ))
+            }
+            Stop::Mode(ModeError::Jammed) => SimulationStatus::AmbiguousContact(self.diagnosis(
+                step,
+                contact,
+                describe(
+                    "no impulse or force satisfies the contact law (jamming); look at the impulse \
+                     direction of the contacts that touch",
+                ),
+            )),
+            Stop::Mode(ModeError::Dependent) => SimulationStatus::AmbiguousContact(self.diagnosis(
+                step,
+                contact,
+                describe("the normals of the active contacts are dependent"),
+            )),
+            Stop::Element(ElementError::Singular) => SimulationStatus::StepFailed(self.diagnosis(
+                step,
+                contact,
+                describe("singular element matrix; the active contacts may be dependent"),
+            )),
+            Stop::Element(ElementError::NotConverged) => {
+                SimulationStatus::StepFailed(self.diagnosis(
+                    step,
+                    contact,
+                    describe("Newton's method did not converge; take more steps"),
+                ))
+            }
+            Stop::Program(what) => {
+                SimulationStatus::StepFailed(self.diagnosis(step, contact, describe(what)))
+            }
+            Stop::Unresolved => SimulationStatus::StepFailed(self.diagnosis(
+                step,
+                contact,
+                describe("a gap varies too fast for the elements; take more steps"),
+            )),
+            Stop::Location => SimulationStatus::StepFailed(self.diagnosis(
+                step,
+                contact,
+                describe("a switch could not be located; take more steps"),
+            )),
+        }
+    }
+}

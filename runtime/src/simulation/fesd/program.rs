@@ -1,0 +1,159 @@
+//! A step as the complementarity problem itself: the time-freezing system transcribed by FESD and solved by
+//! the interior point method. The last resort where Newton's method in a fixed mode fails.
+//!
+//! Its limits are those of the step form: contact is enforced through `max(g, v_n) = 0` only, which on
+//! curved ground need not have a solution at the stages, and a jump may share an element with the contact
+//! after it, so that an impact is known to the length of an element.
+
+use super::driver::{Driver, Stop};
+use crate::dcs::HeavisideSystem;
+use crate::fesd::finite_element::State;
+use crate::fesd::transcription::{Task, Transcription};
+use crate::mpcc;
+use crate::simulation::EventKind;
+use crate::time_freezing::TimeFreezingSystem;
+
+/// Finite elements that one switch with an impact needs: before, jump, after.
+const ELEMENTS: usize = 3;
+/// Numbers of elements that are tried in turn; another number often solves a step that one does not.
+const ATTEMPTS: usize = 3;
+/// Interior point iterations of one run; steps that are solved take fewer than half of them.
+const MAX_ITERATIONS: usize = 300;
+/// Residual up to which a solution of the program is a step.
+const ACCEPTED: f64 = 1e-7;
+/// Distance of a mean step function from 0 or 1 that counts as sustained contact.
+const BETWEEN: f64 = 1e-4;
+
+/// What a contact does during an element of the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Free,
+    Jump,
+    Contact,
+}
+
+impl Phase {
+    fn of(mean_alpha: f64) -> Self {
+        if mean_alpha >= 1.0 - BETWEEN {
+            Self::Free
+        } else if mean_alpha <= BETWEEN {
+            Self::Jump
+        } else {
+            Self::Contact
+        }
+    }
+}
+
+impl Driver<'_> {
+    /// Advances to `end` by one complementarity problem.
+    pub(super) fn solve_program(&mut self, end: f64) -> Result<(), Stop> {
+        let fewest = self.settings.elements.max(ELEMENTS);
+        for elements in fewest..fewest + ATTEMPTS {
+            let system = TimeFreezingSystem::new(self.model, self.settings.auxiliary_acceleration);
+            let mut program = Transcription::new(
+                HeavisideSystem::new(system),
+                self.tableau,
+                Task::step(&self.state, &self.u, end - self.state.time, elements),
+            );
+            let mut settings = mpcc::Settings::default();
+            settings.interior_point.maximum_iterations = MAX_ITERATIONS;
+            let solution = mpcc::solve(&mut program, &settings)
+                .map_err(|_| Stop::Program("the step problem was refused"))?;
+            self.counts.interior_point += solution.iterations - solution.crossover_iterations;
+            self.counts.crossover += solution.crossover_iterations;
+            self.counts.fallbacks += 1;
+            // The step is a root of its equations: feasibility decides, optimality only chooses lengths.
+            let residuals = solution.residuals;
+            if residuals.primal.max(residuals.complementarity) <= ACCEPTED {
+                return self.take(&program, &solution);
+            }
+        }
+        Err(Stop::Program(
+            "neither Newton's method nor the interior point method solved the step",
+        ))
+    }
+
+    /// Makes a solved program part of the trajectory.
+    fn take(&mut self, program: &Transcription<'_>, solution: &mpcc::Solution) -> Result<(), Stop> {
+        let residuals = solution.residuals;
+        self.residuals.primal = self.residuals.primal.max(residuals.primal);
+        self.residuals.complementarity = self
+            .residuals
+            .complementarity
+            .max(residuals.complementarity);
+        self.follow(program, &solution.x)?;
+        self.note(
+            "steps solved as complementarity problems know the time of an impact to the length of an \
+             element only",
+        );
+        Ok(())
+    }
+
+    /// Records elements and events of a solved program and settles at its end.
+    fn follow(&mut self, program: &Transcription<'_>, x: &[f64]) -> Result<(), Stop> {
+        let mut before = self.state.clone();
+        let mut phases: Vec<Phase> = self
+            .all_contacts
+            .iter()
+            .map(|i| {
+                if self.active.contains(i) {
+                    Phase::Contact
+                } else {
+                    Phase::Free
+                }
+            })
+            .collect();
+        let mut jump_start: Option<State> = None;
+        for e in 0..program.elements() {
+            let after = program.state(x, e);
+            self.state.copy_from(&after);
+            self.numerical_time += program.numerical_length(x, e);
+            for i in self.all_contacts.clone() {
+                let phase = Phase::of(program.mean_alpha(x, e, i));
+                match (phases[i], phase) {
+                    (Phase::Free | Phase::Contact, Phase::Jump) => {
+                        jump_start.get_or_insert_with(|| before.clone());
+                    }
+                    (Phase::Contact, Phase::Free) => {
+                        self.push_event(EventKind::LiftOff, i, before.v.clone());
+                    }
+                    (Phase::Free, Phase::Contact) => {
+                        self.push_event(EventKind::Contact, i, before.v.clone());
+                    }
+                    _ => {}
+                }
+                if phases[i] == Phase::Jump && phase != Phase::Jump {
+                    self.finish_jump(i, &mut jump_start, &before);
+                }
+                phases[i] = phase;
+            }
+            self.active = (0..phases.len())
+                .filter(|&i| phases[i] == Phase::Contact)
+                .collect();
+            self.evaluate_state()?;
+            self.record();
+            before.copy_from(&after);
+        }
+        for (i, &phase) in phases.iter().enumerate() {
+            if phase == Phase::Jump {
+                self.finish_jump(i, &mut jump_start, &before);
+            }
+        }
+        let close: Vec<usize> = (0..phases.len())
+            .filter(|&i| phases[i] != Phase::Free)
+            .collect();
+        self.project(&close)?;
+        self.settle(&close)?;
+        Ok(())
+    }
+
+    /// The event of a jump that ended at `after`.
+    fn finish_jump(&mut self, contact: usize, start: &mut Option<State>, after: &State) {
+        let Some(begin) = start.take() else {
+            return;
+        };
+        let present = std::mem::replace(&mut self.state, after.clone());
+        self.push_event(EventKind::Impact, contact, begin.v);
+        self.state = present;
+    }
+}

@@ -1,0 +1,271 @@
+//! The classical Runge-Kutta method with fixed steps, which notices switches only at the ends of steps.
+
+use cpu_time::ThreadTime;
+
+use super::event::contact_mode::{self, Undetermined};
+use super::event::dop853::{Dop853, System};
+use super::event::dynamics::Dynamics;
+use super::{
+    Diagnosis, Event, EventKind, InitialValueProblem, InputError, Simulation, SimulationStatus,
+    Simulator,
+};
+use crate::model::Model;
+
+/// The classical Runge-Kutta method of order 4 with fixed steps on the mode-switched system: the
+/// constrained dynamics of the contacts that are active at the start of a step hold to its end. Only
+/// there does it look: a contact that has penetrated is struck (Moreau's impact law at that time, position
+/// moved back onto the surface), a contact whose force has become negative is released.
+///
+/// Order 4 without switches, in general order 1 with them: the time of a switch is known to a step. A
+/// take-off alone costs order 2, because the force vanishes there, and so does a landing on a plane, along
+/// which flight and slide accelerate alike. To be compared with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FixedStep {
+    /// Number of equal steps; default 1000.
+    pub steps: usize,
+    /// Acceleration `a_bar` of the auxiliary dynamics that the numerical time refers to
+    /// \[unit of the gap / s^2\]; default `100 * 9.81`.
+    pub auxiliary_acceleration: f64,
+}
+
+impl Default for FixedStep {
+    fn default() -> Self {
+        Self {
+            steps: 1000,
+            auxiliary_acceleration: 981.0,
+        }
+    }
+}
+
+/// Checks the settings that the fixed-step methods share.
+pub(super) fn check(steps: usize, auxiliary_acceleration: f64) -> Result<(), InputError> {
+    let refuse = |what: &str, value: f64, unit: &str, bound: &str| {
+        Err(InputError::OutOfRange {
+            what: what.into(),
+            value,
+            unit: unit.into(),
+            bound: bound.into(),
+        })
+    };
+    if steps == 0 {
+        return refuse("number of steps", 0.0, "", "at least 1");
+    }
+    if auxiliary_acceleration <= 0.0 || !auxiliary_acceleration.is_finite() {
+        return refuse(
+            "auxiliary acceleration",
+            auxiliary_acceleration,
+            "m/s^2",
+            "above 0 and finite",
+        );
+    }
+    Ok(())
+}
+
+impl Simulator for FixedStep {
+    fn name(&self) -> &'static str {
+        "fixed"
+    }
+
+    fn simulate(
+        &self,
+        model: &dyn Model,
+        problem: &InitialValueProblem,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Simulation, InputError> {
+        check(self.steps, self.auxiliary_acceleration)?;
+        problem.check(model)?;
+        let clock = ThreadTime::try_now();
+        let mut run = FixedRun::new(self, model, problem);
+        if let Err(status) = run.integrate(progress) {
+            run.result.status = status;
+        }
+        run.result.counts.evaluations = run.dynamics.evaluations;
+        if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
+            run.result.seconds.total = elapsed.as_secs_f64();
+        }
+        Ok(run.result)
+    }
+}
+
+struct FixedRun<'a> {
+    settings: &'a FixedStep,
+    problem: &'a InitialValueProblem,
+    dynamics: Dynamics<'a>,
+    probe: Dop853,
+    y: Vec<f64>,
+    stage: Vec<f64>,
+    slopes: [Vec<f64>; 4],
+    forces: Vec<f64>,
+    result: Simulation,
+}
+
+impl<'a> FixedRun<'a> {
+    fn new(
+        settings: &'a FixedStep,
+        model: &'a dyn Model,
+        problem: &'a InitialValueProblem,
+    ) -> Self {
+        let dynamics = Dynamics::new(model, settings.auxiliary_acceleration);
+        let y = [&problem.q[..], &problem.v[..], &[0.0]].concat();
+        let dimension = y.len();
+        Self {
+            settings,
+            problem,
+            probe: Dop853::new(dimension, 2 * dynamics.n),
+            stage: y.clone(),
+            slopes: std::array::from_fn(|_| vec![0.0; dimension]),
+            y,
+            forces: vec![0.0; dynamics.contacts],
+            result: dynamics.empty_result(),
+            dynamics,
+        }
+    }
+
+    fn integrate(&mut self, progress: &mut dyn FnMut(f64)) -> Result<(), SimulationStatus> {
+        let h = self.problem.horizon / self.settings.steps as f64;
+        self.dynamics.set_controls(&self.problem.controls, 0.0);
+        self.enter_mode(0.0, h)?;
+        self.evaluate(0.0)?;
+        self.record(0.0);
+        for step in 0..self.settings.steps {
+            let t = step as f64 * h;
+            let end = if step + 1 == self.settings.steps {
+                self.problem.horizon
+            } else {
+                t + h
+            };
+            self.dynamics.set_controls(&self.problem.controls, t);
+            self.runge_kutta(t, h);
+            let switched = self.evaluate(end)?;
+            self.result.counts.elements += 1;
+            if switched {
+                self.record(end);
+                self.enter_mode(end, h)?;
+                self.evaluate(end)?;
+            }
+            self.record(end);
+            progress(end);
+        }
+        Ok(())
+    }
+
+    /// One step of the classical method from the slope at its start, then onto the surfaces.
+    fn runge_kutta(&mut self, t: f64, h: f64) {
+        self.dynamics.derivative(t, &self.y, &mut self.slopes[0]);
+        for (index, share) in [(1, 0.5), (2, 0.5), (3, 1.0)] {
+            for ((stage, y), slope) in self
+                .stage
+                .iter_mut()
+                .zip(&self.y)
+                .zip(&self.slopes[index - 1])
+            {
+                *stage = y + share * h * slope;
+            }
+            self.dynamics
+                .derivative(t + share * h, &self.stage, &mut self.slopes[index]);
+        }
+        let [first, second, third, fourth] = &self.slopes;
+        for (k, y) in self.y.iter_mut().enumerate() {
+            *y += h / 6.0 * (first[k] + 2.0 * (second[k] + third[k]) + fourth[k]);
+        }
+        if !self.dynamics.project(t + h, &mut self.y) {
+            self.y.fill(f64::NAN);
+        }
+    }
+
+    /// Forces at the present state; whether a contact has penetrated or pulls.
+    fn evaluate(&mut self, t: f64) -> Result<bool, SimulationStatus> {
+        self.dynamics.derivative(t, &self.y, &mut self.slopes[0]);
+        if !self.slopes[0].iter().all(|slope| slope.is_finite()) {
+            return Err(SimulationStatus::NotFinite(self.diagnosis(
+                t,
+                self.dynamics.active.first().copied(),
+                "state or acceleration is not a finite number; take more steps, or check the scene"
+                    .into(),
+            )));
+        }
+        self.dynamics.forces(&mut self.forces);
+        Ok(self.dynamics.values.iter().any(|&value| value < 0.0))
+    }
+
+    fn enter_mode(&mut self, t: f64, h: f64) -> Result<(), SimulationStatus> {
+        let n = self.dynamics.n;
+        let before = self.y[n..2 * n].to_vec();
+        let previously = self.dynamics.active.clone();
+        let impact = contact_mode::impact(&mut self.dynamics, t, &mut self.y, None)
+            .map_err(|problem| self.undetermined(t, problem))?;
+        self.y[2 * n] += impact.impulse / self.settings.auxiliary_acceleration;
+        contact_mode::select(
+            &mut self.dynamics,
+            &mut self.probe,
+            t,
+            &self.y,
+            &impact.resting,
+            None,
+            h,
+        )
+        .map_err(|problem| self.undetermined(t, problem))?;
+        if !self.dynamics.project(t, &mut self.y) {
+            let contact = self.dynamics.active.first().copied();
+            return Err(SimulationStatus::AmbiguousContact(self.diagnosis(
+                t,
+                contact,
+                "the normals of the surfaces in contact are dependent".into(),
+            )));
+        }
+        for i in 0..self.dynamics.contacts {
+            let (was, is) = (previously.contains(&i), self.dynamics.is_active(i));
+            let kind = if impact.struck.contains(&i) {
+                EventKind::Impact
+            } else if was && !is {
+                EventKind::LiftOff
+            } else if is && !was && t > 0.0 {
+                EventKind::Contact
+            } else {
+                continue;
+            };
+            self.result.events.push(Event {
+                time: t,
+                kind,
+                contact: i,
+                q: self.y[..n].to_vec(),
+                v_before: before.clone(),
+                v_after: self.y[n..2 * n].to_vec(),
+            });
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, t: f64) {
+        let n = self.dynamics.n;
+        self.result.trajectory.push(
+            t,
+            self.y[2 * n],
+            &self.y[..n],
+            &self.y[n..2 * n],
+            &self.dynamics.u,
+            &self.forces,
+        );
+        let residuals = &mut self.result.residuals;
+        for value in &self.dynamics.values {
+            residuals.dual = residuals.dual.max(-value);
+        }
+    }
+
+    fn diagnosis(&self, time: f64, contact: Option<usize>, message: String) -> Diagnosis {
+        Diagnosis {
+            time,
+            step: self.result.counts.elements,
+            contact,
+            message,
+        }
+    }
+
+    fn undetermined(&self, t: f64, problem: Undetermined) -> SimulationStatus {
+        SimulationStatus::AmbiguousContact(self.diagnosis(
+            t,
+            Some(problem.contact),
+            problem.message,
+        ))
+    }
+}

@@ -1,0 +1,244 @@
+//! Moreau-Jean time stepping: impacts and contact forces as impulses over a fixed step, without events.
+
+use cpu_time::ThreadTime;
+
+use super::event::contact_mode;
+use super::event::dynamics::{Dynamics, largest};
+use super::{Diagnosis, InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator};
+use crate::model::{Model, contact_point};
+
+/// Largest number of iterations of the implicit midpoint rule; they contract with the step size times the
+/// rate at which forces change, so more than ten mean that the step is too long.
+const ITERATIONS: usize = 100;
+/// Change of the velocity, relative to it, at which the iterations end.
+const CONVERGED: f64 = 1e-13;
+
+/// Moreau-Jean time stepping with `theta = 1/2` and restitution 0.
+///
+/// ```text
+/// q_m = q + h/2 v,   v+ = v + h a(q + h/4 (v + v+), (v + v+)/2) + sum_i d_i(q_m) p_i,   q+ = q + h/2 (v + v+)
+/// 0 <= p_i  _|_  n_i(q_m)' v+ >= 0        for contacts with g_i(q_m) <= 0;   p_i = 0 for the others
+/// ```
+///
+/// Order 2 without contact, order 1 with impacts; in sustained contact on curved ground gaps of the size
+/// of `h^2` open and close. It locates no events, so [`Simulation::events`] stays empty. To be compared
+/// with.
+///
+/// Source: Jean, *The non-smooth contact dynamics method* (1999); Acary, Brogliato, *Numerical Methods for
+/// Nonsmooth Dynamical Systems* (2008), chapter 10; forces at the midpoint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moreau {
+    /// Number of equal steps; default 1000.
+    pub steps: usize,
+    /// Acceleration `a_bar` of the auxiliary dynamics that the numerical time refers to
+    /// \[unit of the gap / s^2\]; default `100 * 9.81`. An impulse `p` takes `p / a_bar`.
+    pub auxiliary_acceleration: f64,
+}
+
+impl Default for Moreau {
+    fn default() -> Self {
+        Self {
+            steps: 1000,
+            auxiliary_acceleration: 981.0,
+        }
+    }
+}
+
+impl Simulator for Moreau {
+    fn name(&self) -> &'static str {
+        "moreau"
+    }
+
+    fn simulate(
+        &self,
+        model: &dyn Model,
+        problem: &InitialValueProblem,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Simulation, InputError> {
+        super::fixed::check(self.steps, self.auxiliary_acceleration)?;
+        problem.check(model)?;
+        let clock = ThreadTime::try_now();
+        let mut result = TimeStepping::new(self, model, problem).run(progress);
+        result.notes.push(
+            "time stepping locates no events; contact forces of the trajectory show where contact is"
+                .into(),
+        );
+        if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
+            result.seconds.total = elapsed.as_secs_f64();
+        }
+        Ok(result)
+    }
+}
+
+struct TimeStepping<'a> {
+    settings: &'a Moreau,
+    problem: &'a InitialValueProblem,
+    dynamics: Dynamics<'a>,
+    /// `(q, v)` at the start of the step, at the midpoint, at the end.
+    start: Vec<f64>,
+    middle: Vec<f64>,
+    end: Vec<f64>,
+    numerical_time: f64,
+    forces: Vec<f64>,
+    result: Simulation,
+}
+
+impl<'a> TimeStepping<'a> {
+    fn new(settings: &'a Moreau, model: &'a dyn Model, problem: &'a InitialValueProblem) -> Self {
+        let dynamics = Dynamics::new(model, settings.auxiliary_acceleration);
+        let start = [&problem.q[..], &problem.v[..]].concat();
+        Self {
+            settings,
+            problem,
+            middle: start.clone(),
+            end: start.clone(),
+            start,
+            numerical_time: 0.0,
+            forces: vec![0.0; dynamics.contacts],
+            result: dynamics.empty_result(),
+            dynamics,
+        }
+    }
+
+    fn run(mut self, progress: &mut dyn FnMut(f64)) -> Simulation {
+        let n = self.dynamics.n;
+        let h = self.problem.horizon / self.settings.steps as f64;
+        self.dynamics.set_controls(&self.problem.controls, 0.0);
+        self.record(0.0);
+        for step in 0..self.settings.steps {
+            let t = step as f64 * h;
+            // Controls are those of the middle of the step: jumps are not located either.
+            self.dynamics
+                .set_controls(&self.problem.controls, t + 0.5 * h);
+            if let Err((contact, message)) = self.step(t, h) {
+                let diagnosis = Diagnosis {
+                    time: t,
+                    step,
+                    contact,
+                    message,
+                };
+                self.result.status = if self.end.iter().all(|number| number.is_finite()) {
+                    SimulationStatus::StepFailed(diagnosis)
+                } else {
+                    SimulationStatus::NotFinite(diagnosis)
+                };
+                break;
+            }
+            for k in 0..n {
+                self.end[k] = self.start[k] + 0.5 * h * (self.start[n + k] + self.end[n + k]);
+            }
+            self.start.copy_from_slice(&self.end);
+            self.numerical_time += h;
+            self.result.counts.elements += 1;
+            let time = if step + 1 == self.settings.steps {
+                self.problem.horizon
+            } else {
+                t + h
+            };
+            self.record(time);
+            progress(time);
+        }
+        self.result.counts.evaluations = self.dynamics.evaluations;
+        self.result
+    }
+
+    /// Velocities at the end of the step, into `end`.
+    fn step(&mut self, t: f64, h: f64) -> Result<(), (Option<usize>, String)> {
+        let n = self.dynamics.n;
+        let middle = t + 0.5 * h;
+        for k in 0..n {
+            self.middle[k] = self.start[k] + 0.5 * h * self.start[n + k];
+            self.middle[n + k] = self.start[n + k];
+        }
+        self.dynamics.load(middle, &self.middle);
+        let mut closed = Vec::new();
+        for i in 0..self.dynamics.contacts {
+            if self.dynamics.gap(i) <= 0.0 {
+                self.dynamics.evaluate_contact(i);
+                closed.push(i);
+            }
+        }
+        self.end.copy_from_slice(&self.start);
+        for _ in 0..ITERATIONS {
+            for k in 0..n {
+                let velocity = 0.5 * (self.start[n + k] + self.end[n + k]);
+                self.middle[k] = self.start[k] + 0.5 * h * velocity;
+                self.middle[n + k] = velocity;
+            }
+            self.dynamics.load(middle, &self.middle);
+            self.dynamics.evaluate_free_acceleration();
+            let change: Vec<f64> = self
+                .dynamics
+                .free_acceleration()
+                .iter()
+                .map(|a| h * a)
+                .collect();
+            let mut velocity: Vec<f64> = self.start[n..]
+                .iter()
+                .zip(&change)
+                .map(|(v, change)| v + change)
+                .collect();
+            let normal: Vec<f64> = closed
+                .iter()
+                .map(|&i| {
+                    let change: f64 = self
+                        .dynamics
+                        .normal(i)
+                        .iter()
+                        .zip(&change)
+                        .map(|(n, change)| n * change)
+                        .sum();
+                    self.dynamics.point(i)[contact_point::NORMAL_VELOCITY] + change
+                })
+                .collect();
+            let impulses = contact_mode::solve(&self.dynamics, &closed, &normal, "impulse")
+                .map_err(|message| (closed.first().copied(), message))?
+                .z;
+            for (&i, p) in closed.iter().zip(&impulses) {
+                for (v, d) in velocity.iter_mut().zip(self.dynamics.direction(i)) {
+                    *v += d * p;
+                }
+            }
+            let moved = velocity
+                .iter()
+                .zip(&self.end[n..])
+                .fold(0.0_f64, |s, (a, b)| s.max((a - b).abs()));
+            self.end[n..].copy_from_slice(&velocity);
+            if velocity.iter().any(|v| !v.is_finite()) {
+                let message =
+                    "a velocity is not a finite number; check roots and divisions of the scene";
+                return Err((closed.first().copied(), message.into()));
+            }
+            if moved <= CONVERGED * largest(&velocity).max(1.0) {
+                self.forces.fill(0.0);
+                for (&i, p) in closed.iter().zip(&impulses) {
+                    let inertia = self.dynamics.point(i)[contact_point::INVERSE_INERTIA];
+                    self.forces[i] = p / (h * inertia);
+                }
+                self.numerical_time += largest(&impulses) / self.settings.auxiliary_acceleration;
+                return Ok(());
+            }
+        }
+        Err((
+            closed.first().copied(),
+            format!("the midpoint rule does not converge with steps of {h:.1e} s; take more steps"),
+        ))
+    }
+
+    fn record(&mut self, time: f64) {
+        let n = self.dynamics.n;
+        self.result.trajectory.push(
+            time,
+            self.numerical_time,
+            &self.start[..n],
+            &self.start[n..],
+            &self.dynamics.u,
+            &self.forces,
+        );
+        self.dynamics.load(time, &self.start);
+        for i in 0..self.dynamics.contacts {
+            let penetration = -self.dynamics.gap(i);
+            self.result.residuals.dual = self.result.residuals.dual.max(penetration);
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! The time-freezing system with smoothed step functions, integrated as an ordinary differential
+//! equation in numerical time.
+
+use cpu_time::ThreadTime;
+
+use super::event::dop853::{Dop853, System};
+use super::event::dynamics::Dynamics;
+use super::{
+    ControlSignal, Diagnosis, InitialValueProblem, InputError, Simulation, SimulationStatus,
+    Simulator,
+};
+use crate::model::{Model, contact_point};
+
+/// Steps shorter than this share of the horizon fail.
+const SHORTEST: f64 = 1e-14;
+/// Points of the trajectory that are kept for each horizon; the steps are many more.
+const POINTS: f64 = 2000.0;
+/// Newton steps on the length of the last step.
+const LANDINGS: usize = 50;
+
+/// The time-freezing system with the step functions smoothed over a width, in numerical time `tau`:
+///
+/// ```text
+/// q' = p v,   v' = p a + sum_i gamma_i a_bar d_i,   t' = p,        p = prod_i (1 - gamma_i)
+/// gamma_i = H(-g_i) H(-v_n,i),   H(x) = (1 + tanh(x / width)) / 2
+/// ```
+///
+/// by DOP853 with step size control; it ends where the physical clock `t` reaches the horizon. The error
+/// is proportional to the width (a body at rest hovers some widths above the ground), the number of
+/// steps to its inverse, because contact becomes stiff like `a_bar / width`. There are no events. To be
+/// compared with.
+///
+/// Source of the system: Nurkanovic, Albrecht, Brogliato, Diehl, *The time-freezing reformulation for
+/// numerical optimal control of complementarity Lagrangian systems with state jumps*, Automatica 158
+/// (2023) 111295.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Smooth {
+    /// Width of the step functions, for gaps \[unit of the gap\] and normal velocities
+    /// \[unit of the gap / s\]; default `1e-3`.
+    pub width: f64,
+    /// Error per step, absolute and relative; default `1e-6`.
+    pub tolerance: f64,
+    /// Acceleration `a_bar` of the auxiliary dynamics \[unit of the gap / s^2\]; default `100 * 9.81`.
+    pub auxiliary_acceleration: f64,
+    /// Largest number of accepted and rejected steps; default 10 000 000.
+    pub max_steps: usize,
+}
+
+impl Default for Smooth {
+    fn default() -> Self {
+        Self {
+            width: 1e-3,
+            tolerance: 1e-6,
+            auxiliary_acceleration: 981.0,
+            max_steps: 10_000_000,
+        }
+    }
+}
+
+impl Simulator for Smooth {
+    fn name(&self) -> &'static str {
+        "smooth"
+    }
+
+    fn simulate(
+        &self,
+        model: &dyn Model,
+        problem: &InitialValueProblem,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Simulation, InputError> {
+        super::fixed::check(self.max_steps, self.auxiliary_acceleration)?;
+        for (what, value, bound) in [
+            ("width of the step functions", self.width, "above 0"),
+            ("tolerance", self.tolerance, "in 1e-14..=1e-2"),
+        ] {
+            let inside = value > 0.0 && (what != "tolerance" || (1e-14..=1e-2).contains(&value));
+            if !inside || !value.is_finite() {
+                return Err(InputError::OutOfRange {
+                    what: what.into(),
+                    value,
+                    unit: String::new(),
+                    bound: bound.into(),
+                });
+            }
+        }
+        problem.check(model)?;
+        let clock = ThreadTime::try_now();
+        let mut system = SmoothSystem::new(self, model, problem);
+        let mut result = system.dynamics.empty_result();
+        result.notes.push(
+            "smoothed switches have no instant, so there are no events; contact forces fade in and out"
+                .into(),
+        );
+        if let Err(status) = integrate(self, problem, &mut system, &mut result, progress) {
+            result.status = status;
+        }
+        result.counts.evaluations = system.dynamics.evaluations;
+        if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
+            result.seconds.total = elapsed.as_secs_f64();
+        }
+        Ok(result)
+    }
+}
+
+/// The smoothed system in the state `(q, v, t)`.
+struct SmoothSystem<'a> {
+    dynamics: Dynamics<'a>,
+    controls: &'a ControlSignal,
+    width: f64,
+    auxiliary_acceleration: f64,
+    /// `gamma_i / p a_bar`, the normal contact accelerations in physical time, at the last evaluation.
+    contact_accelerations: Vec<f64>,
+}
+
+impl<'a> SmoothSystem<'a> {
+    fn new(settings: &Smooth, model: &'a dyn Model, problem: &'a InitialValueProblem) -> Self {
+        let dynamics = Dynamics::new(model, settings.auxiliary_acceleration);
+        Self {
+            contact_accelerations: vec![0.0; dynamics.contacts],
+            dynamics,
+            controls: &problem.controls,
+            width: settings.width,
+            auxiliary_acceleration: settings.auxiliary_acceleration,
+        }
+    }
+
+    /// `H(-x)`.
+    fn below(&self, x: f64) -> f64 {
+        0.5 * (1.0 - (x / self.width).tanh())
+    }
+}
+
+impl System for SmoothSystem<'_> {
+    fn derivative(&mut self, _numerical_time: f64, y: &[f64], dy: &mut [f64]) {
+        let n = self.dynamics.n;
+        let time = y[2 * n];
+        self.dynamics.set_controls(self.controls, time);
+        self.dynamics.load(time, y);
+        self.dynamics.evaluate_free_acceleration();
+        let mut free = 1.0;
+        for i in 0..self.dynamics.contacts {
+            self.dynamics.evaluate_contact(i);
+            let point = self.dynamics.point(i);
+            let gamma = self.below(point[contact_point::GAP])
+                * self.below(point[contact_point::NORMAL_VELOCITY]);
+            free *= 1.0 - gamma;
+            self.contact_accelerations[i] = gamma * self.auxiliary_acceleration;
+        }
+        for k in 0..n {
+            dy[k] = free * y[n + k];
+            dy[n + k] = free * self.dynamics.free_acceleration()[k];
+        }
+        for i in 0..self.dynamics.contacts {
+            for (dv, d) in dy[n..2 * n].iter_mut().zip(self.dynamics.direction(i)) {
+                *dv += d * self.contact_accelerations[i];
+            }
+            self.contact_accelerations[i] /= free;
+        }
+        dy[2 * n] = free;
+    }
+}
+
+fn integrate(
+    settings: &Smooth,
+    problem: &InitialValueProblem,
+    system: &mut SmoothSystem<'_>,
+    result: &mut Simulation,
+    progress: &mut dyn FnMut(f64),
+) -> Result<(), SimulationStatus> {
+    let n = system.dynamics.n;
+    let horizon = problem.horizon;
+    let mut y = [&problem.q[..], &problem.v[..], &[0.0]].concat();
+    let mut method = Dop853::new(y.len(), 2 * n + 1);
+    let mut numerical_time = 0.0;
+    method.begin(system, numerical_time, &y);
+    record(system, result, numerical_time, &y);
+    let mut recorded = 0.0;
+    let mut h = method.initial_size(system, 0.0, &y, horizon / 16.0, settings.tolerance);
+    let failure = |elements: usize, time: f64, message: String| Diagnosis {
+        time,
+        step: elements,
+        contact: None,
+        message,
+    };
+    for _ in 0..settings.max_steps {
+        method.step(system, numerical_time, &y, h);
+        let error = method.error(&y, h, settings.tolerance);
+        if error > 1.0 || error.is_nan() {
+            h = Dop853::smaller_size(h, error);
+            if h <= SHORTEST * horizon {
+                let message = format!(
+                    "steps of {h:.1e} s do not meet the tolerance {:e}; widen the step functions",
+                    settings.tolerance
+                );
+                let diagnosis = failure(result.counts.elements, y[2 * n], message);
+                return Err(if error.is_nan() {
+                    SimulationStatus::NotFinite(diagnosis)
+                } else {
+                    SimulationStatus::StepFailed(diagnosis)
+                });
+            }
+            continue;
+        }
+        let mut length = h;
+        let lands = method.end()[2 * n] >= horizon;
+        if lands {
+            // The clock never runs backwards: Newton steps on the length, from above.
+            for _ in 0..LANDINGS {
+                let late = method.end()[2 * n] - horizon;
+                if late.abs() <= f64::EPSILON * horizon {
+                    break;
+                }
+                method.finish(system, numerical_time, length);
+                let speed = method.end_slope()[2 * n].max(f64::MIN_POSITIVE);
+                length = (length - late / speed).clamp(0.0, h);
+                method.step(system, numerical_time, &y, length);
+            }
+        }
+        method.finish(system, numerical_time, length);
+        numerical_time += length;
+        y.copy_from_slice(method.end());
+        if lands {
+            y[2 * n] = horizon;
+        }
+        method.advance();
+        h = method.next_size(h, error);
+        result.counts.elements += 1;
+        let time = y[2 * n];
+        if lands || time - recorded >= horizon / POINTS {
+            record(system, result, numerical_time, &y);
+            recorded = time;
+            progress(time);
+        }
+        if lands {
+            return Ok(());
+        }
+    }
+    Err(SimulationStatus::StepLimit(failure(
+        result.counts.elements,
+        y[2 * n],
+        format!(
+            "{} steps taken; widen the step functions or raise the limit",
+            settings.max_steps
+        ),
+    )))
+}
+
+/// Appends the state just evaluated.
+fn record(system: &SmoothSystem<'_>, result: &mut Simulation, numerical_time: f64, y: &[f64]) {
+    let n = system.dynamics.n;
+    let forces: Vec<f64> = (0..system.dynamics.contacts)
+        .map(|i| {
+            system.contact_accelerations[i]
+                / system.dynamics.point(i)[contact_point::INVERSE_INERTIA]
+        })
+        .collect();
+    for i in 0..system.dynamics.contacts {
+        let penetration = -system.dynamics.point(i)[contact_point::GAP];
+        result.residuals.dual = result.residuals.dual.max(penetration);
+    }
+    result.trajectory.push(
+        y[2 * n],
+        numerical_time,
+        &y[..n],
+        &y[n..2 * n],
+        &system.dynamics.u,
+        &forces,
+    );
+}

@@ -1,0 +1,134 @@
+//! Fields and switching functions of the time-freezing system at a point, with derivatives.
+
+use crate::model::{Model, contact_point};
+
+/// The time-freezing system of a scene, with the memory for one evaluation.
+pub(crate) struct TimeFreezingSystem<'a> {
+    pub(crate) model: &'a dyn Model,
+    /// Acceleration `a_bar` of the auxiliary dynamics.
+    pub(crate) auxiliary_acceleration: f64,
+    /// Free acceleration `a`, length `n_q`.
+    pub(crate) acceleration: Vec<f64>,
+    /// Values of the Jacobian of `a`, in the order of the declaration.
+    pub(crate) acceleration_jacobian: Vec<f64>,
+    /// Values of the Hessian of a weighted `a`.
+    pub(crate) acceleration_hessian: Vec<f64>,
+    points: Vec<f64>,
+    contact_jacobians: Vec<Vec<f64>>,
+    /// Values of the Hessian of the weighted rows of each contact.
+    pub(crate) contact_hessians: Vec<Vec<f64>>,
+    weights: Vec<f64>,
+}
+
+impl<'a> TimeFreezingSystem<'a> {
+    pub(crate) fn new(model: &'a dyn Model, auxiliary_acceleration: f64) -> Self {
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let contacts = declaration.contacts;
+        Self {
+            model,
+            auxiliary_acceleration,
+            acceleration: vec![0.0; n],
+            acceleration_jacobian: vec![0.0; declaration.free_jacobian.entries.len()],
+            acceleration_hessian: vec![0.0; declaration.free_hessian.entries.len()],
+            points: vec![0.0; contacts.len() * contact_point::length(n)],
+            contact_jacobians: contacts
+                .iter()
+                .map(|contact| vec![0.0; contact.jacobian.entries.len()])
+                .collect(),
+            contact_hessians: contacts
+                .iter()
+                .map(|contact| vec![0.0; contact.hessian.entries.len()])
+                .collect(),
+            weights: vec![0.0; 2 + n],
+        }
+    }
+
+    /// Number of coordinates.
+    pub(crate) fn coordinates(&self) -> usize {
+        self.acceleration.len()
+    }
+
+    /// Number of contacts.
+    pub(crate) fn contacts(&self) -> usize {
+        self.contact_jacobians.len()
+    }
+
+    fn point(&self, contact: usize) -> &[f64] {
+        let length = contact_point::length(self.coordinates());
+        &self.points[contact * length..(contact + 1) * length]
+    }
+
+    /// Gap of the last evaluation.
+    pub(crate) fn gap(&self, contact: usize) -> f64 {
+        self.point(contact)[contact_point::GAP]
+    }
+
+    /// Normal velocity of the last evaluation.
+    pub(crate) fn normal_velocity(&self, contact: usize) -> f64 {
+        self.point(contact)[contact_point::NORMAL_VELOCITY]
+    }
+
+    /// Auxiliary acceleration `a_bar d_i` in direction `k` at the last evaluation.
+    pub(crate) fn auxiliary(&self, contact: usize, k: usize) -> f64 {
+        self.auxiliary_acceleration
+            * self.point(contact)[contact_point::direction(self.coordinates()) + k]
+    }
+
+    /// Entries (row, column, value) of the Jacobian of `(g, v_n, d)` of one contact.
+    pub(crate) fn contact_jacobian(
+        &self,
+        contact: usize,
+    ) -> impl Iterator<Item = (usize, usize, f64)> {
+        let entries = self.model.declaration().contacts[contact].jacobian.entries;
+        entries
+            .iter()
+            .zip(&self.contact_jacobians[contact])
+            .map(|(&(row, column), &value)| (row as usize, column as usize, value))
+    }
+
+    /// Evaluates fields and switching functions at the input vector `x = (q, v, u[, t])`.
+    pub(crate) fn evaluate(&mut self, x: &[f64]) {
+        let length = contact_point::length(self.coordinates());
+        self.model.free_acceleration(x, &mut self.acceleration);
+        for (contact, point) in self.points.chunks_exact_mut(length).enumerate() {
+            self.model.contact(contact, x, point);
+        }
+    }
+
+    /// Evaluates the first derivatives at `x`.
+    pub(crate) fn evaluate_jacobians(&mut self, x: &[f64]) {
+        self.model.free_jacobian(x, &mut self.acceleration_jacobian);
+        for (contact, values) in self.contact_jacobians.iter_mut().enumerate() {
+            self.model.contact_jacobian(contact, x, values);
+        }
+    }
+
+    /// Hessian values of `weights' a` at `x`.
+    pub(crate) fn evaluate_acceleration_hessian(&mut self, x: &[f64], weights: &[f64]) {
+        self.model
+            .free_hessian(x, weights, &mut self.acceleration_hessian);
+    }
+
+    /// Hessian values of `gap g + velocity v_n + direction' d` of one contact at `x`.
+    pub(crate) fn evaluate_contact_hessian(
+        &mut self,
+        contact: usize,
+        x: &[f64],
+        gap: f64,
+        velocity: f64,
+        direction: impl Iterator<Item = f64>,
+    ) {
+        self.weights[0] = gap;
+        self.weights[1] = velocity;
+        for (weight, value) in self.weights[2..].iter_mut().zip(direction) {
+            *weight = value;
+        }
+        self.model.contact_hessian(
+            contact,
+            x,
+            &self.weights,
+            &mut self.contact_hessians[contact],
+        );
+    }
+}

@@ -1,0 +1,73 @@
+//! Scenes written by hand for the tests of the simulators, with derivatives by run-time dual numbers.
+
+#![allow(
+    dead_code,
+    missing_docs,
+    unreachable_pub,
+    reason = "shared by several test programs, each of which uses a part"
+)]
+
+pub mod event;
+pub mod gold;
+pub mod scene;
+pub mod scenes;
+
+use hangtime::model::Model;
+use hangtime::simulation::{ControlSignal, InitialValueProblem, Simulation, Trajectory};
+
+/// The problem that starts at `(q, v)` and has no controls.
+pub fn start(q: &[f64], v: &[f64], horizon: f64) -> InitialValueProblem {
+    InitialValueProblem {
+        q: q.to_vec(),
+        v: v.to_vec(),
+        horizon,
+        controls: ControlSignal::Zero,
+    }
+}
+
+/// Position and velocity at the end.
+pub fn last(trajectory: &Trajectory) -> (&[f64], &[f64]) {
+    (
+        trajectory.q.last().expect("a trajectory has a start"),
+        trajectory.v.last().expect("a trajectory has a start"),
+    )
+}
+
+/// Index of the point of the trajectory that is closest to `time`.
+pub fn index_at(trajectory: &Trajectory, time: f64) -> usize {
+    (0..trajectory.time.len())
+        .min_by(|&a, &b| {
+            let distance = |k: usize| (trajectory.time[k] - time).abs();
+            distance(a).total_cmp(&distance(b))
+        })
+        .expect("a trajectory has a start")
+}
+
+/// Largest distance between two vectors' components.
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).fold(0.0, |s, (a, b)| s.max((a - b).abs()))
+}
+
+/// Kinetic plus potential energy at every point of the trajectory.
+pub fn energies(model: &dyn Model, simulation: &Simulation) -> Vec<f64> {
+    let trajectory = &simulation.trajectory;
+    (0..trajectory.time.len())
+        .map(|k| {
+            let mut x = trajectory.q[k].clone();
+            x.extend_from_slice(&trajectory.v[k]);
+            x.extend_from_slice(&trajectory.u[k]);
+            let mut energy = [0.0; 2];
+            model.energy(&x, &mut energy);
+            energy[0] + energy[1]
+        })
+        .collect()
+}
+
+/// Normal velocity of a contact at point `k` of the trajectory.
+pub fn gap_at(model: &dyn Model, trajectory: &Trajectory, contact: usize, k: usize) -> f64 {
+    let mut x = trajectory.q[k].clone();
+    x.extend_from_slice(&trajectory.v[k]);
+    x.extend_from_slice(&trajectory.u[k]);
+    model.gap(contact, &x)
+}
