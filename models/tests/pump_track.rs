@@ -1,5 +1,7 @@
 //! The pump track: simulated against certified values, solved against the best known optima.
 
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
 use hangtime::model::Model;
 use hangtime::ocp::{self, Problem, Settings, Solution, Stationarity, Status};
 use hangtime::simulation::{
@@ -15,7 +17,7 @@ struct Certified {
 }
 
 const PAPER: Certified = Certified {
-    goal_time: 1.856_537_656_863_040_9,
+    goal_time: 1.856_537_656_863_041,
     after_two_seconds: (6.850_419_597_319_542, 3.616_761_144_893_092_5),
 };
 const HOLDING: Certified = Certified {
