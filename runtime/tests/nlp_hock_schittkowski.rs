@@ -54,7 +54,7 @@ fn solve_standard_start_reaches_an_optimum() {
     }
     assert!(failures.is_empty(), "{failures:#?}");
     // deterministic: a change of these numbers is a change of the method
-    insta::assert_snapshot!(format!("{solved} solved, {iterations} iterations"), @"155 solved, 2104 iterations");
+    insta::assert_snapshot!(format!("{solved} solved, {iterations} iterations"), @"155 solved, 2097 iterations");
 }
 
 #[test]
@@ -71,9 +71,9 @@ fn solve_without_constraint_qualification_is_not_solved_at_a_wrong_point() {
             problem.name,
             solution.status
         );
-        // and whatever the status, the point is near: first-order information vanishes like the
-        // square of the distance, so 1e-8 in the residual is 1e-4 in the point
-        assert!(gap < 1e-4, "{}: gap {gap:.1e}", problem.name);
+        // and whatever the status, the point is near: the constraints are cubic in the distance d from the
+        // solution, so a residual of the tolerance 1e-8 allows d = cbrt(1e-8)
+        assert!(gap < 1e-8_f64.cbrt(), "{}: gap {gap:.1e}", problem.name);
     }
 }
 

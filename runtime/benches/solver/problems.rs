@@ -159,7 +159,7 @@ fn luksan_vlcek_7(n: usize) -> (String, String) {
 }
 
 /// Optimal control by the trapezoidal rule: states, one control, dynamics as text of (state, control).
-#[allow(clippy::too_many_arguments)]
+#[expect(clippy::too_many_arguments, reason = "the parts of one definition")]
 fn control(
     name: &str,
     intervals: usize,
@@ -584,6 +584,39 @@ fn polygon(vertices: usize) -> (String, String) {
                 ),
             );
         }
+    }
+    t.finish()
+}
+
+/// An optimal control chain of about `3 intervals` unknowns.
+pub(crate) fn chain(intervals: usize) -> (String, String) {
+    van_der_pol(intervals)
+}
+
+/// A sparse program without the structure of time: random coupling within a band, `n` unknowns, `n/2` rows.
+pub(crate) fn banded(n: usize) -> (String, String) {
+    let mut t = Text::new("random_banded");
+    let mut state = 99_u64;
+    let mut random = move || {
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for _ in 0..n {
+        t.variable(-1.0, 2.0, 0.5);
+    }
+    for i in 1..=n {
+        let near = (i + 1 + (random() * 6.0) as usize).min(n);
+        let target = 3.0 * random() - 1.0;
+        t.objective
+            .push(format!("(x{i} - {target})^4 + 0.5*(x{i} - x{near})^2"));
+    }
+    for row in 0..n / 2 {
+        let base = (2 * row + 1).min(n - 8);
+        let mut indices = || base + (random() * 8.0) as usize;
+        let (a, b, c) = (indices(), indices(), indices());
+        t.row(-0.5, 1.5, format!("x{a}*x{b} + sin(x{c})"));
     }
     t.finish()
 }

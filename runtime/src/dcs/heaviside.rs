@@ -3,18 +3,25 @@
 //! With `m_i = max(g_i, v_n,i)` and `alpha_i = H(m_i)` (1 free, 0 jump, between in sustained contact):
 //!
 //! ```text
-//! y' = theta f_free + sum_i beta_i f_aux,i        theta = prod alpha_i,  beta_i = 1 - alpha_i
-//! p_i - w_i + g_i - v_n,i = 0                     0 <= p_i _|_ w_i >= 0      (m_i = g_i + p_i)
-//! g_i + p_i - lp_i + ln_i = 0                     0 <= ln_i _|_ alpha_i >= 0,  0 <= lp_i _|_ beta_i >= 0
+//! (q, v, t)' = theta f_free + sum_i beta_i f_aux,i   theta = prod alpha_i,  beta_i = 1 - alpha_i
+//! G_i' = theta v_n,i                              G_i = g_i(q) at the start
+//! p_i - w_i + G_i - v_n,i = 0                     0 <= p_i _|_ w_i >= 0      (m_i = G_i + p_i)
+//! G_i + p_i - lp_i + ln_i = 0                     0 <= ln_i _|_ alpha_i >= 0,  0 <= lp_i _|_ beta_i >= 0
 //! ```
+//!
+//! The *lifted gap* `G_i` is a state of its own, so that it is linear in the states whatever the surface is.
+//! The gap itself would be an invariant of contact that a Runge-Kutta scheme keeps on flat ground only:
+//! with `v_n = 0` at the stages, `g` leaves zero there by the error of the scheme, with either sign, and
+//! contact has one condition more than unknowns. `G` stays exactly zero, and differs from `g` by the error
+//! that the scheme makes in all states.
 //!
 //! Products of more than two step functions are lifted, `P_k = P_{k-1} alpha_k`, so that every equation is
 //! bilinear in them. Two contacts that jump at the same time receive impulses at the same rate until each
 //! has stopped; this is Moreau's law where the contacts do not push each other apart (`D_12 <= 0`).
 //!
-//! The *local vector* of a stage is `xi = (q, v, t, u, z)`, with `z = (alpha, beta, lp, ln, p, w)` of each
+//! The *local vector* of a stage is `xi = (q, v, t, G, u, z)`, with `z = (alpha, beta, lp, ln, p, w)` of each
 //! contact and then the lifted products `P_2..P_nc`. The *local rows* are the right-hand side
-//! `F = (q', v', t')` and then the algebraic equations: three a contact, one a lifted product.
+//! `F = (q', v', t', G')` and then the algebraic equations: three a contact, one a lifted product.
 
 use crate::time_freezing::TimeFreezingSystem;
 
@@ -51,9 +58,9 @@ impl<'a> HeavisideSystem<'a> {
         }
     }
 
-    /// Length of `y = (q, v, t)`.
+    /// Length of `y = (q, v, t, G)`.
     pub(crate) fn states(&self) -> usize {
-        2 * self.n + 1
+        2 * self.n + 1 + self.contacts
     }
 
     /// Number of controls.
@@ -86,8 +93,14 @@ impl<'a> HeavisideSystem<'a> {
         self.states() + self.controls + PER_CONTACT * contact + offset
     }
 
-    fn time(&self) -> usize {
+    /// Place in `xi` of the physical time.
+    pub(crate) fn time(&self) -> usize {
         2 * self.n
+    }
+
+    /// Place in `xi` of the lifted gap of `contact`.
+    pub(crate) fn lifted_gap(&self, contact: usize) -> usize {
+        2 * self.n + 1 + contact
     }
 
     /// Place in `xi` of the product of the first `count >= 1` step functions.
@@ -104,12 +117,20 @@ impl<'a> HeavisideSystem<'a> {
         (self.contacts > 0).then(|| self.product(self.contacts))
     }
 
+    /// Sets the lifted products from the step functions in `xi`.
+    pub(crate) fn set_products(&self, xi: &mut [f64]) {
+        for count in 2..=self.contacts {
+            xi[self.product(count)] =
+                xi[self.product(count - 1)] * xi[self.algebraic(count - 1, ALPHA)];
+        }
+    }
+
     /// Input vector of the model from `xi`.
     fn write_input(&mut self, xi: &[f64]) {
-        let n = self.n;
+        let (n, states) = (self.n, self.states());
         self.input[..2 * n].copy_from_slice(&xi[..2 * n]);
         self.input[2 * n..2 * n + self.controls]
-            .copy_from_slice(&xi[2 * n + 1..2 * n + 1 + self.controls]);
+            .copy_from_slice(&xi[states..states + self.controls]);
         if let Some(time) = self.input.get_mut(2 * n + self.controls) {
             *time = xi[2 * n];
         }
@@ -121,7 +142,7 @@ impl<'a> HeavisideSystem<'a> {
         if k < 2 * n {
             k
         } else if k < 2 * n + self.controls {
-            k + 1
+            self.states() + k - 2 * n
         } else {
             2 * n
         }
@@ -146,9 +167,10 @@ impl<'a> HeavisideSystem<'a> {
             let row = self.states() + 3 * contact;
             let z = |offset: usize| xi[self.algebraic(contact, offset)];
             let (gap, velocity) = (
-                self.system.gap(contact),
+                xi[self.lifted_gap(contact)],
                 self.system.normal_velocity(contact),
             );
+            rows[self.lifted_gap(contact)] = theta * velocity;
             rows[row] = z(ALPHA) + z(BETA) - 1.0;
             rows[row + 1] = z(P) - z(W) + gap - velocity;
             rows[row + 2] = gap + z(P) - z(LAMBDA_PLUS) + z(LAMBDA_MINUS);
@@ -187,18 +209,24 @@ impl<'a> HeavisideSystem<'a> {
         for contact in 0..self.contacts {
             let beta = self.algebraic(contact, BETA);
             let row = self.states() + 3 * contact;
+            let gap = self.lifted_gap(contact);
             for k in 0..n {
                 add(n + k, beta, self.system.auxiliary(contact, k));
             }
+            if let Some(place) = self.theta() {
+                add(gap, place, self.system.normal_velocity(contact));
+            }
+            add(row + 1, gap, 1.0);
+            add(row + 2, gap, 1.0);
             let a_bar = self.system.auxiliary_acceleration;
             for (entry, column, value) in self.system.contact_jacobian(contact) {
                 let column = self.local_of_input(column);
                 match entry {
-                    0 => {
-                        add(row + 1, column, value);
-                        add(row + 2, column, value);
+                    0 => {}
+                    1 => {
+                        add(gap, column, theta * value);
+                        add(row + 1, column, -value);
                     }
-                    1 => add(row + 1, column, -value),
                     _ => add(n + entry - 2, column, xi[beta] * a_bar * value),
                 }
             }
@@ -274,8 +302,8 @@ impl<'a> HeavisideSystem<'a> {
             self.system.evaluate_contact_hessian(
                 contact,
                 &self.input,
-                weights[row + 1] + weights[row + 2],
-                -weights[row + 1],
+                0.0,
+                theta * weights[self.lifted_gap(contact)] - weights[row + 1],
                 weights[n..2 * n].iter().map(|weight| scale * weight),
             );
             let entries = declaration.contacts[contact].hessian.entries;
@@ -287,6 +315,12 @@ impl<'a> HeavisideSystem<'a> {
                 );
             }
             for (entry, column, value) in self.system.contact_jacobian(contact) {
+                if entry == 1
+                    && let Some(place) = self.theta()
+                {
+                    let weight = weights[self.lifted_gap(contact)];
+                    add(place, self.local_of_input(column), weight * value);
+                }
                 if entry >= 2 {
                     add(
                         beta,

@@ -160,6 +160,7 @@ impl Certifier<'_> {
         }
     }
 
+    /// Linearized constraints at a stationary point, active ones only.
     fn linearize(
         &mut self,
         x: &[f64],

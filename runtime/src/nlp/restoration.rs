@@ -49,6 +49,9 @@ impl Loop<'_, '_, '_, '_> {
             .problem
             .barrier_function(&self.iterate.v, self.values.objective, self.mu);
         self.filter.add(theta, phi);
+        // the loop may not go back to where the violation is far greater than here, or it would return
+        // here again and again
+        self.filter.theta_max = self.filter.theta_max.min(10.0 * theta.max(1.0));
 
         let problem = self.problem.restoration(&self.iterate.v, PENALTY);
         let mu = self.mu.max(self.values.infeasibility()).min(1e4);
@@ -134,7 +137,7 @@ impl Loop<'_, '_, '_, '_> {
         if !outcome.left {
             let infeasibility = self.values.infeasibility();
             return match outcome.status {
-                Status::Solved | Status::Acceptable if infeasibility > 1e2 * tolerance => {
+                Status::Solved | Status::Acceptable if infeasibility > tolerance => {
                     Restored::Ended(Status::Infeasible)
                 }
                 // feasible, though not acceptable to the filter: go on without it

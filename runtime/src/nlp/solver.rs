@@ -273,7 +273,11 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                 _ => {
                     self.accept(&search);
                     let factor = if self.is_jammed(&search) {
-                        Some(0.1)
+                        Some(if self.problem.products.is_empty() {
+                            0.9
+                        } else {
+                            0.1
+                        })
                     } else if self.is_drifting() {
                         Some(0.9)
                     } else {
@@ -334,8 +338,10 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
         if scaled <= settings.tolerance && at_end && feasible {
             // huge multipliers scale any residual away; then the test says nothing
             let absolute = 100.0 * settings.tolerance;
-            if self.is_restoration || (error.dual <= absolute && error.complementarity <= absolute)
-            {
+            let largest = self.iterate.y.iter().fold(0.0, |a: f64, y| a.max(y.abs()));
+            let exist = largest <= LARGEST_MULTIPLIER || !self.problem.products.is_empty();
+            let small = error.dual <= absolute && error.complementarity <= absolute;
+            if self.is_restoration || (exist && small) {
                 return Some(Status::Solved);
             }
             self.degenerate += 1;
@@ -500,6 +506,9 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
         longest_primal_step(&self.problem, &self.iterate.v, &direction.v, self.tau)
     }
 }
+
+/// Multipliers of the scaled problem, whose gradients are at most 100, beyond which none seem to exist.
+const LARGEST_MULTIPLIER: f64 = 1e8;
 
 /// Fraction to the boundary `tau = max(0.99, 1 - mu)`.
 pub(crate) fn fraction_to_boundary(mu: f64) -> f64 {

@@ -8,8 +8,8 @@ pub enum Status {
     Solved,
     /// The error stayed within `acceptable_tolerance` but did not reach `tolerance`.
     Acceptable,
-    /// The error is within `tolerance` only relative to multipliers so large (beyond 1e4 on average) that
-    /// any residual would pass: no multipliers seem to exist, a constraint qualification fails, and the
+    /// The error is within `tolerance` only relative to multipliers so large (beyond 1e4 on average), or with
+    /// multipliers so large (beyond 1e8), that any residual would pass: no multipliers seem to exist, a constraint qualification fails, and the
     /// point may lie much farther from a solution than the tolerance says.
     Degenerate,
     /// A stationary point of the constraint violation that is not feasible: the constraints are

@@ -72,14 +72,20 @@ impl Loop<'_, '_, '_, '_> {
         }
     }
 
-    /// Six short steps in a row at an infeasible point of a product problem.
+    /// Six short steps in a row at an infeasible point: the iterates jam at their bounds, and Newton's method
+    /// for the optimality conditions has lost its way. Product problems jam more easily.
     pub(crate) fn is_jammed(&mut self, search: &Search) -> bool {
-        if search.alpha < 0.05 && self.values.theta() > 1e-6 {
+        let short = if self.problem.products.is_empty() {
+            0.01
+        } else {
+            0.05
+        };
+        if search.alpha < short && self.values.theta() > 1e-6 {
             self.jams += 1;
         } else {
             self.jams = 0;
         }
-        if self.is_restoration || self.problem.products.is_empty() || self.jams < 6 {
+        if self.is_restoration || self.jams < 6 {
             return false;
         }
         self.jams = 0;

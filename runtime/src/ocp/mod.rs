@@ -54,9 +54,11 @@ mod sequence;
 mod settings;
 mod solution;
 mod solve;
+mod time_freezing;
 mod transcribe;
 
 pub use problem::{Component, Goal, Horizon, Objective, Problem};
 pub use settings::{Guess, Settings};
 pub use solution::{Counts, Size, Solution, Stationarity, Status};
 pub use solve::{Progress, solve};
+pub use time_freezing::{TimeFreezing, TimeFreezingMotion, TimeFreezingSettings};

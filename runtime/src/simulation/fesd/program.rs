@@ -8,7 +8,7 @@
 use super::driver::{Driver, Stop};
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
-use crate::fesd::transcription::Transcription;
+use crate::fesd::transcription::{Task, Transcription};
 use crate::mpcc;
 use crate::simulation::EventKind;
 use crate::time_freezing::TimeFreezingSystem;
@@ -17,6 +17,8 @@ use crate::time_freezing::TimeFreezingSystem;
 const ELEMENTS: usize = 3;
 /// Numbers of elements that are tried in turn; another number often solves a step that one does not.
 const ATTEMPTS: usize = 3;
+/// Interior point iterations of one run; steps that are solved take fewer than half of them.
+const MAX_ITERATIONS: usize = 300;
 /// Residual up to which a solution of the program is a step.
 const ACCEPTED: f64 = 1e-7;
 /// Distance of a mean step function from 0 or 1 that counts as sustained contact.
@@ -51,12 +53,11 @@ impl Driver<'_> {
             let mut program = Transcription::new(
                 HeavisideSystem::new(system),
                 self.tableau,
-                &self.state,
-                &self.u,
-                end - self.state.time,
-                elements,
+                Task::step(&self.state, &self.u, end - self.state.time, elements),
             );
-            let solution = mpcc::solve(&mut program, &mpcc::Settings::default())
+            let mut settings = mpcc::Settings::default();
+            settings.interior_point.maximum_iterations = MAX_ITERATIONS;
+            let solution = mpcc::solve(&mut program, &settings)
                 .map_err(|_| Stop::Program("the step problem was refused"))?;
             self.counts.interior_point += solution.iterations - solution.crossover_iterations;
             self.counts.crossover += solution.crossover_iterations;

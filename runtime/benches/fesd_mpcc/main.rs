@@ -1,0 +1,5 @@
+fn main() {
+    lab::main()
+}
+mod lab;
+mod scenes;

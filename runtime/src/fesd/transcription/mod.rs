@@ -1,0 +1,498 @@
+//! The time-freezing system on a grid of control intervals as a mathematical program with complementarity
+//! constraints: FESD in step form with FE-FE cross complementarity.
+//!
+//! Interval `k` of `N` has the numerical length `s_k` and ends at the physical time `(k+1) T / N`. On its
+//! finite element `e` with start `y_e` and length `h_e s_k`:
+//!
+//! ```text
+//! Y_m = y_e + h_e s_k sum_j a_mj F(Y_j, u_k, z_j)      0 = algebraic rows (Y_m, z_m)
+//! y_{e+1} = y_e + h_e s_k sum_j b_j F(Y_j, u_k, z_j)   (Y of the last stage for a stiffly accurate scheme)
+//! 0 <= sum_m alpha_m  _|_  ln_0 + sum_m ln_m >= 0
+//! 0 <= sum_m beta_m   _|_  lp_0 + sum_m lp_m >= 0      (cross complementarity, a contact)
+//! 0 <= p_m _|_ w_m >= 0                                (a stage and contact)
+//! sum_e h_e = 1,  t at the end of interval k = t_0 + (k+1) T / N
+//! ```
+//!
+//! The multipliers with index 0 are those at the end of the element before; they put switches on element
+//! boundaries. Schemes without a stage at the end carry `lp, ln, p, w` there as boundary variables. The
+//! objective contains `1e-4 sum_e (h_e / h_0 - 1)^2`, the mean step equilibration: lengths that no switch
+//! determines stay equal. Sources: Nurkanovic et al., Numerische Mathematik 2024; Nurkanovic, Pozharskiy,
+//! Frey, Diehl, Nonlinear Analysis: Hybrid Systems 54 (2024).
+
+mod derivatives;
+mod guess;
+mod modes;
+mod program;
+mod task;
+
+pub(crate) use task::{Controls, Guess, Task, Weights};
+
+use crate::dcs::{ALPHA, BETA, HeavisideSystem, LAMBDA_MINUS, LAMBDA_PLUS, P, PER_CONTACT, W};
+use crate::fesd::finite_element::State;
+use crate::rk::ButcherTableau;
+use std::collections::BTreeMap;
+
+/// Smallest element length relative to the nominal one: elements of length zero would make the Jacobian
+/// singular.
+const SHORTEST: f64 = 1e-3;
+/// Weight of the step equilibration: small enough to leave the complementarity to the solver, large
+/// enough to fix the lengths that nothing else does.
+const EQUILIBRATION: f64 = 1e-4;
+/// Default bound of the numerical time relative to the physical time.
+const SPEED_OF_TIME: f64 = 25.0;
+/// Cross complementarity sums of one contact and element.
+const SUMS: usize = 4;
+
+/// A point at which the step form is evaluated: a Runge-Kutta stage, or the end of an element.
+struct Block {
+    /// Variable of each local one, unless it is constant there.
+    variables: Vec<Option<usize>>,
+    /// First constraint of the algebraic rows.
+    algebraic_rows: usize,
+    /// Whether this is the end of an element: only the rows of the switching functions apply.
+    boundary: bool,
+}
+
+/// One finite element: where its variables and constraints begin.
+struct Element {
+    interval: usize,
+    length: usize,
+    /// Blocks of the stages, then of the boundary if there is one.
+    blocks: Vec<Block>,
+    /// First of the collocation constraints, one group of the length of `y` a block.
+    collocation_rows: usize,
+    /// First sum variable, `SUMS` a contact: alpha, ln, beta, lp.
+    sums: usize,
+    /// First constraint that defines the sums.
+    sum_rows: usize,
+}
+
+/// One control interval.
+struct Interval {
+    /// Variable of the numerical length \[s\].
+    length: usize,
+    /// Variables of the controls, in their units; none if they are given.
+    controls: Vec<usize>,
+    /// Constraint `sum_e h_e = 1`; the next one is the clock.
+    rows: usize,
+}
+
+/// Which number multiplies what in a pattern whose values come in a fixed order.
+#[derive(Default)]
+struct Pattern {
+    entries: Vec<(usize, usize)>,
+    /// Place in `entries` of each addition, in order.
+    places: Vec<usize>,
+}
+
+impl Pattern {
+    fn new(additions: &[(usize, usize)]) -> Self {
+        let mut index = BTreeMap::new();
+        let mut pattern = Self::default();
+        for &position in additions {
+            let place = *index.entry(position).or_insert_with(|| {
+                pattern.entries.push(position);
+                pattern.entries.len() - 1
+            });
+            pattern.places.push(place);
+        }
+        pattern
+    }
+}
+
+/// The program of a [`Task`].
+pub(crate) struct Transcription<'a> {
+    dcs: HeavisideSystem<'a>,
+    tableau: ButcherTableau,
+    task: Task,
+    /// `(q, v, t, G)` at the start.
+    start: Vec<f64>,
+    /// Unit of each control unknown.
+    control_units: Vec<f64>,
+    intervals: Vec<Interval>,
+    elements: Vec<Element>,
+    variables: usize,
+    constraints: usize,
+    /// Variable of the final time, if it is free.
+    horizon: Option<usize>,
+    /// First constraint of the goals.
+    goal_rows: usize,
+    speed_bound: f64,
+    /// Multipliers `(lp, ln)` of each contact at the start.
+    start_multipliers: Vec<(f64, f64)>,
+    pairs: Vec<(usize, usize)>,
+    jacobian: Pattern,
+    hessian: Pattern,
+    guess: Vec<f64>,
+    local: Vec<f64>,
+    rows: Vec<f64>,
+}
+
+impl<'a> Transcription<'a> {
+    /// The program of `task`, which has at least one interval and element.
+    pub(crate) fn new(mut dcs: HeavisideSystem<'a>, tableau: &ButcherTableau, task: Task) -> Self {
+        let mut y: Vec<f64> = task.start.q.iter().chain(&task.start.v).copied().collect();
+        y.push(task.start.time);
+        y.resize(dcs.states(), 0.0);
+        let mut local = vec![0.0; dcs.local_variables()];
+        local[..y.len()].copy_from_slice(&y);
+        let controls = dcs.states()..dcs.states() + dcs.controls();
+        local[controls].copy_from_slice(task.controls.values());
+        let mut rows = vec![0.0; dcs.states() + dcs.algebraic_equations()];
+        dcs.rows(&local, &mut rows);
+        let duration = task.horizon / task.intervals as f64;
+        let mut speed_bound = SPEED_OF_TIME;
+        let mut start_multipliers = Vec::new();
+        for contact in 0..dcs.contacts() {
+            let (gap, velocity) = (dcs.system.gap(contact), dcs.system.normal_velocity(contact));
+            let speed = velocity.abs() / dcs.system.auxiliary_acceleration;
+            speed_bound = speed_bound.max(2.0 + 2.0 * speed / duration);
+            let margin = gap.max(velocity);
+            y[dcs.lifted_gap(contact)] = gap;
+            start_multipliers.push((margin.max(0.0), (-margin).max(0.0)));
+        }
+        let mut problem = Self {
+            start: y,
+            control_units: task.controls.units(),
+            intervals: Vec::with_capacity(task.intervals),
+            elements: Vec::with_capacity(task.intervals * task.elements),
+            variables: 0,
+            constraints: 0,
+            horizon: None,
+            goal_rows: 0,
+            speed_bound,
+            start_multipliers,
+            pairs: Vec::new(),
+            jacobian: Pattern::default(),
+            hessian: Pattern::default(),
+            guess: Vec::new(),
+            local,
+            rows,
+            dcs,
+            tableau: tableau.clone(),
+            task,
+        };
+        problem.lay_out();
+        problem.set_guess();
+        problem.set_patterns();
+        problem
+    }
+
+    /// Reserves `count` variables and returns the first.
+    fn take(&mut self, count: usize) -> usize {
+        self.variables += count;
+        self.variables - count
+    }
+
+    fn lay_out(&mut self) {
+        self.horizon = self.task.horizon_bounds.map(|_| self.take(1));
+        for _ in 0..self.task.intervals {
+            let length = self.take(1);
+            let controls = match self.task.controls {
+                Controls::Fixed(_) => Vec::new(),
+                Controls::Free { .. } => (0..self.dcs.controls()).map(|_| self.take(1)).collect(),
+            };
+            let rows = self.constraints;
+            self.constraints += 2;
+            self.intervals.push(Interval {
+                length,
+                controls,
+                rows,
+            });
+            for _ in 0..self.task.elements {
+                self.push_element();
+            }
+        }
+        self.goal_rows = self.constraints;
+        self.constraints += self.task.goals.len();
+    }
+
+    /// Adds an element to the last interval.
+    fn push_element(&mut self) {
+        let states = self.dcs.states();
+        let length = self.take(1);
+        let interval = self.intervals.len() - 1;
+        let mut blocks = Vec::new();
+        let mut row = self.constraints;
+        let collocation_rows = row;
+        let boundary = usize::from(!self.tableau.stiffly_accurate());
+        row += states * (self.tableau.stages() + boundary);
+        for stage in 0..self.tableau.stages() + boundary {
+            let boundary = stage == self.tableau.stages();
+            let mut variables = vec![None; self.dcs.local_variables()];
+            for slot in variables.iter_mut().take(states) {
+                *slot = Some(self.take(1));
+            }
+            for (slot, &control) in variables[states..]
+                .iter_mut()
+                .zip(&self.intervals[interval].controls)
+            {
+                *slot = Some(control);
+            }
+            for contact in 0..self.dcs.contacts() {
+                for offset in 0..PER_CONTACT {
+                    if !(boundary && matches!(offset, ALPHA | BETA)) {
+                        variables[self.dcs.algebraic(contact, offset)] = Some(self.take(1));
+                    }
+                }
+            }
+            if !boundary {
+                for slot in &mut variables[states + self.dcs.controls()..] {
+                    slot.get_or_insert_with(|| {
+                        self.variables += 1;
+                        self.variables - 1
+                    });
+                }
+            }
+            blocks.push(Block {
+                variables,
+                algebraic_rows: row,
+                boundary,
+            });
+            row += if boundary {
+                2 * self.dcs.contacts()
+            } else {
+                self.dcs.algebraic_equations()
+            };
+        }
+        let sums = self.take(SUMS * self.dcs.contacts());
+        for block in &blocks {
+            for contact in 0..self.dcs.contacts() {
+                let place = |offset| block.variables[self.dcs.algebraic(contact, offset)];
+                self.pairs.extend(place(P).zip(place(W)));
+            }
+        }
+        for contact in 0..self.dcs.contacts() {
+            let first = sums + SUMS * contact;
+            self.pairs.push((first, first + 1));
+            self.pairs.push((first + 2, first + 3));
+        }
+        self.constraints = row + SUMS * self.dcs.contacts();
+        self.elements.push(Element {
+            interval,
+            length,
+            blocks,
+            collocation_rows,
+            sums,
+            sum_rows: row,
+        });
+    }
+
+    /// State variables `y` at the end of element `index`.
+    fn end_state(&self, index: usize) -> &[Option<usize>] {
+        let last = self.elements[index].blocks.last();
+        last.map_or(&[], |block| &block.variables[..self.dcs.states()])
+    }
+
+    /// State variables `y` at the end of the motion.
+    fn final_state(&self) -> &[Option<usize>] {
+        self.end_state(self.elements.len() - 1)
+    }
+
+    /// Value of state component `k` at the start of element `index`.
+    fn start_value(&self, x: &[f64], index: usize, k: usize) -> f64 {
+        if index == 0 {
+            return self.start[k];
+        }
+        self.end_state(index - 1)[k].map_or(0.0, |variable| x[variable])
+    }
+
+    /// Weight of stage `j` in the collocation row of block `m`.
+    fn weight(&self, m: usize, j: usize) -> f64 {
+        if m < self.tableau.stages() {
+            self.tableau.a(m, j)
+        } else {
+            self.tableau.b()[j]
+        }
+    }
+
+    /// Unit of local variable `k`: controls are unknowns in units of their own.
+    fn unit(&self, k: usize) -> f64 {
+        let control = k.checked_sub(self.dcs.states());
+        control
+            .and_then(|k| self.control_units.get(k))
+            .copied()
+            .unwrap_or(1.0)
+    }
+
+    /// Local vector of a block.
+    fn gather(&mut self, x: &[f64], element: usize, block: usize) {
+        let states = self.dcs.states();
+        self.local.fill(0.0);
+        let given = self.task.controls.values();
+        self.local[states..states + given.len()].copy_from_slice(given);
+        for k in 0..self.local.len() {
+            if let Some(variable) = self.elements[element].blocks[block].variables[k] {
+                self.local[k] = self.unit(k) * x[variable];
+            }
+        }
+    }
+
+    /// Constraint of local algebraic row `row` (counted after the states), if it applies in the block.
+    fn algebraic_row(&self, block: &Block, row: usize) -> Option<usize> {
+        if !block.boundary {
+            return Some(block.algebraic_rows + row);
+        }
+        let (contact, which) = (row / 3, row % 3);
+        (contact < self.dcs.contacts() && which > 0)
+            .then(|| block.algebraic_rows + 2 * contact + which - 1)
+    }
+
+    /// Algebraic variable that sum `sum` adds up.
+    fn summed(sum: usize) -> usize {
+        [ALPHA, LAMBDA_MINUS, BETA, LAMBDA_PLUS][sum]
+    }
+
+    /// Variables of a cross complementarity sum.
+    fn sum_variables(&self, e: usize, contact: usize, sum: usize) -> Vec<usize> {
+        let place = self.dcs.algebraic(contact, Self::summed(sum));
+        let mut variables: Vec<usize> = self.elements[e]
+            .blocks
+            .iter()
+            .filter_map(|block| block.variables[place])
+            .collect();
+        if sum % 2 == 1
+            && e > 0
+            && let Some(last) = self.elements[e - 1].blocks.last()
+        {
+            variables.extend(last.variables[place]);
+        }
+        variables
+    }
+
+    /// Value of a cross complementarity sum.
+    fn sum(&self, x: &[f64], e: usize, contact: usize, sum: usize) -> f64 {
+        let at_start = match (e, sum) {
+            (0, 1) => self.start_multipliers[contact].1,
+            (0, 3) => self.start_multipliers[contact].0,
+            _ => 0.0,
+        };
+        let variables = self.sum_variables(e, contact, sum);
+        at_start + variables.iter().map(|&variable| x[variable]).sum::<f64>()
+    }
+
+    /// Number of finite elements.
+    pub(crate) fn elements(&self) -> usize {
+        self.elements.len()
+    }
+
+    /// Number of contacts.
+    pub(crate) fn contacts(&self) -> usize {
+        self.dcs.contacts()
+    }
+
+    /// Length of the motion \[s\].
+    pub(crate) fn horizon(&self, x: &[f64]) -> f64 {
+        self.horizon
+            .map_or(self.task.horizon, |variable| x[variable])
+    }
+
+    /// Controls of interval `k`.
+    pub(crate) fn controls(&self, x: &[f64], k: usize) -> Vec<f64> {
+        match &self.task.controls {
+            Controls::Fixed(values) => values.clone(),
+            Controls::Free { .. } => self.intervals[k]
+                .controls
+                .iter()
+                .zip(&self.control_units)
+                .map(|(&variable, unit)| unit * x[variable])
+                .collect(),
+        }
+    }
+
+    /// Length of element `e` in numerical time.
+    pub(crate) fn numerical_length(&self, x: &[f64], e: usize) -> f64 {
+        let element = &self.elements[e];
+        x[element.length] * x[self.intervals[element.interval].length]
+    }
+
+    /// State at the end of element `e`.
+    pub(crate) fn state(&self, x: &[f64], e: usize) -> State {
+        let n = self.dcs.system.coordinates();
+        let value = |k: usize| self.end_state(e)[k].map_or(f64::NAN, |variable| x[variable]);
+        State {
+            time: value(2 * n),
+            q: (0..n).map(value).collect(),
+            v: (n..2 * n).map(value).collect(),
+        }
+    }
+
+    /// Mean step function `alpha` of `contact` in element `e`: 1 free, 0 jump, between in contact.
+    pub(crate) fn mean_alpha(&self, x: &[f64], e: usize, contact: usize) -> f64 {
+        x[self.elements[e].sums + SUMS * contact] / self.tableau.stages() as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+    use crate::nlp::{NlpProblem, check_derivatives};
+    use crate::rk::Scheme;
+    use crate::time_freezing::TimeFreezingSystem;
+
+    crate::model! {
+        /// A bead over a wavy floor and beside a wall that leans: two curved gaps, two directions.
+        Bead {
+            parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5, c: kg/s = 0.3 }
+            coordinates { y: m, z: m }
+            controls { u: N }
+            lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+            forces { y: u - c*dot(y) }
+            surface floor: z - sin(k*y)/(4*k) >= 0
+            surface wall: 1[m] - y - k*z^2/8 >= 0
+            impact floor: inelastic
+            impact wall: inelastic
+        }
+    }
+
+    fn worst_derivative(tableau: &ButcherTableau, bead: &Bead, free: bool) -> f64 {
+        let system = TimeFreezingSystem::new(bead, 50.0);
+        let start = State {
+            time: 0.3,
+            q: vec![0.2, 0.4],
+            v: vec![1.5, -0.7],
+        };
+        let mut task = Task::step(&start, &[0.8], 0.25, 2);
+        if free {
+            task.horizon_bounds = Some((0.1, 1.0));
+            task.intervals = 2;
+            task.controls = Controls::Free {
+                lower: vec![-3.0],
+                upper: vec![2.0],
+                guess: vec![0.8],
+            };
+            task.goals = vec![(0, 0.5), (3, 0.1)];
+            task.objective = Weights {
+                final_time: 0.7,
+                control_effort: 0.4,
+                final_state: vec![(1, 0.3)],
+            };
+        }
+        let mut program = Transcription::new(HeavisideSystem::new(system), tableau, task);
+        // A point off every bound and symmetry.
+        let mut x = vec![0.0; program.variables()];
+        program.initial_point(&mut x);
+        for (i, value) in x.iter_mut().enumerate() {
+            *value += 0.1 + 0.05 * (i as f64).sin();
+        }
+        let report = check_derivatives(&mut program, Some(&x)).expect("finite at the start");
+        assert!(report.compared > 1000);
+        assert!(report.entries.iter().all(|entry| !entry.missing));
+        report.worst()
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences_for_both_kinds_of_schemes() {
+        let bead = Bead::default();
+        assert_eq!(bead.declaration().contacts.len(), 2);
+        for scheme in [Scheme::RadauIia, Scheme::GaussLegendre] {
+            let tableau = ButcherTableau::new(scheme, 2).expect("two stages");
+            for free in [false, true] {
+                // Central differences of functions of size 100 with steps of 6e-6.
+                let worst = worst_derivative(&tableau, &bead, free);
+                assert!(worst < 1e-6, "{scheme:?}: {worst:e}");
+            }
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! The program as the solver sees it.
+
+use super::{Controls, EQUILIBRATION, SHORTEST, SUMS, Transcription};
+use crate::dcs::PER_CONTACT;
+use crate::mpcc::Mpcc;
+use crate::nlp::NlpProblem;
+
+impl Transcription<'_> {
+    /// Length of an element over that of its interval, if all are equal.
+    fn nominal(&self) -> f64 {
+        1.0 / self.task.elements as f64
+    }
+
+    /// `sum_k u_k'u_k / N`.
+    fn mean_square(&self, x: &[f64]) -> f64 {
+        let squares = self.intervals.iter().flat_map(|interval| {
+            let scaled = interval.controls.iter().zip(&self.control_units);
+            scaled.map(|(&control, unit)| (unit * x[control]).powi(2))
+        });
+        squares.sum::<f64>() / self.intervals.len() as f64
+    }
+}
+
+impl NlpProblem for Transcription<'_> {
+    fn variables(&self) -> usize {
+        self.variables
+    }
+
+    fn constraints(&self) -> usize {
+        self.constraints
+    }
+
+    fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+        lower.fill(f64::NEG_INFINITY);
+        upper.fill(f64::INFINITY);
+        let count = self.intervals.len() as f64;
+        let (least, most) = self
+            .task
+            .horizon_bounds
+            .unwrap_or((self.task.horizon, self.task.horizon));
+        if let Some(horizon) = self.horizon {
+            (lower[horizon], upper[horizon]) = (least, most);
+        }
+        for interval in &self.intervals {
+            lower[interval.length] = least / count;
+            upper[interval.length] = self.speed_bound * most / count;
+            if let Controls::Free {
+                lower: from,
+                upper: to,
+                ..
+            } = &self.task.controls
+            {
+                for (k, &control) in interval.controls.iter().enumerate() {
+                    lower[control] = from[k] / self.control_units[k];
+                    upper[control] = to[k] / self.control_units[k];
+                }
+            }
+        }
+        for (e, element) in self.elements.iter().enumerate() {
+            lower[element.length] = SHORTEST * self.nominal();
+            upper[element.length] = 1.0;
+            for block in &element.blocks {
+                for contact in 0..self.dcs.contacts() {
+                    for offset in 0..PER_CONTACT {
+                        let place = self.dcs.algebraic(contact, offset);
+                        if let Some(variable) = block.variables[place] {
+                            // alpha + beta = 1 bounds both from above
+                            lower[variable] = 0.0;
+                        }
+                    }
+                }
+            }
+            lower[element.sums..element.sums + SUMS * self.dcs.contacts()].fill(0.0);
+            let (from, to) = &self.task.coordinate_bounds;
+            for k in 0..from.len() {
+                if let Some(variable) = self.end_state(e)[k] {
+                    (lower[variable], upper[variable]) = (from[k], to[k]);
+                }
+            }
+        }
+    }
+
+    fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+        lower.fill(0.0);
+        upper.fill(0.0);
+    }
+
+    fn initial_point(&self, x: &mut [f64]) {
+        x.copy_from_slice(&self.guess);
+    }
+
+    fn objective(&mut self, x: &[f64]) -> f64 {
+        let equilibration: f64 = self
+            .elements
+            .iter()
+            .map(|element| (x[element.length] / self.nominal() - 1.0).powi(2))
+            .sum();
+        let weights = &self.task.objective;
+        let last = self.final_state();
+        let finals = weights.final_state.iter();
+        let finals: f64 = finals
+            .filter_map(|&(k, weight)| Some(weight * x[last[k]?]))
+            .sum();
+        let horizon = self.horizon(x);
+        EQUILIBRATION * equilibration
+            + weights.final_time * horizon
+            + weights.control_effort * horizon * self.mean_square(x)
+            + finals
+    }
+
+    fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
+        gradient.fill(0.0);
+        let nominal = self.nominal();
+        for element in &self.elements {
+            gradient[element.length] =
+                2.0 * EQUILIBRATION * (x[element.length] / nominal - 1.0) / nominal;
+        }
+        let weights = &self.task.objective;
+        if let Some(horizon) = self.horizon {
+            gradient[horizon] = weights.final_time + weights.control_effort * self.mean_square(x);
+        }
+        let factor = 2.0 * weights.control_effort * self.horizon(x) / self.intervals.len() as f64;
+        for interval in &self.intervals {
+            for (&control, unit) in interval.controls.iter().zip(&self.control_units) {
+                gradient[control] = factor * unit * unit * x[control];
+            }
+        }
+        for &(k, weight) in &weights.final_state {
+            if let Some(variable) = self.final_state()[k] {
+                gradient[variable] += weight;
+            }
+        }
+    }
+
+    fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
+        let states = self.dcs.states();
+        for interval in &self.intervals {
+            c[interval.rows] = -1.0;
+        }
+        for e in 0..self.elements.len() {
+            let interval = &self.intervals[self.elements[e].interval];
+            let (row, s) = (interval.rows, x[interval.length]);
+            let h = x[self.elements[e].length];
+            c[row] += h;
+            let rows = self.elements[e].collocation_rows;
+            let blocks = self.elements[e].blocks.len();
+            for m in 0..blocks {
+                for k in 0..states {
+                    let end = self.elements[e].blocks[m].variables[k];
+                    c[rows + m * states + k] =
+                        end.map_or(0.0, |variable| x[variable]) - self.start_value(x, e, k);
+                }
+            }
+            for j in 0..blocks {
+                self.gather(x, e, j);
+                let local = std::mem::take(&mut self.local);
+                let mut values = std::mem::take(&mut self.rows);
+                self.dcs.rows(&local, &mut values);
+                if j < self.tableau.stages() {
+                    for m in 0..blocks {
+                        for (k, value) in values[..states].iter().enumerate() {
+                            c[rows + m * states + k] -= h * s * self.weight(m, j) * value;
+                        }
+                    }
+                }
+                let block = &self.elements[e].blocks[j];
+                for (k, value) in values[states..].iter().enumerate() {
+                    if let Some(row) = self.algebraic_row(block, k) {
+                        c[row] = *value;
+                    }
+                }
+                self.local = local;
+                self.rows = values;
+            }
+            for contact in 0..self.dcs.contacts() {
+                for sum in 0..SUMS {
+                    c[self.elements[e].sum_rows + SUMS * contact + sum] = x
+                        [self.elements[e].sums + SUMS * contact + sum]
+                        - self.sum(x, e, contact, sum);
+                }
+            }
+        }
+        let time = self.dcs.time();
+        for (k, interval) in self.intervals.iter().enumerate() {
+            let end = self.end_state((k + 1) * self.task.elements - 1)[time];
+            let share = (k as f64 + 1.0) / self.intervals.len() as f64;
+            c[interval.rows + 1] =
+                end.map_or(0.0, |clock| x[clock]) - self.start[time] - share * self.horizon(x);
+        }
+        for (i, &(index, value)) in self.task.goals.iter().enumerate() {
+            c[self.goal_rows + i] =
+                self.final_state()[index].map_or(0.0, |variable| x[variable]) - value;
+        }
+    }
+
+    fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
+        self.jacobian.entries.clone()
+    }
+
+    fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
+        let pattern = std::mem::take(&mut self.jacobian);
+        values.fill(0.0);
+        let mut places = pattern.places.iter();
+        self.add_jacobian(x, &mut |_, _, value| {
+            if let Some(&place) = places.next() {
+                values[place] += value;
+            }
+        });
+        self.jacobian = pattern;
+    }
+
+    fn hessian_pattern(&self) -> Vec<(usize, usize)> {
+        self.hessian.entries.clone()
+    }
+
+    fn hessian_values(&mut self, x: &[f64], weight: f64, multipliers: &[f64], values: &mut [f64]) {
+        let pattern = std::mem::take(&mut self.hessian);
+        values.fill(0.0);
+        let mut places = pattern.places.iter();
+        self.add_hessian(x, weight, multipliers, &mut |_, _, value| {
+            if let Some(&place) = places.next() {
+                values[place] += value;
+            }
+        });
+        self.hessian = pattern;
+    }
+}
+
+impl Mpcc for Transcription<'_> {
+    fn complementarities(&self) -> &[(usize, usize)] {
+        &self.pairs
+    }
+
+    fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
+        self.mark_vanishing(x, vanishes);
+        true
+    }
+}
