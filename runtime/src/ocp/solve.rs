@@ -483,6 +483,7 @@ impl<'a> Search<'a, '_> {
             let directed = pressure.directed();
             let neighbours: Vec<Sequence> =
                 directed.into_iter().chain(pressure.insertions()).collect();
+            let shortened = pressure.shortened();
             let (path, cuts) = (best.path.clone(), best.cuts.clone());
             self.best = Some(best);
             let stationarity = if neighbours.is_empty() {
@@ -504,8 +505,17 @@ impl<'a> Search<'a, '_> {
                     break;
                 }
             }
+            let undecided = self.undecided;
+            // No neighbour, but often in another basin: nothing is claimed about it.
+            if !improved
+                && let Some(sequence) = shortened
+                && !self.tried.contains(&sequence.signature())
+                && self.counts.programs < self.settings.maximum_programs
+            {
+                improved = self.attempt(&sequence, &path, &cuts)?;
+            }
             if !improved {
-                return Ok(if self.undecided {
+                return Ok(if undecided {
                     Stationarity::None
                 } else {
                     stationarity
