@@ -1,5 +1,7 @@
 //! The pump track: simulated against certified values, solved against the best known optima.
 
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
 use hangtime::model::Model;
 use hangtime::ocp::{self, Problem, Settings, Solution, Stationarity, Status};
 use hangtime::simulation::{
@@ -15,12 +17,12 @@ struct Certified {
 }
 
 const PAPER: Certified = Certified {
-    goal_time: 1.856_537_656_863_040_9,
+    goal_time: 1.856_537_656_863_041,
     after_two_seconds: (6.850_419_597_319_542, 3.616_761_144_893_092_5),
 };
 const HOLDING: Certified = Certified {
     goal_time: 1.810_016_907_443_462,
-    after_two_seconds: (7.016_887_369_679_566, 3.456_939_698_579_41),
+    after_two_seconds: (7.016_883_369_679_566, 3.456_939_698_579_41),
 };
 
 fn ride(model: &dyn Model, simulator: &dyn Simulator, horizon: f64) -> Simulation {
@@ -54,7 +56,7 @@ fn check_against_certified(model: &dyn Model, certified: &Certified) {
         let (q, v) = end(&ride(model, simulator, 2.0));
         // A few hundred times the tolerance of a step; the ride does not amplify errors by more than ten.
         let (y, speed) = certified.after_two_seconds;
-        assert!((q[0] - y).abs() < 5e-9, "{}: {}", simulator.name(), q[0]);
+        assert!((q[0] - y).abs() < 1e-9, "{}: {}", simulator.name(), q[0]);
         assert!(
             (v[0] - speed).abs() < 2e-8,
             "{}: {}",

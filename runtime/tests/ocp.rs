@@ -1,5 +1,7 @@
 //! Optimal control of scenes that the solver was not made for, compared with brute force.
 
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
 use hangtime::model::Model;
 use hangtime::ocp::{
     self, Component, Goal, Guess, Horizon, Objective, Problem, Settings, Solution, Stationarity,
@@ -165,7 +167,7 @@ fn goal_beyond_the_thrust_is_named_infeasible() {
 }
 
 hangtime::model! {
-    /// A cart on a pendulum-like spring: nothing about it is a parabola.
+    /// A cart on a spring between two stops: nothing about it is a parabola.
     pub Spring {
         parameters {
             /// Mass.
@@ -175,7 +177,7 @@ hangtime::model! {
         }
         coordinates {
             /// Position.
-            y: m in -0.3..=0.8,
+            y: m in -0.3..=0.3,
         }
         controls {
             /// Force.
@@ -189,19 +191,17 @@ hangtime::model! {
 #[test]
 fn bounds_of_a_coordinate_that_is_no_parabola_hold_at_all_times() {
     let spring = Spring::default();
-    let goals = vec![
-        Goal {
-            component: Component::Coordinate(0),
-            value: 0.5,
-        },
-        Goal {
-            component: Component::Velocity(0),
-            value: 1.9,
-        },
-    ];
+    let middle = Goal {
+        component: Component::Coordinate(0),
+        value: 0.0,
+    };
+    let fastest = Objective {
+        final_velocities: vec![(0, -1.0)],
+        ..Objective::default()
+    };
     let problem = Problem {
-        horizon: Horizon::Free { guess: Some(2.0) },
-        ..Problem::of(&spring, Objective::time(), goals, 5)
+        horizon: Horizon::Fixed(2.0),
+        ..Problem::of(&spring, fastest, vec![middle], 8)
     };
     let solution = ocp::solve(&spring, &problem, &Settings::default(), &mut |_| {}).unwrap();
     assert_eq!(
@@ -210,19 +210,18 @@ fn bounds_of_a_coordinate_that_is_no_parabola_hold_at_all_times() {
         "{:?}",
         solution.diagnosis()
     );
+    // From rest at the stop, 3 N over 0.3 m and the energy of the spring there: v^2 / 2 = 0.9 + 0.18 at most; the
+    // intervals cost a few per cent of it.
+    let limit = (2.0_f64 * 1.08).sqrt();
+    let speed = -solution.objective;
+    assert!(speed <= limit + 1e-6 && speed > 0.9 * limit, "{speed}");
     let motion = solution.motion.unwrap();
     let lowest = motion.trajectory.q.iter().map(|q| q[0]);
     let lowest = lowest.fold(f64::INFINITY, f64::min);
-    // The run-up ends at the bound; between the cuts it may miss by the tolerance and the plan's error.
-    assert!((-0.3 - 1e-6..-0.29).contains(&lowest), "{lowest}");
-    let last = (
-        motion.trajectory.q.last().unwrap()[0],
-        motion.trajectory.v.last().unwrap()[0],
-    );
-    assert!(
-        (last.0 - 0.5).abs() < 1e-6 && (last.1 - 1.9).abs() < 1e-5,
-        "{last:?}"
-    );
+    // The run-up uses the whole way to the stop, and between the stages it may miss by the tolerance and by the
+    // error of the plan.
+    assert!((-0.3 - 1e-7..-0.299).contains(&lowest), "{lowest}");
+    assert!(solution.resimulation_error < 1e-6);
 }
 
 #[test]

@@ -144,7 +144,7 @@ pub(crate) struct SolveArguments {
     /// Control intervals of equal physical length; default: what the scene declares.
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) intervals: Option<usize>,
-    /// Radau IIA stages of a phase, 2 to 9 [default: 4].
+    /// Radau IIA stages of a phase, 2 to 9; more where the re-simulation asks for them [default: 4].
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) stages: Option<usize>,
     /// Motions of the global phase that are refined, the best first [default: 2].

@@ -124,6 +124,13 @@ impl Pressure<'_, '_> {
         found
     }
 
+    /// The sequence without its last switch: the motion may end before it.
+    pub(super) fn shortened(&self) -> Option<Sequence> {
+        let mut sequence = self.sequence.clone();
+        sequence.switches.pop()?;
+        sequence.ordered(self.intervals)
+    }
+
     /// Sequences with a flight inserted where a contact force is held at 0, and with a contact inserted
     /// where a gap is held at 0: together with the stuck switches of [`directed`](Self::directed) these
     /// are the places where gap and force vanish together. A flight that passes a surface at the gap margin is

@@ -26,7 +26,8 @@ pub enum Guess {
 pub struct Settings {
     /// Where the global phase starts; default [`Guess::Straight`].
     pub guess: Guess,
-    /// Radau IIA stages of a phase; default 4, in `2..=9`. Order `2 n - 1`.
+    /// Radau IIA stages of a phase; default 4, in `2..=9`. Order `2 n - 1`. More are taken where the re-simulation
+    /// does not confirm a plan.
     pub stages: usize,
     /// Tolerance of the collocation programs; default 1e-9, in (0, 1).
     pub tolerance: f64,

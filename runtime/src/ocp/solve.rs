@@ -65,6 +65,8 @@ const NEIGHBOUR_ITERATIONS: usize = 150;
 const TOUCHING: f64 = 0.1;
 /// Most switches of short contacts and flights for which a sequence is tried with them, too.
 const SHORT_SWITCHES: usize = 2;
+/// By how many stages the scheme grows where the re-simulation does not confirm a plan.
+const MORE_STAGES: usize = 2;
 /// Points of the re-simulation in each interval.
 const OUTPUTS: usize = 10;
 
@@ -102,7 +104,11 @@ pub fn solve(
     let bounds = (&lower[..], &upper[..]);
     let guess = Path::guess(model, problem, settings.guess, bounds)?;
     let units = Units::new(model, &guess, bounds);
-    let Some(tableau) = ButcherTableau::new(Scheme::RadauIia, settings.stages) else {
+    let stages = (settings.stages..=ButcherTableau::MAX_STAGES).step_by(MORE_STAGES);
+    let tableaus: Vec<ButcherTableau> = stages
+        .filter_map(|stages| ButcherTableau::new(Scheme::RadauIia, stages))
+        .collect();
+    let Some(tableau) = tableaus.first() else {
         return Err(settings.refuse_stages());
     };
     let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
@@ -110,13 +116,14 @@ pub fn solve(
     let setting = Setting {
         model,
         problem,
-        tableau: &tableau,
+        tableau,
         units: &units,
         bounds,
         parabolas: &parabolas,
     };
     let mut search = Search {
         setting,
+        tableaus: &tableaus,
         settings,
         progress,
         counts: Counts::default(),
@@ -154,6 +161,8 @@ struct Local<'a> {
 /// The search over contact sequences.
 struct Search<'a, 's> {
     setting: Setting<'a>,
+    /// Schemes of growing order; the first one serves the search.
+    tableaus: &'a [ButcherTableau],
     settings: &'s Settings,
     progress: &'s mut dyn FnMut(Progress),
     counts: Counts,
@@ -180,7 +189,7 @@ impl<'a> Search<'a, '_> {
         // The best that the re-simulation confirms, or else the best.
         let mut result: Option<Solution> = None;
         for (local, stationarity) in found {
-            let solution = self.finish(local, stationarity)?;
+            let solution = self.refine(local, stationarity)?;
             let confirmed = solution.status != Status::Unconfirmed;
             if confirmed || result.is_none() {
                 result = Some(solution);
@@ -474,6 +483,7 @@ impl<'a> Search<'a, '_> {
             let directed = pressure.directed();
             let neighbours: Vec<Sequence> =
                 directed.into_iter().chain(pressure.insertions()).collect();
+            let shortened = pressure.shortened();
             let (path, cuts) = (best.path.clone(), best.cuts.clone());
             self.best = Some(best);
             let stationarity = if neighbours.is_empty() {
@@ -495,8 +505,17 @@ impl<'a> Search<'a, '_> {
                     break;
                 }
             }
+            let undecided = self.undecided;
+            // No neighbour, but often in another basin: nothing is claimed about it.
+            if !improved
+                && let Some(sequence) = shortened
+                && !self.tried.contains(&sequence.signature())
+                && self.counts.programs < self.settings.maximum_programs
+            {
+                improved = self.attempt(&sequence, &path, &cuts)?;
+            }
             if !improved {
-                return Ok(if self.undecided {
+                return Ok(if undecided {
                     Stationarity::None
                 } else {
                     stationarity
@@ -517,6 +536,37 @@ impl<'a> Search<'a, '_> {
             status => Status::Failed(status),
         };
         Solution::without_motion(status, violations, self.counts)
+    }
+
+    /// Re-simulates a motion, with more stages as long as the plan does not agree with the simulation.
+    fn refine(
+        &mut self,
+        local: Local<'a>,
+        stationarity: Stationarity,
+    ) -> Result<Solution, InputError> {
+        let (mut sequence, mut path, cuts) = (
+            local.sequence.clone(),
+            local.path.clone(),
+            local.cuts.clone(),
+        );
+        let mut solution = self.finish(local, stationarity)?;
+        let first = self.setting.tableau;
+        for tableau in &self.tableaus[1..] {
+            if solution.status != Status::Unconfirmed {
+                break;
+            }
+            self.setting.tableau = tableau;
+            self.best = None;
+            self.attempt(&sequence, &path, &cuts)?;
+            let Some(better) = self.best.take() else {
+                break;
+            };
+            sequence.clone_from(&better.sequence);
+            path.clone_from(&better.path);
+            solution = self.finish(better, stationarity)?;
+        }
+        self.setting.tableau = first;
+        Ok(solution)
     }
 
     /// Re-simulates a motion and compares.

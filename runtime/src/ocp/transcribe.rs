@@ -505,3 +505,107 @@ impl Builder<'_, '_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::collocation::{Setting, parabolas};
+    use super::super::contact_implicit::ContactImplicit;
+    use super::super::path::Units;
+    use super::super::problem::{Goal, Horizon, Objective, Problem, bounds};
+    use super::super::settings::Guess;
+    use super::*;
+    use crate::nlp::check_derivatives;
+    use crate::rk::{ButcherTableau, Scheme};
+
+    crate::model! {
+        /// A sledge on a wavy slope, with an engine along the ground and a rider that shifts.
+        Sledge {
+            parameters { m: kg = 2, g: m/s^2 = 9.81, w: 1/m = 3 }
+            coordinates { y: m, z: m, r: m in -1..=1 }
+            controls { u: N in -5..=5, p: N in -3..=3 }
+            fn ground(y) = 0.1[m]*sin(w*y)
+            lagrangian m/2*(dot(y)^2 + dot(z)^2 + dot(r)^2) - m*g*z
+            forces { y: u*cos(w*y), r: p }
+            surface ground: z - ground(y) >= 0
+            impact ground: inelastic
+            start { z: 0.5 [m], dot(y): 1 [m/s] }
+        }
+    }
+
+    /// The central difference of a function with values and derivatives up to 1e3 is good to about 1e-7 of them.
+    const DIFFERENCE: f64 = 1e-5;
+
+    fn problem(model: &Sledge) -> Problem {
+        let goal = Goal {
+            component: super::super::problem::Component::Coordinate(0),
+            value: 1.5,
+        };
+        let objective = Objective {
+            final_time: 1.0,
+            control_effort: 0.1,
+            final_coordinates: vec![(2, 0.3)],
+            final_velocities: vec![(1, -0.2)],
+        };
+        Problem {
+            horizon: Horizon::Free { guess: Some(1.2) },
+            ..Problem::of(model, objective, vec![goal], 3)
+        }
+    }
+
+    #[test]
+    fn derivatives_of_both_programs_agree_with_differences() {
+        let model = Sledge::default();
+        let problem = problem(&model);
+        let (lower, upper) = bounds(&model);
+        let bounds = (&lower[..], &upper[..]);
+        let guess = Path::guess(&model, &problem, Guess::Perturbed { seed: 3 }, bounds).unwrap();
+        let units = Units::new(&model, &guess, bounds);
+        let mut coarse = ContactImplicit::new(&model, &problem, 2, &guess, &units, bounds);
+        let report = check_derivatives(&mut coarse.program, None).unwrap();
+        assert!(report.worst() < DIFFERENCE, "{:?}", report.worst_entry());
+
+        let tableau = ButcherTableau::new(Scheme::RadauIia, 3).unwrap();
+        let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
+        let parabolas = parabolas(&model, &start);
+        assert_eq!(parabolas, [false, false, true]);
+        let setting = Setting {
+            model: &model,
+            problem: &problem,
+            tableau: &tableau,
+            units: &units,
+            bounds,
+            parabolas: &parabolas,
+        };
+        let switch = |closes, interval, place, time| Switch {
+            contact: 0,
+            closes,
+            interval,
+            place,
+            time,
+        };
+        let sequence = Sequence {
+            initially: vec![false],
+            switches: vec![
+                switch(true, 0, Place::Inside, 0.4),
+                switch(false, 0, Place::Inside, 0.8),
+                switch(true, 1, Place::Start, 1.0),
+                switch(false, 2, Place::Start, 2.0),
+            ],
+        };
+        let cut = |phase, interval, kind| Cut {
+            interval,
+            phase,
+            theta: 0.3,
+            kind,
+        };
+        let cuts = [
+            cut((0, 3), 0, CutKind::Gap(0, 1e-5)),
+            cut((0, 1), 2, CutKind::Bounds(0)),
+            cut((0, 1), 2, CutKind::Departure(0)),
+        ];
+        let mut fine = Collocation::new(setting, &sequence, &guess, &cuts);
+        assert_eq!(fine.phases.len(), 5);
+        let report = check_derivatives(&mut fine.program, None).unwrap();
+        assert!(report.worst() < DIFFERENCE, "{:?}", report.worst_entry());
+    }
+}
