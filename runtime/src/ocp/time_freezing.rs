@@ -266,3 +266,132 @@ impl Mpcc for TimeFreezing<'_> {
         self.transcription.vanishing_sides(x, vanishes)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mpcc::{self, Status};
+    use crate::ocp::{Goal, Objective};
+
+    crate::model! {
+        /// A cart that is pushed.
+        Cart {
+            parameters { m: kg = 2 }
+            coordinates { y: m }
+            controls { u: N in -1..=1 }
+            lagrangian m/2*dot(y)^2
+            forces { y: u }
+        }
+    }
+
+    crate::model! {
+        /// A point mass in a bowl that is parabolic.
+        Bowl {
+            parameters { m: kg = 1, g: m/s^2 = 9.81, c: 1/m = 0.5 }
+            coordinates { y: m, z: m }
+            lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+            surface ground: z - c*y^2 >= 0
+            impact ground: inelastic
+        }
+    }
+
+    crate::model! {
+        /// A mass that falls on a table and is pushed along it.
+        Puck {
+            parameters { m: kg = 1, g: m/s^2 = 9.81 }
+            coordinates { y: m, z: m }
+            controls { u: N in -4..=4 }
+            lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+            forces { y: u }
+            surface table: z >= 0
+            impact table: inelastic
+            start { z: 0.1 [m] }
+        }
+    }
+
+    fn goal(component: Component, value: f64) -> Goal {
+        Goal { component, value }
+    }
+
+    fn solve(model: &dyn Model, problem: &Problem) -> (mpcc::Solution, TimeFreezingMotion) {
+        let settings = TimeFreezingSettings::default();
+        let mut program = TimeFreezing::new(model, problem, &settings).expect("valid");
+        let solution = mpcc::solve(&mut program, &mpcc::Settings::default()).expect("accepted");
+        let motion = program.motion(&solution.x);
+        (solution, motion)
+    }
+
+    #[test]
+    fn motion_without_contact_least_time_is_bang_bang() {
+        // Half of the way at u / m = 1/2 from rest, the other half braking: 1 m takes sqrt(8) s.
+        let goals = vec![
+            goal(Component::Coordinate(0), 1.0),
+            goal(Component::Velocity(0), 0.0),
+        ];
+        let cart = Cart::default();
+        let problem = Problem::of(&cart, Objective::time(), goals, 4);
+        let (solution, motion) = solve(&cart, &problem);
+        assert_eq!(solution.status, Status::Solved);
+        // Constant forces are integrated exactly; the solver's tolerance is 1e-8.
+        assert!((motion.horizon - 8.0_f64.sqrt()).abs() < 1e-7, "{motion:?}");
+        let controls: Vec<f64> = motion.controls.iter().map(|u| u[0].round()).collect();
+        assert_eq!(controls, [1.0, 1.0, -1.0, -1.0]);
+    }
+
+    #[test]
+    fn fall_on_a_table_effort_is_that_of_the_free_motion_along_it() {
+        // Along the table nothing but u acts: from rest to 0.5 m in 1 s, least effort with 4 constant pieces.
+        // Displacement sum_k u_k h^2 (4 - k - 1/2), so u is proportional to (4 - k - 1/2) and the effort is
+        // d^2 / (h^3 sum_k (4 - k - 1/2)^2) = 0.25 * 64 / 21.
+        let puck = Puck::default();
+        let goals = vec![goal(Component::Coordinate(0), 0.5)];
+        let mut problem = Problem::of(&puck, Objective::effort(), goals, 4);
+        problem.horizon = Horizon::Fixed(1.0);
+        let (solution, motion) = solve(&puck, &problem);
+        assert_eq!(solution.status, Status::Solved);
+        let effort: f64 = motion.controls.iter().map(|u| 0.25 * u[0] * u[0]).sum();
+        // The step equilibration, at most 1e-4 for each element, may buy a little effort.
+        assert!((effort - 16.0 / 21.0).abs() < 1e-3, "{effort}");
+        let last = motion.q.len() - 1;
+        assert!((motion.q[last][0] - 0.5).abs() < 1e-7);
+        assert!(motion.q[last][1].abs() < 1e-7 && motion.v[last][1].abs() < 1e-7);
+        // A fall of 0.1 m takes sqrt(0.2 / g).
+        let fall = (0.2_f64 / 9.81).sqrt();
+        let jump = motion.step_functions.iter().position(|alpha| alpha[0] == 0.0);
+        let jump = jump.expect("an element in which the clock rests");
+        assert!((motion.time[jump] - fall).abs() < 1e-6, "{motion:?}");
+    }
+
+    #[test]
+    fn sliding_in_a_bowl_keeps_gap_and_energy_to_the_order_of_the_scheme() {
+        let bowl = Bowl::default();
+        let mut problem = Problem::of(&bowl, Objective::default(), Vec::new(), 1);
+        (problem.q, problem.v) = (vec![-1.0, 0.5], vec![1.0, -1.0]);
+        problem.horizon = Horizon::Fixed(0.1);
+        let (solution, motion) = solve(&bowl, &problem);
+        assert_eq!(solution.status, Status::Solved);
+        for (q, v) in motion.q.iter().zip(&motion.v) {
+            // Radau IIA with two stages has order 3: errors of the order of (0.1 / 3)^3 = 4e-5.
+            assert!((q[1] - 0.5 * q[0] * q[0]).abs() < 4e-5, "{q:?}");
+            let energy = 0.5 * (v[0] * v[0] + v[1] * v[1]) + 9.81 * q[1];
+            assert!((energy - (1.0 + 9.81 * 0.5)).abs() < 9.81 * 4e-5, "{energy}");
+        }
+        let inside = |alpha: &Vec<f64>| alpha[0] > 0.1 && alpha[0] < 0.95;
+        assert!(motion.step_functions.iter().all(inside), "{motion:?}");
+    }
+
+    #[test]
+    fn settings_out_of_range_are_refused_with_their_bound() {
+        let bowl = Bowl::default();
+        let problem = Problem::of(&bowl, Objective::default(), Vec::new(), 1);
+        for (elements, stages, a_bar) in [(0, 2, 20.0), (3, 0, 20.0), (3, 2, -1.0)] {
+            let settings = TimeFreezingSettings {
+                elements,
+                stages,
+                auxiliary_acceleration: a_bar,
+                ..TimeFreezingSettings::default()
+            };
+            assert!(TimeFreezing::new(&bowl, &problem, &settings).is_err());
+        }
+    }
+}
