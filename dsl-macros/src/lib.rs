@@ -161,7 +161,7 @@
 ///
 /// # Expressions
 ///
-/// Numbers, names, `pi`, and the physical time `t` [s]. Functions: `sin cos tan asin acos atan sinh cosh
+/// Numbers, names, `pi`, and the physical time `t` \[s\]. Functions: `sin cos tan asin acos atan sinh cosh
 /// tanh exp ln sqrt cbrt`, `atan2(y, x)`. `dot(e)` is the total time derivative of positions, `dot(a, b)`
 /// or `a . b` the inner product, `cross(a, b)` the cross product, `|a|` the length of a vector.
 /// `diff(f)(y)` is the derivative f'(y) of a function of one argument and `diff(diff(f))(y)` the second

@@ -3,7 +3,6 @@
 //! `cargo bench -p hangtime-models --bench simulation`. Times are compared within one run; BENCHMARKS.md
 //! records one.
 
-#![expect(missing_docs, reason = "criterion generates the entry point")]
 #![expect(clippy::unwrap_used, reason = "a failed step ends the benchmark")]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};

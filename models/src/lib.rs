@@ -10,7 +10,7 @@ mod ski_jump;
 
 pub use published::{PublishedDataError, PublishedFigure, PublishedMarker};
 pub use pump_track::{PumpTrack, PumpTrackHolding};
-pub use scene::{GroundLine, Plane, Scene, Variant};
+pub use scene::{GroundLine, OptimalControl, Plane, Scene, Variant};
 pub use ski_jump::SkiJump;
 
 /// All shipped scenes, in the order in which they are listed.

@@ -16,8 +16,9 @@
 //! 1.8100 s in form `holding`.
 
 use hangtime::model::Model;
+use hangtime::ocp::{Component, Goal, Objective, Problem};
 
-use crate::scene::{GroundLine, Plane, Scene, Variant};
+use crate::scene::{GroundLine, OptimalControl, Plane, Scene, Variant};
 
 hangtime::model! {
     /// A bike and its rider, two point masses on a massless link, on a wavy track; the track pushes
@@ -130,8 +131,21 @@ pub(crate) const SCENE: Scene = Scene {
         positions,
         ground,
     }),
+    optimal_control: Some(OptimalControl {
+        intervals: 30,
+        problem: fastest_ride,
+    }),
     published: &[],
 };
+
+/// The fastest ride to `y = 2 pi m`, which is two waves of the track as published.
+fn fastest_ride(model: &dyn Model, intervals: usize) -> Problem {
+    let goal = Goal {
+        component: Component::Coordinate(0),
+        value: std::f64::consts::TAU,
+    };
+    Problem::of(model, Objective::time(), vec![goal], intervals)
+}
 
 /// Points of the ground line.
 const POINTS: usize = 200;

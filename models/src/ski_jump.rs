@@ -56,6 +56,7 @@ pub(crate) const SCENE: Scene = Scene {
         positions: |_, q| vec![[q[0], q[1]]],
         ground,
     }),
+    optimal_control: None,
     published: &[
         PublishedFigure {
             name: "ski_sim_45",

@@ -474,3 +474,71 @@ fn output_directory_that_cannot_be_written_is_refused_before_the_run() {
     );
     std::fs::remove_file(&scratch.0).unwrap();
 }
+
+#[test]
+fn solve_json_has_the_fields_of_the_contract_in_order() {
+    let document = solved(&["solve", "pump-track", "--set", "speed=15km/h", "--json"]);
+    assert_eq!(document.lines().count(), 1);
+    let fields = [
+        "schema",
+        "scene",
+        "parameters",
+        "horizon",
+        "method",
+        "status",
+        "events",
+        "trajectory",
+        "final",
+        "objective",
+        "stationarity",
+        "resimulation_error",
+        "controls",
+        "residuals",
+        "size",
+        "iterations",
+        "seconds",
+    ];
+    let mut places = Vec::new();
+    for field in fields {
+        let place = document.find(&format!("\"{field}\":"));
+        places.push(place.unwrap_or_else(|| panic!("no field `{field}`")));
+    }
+    assert!(places.is_sorted(), "{places:?}");
+    let document: Value = serde_json::from_str(&document).unwrap();
+    assert_eq!(document["status"], "solved");
+    assert!((document["horizon"].as_f64().unwrap() - 1.4137689).abs() < 1e-6);
+    assert_eq!(document["controls"].as_array().unwrap().len(), 30);
+    assert_eq!(document["parameters"]["law"], "paper");
+}
+
+#[test]
+fn solve_with_out_writes_data_and_a_picture() {
+    let scratch = Scratch::new("solve");
+    let text = solved(&[
+        "solve",
+        "pump-track",
+        "--intervals",
+        "12",
+        "--out",
+        scratch.text(),
+    ]);
+    assert!(text.contains("final time"), "{text}");
+    assert_eq!(
+        scratch.names(),
+        [
+            "pump-track-optimal-events.csv",
+            "pump-track-optimal-trajectory.csv",
+            "pump-track-optimal.json",
+            "pump-track-optimal.svg",
+        ]
+    );
+}
+
+#[test]
+fn solve_that_is_refused_says_why_in_one_line() {
+    let refusal = refused(&["solve", "pump-track", "--stages", "12"]);
+    assert_eq!(
+        refusal,
+        "scene `pump-track`: Runge-Kutta stages = 12 : must be in 2..=9"
+    );
+}

@@ -51,9 +51,7 @@ impl<const M: usize> Lu<M> {
                 let factor = row[k] * inverse;
                 row[k] = factor;
                 if factor != 0.0 {
-                    for (value, pivot) in row[k + 1..].iter_mut().zip(&eliminated[k + 1..]) {
-                        *value -= factor * pivot;
-                    }
+                    subtract(&mut row[k + 1..], &eliminated[k + 1..], factor);
                 }
             }
         }
@@ -64,19 +62,11 @@ impl<const M: usize> Lu<M> {
     #[must_use]
     pub fn solve(&self, b: &[f64; M]) -> [f64; M] {
         let mut x = [0.0; M];
-        for i in 0..M {
-            let mut value = b[self.rows[i]];
-            for k in 0..i {
-                value -= self.factors[i][k] * x[k];
-            }
-            x[i] = value;
+        for (i, row) in self.factors.iter().enumerate() {
+            x[i] = b[self.rows[i]] - inner(&row[..i], &x[..i]);
         }
-        for i in (0..M).rev() {
-            let mut value = x[i];
-            for k in i + 1..M {
-                value -= self.factors[i][k] * x[k];
-            }
-            x[i] = value / self.factors[i][i];
+        for (i, row) in self.factors.iter().enumerate().rev() {
+            x[i] = (x[i] - inner(&row[i + 1..], &x[i + 1..])) / row[i];
         }
         x
     }
@@ -85,24 +75,31 @@ impl<const M: usize> Lu<M> {
     #[must_use]
     pub fn solve_transposed(&self, b: &[f64; M]) -> [f64; M] {
         let mut y = *b;
-        for i in 0..M {
-            let value = y[i] / self.factors[i][i];
-            y[i] = value;
-            for k in i + 1..M {
-                y[k] -= self.factors[i][k] * value;
-            }
+        for (i, row) in self.factors.iter().enumerate() {
+            y[i] /= row[i];
+            let (known, rest) = y.split_at_mut(i + 1);
+            subtract(rest, &row[i + 1..], known[i]);
         }
-        for i in (0..M).rev() {
-            let value = y[i];
-            for k in 0..i {
-                y[k] -= self.factors[i][k] * value;
-            }
+        for (i, row) in self.factors.iter().enumerate().rev() {
+            let (rest, known) = y.split_at_mut(i);
+            subtract(rest, &row[..i], known[0]);
         }
         let mut x = [0.0; M];
         for (value, &row) in y.iter().zip(&self.rows) {
             x[row] = *value;
         }
         x
+    }
+}
+
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `y -= factor * x`.
+fn subtract(y: &mut [f64], x: &[f64], factor: f64) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y -= factor * x;
     }
 }
 
@@ -117,61 +114,73 @@ pub fn solve_system<const M: usize>(system: &[f64]) -> (Lu<M>, [f64; M]) {
     (lu, y)
 }
 
-/// `A = -K^-1 F_x` from the nonzeros of `F_x`, dense, by columns: `a[column][row]`.
+/// `A = -K^-1 F_x` from the nonzeros of `F_x`, dense: `a[row][column]`. All columns are solved for
+/// together, so that the innermost loops run over whole rows.
 #[must_use]
 pub fn sensitivity<const M: usize, const N: usize>(
     lu: &Lu<M>,
     pattern: &[Position],
     values: &[f64],
-) -> [[f64; M]; N] {
-    let mut columns = [[0.0; M]; N];
-    for (&(row, column), value) in pattern.iter().zip(values) {
-        columns[column as usize][row as usize] = -value;
+) -> [[f64; N]; M] {
+    let mut place = [0; M];
+    for (i, &row) in lu.rows.iter().enumerate() {
+        place[row] = i;
     }
-    for column in &mut columns {
-        if column.iter().any(|&value| value != 0.0) {
-            *column = lu.solve(column);
+    let mut a = [[0.0; N]; M];
+    for (&(row, column), value) in pattern.iter().zip(values) {
+        a[place[row as usize]][column as usize] = -value;
+    }
+    for (i, factors) in lu.factors.iter().enumerate() {
+        let (known, rest) = a.split_at_mut(i);
+        for (row, &factor) in known.iter().zip(factors) {
+            subtract(&mut rest[0], row, factor);
         }
     }
-    columns
+    for (i, factors) in lu.factors.iter().enumerate().rev() {
+        let (rest, known) = a.split_at_mut(i + 1);
+        for (row, &factor) in known.iter().zip(&factors[i + 1..]) {
+            subtract(&mut rest[i], row, factor);
+        }
+        let inverse = 1.0 / factors[i];
+        for value in &mut rest[i] {
+            *value *= inverse;
+        }
+    }
+    a
 }
 
 /// Picks entries of `A`.
 pub fn gather<const M: usize, const N: usize>(
-    a: &[[f64; M]; N],
+    a: &[[f64; N]; M],
     pattern: &[Position],
     values: &mut [f64],
 ) {
     for (&(row, column), value) in pattern.iter().zip(values) {
-        *value = a[column as usize][row as usize];
+        *value = a[row as usize][column as usize];
     }
 }
 
 /// Hessian of `lambda' y`, at the positions `pattern` of its lower triangle: from `A`, the nonzeros of
 /// `(mu' F)_xx` (lower triangle) and those of `P`.
 pub fn pull_back<const M: usize, const N: usize>(
-    a: &[[f64; M]; N],
+    a: &[[f64; N]; M],
     (residual_pattern, residual): (&[Position], &[f64]),
     (cross_pattern, cross): (&[Position], &[f64]),
     pattern: &[Position],
     values: &mut [f64],
 ) {
-    let mut hessian = [[0.0; N]; N];
-    for (&(i, j), value) in residual_pattern.iter().zip(residual) {
-        hessian[i as usize][j as usize] = -value;
+    // P'A, row i from each nonzero P[k][i]; its transpose is added where an entry is read.
+    let mut product = [[0.0; N]; N];
+    for (&(k, i), &value) in cross_pattern.iter().zip(cross) {
+        subtract(&mut product[i as usize], &a[k as usize], -value);
     }
-    // -P'A - A'P, entry (i, j) from each nonzero P[k][i]; the transposed half falls on (j, i).
-    for (&(k, i), value) in cross_pattern.iter().zip(cross) {
-        let (k, i) = (k as usize, i as usize);
-        for (j, column) in a.iter().enumerate() {
-            let product = value * column[k];
-            let (row, other) = if i >= j { (i, j) } else { (j, i) };
-            // On the diagonal both halves are the same entry.
-            hessian[row][other] -= if i == j { 2.0 * product } else { product };
-        }
+    // An entry is read as the sum of its two places, which on the diagonal are one.
+    for (&(i, j), &value) in residual_pattern.iter().zip(residual) {
+        product[i as usize][j as usize] += if i == j { 0.5 * value } else { value };
     }
     for (&(i, j), value) in pattern.iter().zip(values) {
-        *value = hessian[i as usize][j as usize];
+        let (i, j) = (i as usize, j as usize);
+        *value = -(product[i][j] + product[j][i]);
     }
 }
 
@@ -235,5 +244,23 @@ mod tests {
             &mut hessian,
         );
         assert_eq!(hessian, [2.0 * 3.0 / 8.0, -0.25, 0.0]);
+    }
+
+    #[test]
+    fn derivatives_of_a_nonlinear_right_side_agree_with_hand_computed_ones() {
+        // y = x0^2 x1: K = 1, F = y - x0^2 x1, so (mu F)_xx = -mu (2 x1, 2 x0; 2 x0, 0).
+        let x = [2.0, 3.0];
+        let (lu, _) = solve_system::<1>(&[1.0, x[0] * x[0] * x[1]]);
+        let a = sensitivity::<1, 2>(&lu, &[(0, 0), (0, 1)], &[-2.0 * x[0] * x[1], -x[0] * x[0]]);
+        assert_eq!(a, [[12.0, 4.0]]);
+        let mut hessian = [0.0; 3];
+        pull_back(
+            &a,
+            (&[(0, 0), (1, 0)], &[-2.0 * x[1], -2.0 * x[0]]),
+            (&[], &[]),
+            &[(0, 0), (1, 0), (1, 1)],
+            &mut hessian,
+        );
+        assert_eq!(hessian, [6.0, 4.0, 0.0]);
     }
 }

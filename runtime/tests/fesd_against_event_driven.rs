@@ -1,6 +1,8 @@
 //! Finite elements with switch detection against the event-driven simulator on the same scenes: two
 //! methods that share nothing but the model's functions.
 
+#![expect(clippy::unwrap_used, reason = "a failed step fails the test")]
+
 mod common;
 
 use common::scenes::{self, GRAVITY};

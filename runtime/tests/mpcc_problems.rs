@@ -5,7 +5,7 @@
 mod solver_support;
 
 use hangtime::mpcc::{self, Mpcc, RelaxationRule, Settings, Solution, Status};
-use hangtime::nlp;
+use hangtime::nlp::{self, NlpProblem};
 use solver_support::{TextProblem, read_problems};
 
 /// Distance of the objective from a certified value: crossovers solve their smooth program to 1e-10.
@@ -45,7 +45,7 @@ fn best_decrease(problem: &TextProblem, x: &[f64], radius: f64) -> f64 {
             boxed.upper[if x[i] <= x[j] { i } else { j }] = 0.0;
         }
     }
-    let value: f64 = nlp::NlpProblem::objective(&mut boxed, x);
+    let value: f64 = NlpProblem::objective(&mut boxed, x);
     let mut best: f64 = 0.0;
     for branch in 0..1_usize << biactive.len() {
         let mut candidate = boxed.clone();
@@ -199,6 +199,85 @@ fn solve_parallel_returns_the_best_of_all_rules() {
         let single = mpcc::solve(&mut problem.clone(), &one).unwrap();
         if single.status.is_solved() {
             assert!(parallel.objective <= single.objective + 1e-9, "{rule:?}");
+        }
+    }
+}
+
+/// A problem that decides its sides itself.
+struct Deciding {
+    problem: TextProblem,
+    vanishing: Vec<usize>,
+    asked: std::cell::Cell<usize>,
+}
+
+impl NlpProblem for Deciding {
+    fn variables(&self) -> usize {
+        self.problem.variables()
+    }
+    fn constraints(&self) -> usize {
+        self.problem.constraints()
+    }
+    fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+        self.problem.variable_bounds(lower, upper);
+    }
+    fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+        self.problem.constraint_bounds(lower, upper);
+    }
+    fn initial_point(&self, x: &mut [f64]) {
+        self.problem.initial_point(x);
+    }
+    fn objective(&mut self, x: &[f64]) -> f64 {
+        NlpProblem::objective(&mut self.problem, x)
+    }
+    fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
+        self.problem.gradient(x, gradient);
+    }
+    fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
+        self.problem.constraint_values(x, c);
+    }
+    fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
+        self.problem.jacobian_pattern()
+    }
+    fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
+        self.problem.jacobian_values(x, values);
+    }
+    fn hessian_pattern(&self) -> Vec<(usize, usize)> {
+        self.problem.hessian_pattern()
+    }
+    fn hessian_values(&mut self, x: &[f64], weight: f64, y: &[f64], values: &mut [f64]) {
+        self.problem.hessian_values(x, weight, y, values);
+    }
+}
+
+impl Mpcc for Deciding {
+    fn complementarities(&self) -> &[(usize, usize)] {
+        self.problem.complementarities()
+    }
+    fn vanishing_sides(&self, _: &[f64], vanishes: &mut [bool]) -> bool {
+        self.asked.set(self.asked.get() + 1);
+        for &i in &self.vanishing {
+            vanishes[i] = true;
+        }
+        true
+    }
+}
+
+#[test]
+fn solve_with_own_sides_crosses_over_to_them_if_they_cover_all_pairs() {
+    // the pairs alone would keep the nearer of (1, 0) and (0, 1)
+    let text = "problem choice 2\nstart 2 0.1\nbounds 1 0 inf\nbounds 2 0 inf\n\
+                minimize (x1 - 1)^2 + (x2 - 1)^2\npair 1 2";
+    for (vanishing, expected) in [(vec![0], [0.0, 1.0]), (vec![], [1.0, 0.0])] {
+        let mut problem = Deciding {
+            problem: read_problems(text).remove(0),
+            vanishing,
+            asked: std::cell::Cell::new(0),
+        };
+        let solution = mpcc::solve(&mut problem, &Settings::default()).unwrap();
+        assert_eq!(solution.status, Status::Solved);
+        assert!(problem.asked.get() > 0);
+        for (x, expected) in solution.x.iter().zip(expected) {
+            assert!((x - expected).abs() < 1e-7, "{:?}", solution.x);
         }
     }
 }

@@ -237,3 +237,58 @@ fn check_derivatives_finds_a_wrong_entry_by_name() {
     assert!((worst.given - worst.difference - 0.25).abs() < 1e-6);
     assert!(report.entries[1].error < 1e-6);
 }
+
+#[test]
+fn statistics_count_every_kind_once() {
+    let text = "problem kinds 5\nstart 0 0 0 0 0\nbounds 1 1 1\nbounds 2 0 inf\nbounds 3 -inf 2\nbounds 4 0 1\n\
+                minimize x1*x5\nrow 1 1 x2\nrow 0 1 x3 + x4\nrow -inf 3 x2*x3\nrow -inf inf x5";
+    let statistics = nlp::ProblemStatistics::of(&problem(text));
+    assert_eq!(statistics.variables, 5);
+    assert_eq!(statistics.fixed, 1);
+    assert_eq!(statistics.free, 1);
+    assert_eq!(statistics.lower_bounded, 1);
+    assert_eq!(statistics.upper_bounded, 1);
+    assert_eq!(statistics.two_sided, 1);
+    assert_eq!(statistics.equalities, 1);
+    assert_eq!(statistics.inequalities, 2);
+    assert_eq!(statistics.free_constraints, 1);
+    assert_eq!(statistics.jacobian_entries, 6);
+    // the reader's pattern holds the squares too: (1,1) (5,1) (5,5), (2,2), (3,3) (4,3) (4,4), (3,2)
+    assert_eq!(statistics.hessian_entries, 8);
+}
+
+#[test]
+fn solve_without_free_variables_judges_the_point() {
+    let fixed = "problem fixed 2\nstart 5 5\nbounds 1 1 1\nbounds 2 2 2\nminimize x1 + x2\n";
+    let free = nlp::solve(&mut problem(fixed), &Settings::default()).unwrap();
+    assert_eq!(free.status, Status::Solved);
+    assert_eq!(free.x, [1.0, 2.0]);
+    let kept = nlp::solve(
+        &mut problem(&format!("{fixed}row 3 3 x1 + x2")),
+        &Settings::default(),
+    );
+    assert_eq!(kept.unwrap().status, Status::Solved);
+    let broken = nlp::solve(
+        &mut problem(&format!("{fixed}row 4 4 x1 + x2")),
+        &Settings::default(),
+    );
+    let broken = broken.unwrap();
+    assert_eq!(broken.status, Status::Infeasible);
+    assert_eq!(broken.violations[0].name, "c[0]");
+}
+
+#[test]
+fn solve_row_of_fixed_variables_does_not_disturb_the_others() {
+    let text = "problem row 2\nstart 5 5\nbounds 1 1 1\nminimize (x2 - 3)^2\nrow 2 2 2*x1\nrow 0 9 x2 + x1";
+    let solution = nlp::solve(&mut problem(text), &Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+    assert!((solution.x[1] - 3.0).abs() < 1e-7);
+}
+
+#[test]
+fn solve_not_a_number_in_a_derivative_ends_with_its_status() {
+    // the value of x^1.5 is finite at 0, its second derivative is not
+    let text = "problem corner 1\nstart 0\nminimize x1 + x1^1.5";
+    let solution = nlp::solve(&mut problem(text), &Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::NotFinite);
+}

@@ -125,6 +125,10 @@ pub(crate) fn acceleration<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
     solve(mass(model, x), right, n)
 }
 
+#[expect(
+    clippy::needless_range_loop,
+    reason = "indices of a matrix read better"
+)]
 /// Gaussian elimination without pivoting, for positive definite matrices.
 fn solve<D: DualNum<Primitive = f64> + Copy>(
     mut m: Vec<Vec<D>>,
@@ -147,7 +151,7 @@ fn solve<D: DualNum<Primitive = f64> + Copy>(
             let known = b[k];
             b[i] -= m[i][k] * known;
         }
-        b[i] = b[i] / m[i][i];
+        b[i] /= m[i][i];
     }
     b
 }
@@ -189,8 +193,7 @@ fn agree(what: &str, found: &[f64], wanted: &[f64]) -> Result<(), String> {
     let scale = wanted.iter().fold(1.0_f64, |scale, w| scale.max(w.abs()));
     for (i, (found, wanted)) in found.iter().zip(wanted).enumerate() {
         let error = (found - wanted).abs();
-        // A NaN must fail, hence the negation.
-        if !(error <= TOLERANCE * scale) {
+        if error.is_nan() || error > TOLERANCE * scale {
             return Err(format!(
                 "{what}[{i}]: {found:e} instead of {wanted:e}, relative error {:e}",
                 error / scale

@@ -42,7 +42,7 @@ fn formula(random: &mut Random, names: &[String], depth: u32) -> String {
             _ => pick(random),
         };
     }
-    let mut inner = |random: &mut Random| formula(random, names, depth - 1);
+    let inner = |random: &mut Random| formula(random, names, depth - 1);
     match random.below(12) {
         0 | 1 => format!("({} + {})", inner(random), inner(random)),
         2 => format!("({} - {})", inner(random), inner(random)),
@@ -99,6 +99,10 @@ fn source(random: &mut Random) -> String {
     text
 }
 
+#[expect(
+    clippy::needless_range_loop,
+    reason = "indices of a matrix read better"
+)]
 /// The free acceleration at a point, by nested dual numbers and elimination.
 fn acceleration(evaluator: &Evaluator<'_>, point: &Point) -> Vec<Nested> {
     let n = point.q.len();
@@ -187,6 +191,10 @@ fn compare(
 }
 
 #[test]
+#[expect(
+    clippy::needless_range_loop,
+    reason = "indices of a matrix read better"
+)]
 fn random_models_agree_with_nested_dual_numbers_and_have_minimal_patterns() {
     let mut minimal = 0;
     for seed in 0..MODELS {

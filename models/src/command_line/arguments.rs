@@ -141,6 +141,21 @@ pub(crate) enum FormulationName {
 pub(crate) struct SolveArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
+    /// Control intervals of equal physical length; default: what the scene declares.
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    pub(crate) intervals: Option<usize>,
+    /// Radau IIA stages of a phase, 2 to 9 [default: 4].
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    pub(crate) stages: Option<usize>,
+    /// Motions of the global phase that are refined, the best first [default: 2].
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    pub(crate) starts: Option<usize>,
+    /// Directory for data and figures; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Arguments of `chart`.

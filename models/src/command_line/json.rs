@@ -6,6 +6,7 @@
 //! before the first such number, and elsewhere `null` stands in its place.
 
 use hangtime::model::{ContactDeclaration, Model};
+use hangtime::ocp::Solution;
 use hangtime::simulation::{
     Counts, Diagnosis, Event, ProblemSize, Residuals, Seconds, Simulation, Trajectory,
 };
@@ -76,6 +77,128 @@ impl<'a> Document<'a> {
             iterations: simulation.counts,
             seconds: simulation.seconds,
             notes: &simulation.notes,
+        }
+    }
+
+    /// The document as one line of text.
+    pub(crate) fn text(&self) -> String {
+        to_line(self)
+    }
+}
+
+/// The method of a solution.
+#[derive(Serialize)]
+pub(crate) struct SolverSettings {
+    /// Name of the method.
+    pub(crate) name: &'static str,
+    /// Runge-Kutta scheme of the last phase.
+    pub(crate) scheme: &'static str,
+    /// Its stages.
+    pub(crate) stages: usize,
+    /// Control intervals.
+    pub(crate) intervals: usize,
+    /// Motions of the global phase that are refined.
+    pub(crate) starts: usize,
+}
+
+/// The document of an optimal control problem: that of the re-simulated motion, and what belongs to the plan.
+#[derive(Serialize)]
+pub(crate) struct SolutionDocument<'a> {
+    schema: u32,
+    scene: &'static str,
+    parameters: ParameterValues<'a>,
+    horizon: f64,
+    method: &'a SolverSettings,
+    status: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    diagnosis: Option<String>,
+    events: Vec<EventEntry<'a>>,
+    trajectory: TrajectoryEntry<'a>,
+    #[serde(rename = "final")]
+    last: Option<FinalEntry<'a>>,
+    objective: f64,
+    stationarity: &'static str,
+    resimulation_error: f64,
+    controls: &'a [Vec<f64>],
+    #[serde(with = "ResidualsEntry")]
+    residuals: Residuals,
+    size: SolutionSize,
+    iterations: SolutionCounts,
+    seconds: SolutionSeconds,
+}
+
+#[derive(Serialize)]
+struct SolutionSize {
+    variables: usize,
+    equalities: usize,
+    inequalities: usize,
+    complementarities: usize,
+    jacobian_nonzeros: usize,
+    hessian_nonzeros: usize,
+}
+
+#[derive(Serialize)]
+struct SolutionCounts {
+    programs: usize,
+    contact_implicit: usize,
+    interior_point: usize,
+    factorizations: usize,
+    repairs: usize,
+}
+
+#[derive(Serialize)]
+struct SolutionSeconds {
+    total: f64,
+}
+
+impl<'a> SolutionDocument<'a> {
+    /// The document of one solution of `chosen`.
+    pub(crate) fn new(
+        chosen: &'a ChosenScene,
+        method: &'a SolverSettings,
+        solution: &'a Solution,
+        (trajectory, events): (&'a Trajectory, &'a [Event]),
+    ) -> Self {
+        let contacts = chosen.model.declaration().contacts;
+        let trajectory = TrajectoryEntry::new(trajectory);
+        Self {
+            schema: SCHEMA,
+            scene: chosen.scene.name,
+            parameters: ParameterValues::of(chosen),
+            horizon: solution.horizon,
+            method,
+            status: solution.status.name(),
+            diagnosis: solution.diagnosis(),
+            events: events
+                .iter()
+                .map(|event| EventEntry::new(event, contacts))
+                .collect(),
+            last: trajectory.last(),
+            trajectory,
+            objective: solution.objective,
+            stationarity: solution.stationarity.name(),
+            resimulation_error: solution.resimulation_error,
+            controls: &solution.controls,
+            residuals: solution.residuals,
+            size: SolutionSize {
+                variables: solution.size.variables,
+                equalities: solution.size.equalities,
+                inequalities: solution.size.inequalities,
+                // The last program has a given contact sequence.
+                complementarities: 0,
+                jacobian_nonzeros: solution.size.jacobian_nonzeros,
+                hessian_nonzeros: solution.size.hessian_nonzeros,
+            },
+            iterations: SolutionCounts {
+                programs: solution.counts.programs,
+                contact_implicit: solution.counts.global_iterations,
+                interior_point: solution.counts.iterations,
+                factorizations: solution.counts.factorizations,
+                repairs: solution.counts.repairs,
+            },
+            seconds: SolutionSeconds {
+                total: solution.seconds,
+            },
         }
     }
 

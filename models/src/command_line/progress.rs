@@ -47,3 +47,31 @@ impl Drop for Progress {
         self.bar.finish_and_clear();
     }
 }
+
+/// A line that says what a long run is doing; drawn on the standard error stream if that is a terminal.
+pub(crate) struct Spinner {
+    bar: ProgressBar,
+}
+
+impl Spinner {
+    /// A line that begins with `title`.
+    pub(crate) fn new(title: &str) -> Self {
+        let bar = ProgressBar::new_spinner().with_prefix(title.to_owned());
+        if let Ok(style) = ProgressStyle::with_template("{prefix} {spinner} {elapsed} {msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(PATIENCE);
+        Self { bar }
+    }
+
+    /// Changes what the line says.
+    pub(crate) fn say(&self, message: &str) {
+        self.bar.set_message(message.to_owned());
+    }
+}
+
+impl Drop for Spinner {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -205,6 +205,7 @@ mod tests {
             },
         ],
         plane: None,
+        optimal_control: None,
         published: &[],
     };
 

@@ -1,15 +1,185 @@
-//! `hangtime solve`: the optimal control problem of a scene.
+//! `hangtime solve`: the optimal control problem of a scene, as tables, as JSON, and as files.
+
+use std::fmt::Write as _;
+
+use hangtime::ocp::{self, Settings, Solution};
+use hangtime::rk::Scheme;
+use hangtime::simulation::{EventKind, Simulation, Trajectory};
 
 use super::Report;
 use super::arguments::SolveArguments;
 use super::failure::BadInput;
+use super::json::{SolutionDocument, SolverSettings};
+use super::motion::motion;
+use super::output::OutputDirectory;
+use super::progress::Spinner;
 use super::settings::ChosenScene;
+use super::spreadsheet::{events_csv, trajectory_csv};
+use super::table::{headed, seconds, table};
 
 pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
     let chosen = ChosenScene::from_arguments(&arguments.scene)?;
-    Err(BadInput::new(format!(
-        "scene `{0}` declares no objective, so there is nothing to optimize; run `hangtime \
-         simulate {0}` instead",
-        chosen.scene.name
-    )))
+    let Some(declared) = chosen.scene.optimal_control else {
+        return Err(BadInput::new(format!(
+            "scene `{0}` declares no objective, so there is nothing to optimize; run `hangtime \
+             simulate {0}` instead",
+            chosen.scene.name
+        )));
+    };
+    let mut settings = Settings::default();
+    settings.stages = arguments.stages.unwrap_or(settings.stages);
+    settings.starts = arguments.starts.unwrap_or(settings.starts);
+    let model = chosen.model.as_ref();
+    let problem = (declared.problem)(model, arguments.intervals.unwrap_or(declared.intervals));
+    let directory = arguments
+        .out
+        .as_deref()
+        .map(OutputDirectory::open)
+        .transpose()?;
+    let spinner = Spinner::new(chosen.scene.name);
+    let solution = ocp::solve(model, &problem, &settings, &mut |progress| {
+        let best = progress.objective.map_or_else(String::new, |objective| {
+            format!(", best objective {objective:.6}")
+        });
+        spinner.say(&format!(
+            "{}: program {}, {} iterations{best}",
+            progress.step, progress.programs, progress.iterations
+        ));
+    })
+    .map_err(|error| chosen.refuse(&error))?;
+    drop(spinner);
+    let method = SolverSettings {
+        name: "phases",
+        scheme: Scheme::RadauIia.name(),
+        stages: settings.stages,
+        intervals: problem.intervals,
+        starts: settings.starts,
+    };
+    let nothing = Trajectory::default();
+    let motion = match &solution.motion {
+        Some(motion) => (&motion.trajectory, &motion.events[..]),
+        None => (&nothing, &[][..]),
+    };
+    let json = SolutionDocument::new(&chosen, &method, &solution, motion).text();
+    let mut written = String::new();
+    if let Some(directory) = directory {
+        for path in directory.write(&files(&chosen, &json, solution.motion.as_ref()))? {
+            let _ = writeln!(written, "wrote {}", path.display());
+        }
+    }
+    let name = chosen.scene.name;
+    let diagnosis = solution.diagnosis();
+    Ok(Report {
+        text: if arguments.json {
+            json
+        } else {
+            tables(&chosen, &method, &solution) + &written
+        },
+        diagnoses: diagnosis
+            .map(|text| format!("{name}: {}: {text}", solution.status.name()))
+            .into_iter()
+            .collect(),
+    })
+}
+
+/// The files of one solution, as (name, content).
+fn files(
+    chosen: &ChosenScene,
+    json: &str,
+    simulation: Option<&Simulation>,
+) -> Vec<(String, String)> {
+    let declaration = chosen.model.declaration();
+    let name = chosen.scene.name;
+    let mut files = vec![(format!("{name}-optimal.json"), json.to_owned())];
+    let Some(simulation) = simulation else {
+        return files;
+    };
+    files.extend([
+        (
+            format!("{name}-optimal-trajectory.csv"),
+            trajectory_csv(declaration, &simulation.trajectory),
+        ),
+        (
+            format!("{name}-optimal-events.csv"),
+            events_csv(declaration, &simulation.events),
+        ),
+    ]);
+    if let Some(plane) = &chosen.scene.plane {
+        let title = format!("{}, optimal", chosen.scene.title);
+        let picture = motion(
+            title,
+            plane,
+            chosen.model.as_ref(),
+            simulation,
+            Vec::new(),
+            None,
+        );
+        files.push((format!("{name}-optimal.svg"), picture.svg()));
+    }
+    files
+}
+
+/// The result for people.
+fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) -> String {
+    let declaration = chosen.model.declaration();
+    let mut text = format!("{}: {}\n\n", chosen.scene.name, chosen.scene.title);
+    let _ = writeln!(text, "parameters    {}", chosen.parameters().join(", "));
+    let _ = writeln!(
+        text,
+        "method        {}, {}, {} stages, {} intervals",
+        method.name, method.scheme, method.stages, method.intervals
+    );
+    let _ = writeln!(text, "status        {}", solution.status.name());
+    let _ = writeln!(text, "objective     {:.10}", solution.objective);
+    let _ = writeln!(text, "final time    {:.10} s", solution.horizon);
+    let _ = writeln!(text, "stationarity  {}", solution.stationarity.name());
+    let _ = writeln!(
+        text,
+        "re-simulated  {:.1e} away from the plan at the end\n",
+        solution.resimulation_error
+    );
+    let rows = solution.planned_events.iter().map(|(time, kind, contact)| {
+        let kind = match kind {
+            EventKind::LiftOff => "lift off",
+            _ => "impact",
+        };
+        vec![
+            kind.to_owned(),
+            declaration.contacts[*contact].name.to_owned(),
+            format!("{time:.10}"),
+        ]
+    });
+    text += &table(["event", "contact", "time [s]"], rows);
+    text += "\n";
+    let controls = declaration.controls.iter();
+    let header = ["interval", "from [s]"].map(str::to_owned).into_iter();
+    let header = header.chain(controls.map(|control| headed(control.name, control.unit)));
+    let length = solution.horizon / solution.controls.len().max(1) as f64;
+    let rows = solution.controls.iter().enumerate().map(|(k, controls)| {
+        let values = controls.iter().map(|u| format!("{u:.6}"));
+        [k.to_string(), format!("{:.6}", k as f64 * length)]
+            .into_iter()
+            .chain(values)
+            .collect()
+    });
+    text += &table(header, rows);
+    text += "\n";
+    let residuals = solution.residuals;
+    let _ = writeln!(
+        text,
+        "residuals     primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
+        residuals.primal, residuals.dual, residuals.complementarity
+    );
+    let counts = solution.counts;
+    let _ = writeln!(
+        text,
+        "counts        {} programs, {} + {} interior point iterations, {} factorizations, {} repairs",
+        counts.programs,
+        counts.global_iterations,
+        counts.iterations,
+        counts.factorizations,
+        counts.repairs
+    );
+    let _ = writeln!(text, "CPU time      {}", seconds(solution.seconds));
+    text
 }

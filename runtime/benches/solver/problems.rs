@@ -159,7 +159,7 @@ fn luksan_vlcek_7(n: usize) -> (String, String) {
 }
 
 /// Optimal control by the trapezoidal rule: states, one control, dynamics as text of (state, control).
-#[allow(clippy::too_many_arguments)]
+#[expect(clippy::too_many_arguments, reason = "the parts of one definition")]
 fn control(
     name: &str,
     intervals: usize,

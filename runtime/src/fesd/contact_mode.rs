@@ -46,6 +46,9 @@ pub(crate) struct Contacts<'a> {
     n: usize,
     acceleration: Vec<f64>,
     points: Vec<f64>,
+    /// Largest sum of terms of each normal acceleration seen so far: the scale of its rounding error. At one
+    /// instant the terms may cancel inside the model.
+    scales: Vec<f64>,
     matrix: Vec<f64>,
     pivots: Vec<usize>,
     shifted: Vec<f64>,
@@ -62,6 +65,7 @@ impl<'a> Contacts<'a> {
             n,
             acceleration: vec![0.0; n],
             points: vec![0.0; contacts * contact_point::length(n)],
+            scales: vec![0.0; contacts],
             matrix: Vec::new(),
             pivots: Vec::new(),
             shifted: vec![0.0; declaration.inputs()],
@@ -112,6 +116,18 @@ impl<'a> Contacts<'a> {
     pub(crate) fn evaluate(&mut self, x: &[f64], contacts: &[usize]) {
         self.model.free_acceleration(x, &mut self.acceleration);
         self.evaluate_contacts(x, contacts);
+        for &i in contacts {
+            let terms: f64 = self
+                .normal(i)
+                .iter()
+                .zip(&self.acceleration)
+                .map(|(n, a)| (n * a).abs())
+                .sum();
+            let scale = terms + self.point(i)[contact_point::CURVATURE].abs();
+            if scale > self.scales[i] {
+                self.scales[i] = scale;
+            }
+        }
     }
 
     /// Normal acceleration without contact force, `phi_i`.
@@ -120,14 +136,9 @@ impl<'a> Contacts<'a> {
             + self.point(contact)[contact_point::CURVATURE]
     }
 
-    /// Scale of the terms that `phi_i` sums up.
+    /// Scale of the rounding error of `phi_i`.
     pub(crate) fn phi_scale(&self, contact: usize) -> f64 {
-        self.normal(contact)
-            .iter()
-            .zip(&self.acceleration)
-            .map(|(n, a)| (n * a).abs())
-            .sum::<f64>()
-            + self.point(contact)[contact_point::CURVATURE].abs()
+        self.scales[contact]
     }
 
     fn coupling(&self, i: usize, j: usize) -> f64 {
@@ -190,6 +201,29 @@ impl<'a> Contacts<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Removes the normal velocities of the `active` contacts at the last evaluation from `v`, along their
+    /// directions.
+    pub(crate) fn hold(&mut self, active: &[usize], v: &mut [f64]) -> Result<(), ModeError> {
+        let mut factors = self.couplings(active);
+        let mut pivots = vec![0; active.len()];
+        let mut impulses: Vec<f64> = active.iter().map(|&i| self.normal_velocity(i)).collect();
+        dense::factorize(&mut factors, &mut pivots).map_err(|_| ModeError::Dependent)?;
+        dense::solve(&factors, &pivots, &mut impulses);
+        for (&i, impulse) in active.iter().zip(&impulses) {
+            for (component, d) in v.iter_mut().zip(self.direction(i)) {
+                *component -= d * impulse;
+            }
+        }
+        Ok(())
+    }
+
+    /// Largest scale of the normal accelerations of the listed contacts.
+    pub(crate) fn largest_scale(&self, contacts: &[usize]) -> f64 {
+        contacts
+            .iter()
+            .fold(0.0, |largest, &i| self.scales[i].max(largest))
     }
 
     /// One Newton step on `q` towards `g_i = 0` of the listed contacts, from the last evaluation.
@@ -281,7 +315,7 @@ impl<'a> Contacts<'a> {
         // Central difference along the motion; its truncation and rounding errors are both near
         // 1e-10 of the scale for a step of 1e-5 of the motion's own time scale.
         let speed = norm(&x[self.n..2 * self.n]) + f64::MIN_POSITIVE;
-        let time_scale = (speed / (norm(&motion) + f64::MIN_POSITIVE)).clamp(1e-3, 1e3);
+        let time_scale = (speed / (norm(&motion) + f64::MIN_POSITIVE)).clamp(1e-3, 1.0);
         let step = 1e-5 * time_scale;
         let mut ahead = vec![0.0; undecided.len()];
         let mut behind = vec![0.0; undecided.len()];

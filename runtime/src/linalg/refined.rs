@@ -19,6 +19,29 @@ pub struct SolveQuality {
 /// The system is `K + diag(delta_w I, -delta_c I)` with the shifts of the last
 /// [`RefinedSolver::factor`]; whatever else a factorization shifts or loses is removed by refinement
 /// against this matrix.
+///
+/// # Examples
+/// The saddle point system `[2 0 1; 0 2 1; 1 1 0] x = (1, 1, 2)`:
+///
+/// ```
+/// use hangtime::linalg::{MultifrontalLdl, RefinedSolver, SymmetricPattern};
+///
+/// let entries = [(0, 0), (1, 1), (2, 0), (2, 1)];
+/// let (pattern, map) = SymmetricPattern::new(3, &entries).ok_or("an entry outside the matrix")?;
+/// let mut values = vec![0.0; pattern.stored()];
+/// for (&position, a) in map.iter().zip([2.0, 2.0, 1.0, 1.0]) {
+///     values[position] += a;
+/// }
+/// let back_end = Box::new(MultifrontalLdl::new(&pattern, 2)?);
+/// let mut solver = RefinedSolver::new(pattern, 2, back_end);
+/// let inertia = solver.factor(&values, 0.0, 0.0)?;
+/// assert_eq!((inertia.positive, inertia.negative), (2, 1));
+/// let mut x = vec![0.0; 3];
+/// let quality = solver.solve(&[1.0, 1.0, 2.0], &mut x);
+/// assert!(quality.residual < 1e-12);
+/// assert!((x[0] - 1.0).abs() < 1e-12 && (x[2] + 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct RefinedSolver {
     pattern: SymmetricPattern,
     primal: usize,

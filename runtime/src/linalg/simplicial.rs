@@ -39,7 +39,7 @@ pub struct SimplicialLdl {
 }
 
 impl SimplicialLdl {
-    /// Default of the static shift of primal rows (LAB: 1e-10 costs no accuracy after refinement).
+    /// Default of the static shift of primal rows: 1e-10 costs no accuracy after refinement.
     pub const STATIC_PRIMAL: f64 = 1e-10;
     /// Default of the static shift of dual rows.
     pub const STATIC_DUAL: f64 = 1e-9;

@@ -44,7 +44,7 @@ pub trait Model: Send + Sync {
     /// The declared initial coordinates `q` and velocities `v`, each of length `n_q`.
     fn start(&self, q: &mut [f64], v: &mut [f64]);
 
-    /// The declared length of a simulation [s], if the scene declares one.
+    /// The declared length of a simulation \[s\], if the scene declares one.
     fn horizon(&self) -> Option<f64>;
 
     /// Declared bounds of the coordinates and then the controls; infinite where none is declared.

@@ -93,6 +93,43 @@ pub fn solve(problem: &mut dyn Mpcc, settings: &Settings) -> Result<Solution, In
 ///
 /// # Errors
 /// As [`solve`].
+///
+/// # Examples
+/// Minimize `x_0^2 + 2 x_1^2` subject to `x_0 + x_1 = 1`, `0 <= x_0 _|_ x_1 >= 0`: of the two feasible points
+/// (1, 0) and (0, 1), both S-stationary, the first is the better one.
+///
+/// ```
+/// # use hangtime::nlp::NlpProblem;
+/// # #[derive(Clone)]
+/// # struct Problem;
+/// # impl NlpProblem for Problem {
+/// #     fn variables(&self) -> usize { 2 }
+/// #     fn constraints(&self) -> usize { 1 }
+/// #     fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) { lower.fill(0.0); upper.fill(f64::INFINITY); }
+/// #     fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) { lower[0] = 1.0; upper[0] = 1.0; }
+/// #     fn initial_point(&self, x: &mut [f64]) { x.fill(0.5); }
+/// #     fn objective(&mut self, x: &[f64]) -> f64 { x[0] * x[0] + 2.0 * x[1] * x[1] }
+/// #     fn gradient(&mut self, x: &[f64], g: &mut [f64]) { g[0] = 2.0 * x[0]; g[1] = 4.0 * x[1]; }
+/// #     fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) { c[0] = x[0] + x[1]; }
+/// #     fn jacobian_pattern(&self) -> Vec<(usize, usize)> { vec![(0, 0), (0, 1)] }
+/// #     fn jacobian_values(&mut self, _: &[f64], values: &mut [f64]) { values.fill(1.0); }
+/// #     fn hessian_pattern(&self) -> Vec<(usize, usize)> { vec![(0, 0), (1, 1)] }
+/// #     fn hessian_values(&mut self, _: &[f64], weight: f64, _: &[f64], values: &mut [f64]) {
+/// #         values[0] = 2.0 * weight;
+/// #         values[1] = 4.0 * weight;
+/// #     }
+/// # }
+/// use hangtime::mpcc::{self, Mpcc, Settings};
+///
+/// impl Mpcc for Problem {
+///     fn complementarities(&self) -> &[(usize, usize)] { &[(0, 1)] }
+/// }
+///
+/// let solution = mpcc::solve_parallel(&Problem, &Settings::default())?;
+/// assert!(solution.status.is_solved());
+/// assert!((solution.objective - 1.0).abs() < 1e-8);
+/// # Ok::<(), hangtime::nlp::InputError>(())
+/// ```
 pub fn solve_parallel<P>(problem: &P, settings: &Settings) -> Result<Solution, InputError>
 where
     P: Mpcc + Clone + Send,

@@ -109,6 +109,47 @@ pub fn solve(problem: &mut dyn NlpProblem, settings: &Settings) -> Result<Soluti
 ///
 /// # Errors
 /// As [`solve`].
+///
+/// # Examples
+/// ```
+/// # use hangtime::nlp::NlpProblem;
+/// # #[derive(Clone)]
+/// # struct Problem;
+/// # impl NlpProblem for Problem {
+/// #     fn variables(&self) -> usize { 2 }
+/// #     fn constraints(&self) -> usize { 1 }
+/// #     fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) { lower.fill(0.0); upper.fill(f64::INFINITY); }
+/// #     fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) { lower[0] = 1.0; upper[0] = 1.0; }
+/// #     fn initial_point(&self, x: &mut [f64]) { x.fill(0.5); }
+/// #     fn objective(&mut self, x: &[f64]) -> f64 { x[0] * x[0] + 2.0 * x[1] * x[1] }
+/// #     fn gradient(&mut self, x: &[f64], g: &mut [f64]) { g[0] = 2.0 * x[0]; g[1] = 4.0 * x[1]; }
+/// #     fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) { c[0] = x[0] + x[1]; }
+/// #     fn jacobian_pattern(&self) -> Vec<(usize, usize)> { vec![(0, 0), (0, 1)] }
+/// #     fn jacobian_values(&mut self, _: &[f64], values: &mut [f64]) { values.fill(1.0); }
+/// #     fn hessian_pattern(&self) -> Vec<(usize, usize)> { vec![(0, 0), (1, 1)] }
+/// #     fn hessian_values(&mut self, _: &[f64], weight: f64, _: &[f64], values: &mut [f64]) {
+/// #         values[0] = 2.0 * weight;
+/// #         values[1] = 4.0 * weight;
+/// #     }
+/// # }
+/// use hangtime::nlp::{self, Settings, WarmStart};
+///
+/// let first = nlp::solve(&mut Problem, &Settings::default())?;
+/// let mut settings = Settings::default();
+/// settings.bound_push = 1e-9;
+/// settings.bound_fraction = 1e-9;
+/// let mut lines = 0;
+/// let mut observer = |info: &nlp::IterationInfo| {
+///     lines += 1;
+///     info.iteration < 100
+/// };
+/// let start = WarmStart::from_solution(&first);
+/// let again = nlp::solve_from(&mut Problem, &settings, Some(&start), Some(&mut observer))?;
+/// assert!(again.status.is_solved());
+/// assert!(again.counts.iterations <= first.counts.iterations);
+/// assert_eq!(lines, again.history.len());
+/// # Ok::<(), nlp::InputError>(())
+/// ```
 pub fn solve_from<'o>(
     problem: &mut dyn NlpProblem,
     settings: &Settings,

@@ -43,7 +43,6 @@ impl InertiaCorrection {
     /// Too few negative eigenvalues or a zero pivot mean dependent rows: `delta_c` first. Then the
     /// off-diagonal of pairs is capped, and only then `delta_w` grows from `floor` on. `false` when no
     /// shift up to 1e20 helps.
-    #[allow(clippy::too_many_arguments)]
     pub(crate) fn factorize(
         &mut self,
         kkt: &mut KktSystem,

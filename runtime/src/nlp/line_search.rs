@@ -226,7 +226,7 @@ fn increases_too_much(trial: f64, phi: f64) -> bool {
 
 /// Point `v + alpha d`, where `raise_slacks` lifts slacks of products to `sigma - x_i x_j`; `false` if a
 /// function is not finite there.
-#[allow(clippy::too_many_arguments)]
+#[expect(clippy::too_many_arguments, reason = "the parts of one definition")]
 fn trial_point(
     problem: &BarrierProblem,
     formulation: &mut Formulation<'_>,

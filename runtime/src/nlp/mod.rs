@@ -1,6 +1,30 @@
 //! Nonlinear programming: minimize `f(x)` subject to `c_l <= c(x) <= c_u`, `x_l <= x <= x_u`.
 //!
 //! Knows nothing of time, contacts or complementarity.
+//!
+//! # Method
+//! Constraints get slacks `w` where `c_l < c_u`, so that with `v = (x, w)` the problem reads
+//! `min f(v)`, `c(v) = 0`, `l <= v <= u`. For a sequence of barrier parameters `mu -> 0` the barrier problem
+//!
+//! ```text
+//!     min  phi(v) = f(v) - mu sum_i [ log(v_i - l_i) + log(u_i - v_i) ]   s.t.  c(v) = 0
+//! ```
+//!
+//! is solved approximately by Newton's method for its primal-dual conditions
+//!
+//! ```text
+//!     grad f + J' y - z_l + z_u = 0,   c(v) = 0,   (v - l) z_l = mu,   (u - v) z_u = mu,
+//! ```
+//!
+//! until `max(|dual|/s_d, |c|, |complementarity|/s_c) <= 10 mu`; then `mu` falls. The Newton matrix is shifted
+//! until its inertia promises descent. A filter of pairs (violation, `phi`) accepts steps, with second-order
+//! corrections; where no step is acceptable a restoration phase minimizes the violation. Files follow
+//! these ideas; the constants are those of Waechter and Biegler (Mathematical Programming 106, 2006) where
+//! nothing else is said. What differs: slacks of inequalities and elastic slacks of the restoration phase are
+//! eliminated, so that both phases share one sparsity and one symbolic factorization; slacks of inequalities are
+//! reset to the constraint value at trial points while their barrier stays comparable, which halves the
+//! iterations on some problems; bounds are not relaxed by default; a solution whose multipliers are huge is called
+//! [`Status::Degenerate`], not solved.
 
 mod barrier;
 mod barrier_problem;
@@ -24,6 +48,7 @@ mod second_order_correction;
 mod settings;
 mod solution;
 mod solver;
+mod statistics;
 mod status;
 mod step;
 
@@ -35,6 +60,7 @@ pub use problem::NlpProblem;
 pub use settings::{LinearSolver, Settings};
 pub use solution::{Counts, Residuals, Solution, Violation};
 pub use solver::Observer;
+pub use statistics::ProblemStatistics;
 pub use status::Status;
 
 pub(crate) use barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};

@@ -137,7 +137,7 @@ impl Loop<'_, '_, '_, '_> {
         if !outcome.left {
             let infeasibility = self.values.infeasibility();
             return match outcome.status {
-                Status::Solved | Status::Acceptable if infeasibility > 1e2 * tolerance => {
+                Status::Solved | Status::Acceptable if infeasibility > tolerance => {
                     Restored::Ended(Status::Infeasible)
                 }
                 // feasible, though not acceptable to the filter: go on without it

@@ -1,7 +1,12 @@
 //! The optimal control problem, and the checks that come before it is solved.
 
-use crate::model::Model;
+use crate::model::{Model, contact_point};
 use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
+
+/// Most control intervals: the programs are kept in memory.
+const MOST_INTERVALS: usize = 10_000;
+/// Normal velocity into a surface that rounding may cause at the start.
+const AT_REST: f64 = 1e-9;
 
 /// An optimal control problem on a [`Model`]:
 ///
@@ -25,7 +30,7 @@ pub struct Problem {
     pub objective: Objective,
     /// What has to hold at the end.
     pub goals: Vec<Goal>,
-    /// Number of control intervals, at least 1.
+    /// Number of control intervals, 1 to 10 000.
     pub intervals: usize,
 }
 
@@ -131,8 +136,13 @@ impl Problem {
                 "absent: optimal control treats autonomous models",
             );
         }
-        if self.intervals == 0 {
-            return refuse("number of control intervals".into(), 0.0, "", "at least 1");
+        if !(1..=MOST_INTERVALS).contains(&self.intervals) {
+            return refuse(
+                "number of control intervals".into(),
+                self.intervals as f64,
+                "",
+                &format!("in 1..={MOST_INTERVALS}"),
+            );
         }
         let horizon = match self.horizon {
             Horizon::Fixed(horizon) => horizon,
@@ -169,6 +179,22 @@ impl Problem {
                     self.q[k],
                     known.unit,
                     &format!("within its bounds {}..={}", lower[k], upper[k]),
+                );
+            }
+        }
+        for (i, contact) in declaration.contacts.iter().enumerate() {
+            let input = self
+                .initial_value_problem(1.0, ControlSignal::Zero)
+                .input(model);
+            let mut point = vec![0.0; contact_point::length(n)];
+            model.contact(i, &input, &mut point);
+            let velocity = point[contact_point::NORMAL_VELOCITY];
+            if point[contact_point::GAP] <= 0.0 && velocity < -AT_REST {
+                return refuse(
+                    format!("initial normal velocity of `{}`", contact.name),
+                    velocity,
+                    &format!("{}/s", contact.unit),
+                    "at least 0 on the surface: start after the impact",
                 );
             }
         }

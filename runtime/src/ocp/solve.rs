@@ -19,8 +19,8 @@ use crate::simulation::{
 };
 use crate::{mpcc, mpcc::RelaxationRule, simulation};
 
-/// Elements an interval of the first programs of the global phase, and the rules that relax them. The
-/// next line is tried if the rules of one do not all end at the same motion.
+/// Elements an interval of the first programs of the global phase, and the rules that relax them: few elements
+/// and many rules, because the programs differ in the local optima that they end at, and are cheap.
 const COARSE: [(usize, &[RelaxationRule]); 2] = [
     (
         1,
@@ -63,6 +63,8 @@ const NEIGHBOUR_BARRIERS: [f64; 2] = [1e-2, 1e-3];
 const NEIGHBOUR_ITERATIONS: usize = 150;
 /// Gap below which a flight counts as touching, relative to the gap margin.
 const TOUCHING: f64 = 0.1;
+/// Most switches of short contacts and flights for which a sequence is tried with them, too.
+const SHORT_SWITCHES: usize = 2;
 /// Points of the re-simulation in each interval.
 const OUTPUTS: usize = 10;
 
@@ -165,39 +167,69 @@ struct Search<'a, 's> {
 
 impl<'a> Search<'a, '_> {
     fn run(&mut self, guess: &Path) -> Result<Solution, InputError> {
-        let mut stationarity = Stationarity::None;
-        let mut best: Option<Local<'a>> = None;
+        let mut found: Vec<(Local<'a>, Stationarity)> = Vec::new();
         for global in self.global(guess)?.into_iter().take(self.settings.starts) {
-            // The relaxed motion and the event-driven one under the same controls may disagree about the
-            // sequence where the motion is sensitive; both are candidates.
-            let sequence =
-                Sequence::of_elements(self.closed_at_start(), &global.closed, global.elements);
-            self.attempt(&sequence.tidied(), &global.path, &[])?;
-            let replay = self.simulate(&global.path, self.settings.replay_tolerance)?;
-            if replay.status == SimulationStatus::Solved {
-                let sequence = self.read(&replay, &global.path).tidied();
-                let Path {
-                    horizon, controls, ..
-                } = global.path;
-                let path = Path::of_simulation(self.setting.model, &replay, horizon, controls);
-                if !self.tried.contains(&sequence.signature()) {
-                    self.attempt(&sequence, &path, &[])?;
-                }
-            }
-            let proved = self.repair()?;
-            let found = self.best.take();
-            let value = |local: &Option<Local>| {
-                local
-                    .as_ref()
-                    .map_or(f64::INFINITY, |l| l.solution.objective)
-            };
-            if value(&found) < value(&best) {
-                best = found;
-                stationarity = proved;
+            self.read_and_attempt(global)?;
+            let stationarity = self.repair()?;
+            if let Some(best) = self.best.take() {
+                let objective = best.solution.objective;
+                let place = found.partition_point(|(l, _)| l.solution.objective < objective);
+                found.insert(place, (best, stationarity));
             }
         }
-        self.best = best;
-        self.finish(stationarity)
+        // The best that the re-simulation confirms, or else the best.
+        let mut result: Option<Solution> = None;
+        for (local, stationarity) in found {
+            let solution = self.finish(local, stationarity)?;
+            let confirmed = solution.status != Status::Unconfirmed;
+            if confirmed || result.is_none() {
+                result = Some(solution);
+            }
+            if confirmed {
+                break;
+            }
+        }
+        Ok(match result {
+            Some(solution) => solution,
+            None => self.failed(),
+        })
+    }
+
+    /// Attempts the sequences that a relaxed motion suggests. It and the event-driven motion under the same
+    /// controls may disagree where the motion is sensitive, and short contacts may be meant or not: all are
+    /// candidates, the likely ones first.
+    fn read_and_attempt(&mut self, global: Relaxed) -> Result<(), InputError> {
+        let replay = self.simulate(&global.path, self.settings.replay_tolerance)?;
+        let relaxed =
+            Sequence::of_elements(self.closed_at_start(), &global.closed, global.elements);
+        let mut candidates = vec![(relaxed, global.path)];
+        if replay.status == SimulationStatus::Solved {
+            let path = &candidates[0].1;
+            let simulated = Path::of_simulation(
+                self.setting.model,
+                &replay,
+                path.horizon,
+                path.controls.clone(),
+            );
+            candidates.push((self.read(&replay, path), simulated));
+        }
+        let tidied = candidates
+            .iter()
+            .map(|(sequence, path)| (sequence.clone().tidied(), path));
+        let raw = candidates.iter().filter(|(sequence, _)| {
+            let short = sequence.switches.len() - sequence.clone().tidied().switches.len();
+            short <= SHORT_SWITCHES
+        });
+        let raw = raw.map(|(sequence, path)| (sequence.clone(), path));
+        for (sequence, path) in tidied.chain(raw) {
+            let Some(sequence) = sequence.ordered(self.setting.problem.intervals) else {
+                continue;
+            };
+            if !self.tried.contains(&sequence.signature()) {
+                self.attempt(&sequence, path, &[])?;
+            }
+        }
+        Ok(())
     }
 
     fn report(&mut self, step: &'static str) {
@@ -209,23 +241,20 @@ impl<'a> Search<'a, '_> {
         });
     }
 
-    /// The contact-implicit phase: distinct motions, the best first; none if no program could be solved.
+    /// The contact-implicit phase: distinct motions, the best first; the guess itself if no program could be solved.
     fn global(&mut self, guess: &Path) -> Result<Vec<Relaxed>, InputError> {
         let mut coarse: Vec<Relaxed> = Vec::new();
+        let mut unsolved = 0;
         for (elements, rules) in COARSE {
-            let mut solved = 0;
             for &rule in rules {
                 let found = self.relaxed(guess, elements, rule, COARSE_RELAXATION)?;
-                solved += usize::from(found.is_some());
+                unsolved += usize::from(found.is_none());
                 insert(&mut coarse, found);
-            }
-            // Rules that agree on one motion leave little doubt about it.
-            if coarse.len() == 1 && solved == rules.len() {
-                break;
             }
         }
         let mut starts: Vec<Path> = coarse.into_iter().map(|found| found.path).collect();
-        let hard = starts.len() != 1;
+        // Programs that fail or end far apart cast doubt on the others.
+        let hard = unsolved > 0;
         if starts.is_empty() {
             starts.push(guess.clone());
         }
@@ -242,6 +271,15 @@ impl<'a> Search<'a, '_> {
                     break;
                 }
             }
+        }
+        if fine.is_empty() {
+            // Too few elements for the motion, perhaps: the next phase starts from the guess.
+            fine.push(Relaxed {
+                objective: f64::INFINITY,
+                path: guess.clone(),
+                closed: vec![self.closed_at_start(); FINE * self.setting.problem.intervals],
+                elements: FINE,
+            });
         }
         Ok(fine)
     }
@@ -481,11 +519,12 @@ impl<'a> Search<'a, '_> {
         Solution::without_motion(status, violations, self.counts)
     }
 
-    /// Re-simulates the best motion and compares.
-    fn finish(&mut self, stationarity: Stationarity) -> Result<Solution, InputError> {
-        let Some(best) = self.best.take() else {
-            return Ok(self.failed());
-        };
+    /// Re-simulates a motion and compares.
+    fn finish(
+        &mut self,
+        best: Local<'a>,
+        stationarity: Stationarity,
+    ) -> Result<Solution, InputError> {
         let replay = self.simulate(&best.path, self.settings.resimulation_tolerance)?;
         self.report("re-simulation");
         let n = self.setting.problem.q.len();

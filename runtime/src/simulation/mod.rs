@@ -33,7 +33,7 @@ pub trait Simulator {
 
     /// Simulates `model` over `problem`.
     ///
-    /// `progress` is called with the physical time reached [s] after every accepted step.
+    /// `progress` is called with the physical time reached \[s\] after every accepted step.
     ///
     /// # Errors
     /// [`InputError`] if the problem or the method's settings are refused; every failure after the

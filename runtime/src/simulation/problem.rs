@@ -12,7 +12,7 @@ pub struct InitialValueProblem {
     pub q: Vec<f64>,
     /// Initial velocities, length `n_q`.
     pub v: Vec<f64>,
-    /// Length of the simulation [s].
+    /// Length of the simulation \[s\].
     pub horizon: f64,
     /// Controls over time.
     pub controls: ControlSignal,
@@ -27,7 +27,7 @@ pub enum ControlSignal {
     /// Constant on intervals: `values[k]` (length `n_u`) holds on `times[k] <= t < times[k + 1]`; the
     /// last one holds to the end.
     PiecewiseConstant {
-        /// Start of each interval [s], increasing, the first at most 0.
+        /// Start of each interval \[s\], increasing, the first at most 0.
         times: Vec<f64>,
         /// Control values of each interval.
         values: Vec<Vec<f64>>,

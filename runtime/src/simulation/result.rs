@@ -67,7 +67,7 @@ impl SimulationStatus {
 /// Where and why a simulation stopped early.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diagnosis {
-    /// Physical time reached [s].
+    /// Physical time reached \[s\].
     pub time: f64,
     /// Step (control stage) in which it stopped, from 0.
     pub step: usize,
@@ -80,7 +80,7 @@ pub struct Diagnosis {
 /// A switch of the contact mode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
-    /// Physical time [s].
+    /// Physical time \[s\].
     pub time: f64,
     /// What happened.
     pub kind: EventKind,
@@ -121,9 +121,9 @@ impl EventKind {
 /// States over time; entry `k` of every field belongs to the same instant.
 #[derive(Debug, Clone, Default)]
 pub struct Trajectory {
-    /// Physical time [s], not decreasing (equal across an impact).
+    /// Physical time \[s\], not decreasing (equal across an impact).
     pub time: Vec<f64>,
-    /// Numerical time of the time-freezing system [s]: grows faster in contact, and alone during a jump.
+    /// Numerical time of the time-freezing system \[s\]: grows faster in contact, and alone during a jump.
     pub numerical_time: Vec<f64>,
     /// Coordinates, one vector an instant.
     pub q: Vec<Vec<f64>>,
@@ -212,7 +212,7 @@ pub struct Counts {
     pub fallbacks: usize,
 }
 
-/// CPU time by kind of work [s].
+/// CPU time by kind of work \[s\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Seconds {
     /// Whole run.

@@ -9,9 +9,14 @@
 //!
 //! because `F` is linear in `y`.
 
+use super::ldl::Factorization;
 use super::{Sparse, hessian, jacobian};
 use crate::graph::{self, Sym, Variable};
 use std::collections::BTreeSet;
+
+/// Largest mass matrix that is factorized by formulas: some n^3/3 operations, which pivoting and loops
+/// would about double.
+const FORMULAS: usize = 16;
 
 /// A linear system with everything that its solution's derivatives need. In its formulas,
 /// `Multiplier(i)` stands for `mu[i]` and `Unknown(size + i)` for `y[i]`.
@@ -21,6 +26,8 @@ pub(crate) struct Implicit {
     pub(crate) matrix: Vec<Sym>,
     /// `b`.
     pub(crate) right: Vec<Sym>,
+    /// `y` as formulas, where those are cheaper than elimination at run time.
+    pub(crate) solution: Option<Vec<Sym>>,
     /// `F_x`.
     pub(crate) residual_jacobian: Sparse,
     /// `(mu' F)_xx`, lower triangle.
@@ -42,6 +49,7 @@ impl Implicit {
             size: right.len(),
             matrix,
             right,
+            solution: None,
             residual_jacobian: jacobian(residual, inputs),
             residual_hessian: hessian(residual, inputs),
             cross: jacobian(transposed, inputs),
@@ -137,7 +145,13 @@ pub(super) fn motion(
         Variable::Velocity(i) => Implicit::multiplier(usize::from(i)),
         _ => Sym::ZERO,
     });
-    Implicit::new(mass, right, &residual, &transposed, inputs)
+    let solution = (n <= FORMULAS)
+        .then(|| Factorization::plain(&mass, n).ok())
+        .flatten()
+        .map(|factorization| factorization.solve(&right));
+    let mut motion = Implicit::new(mass, right, &residual, &transposed, inputs);
+    motion.solution = solution;
+    motion
 }
 
 /// The contact direction `d` and `r = 1 / (n' M^-1 n)` as unknowns of `M d - n r = 0`, `n' d = 1`.

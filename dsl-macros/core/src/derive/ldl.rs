@@ -11,6 +11,8 @@ pub(crate) struct Factorization {
     /// Unit lower triangle, row-major, in elimination order.
     lower: Vec<Sym>,
     pivots: Vec<Sym>,
+    /// Applied to every intermediate result.
+    simplify: fn(Sym) -> Sym,
 }
 
 impl Factorization {
@@ -21,11 +23,11 @@ impl Factorization {
     pub(crate) fn of(matrix: &[Sym], n: usize) -> Result<Self, usize> {
         let forward: Vec<usize> = (0..n).collect();
         let backward: Vec<usize> = (0..n).rev().collect();
-        let first = Self::in_order(matrix, n, forward)?;
+        let first = Self::in_order(matrix, n, forward, simplify)?;
         if n == 1 {
             return Ok(first);
         }
-        let second = Self::in_order(matrix, n, backward)?;
+        let second = Self::in_order(matrix, n, backward, simplify)?;
         Ok(if second.operations() < first.operations() {
             second
         } else {
@@ -33,7 +35,21 @@ impl Factorization {
         })
     }
 
-    fn in_order(matrix: &[Sym], n: usize, order: Vec<usize>) -> Result<Self, usize> {
+    /// Factorizes a row-major matrix in its own order and form, for matrices that are too large to try
+    /// several.
+    ///
+    /// # Errors
+    /// The coordinate whose pivot is structurally zero.
+    pub(crate) fn plain(matrix: &[Sym], n: usize) -> Result<Self, usize> {
+        Self::in_order(matrix, n, (0..n).collect(), |sym| sym)
+    }
+
+    fn in_order(
+        matrix: &[Sym],
+        n: usize,
+        order: Vec<usize>,
+        simplify: fn(Sym) -> Sym,
+    ) -> Result<Self, usize> {
         let mut lower = vec![Sym::ZERO; n * n];
         let mut pivots: Vec<Sym> = Vec::with_capacity(n);
         for j in 0..n {
@@ -62,6 +78,7 @@ impl Factorization {
             order,
             lower,
             pivots,
+            simplify,
         })
     }
 
@@ -73,7 +90,7 @@ impl Factorization {
 
     /// Solution of `M x = right`.
     pub(crate) fn solve(&self, right: &[Sym]) -> Vec<Sym> {
-        let n = self.n;
+        let (n, simplify) = (self.n, self.simplify);
         let mut x: Vec<Sym> = self.order.iter().map(|&row| right[row]).collect();
         for i in 0..n {
             for k in 0..i {

@@ -17,7 +17,7 @@ use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{CheckedScene, Contact};
 use ldl::Factorization;
-use simplify::simplify;
+use simplify::{simplify, simplify_all};
 
 /// Largest number of coordinates whose acceleration is written out as a formula; above, it is the
 /// solution of a linear system, as formulas through the inverse of the mass matrix explode.
@@ -253,21 +253,10 @@ fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
         .iter()
         .map(|&input| graph::partial(outputs, input))
         .collect();
-    let mut sparse = Sparse {
-        rows: outputs.len(),
-        columns: inputs.len(),
-        ..Sparse::default()
-    };
-    for i in 0..outputs.len() {
-        for (j, column) in columns.iter().enumerate() {
-            let value = simplify(column[i]);
-            if !value.is_structural_zero() {
-                sparse.entries.push((i, j));
-                sparse.values.push(value);
-            }
-        }
-    }
-    sparse
+    let entries = (0..outputs.len())
+        .flat_map(|i| (0..inputs.len()).map(move |j| (i, j)))
+        .map(|(i, j)| ((i, j), columns[j][i]));
+    sparse(outputs.len(), inputs.len(), entries)
 }
 
 /// Nonzero second derivatives (lower triangle) of the outputs weighted by multipliers: adjoints
@@ -278,27 +267,35 @@ fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
         .enumerate()
         .map(|(i, &output)| Sym::variable(Variable::Multiplier(i as u16)) * output)
         .sum();
-    let gradient: Vec<Sym> = graph::gradient(weighted, inputs)
-        .into_iter()
-        .map(simplify)
-        .collect();
-    let mut sparse = Sparse {
-        rows: inputs.len(),
-        columns: inputs.len(),
-        ..Sparse::default()
-    };
+    let gradient = simplify_all(&graph::gradient(weighted, inputs));
     let columns: Vec<Vec<Sym>> = inputs
         .iter()
         .map(|&input| graph::partial(&gradient, input))
         .collect();
-    for i in 0..inputs.len() {
-        for (j, column) in columns.iter().enumerate().take(i + 1) {
-            let value = simplify(column[i]);
-            if !value.is_structural_zero() {
-                sparse.entries.push((i, j));
-                sparse.values.push(value);
-            }
-        }
+    let entries = (0..inputs.len())
+        .flat_map(|i| (0..=i).map(move |j| (i, j)))
+        .map(|(i, j)| ((i, j), columns[j][i]));
+    sparse(inputs.len(), inputs.len(), entries)
+}
+
+/// The nonzeros of a matrix, in their cheapest common form.
+fn sparse(
+    rows: usize,
+    columns: usize,
+    entries: impl Iterator<Item = ((usize, usize), Sym)>,
+) -> Sparse {
+    let (positions, values): (Vec<_>, Vec<_>) = entries
+        .filter(|(_, value)| !value.is_structural_zero())
+        .unzip();
+    let (entries, values) = positions
+        .into_iter()
+        .zip(simplify_all(&values))
+        .filter(|(_, value)| !value.is_structural_zero())
+        .unzip();
+    Sparse {
+        rows,
+        columns,
+        entries,
+        values,
     }
-    sparse
 }

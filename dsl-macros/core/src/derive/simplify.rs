@@ -6,8 +6,9 @@ use crate::tape;
 /// Most terms of an expanded form that is tried.
 const TERMS: usize = 200;
 
-/// Most operations of an expression for which other forms are tried.
-const SIZE: usize = 400;
+/// Most operations of an expression for which other forms are tried. Larger ones share more when they
+/// are left alone (measured: 150 saves a quarter of the Hessian of a bicycle on two wheels against 400).
+const SIZE: usize = 150;
 
 /// The cheapest of: the expression as it is, multiplied out, and multiplied out with squares of
 /// cosines or of sines removed.
@@ -34,4 +35,29 @@ pub(crate) fn simplify(sym: Sym) -> Sym {
         }
     }
     best
+}
+
+/// Several expressions that are evaluated together. Each by itself may become simpler while they share
+/// less, so the two ways are compared as a whole; what simplifies to zero is zero in both.
+pub(crate) fn simplify_all(values: &[Sym]) -> Vec<Sym> {
+    let simplified: Vec<Sym> = values.iter().map(|&value| simplify(value)).collect();
+    if simplified == values {
+        return simplified;
+    }
+    let plain: Vec<Sym> = values
+        .iter()
+        .zip(&simplified)
+        .map(|(&value, &simple)| {
+            if simple.as_number().is_some() {
+                simple
+            } else {
+                value
+            }
+        })
+        .collect();
+    if tape::operations(&plain) < tape::operations(&simplified) {
+        plain
+    } else {
+        simplified
+    }
 }

@@ -190,6 +190,10 @@ impl Builder<'_> {
                 [Pattern::of(jacobian), Pattern::of(hessian)],
             ),
             Solution::Implicit(implicit) => {
+                let acceleration = implicit
+                    .solution
+                    .as_ref()
+                    .map(|solution| self.call("free_acceleration", solution, "x", "&[]", "a"));
                 let system = self.system("motion", implicit);
                 let n = implicit.size;
                 let jacobian = Pattern {
@@ -204,9 +208,11 @@ impl Builder<'_> {
                 };
                 let name = &system.name;
                 (
-                    format!(
-                        "let (_, y) = __{name}_solution(self, x); a.copy_from_slice(&y[{n}..])"
-                    ),
+                    acceleration.unwrap_or_else(|| {
+                        format!(
+                            "let (_, y) = __{name}_solution(self, x); a.copy_from_slice(&y[{n}..])"
+                        )
+                    }),
                     format!(
                         "let (lu, y) = __{name}_solution(self, x); let a = __{name}_sensitivity(self, x, \
                          &lu, &y); {PRIVATE}::gather(&a, {}, values)",
@@ -262,7 +268,7 @@ impl Builder<'_> {
                 (lu, y)
             }}
             fn __{name}_sensitivity(p: &{scene}, x: &[f64], lu: &{PRIVATE}::Lu<{size}>, y: &[f64]) -> \
-             [[f64; {size}]; {inputs}] {{
+             [[f64; {inputs}]; {size}] {{
                 let mut values = [0.0_f64; {first_length}]; {first};
                 {PRIVATE}::sensitivity::<{size}, {inputs}>(lu, {first_pattern}, &values)
             }}

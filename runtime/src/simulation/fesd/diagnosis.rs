@@ -79,6 +79,11 @@ impl Driver<'_> {
             Stop::Program(what) => {
                 SimulationStatus::StepFailed(self.diagnosis(step, contact, describe(what)))
             }
+            Stop::Unresolved => SimulationStatus::StepFailed(self.diagnosis(
+                step,
+                contact,
+                describe("a gap varies too fast for the elements; take more steps"),
+            )),
             Stop::Location => SimulationStatus::StepFailed(self.diagnosis(
                 step,
                 contact,

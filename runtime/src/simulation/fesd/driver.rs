@@ -19,9 +19,15 @@ pub(super) const TOUCHING_GAP: f64 = 1e-9;
 const TOUCHING_VELOCITY: f64 = 1e-9;
 /// Halvings of the elements of a step before it counts as failed.
 const MAX_HALVINGS: usize = 8;
-/// Switches within one step before the contact mode counts as ambiguous.
+/// Switches within a hundredth of the horizon before the contact mode counts as ambiguous.
 const MAX_SWITCHES: usize = 200;
 
+/// Largest share of the horizon that an element may take under error control: a flight has no error, but
+/// passes over ground.
+const LONGEST: f64 = 0.1;
+/// Relative error estimate of an element above which a run without error control says so. The estimate has
+/// order `s`, the result about twice that.
+const SUSPECT_ESTIMATE: f64 = 1e-1;
 /// Largest and smallest change of the element length by the error control.
 const LENGTH_CHANGE: (f64, f64) = (0.2, 4.0);
 
@@ -43,6 +49,8 @@ pub(super) enum Stop {
     Mode(ModeError),
     /// A switch could not be located; shorter elements may help.
     Location,
+    /// A gap varies too fast for the samples of an element; shorter elements help.
+    Unresolved,
     /// The complementarity problem of the step was not solved.
     Program(&'static str),
 }
@@ -85,6 +93,8 @@ pub(super) struct Driver<'a> {
     pub(super) forces: Vec<f64>,
     /// Acceleration with contact forces at the present state.
     pub(super) acceleration: Vec<f64>,
+    /// Largest error estimate of an element without error control, relative.
+    pub(super) largest_estimate: f64,
     /// Element length that the error control proposes.
     pub(super) proposed_length: f64,
     pub(super) force_row: Vec<f64>,
@@ -132,7 +142,8 @@ impl<'a> Driver<'a> {
             velocities: vec![0.0; contacts],
             forces: Vec::with_capacity(contacts),
             acceleration: vec![0.0; declaration.coordinates.len()],
-            proposed_length: problem.horizon / 20.0,
+            largest_estimate: 0.0,
+            proposed_length: 0.05 * problem.horizon,
             force_row: vec![0.0; contacts],
             events: Vec::new(),
             trajectory: Trajectory::default(),
@@ -146,6 +157,13 @@ impl<'a> Driver<'a> {
     pub(super) fn run(mut self, progress: &mut dyn FnMut(f64)) -> Simulation {
         let clock = ThreadTime::now();
         let status = self.steps(progress);
+        if self.largest_estimate > SUSPECT_ESTIMATE {
+            self.note(&format!(
+                "the error estimate of an element reached {:.0e} (relative): take more steps or give a \
+                 tolerance",
+                self.largest_estimate
+            ));
+        }
         let newton = self.element.counts;
         let other = self.next_element.counts;
         self.counts.newton = newton.iterations + other.iterations;
@@ -194,6 +212,7 @@ impl<'a> Driver<'a> {
         let shortest = 1e-14 * self.horizon;
         let mut halvings = 0;
         let mut switches = 0;
+        let mut counted_from = begin;
         let mut size = ProblemSize::default();
         while end - self.state.time > shortest {
             self.take_up_controls(step)?;
@@ -212,22 +231,29 @@ impl<'a> Driver<'a> {
                 Ok(Segment::Rejected) => {}
                 Ok(Segment::Completed) => halvings = halvings.saturating_sub(1),
                 Ok(Segment::Switched) => {
+                    if self.state.time - counted_from > 0.01 * self.horizon {
+                        switches = 0;
+                        counted_from = self.state.time;
+                    }
                     switches += 1;
                     if switches > MAX_SWITCHES {
                         return Err(SimulationStatus::AmbiguousContact(self.diagnosis(
                             step,
                             None,
                             format!(
-                                "more than {MAX_SWITCHES} switches within one step; the contact \
-                                 mode does not settle: look at the surfaces that meet here"
+                                "more than {MAX_SWITCHES} switches within {} s; the contact \
+                                 mode does not settle: take more steps, or look at the \
+                                 surfaces that meet here",
+                                0.01 * self.horizon
                             ),
                         )));
                     }
                 }
-                Err(stop @ (Stop::Element(ElementError::NotFinite) | Stop::Mode(_))) => {
+                Err(stop @ Stop::Mode(_)) => return Err(self.stopped(step, &stop)),
+                Err(_) if halvings < MAX_HALVINGS => halvings += 1,
+                Err(stop @ Stop::Element(ElementError::NotFinite)) => {
                     return Err(self.stopped(step, &stop));
                 }
-                Err(_) if halvings < MAX_HALVINGS => halvings += 1,
                 Err(_) => {
                     if let Err(stop) = self.solve_program(segment_end) {
                         return Err(self.stopped(step, &stop));
@@ -276,8 +302,8 @@ impl<'a> Driver<'a> {
         let estimated = 0.1 * tolerance.powf((stages + 1.0) / (2.0 * stages));
         let ratio = self.element.error_ratio(&self.acceleration, estimated);
         let factor = 0.9 * ratio.max(1e-12).powf(-1.0 / (stages + 1.0));
-        self.proposed_length =
-            self.element.length() * factor.clamp(LENGTH_CHANGE.0, LENGTH_CHANGE.1);
+        let proposed = self.element.length() * factor.clamp(LENGTH_CHANGE.0, LENGTH_CHANGE.1);
+        self.proposed_length = proposed.min(LONGEST * self.horizon);
         ratio > 1.0
     }
 
@@ -350,6 +376,14 @@ impl<'a> Driver<'a> {
         }
     }
 
+    /// Remembers the largest error estimate where no tolerance controls it.
+    fn watch_error(&mut self) {
+        if self.settings.tolerance.is_none() {
+            let estimate = self.element.error_ratio(&self.acceleration, 1.0);
+            self.largest_estimate = self.largest_estimate.max(estimate);
+        }
+    }
+
     /// Makes the solved element part of the trajectory.
     pub(super) fn accept_element(&mut self) -> Result<(), Stop> {
         let weights = self.tableau.b();
@@ -362,6 +396,7 @@ impl<'a> Driver<'a> {
                 );
         }
         self.numerical_time += numerical * self.element.length();
+        self.watch_error();
         self.state.copy_from(&self.element.end);
         self.residuals.primal = self.residuals.primal.max(self.element.residual_norm);
         self.counts.elements += 1;

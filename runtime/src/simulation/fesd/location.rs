@@ -18,14 +18,19 @@ impl Driver<'_> {
             velocities: &self.velocities,
             forces: &self.forces,
             rounding: Touching {
-                gap: ROUNDING * largest(&self.state.q),
+                gap: self.gap_rounding(),
                 velocity: ROUNDING * largest(&self.state.v),
             },
             touching_gap: TOUCHING_GAP * largest(&self.state.q),
+            speed: largest(&self.state.v),
         };
-        Ok(self
-            .detector
-            .first_violation(&self.element, &mut self.contacts, &start)?)
+        self.detector
+            .first_violation(&self.element, &mut self.contacts, &start)
+    }
+
+    /// Rounding error of a gap at the present state.
+    pub(super) fn gap_rounding(&self) -> f64 {
+        ROUNDING * self.state.q.iter().fold(1.0_f64, |s, q| s.max(q.abs()))
     }
 
     /// Finds the common length of `count` elements at whose end the switch condition holds, and makes

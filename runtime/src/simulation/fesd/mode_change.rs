@@ -67,11 +67,22 @@ impl Driver<'_> {
         }
         let previous = self.active.clone();
         let mut active = std::mem::take(&mut self.active);
-        let selected = self
-            .contacts
-            .select(&self.x, &touching, tolerance.velocity, &mut active);
+        // A flight lower than the rounding error of its gap is none: impacts that follow each other ever
+        // faster end in contact.
+        let lowest = self.gap_rounding();
+        let slow = (2.0 * self.contacts.largest_scale(&touching) * lowest).sqrt();
+        let selected = self.contacts.select(
+            &self.x,
+            &touching,
+            tolerance.velocity.max(slow),
+            &mut active,
+        );
         self.active = active;
         selected?;
+        if !self.active.is_empty() {
+            self.contacts.evaluate_contacts(&self.x, &self.active);
+            self.contacts.hold(&self.active, &mut self.state.v)?;
+        }
         for i in self.all_contacts.clone() {
             // A contact that already carried a force takes part in the impact without one of its own.
             let struck = closing.contains(&i);

@@ -22,6 +22,8 @@ const AUXILIARY_ACCELERATION: f64 = 20.0;
 /// Barrier parameter of the start, which is a coarse simulation: from 1e-5 424 of the 448 steps are solved, in
 /// two thirds of the iterations that 0.1 takes for 412.
 const BARRIER_PARAMETER: f64 = 1e-5;
+/// Interior point iterations of one run; steps that are solved take fewer than half of them.
+const MAX_ITERATIONS: usize = 300;
 /// Residual up to which a solution of the program is a step.
 const ACCEPTED: f64 = 1e-7;
 /// Distance of a mean step function from 0 or 1 that counts as sustained contact.
@@ -60,6 +62,7 @@ impl Driver<'_> {
             );
             let mut settings = mpcc::Settings::default();
             settings.interior_point.initial_barrier_parameter = BARRIER_PARAMETER;
+            settings.interior_point.maximum_iterations = MAX_ITERATIONS;
             let solution = mpcc::solve(&mut program, &settings)
                 .map_err(|_| Stop::Program("the step problem was refused"))?;
             self.counts.interior_point += solution.iterations - solution.crossover_iterations;

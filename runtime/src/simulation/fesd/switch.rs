@@ -4,10 +4,16 @@
 //! falls through zero, or, after a release, when `max(g, v_n)` falls below zero (the region `g < 0 < v_n`
 //! still carries the free dynamics); an active one opens when its force does.
 
+use super::driver::Stop;
 use crate::fesd::contact_mode::{Contacts, ModeError, Touching};
-use crate::fesd::finite_element::FiniteElement;
+use crate::fesd::finite_element::{ElementError, FiniteElement};
 use crate::model::Model;
 use crate::rk::ButcherTableau;
+
+/// Share of the way in an element below which a penetration after a release may be its local error.
+const DEEP: f64 = 1e-3;
+/// Share of a gap that the cubic through neighbouring samples may miss.
+const RESOLVED: f64 = 0.05;
 
 /// Relative size of a negative normal contact acceleration that is rounding error.
 const FORCE_TOLERANCE: f64 = 1e-12;
@@ -50,6 +56,8 @@ pub(super) struct ElementStart<'a> {
     pub(super) rounding: Touching,
     /// Gap within which a contact touches.
     pub(super) touching_gap: f64,
+    /// Largest velocity.
+    pub(super) speed: f64,
 }
 
 /// Checks the sign conditions on a fixed grid of the element's dense output.
@@ -74,7 +82,7 @@ impl<'a> Detector<'a> {
         let declaration = model.declaration();
         let contacts = declaration.contacts.len();
         let stages = tableau.stages();
-        let samples = (2 * stages).max(4);
+        let samples = (2 * stages).max(8);
         let thetas: Vec<f64> = (1..=samples).map(|k| k as f64 / samples as f64).collect();
         let mut weights = vec![0.0; samples * stages];
         for (row, &theta) in weights.chunks_exact_mut(stages).zip(&thetas) {
@@ -100,7 +108,7 @@ impl<'a> Detector<'a> {
         element: &FiniteElement<'_>,
         contacts: &mut Contacts<'_>,
         start: &ElementStart<'_>,
-    ) -> Result<Option<Switch>, ModeError> {
+    ) -> Result<Option<Switch>, Stop> {
         let active = element.active();
         self.open.clear();
         let row = self.thetas.len() + 1;
@@ -117,12 +125,68 @@ impl<'a> Detector<'a> {
         for k in 0..self.thetas.len() {
             self.interpolate(element, k);
             let mut first = self.first_entry(element, contacts, start, k);
-            self.first_exit(element, contacts, k, &mut first)?;
+            // Between its stages an element may leave the domain of the model, or of the mode; a shorter
+            // one will not.
+            self.first_exit(element, contacts, k, &mut first)
+                .map_err(|error| match error {
+                    ModeError::NotFinite => Stop::Element(ElementError::NotFinite),
+                    ModeError::Jammed | ModeError::Dependent => {
+                        Stop::Element(ElementError::Singular)
+                    }
+                })?;
             if first.is_some() {
                 return Ok(first);
             }
+            if self.hides_a_crossing(element, contacts, start, k) {
+                return Err(Stop::Unresolved);
+            }
         }
         Ok(None)
+    }
+
+    /// Whether the gap of an open contact varies between samples `k - 2`, `k - 1` and `k` by more than they
+    /// show: the cubic through the outer values and slopes misses the inner value by so much that the gap
+    /// may have vanished in between.
+    fn hides_a_crossing(
+        &mut self,
+        element: &FiniteElement<'_>,
+        contacts: &mut Contacts<'_>,
+        start: &ElementStart<'_>,
+        k: usize,
+    ) -> bool {
+        if k == 0 {
+            return false;
+        }
+        let samples = self.thetas.len();
+        let mut suspects = Vec::new();
+        for &i in &self.open {
+            let row = &self.gaps[i * (samples + 1)..(i + 1) * (samples + 1)];
+            let (a, b, c) = (row[k - 1], row[k], row[k + 1]);
+            let least = a.min(b).min(c);
+            let released = row[..k].iter().all(|gap| *gap <= start.touching_gap);
+            if !released && least > 0.0 && (a - 2.0 * b + c).abs() > least {
+                suspects.push((i, a, b, c, least));
+            }
+        }
+        if suspects.is_empty() {
+            return false;
+        }
+        // Slopes at the outer samples by the normal velocities there.
+        let width =
+            (self.thetas[k] - if k >= 2 { self.thetas[k - 2] } else { 0.0 }) * element.length();
+        suspects.into_iter().any(|(i, a, b, c, least)| {
+            contacts.evaluate_contacts(&self.x, &[i]);
+            let after = contacts.normal_velocity(i);
+            let outer = if k >= 2 { self.thetas[k - 2] } else { 0.0 };
+            self.tableau.dense_weights(outer, &mut self.scratch);
+            element.interpolate(outer, &self.scratch, &mut self.x);
+            contacts.evaluate_contacts(&self.x, &[i]);
+            let before = contacts.normal_velocity(i);
+            self.interpolate(element, k);
+            let cubic = 0.5 * (a + c) + 0.125 * width * (before - after);
+            let missed = (cubic - b).abs();
+            missed > least && missed > RESOLVED * a.max(b).max(c)
+        })
     }
 
     fn interpolate(&mut self, element: &FiniteElement<'_>, k: usize) {
@@ -151,14 +215,25 @@ impl<'a> Detector<'a> {
             let row = &mut self.gaps[i * (samples + 1)..(i + 1) * (samples + 1)];
             let gap = self.model.gap(i, &self.x);
             row[k + 1] = gap;
-            // A contact that was just released separates more slowly than the element's local error
-            // at first: only the end of the element tells.
-            let released = row[0].abs() <= start.touching_gap;
+            let before = row[k];
+            // A contact that was just released separates more slowly than the element's local error at
+            // first: until it has, only the end of the element tells.
+            let released = row[..=k].iter().all(|gap| *gap <= start.touching_gap);
+            if released && gap < -start.rounding.gap {
+                let depth = DEEP * element.length() * start.speed;
+                if (start.velocities[i] > start.rounding.velocity || gap < -depth)
+                    && let Some(switch) = self.return_after_release(element, i, k)
+                {
+                    keep_first(&mut first, switch);
+                    self.interpolate(element, k);
+                    continue;
+                }
+                self.interpolate(element, k);
+            }
             if released && k + 1 < samples {
                 continue;
             }
             if gap < -start.rounding.gap {
-                let before = row[k];
                 contacts.evaluate_contacts(&self.x, &[i]);
                 let velocity = contacts.normal_velocity(i);
                 let kind = if !released && before > 0.0 {
@@ -187,6 +262,51 @@ impl<'a> Detector<'a> {
             }
         }
         first
+    }
+
+    /// The entry of a contact that was released at the start of the element and is closed at sample `k`: if
+    /// its gap is positive somewhere before, it falls through zero in between.
+    fn return_after_release(
+        &mut self,
+        element: &FiniteElement<'_>,
+        contact: usize,
+        k: usize,
+    ) -> Option<Switch> {
+        let mut value = |theta: f64| {
+            self.tableau.dense_weights(theta, &mut self.scratch);
+            element.interpolate(theta, &self.scratch, &mut self.x);
+            self.model.gap(contact, &self.x)
+        };
+        let violated = self.thetas[k];
+        let mut right = violated;
+        let mut left = 0.5 * violated;
+        for _ in 0..30 {
+            if value(left) > 0.0 {
+                break;
+            }
+            right = left;
+            left *= 0.5;
+        }
+        let height = value(left);
+        if height <= 0.0 {
+            return None;
+        }
+        let slope = (value(right) - height) / ((right - left) * element.length());
+        for _ in 0..60 {
+            let middle = 0.5 * (left + right);
+            if value(middle) > 0.0 {
+                left = middle;
+            } else {
+                right = middle;
+            }
+        }
+        Some(Switch {
+            kind: SwitchKind::Entry,
+            contact,
+            theta: left,
+            violated: right,
+            slope,
+        })
     }
 
     /// Interval in which the gap of `contact` has a minimum that could dip below zero, if there is one that

@@ -1,60 +1,13 @@
-//! Graph to straight-line code: a list of operations, each on earlier results, equal ones once.
+//! Graph to sums and products of any number of parts: coefficients and common factors taken out.
 
-use crate::graph::{self, Function, Function2, Node, Sym, Variable};
+use super::Nary;
+use crate::graph::{self, Node, Sym};
 use std::collections::HashMap;
 
-/// One operation; operands are positions in the tape.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Op {
-    Load(Variable),
-    /// A constant, by its bits.
-    Constant(u64),
-    Add(u32, u32),
-    Subtract(u32, u32),
-    Multiply(u32, u32),
-    Divide(u32, u32),
-    Negate(u32),
-    Root(u32),
-    Call(Function, u32),
-    Call2(Function2, u32, u32),
-}
-
-/// Operations in order of evaluation, and which of them are the outputs.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Tape {
-    pub(crate) ops: Vec<Op>,
-    pub(crate) outputs: Vec<u32>,
-}
-
-impl Tape {
-    /// The shortest of several ways to evaluate `outputs`.
-    pub(crate) fn of(outputs: &[Sym]) -> Self {
-        let plain = Lowering::run(outputs, false);
-        let factored = Lowering::run(outputs, true);
-        if factored.operations() < plain.operations() {
-            factored
-        } else {
-            plain
-        }
-    }
-
-    /// Number of arithmetic operations and function calls.
-    pub(crate) fn operations(&self) -> usize {
-        self.ops
-            .iter()
-            .filter(|op| !matches!(op, Op::Load(_) | Op::Constant(_)))
-            .count()
-    }
-}
-
-/// Number of operations that a set of expressions takes.
-pub(crate) fn operations(outputs: &[Sym]) -> usize {
-    Tape::of(outputs).operations()
-}
-
-struct Lowering {
-    tape: Tape,
-    table: HashMap<Op, u32>,
+/// Lowers a set of expressions.
+pub(super) struct Lowering {
+    nodes: Vec<Nary>,
+    table: HashMap<Nary, u32>,
     done: HashMap<Sym, u32>,
     /// How many products divide by an expression.
     divisions: HashMap<Sym, usize>,
@@ -62,9 +15,10 @@ struct Lowering {
 }
 
 impl Lowering {
-    fn run(outputs: &[Sym], factor: bool) -> Tape {
+    /// Nodes in order of evaluation, and the positions of the outputs.
+    pub(super) fn run(outputs: &[Sym], factor: bool) -> (Vec<Nary>, Vec<u32>) {
         let mut lowering = Self {
-            tape: Tape::default(),
+            nodes: Vec::new(),
             table: HashMap::new(),
             done: HashMap::new(),
             divisions: HashMap::new(),
@@ -81,27 +35,32 @@ impl Lowering {
             }
         }
         let outputs = outputs.iter().map(|&sym| lowering.lower(sym)).collect();
-        lowering.tape.outputs = outputs;
-        lowering.tape
+        (lowering.nodes, outputs)
     }
 
-    fn push(&mut self, op: Op) -> u32 {
-        let op = match op {
-            Op::Add(a, b) => Op::Add(a.min(b), a.max(b)),
-            Op::Multiply(a, b) => Op::Multiply(a.min(b), a.max(b)),
-            op => op,
-        };
-        if let Some(&known) = self.table.get(&op) {
+    fn push(&mut self, node: Nary) -> u32 {
+        if let Some(&known) = self.table.get(&node) {
             return known;
         }
-        let position = self.tape.ops.len() as u32;
-        self.tape.ops.push(op);
-        self.table.insert(op, position);
+        let position = self.nodes.len() as u32;
+        self.nodes.push(node.clone());
+        self.table.insert(node, position);
         position
     }
 
+    fn multiply(&mut self, mut factors: Vec<u32>) -> u32 {
+        match factors.as_slice() {
+            [] => self.constant(1.0),
+            [only] => *only,
+            _ => {
+                factors.sort_unstable();
+                self.push(Nary::Product(factors))
+            }
+        }
+    }
+
     fn constant(&mut self, value: f64) -> u32 {
-        self.push(Op::Constant(value.to_bits()))
+        self.push(Nary::Constant(value.to_bits()))
     }
 
     fn lower(&mut self, sym: Sym) -> u32 {
@@ -109,8 +68,8 @@ impl Lowering {
             return known;
         }
         let position = match sym.node() {
-            Node::Number(bits) => self.push(Op::Constant(bits)),
-            Node::Variable(variable) => self.push(Op::Load(variable)),
+            Node::Number(bits) => self.push(Nary::Constant(bits)),
+            Node::Variable(variable) => self.push(Nary::Load(variable)),
             Node::Sum(terms) => {
                 let terms: Vec<(Sym, f64)> = terms
                     .iter()
@@ -121,11 +80,11 @@ impl Lowering {
             Node::Product(factors) => self.lower_product(&factors),
             Node::Call(function, argument) => {
                 let argument = self.lower(argument);
-                self.push(Op::Call(function, argument))
+                self.push(Nary::Call(function, argument))
             }
             Node::Call2(function, first, second) => {
                 let (first, second) = (self.lower(first), self.lower(second));
-                self.push(Op::Call2(function, first, second))
+                self.push(Nary::Call2(function, first, second))
             }
         };
         self.done.insert(sym, position);
@@ -136,7 +95,7 @@ impl Lowering {
         if terms.len() > 1
             && let Some(&opposite) = self.done.get(&-whole)
         {
-            return self.push(Op::Negate(opposite));
+            return self.push(Nary::Negate(opposite));
         }
         let items = self.items(terms);
         self.add_up(items)
@@ -175,7 +134,7 @@ impl Lowering {
                 [(term, negative)] => {
                     let term = self.lower(*term);
                     let factor = self.constant(magnitude);
-                    items.push((self.push(Op::Multiply(factor, term)), *negative));
+                    items.push((self.multiply(vec![factor, term]), *negative));
                 }
                 _ => {
                     let negative = group.iter().all(|&(_, negative)| negative);
@@ -193,7 +152,7 @@ impl Lowering {
                     };
                     let inner = self.add_up(inner);
                     let factor = self.constant(magnitude);
-                    items.push((self.push(Op::Multiply(factor, inner)), negative));
+                    items.push((self.multiply(vec![factor, inner]), negative));
                 }
             }
         }
@@ -237,7 +196,7 @@ impl Lowering {
             let inner = self.items(&reduced);
             let inner = self.add_up(inner);
             let factor = self.lower(factor);
-            items.push((self.push(Op::Multiply(factor, inner)), negative));
+            items.push((self.multiply(vec![factor, inner]), negative));
             terms = outside;
         }
         for (term, negative) in terms {
@@ -246,86 +205,71 @@ impl Lowering {
         items
     }
 
-    fn add_up(&mut self, items: Vec<(u32, bool)>) -> u32 {
-        let Some(first) = items.iter().position(|&(_, negative)| !negative) else {
+    fn add_up(&mut self, mut items: Vec<(u32, bool)>) -> u32 {
+        if items.iter().all(|&(_, negative)| negative) {
             // All negative: the sum, then one sign.
-            let positive = items
-                .into_iter()
-                .map(|(item, _)| (item, false))
-                .collect::<Vec<_>>();
-            if positive.is_empty() {
+            if items.is_empty() {
                 return self.constant(0.0);
             }
-            let inner = self.add_up(positive);
-            return self.push(Op::Negate(inner));
-        };
-        let mut total = items[first].0;
-        for (i, &(item, negative)) in items.iter().enumerate() {
-            if i == first {
-                continue;
+            for item in &mut items {
+                item.1 = false;
             }
-            total = self.push(if negative {
-                Op::Subtract(total, item)
-            } else {
-                Op::Add(total, item)
-            });
+            let inner = self.add_up(items);
+            return self.push(Nary::Negate(inner));
         }
-        total
+        if let [(only, false)] = items.as_slice() {
+            return *only;
+        }
+        self.push(Nary::Sum(items))
     }
 
     fn lower_product(&mut self, factors: &[(Sym, i32)]) -> u32 {
-        let mut above = None;
-        let mut below = None;
+        let mut above = Vec::new();
+        let mut below = Vec::new();
         for &(base, halves) in factors {
             if halves > 0 {
-                let power = self.power(base, halves);
-                above = Some(self.times(above, power));
-            } else if self.divisions.get(&base).is_some_and(|&count| count > 1) && halves % 2 == 0 {
-                let inverse = self.inverse(base);
-                let power = self.repeated(inverse, halves.unsigned_abs() / 2);
-                above = Some(self.times(above, power));
+                self.power(base, halves, &mut above);
+            } else if self.divisions.get(&base).is_some_and(|&count| count > 1) {
+                // One division, then products: a division costs as much as several of them.
+                let whole = halves.unsigned_abs() / 2;
+                if whole > 0 {
+                    let inverse = self.inverse(base);
+                    above.push(self.repeated(inverse, whole));
+                }
+                if halves % 2 != 0 {
+                    let root = self.lower(base);
+                    let root = self.push(Nary::Root(root));
+                    let one = self.constant(1.0);
+                    above.push(self.push(Nary::Divide(one, root)));
+                }
             } else {
-                let power = self.power(base, -halves);
-                below = Some(self.times(below, power));
+                self.power(base, -halves, &mut below);
             }
         }
-        match (above, below) {
-            (Some(above), None) => above,
-            (Some(above), Some(below)) => self.push(Op::Divide(above, below)),
-            (None, Some(below)) => {
-                let one = self.constant(1.0);
-                self.push(Op::Divide(one, below))
-            }
-            (None, None) => self.constant(1.0),
+        let above = self.multiply(above);
+        if below.is_empty() {
+            return above;
         }
-    }
-
-    fn times(&mut self, product: Option<u32>, factor: u32) -> u32 {
-        match product {
-            None => factor,
-            Some(product) => self.push(Op::Multiply(product, factor)),
-        }
+        let below = self.multiply(below);
+        self.push(Nary::Divide(above, below))
     }
 
     fn inverse(&mut self, base: Sym) -> u32 {
         let base = self.lower(base);
         let one = self.constant(1.0);
-        self.push(Op::Divide(one, base))
+        self.push(Nary::Divide(one, base))
     }
 
-    /// `base` to a positive power counted in halves.
-    fn power(&mut self, base: Sym, halves: i32) -> u32 {
+    /// Factors of `base` to a positive power counted in halves.
+    fn power(&mut self, base: Sym, halves: i32, factors: &mut Vec<u32>) {
         let value = self.lower(base);
         let whole = halves.unsigned_abs() / 2;
-        if halves % 2 == 0 {
-            return self.repeated(value, whole);
+        if whole > 0 {
+            factors.push(self.repeated(value, whole));
         }
-        let root = self.push(Op::Root(value));
-        if whole == 0 {
-            return root;
+        if halves % 2 != 0 {
+            factors.push(self.push(Nary::Root(value)));
         }
-        let power = self.repeated(value, whole);
-        self.push(Op::Multiply(power, root))
     }
 
     /// Power by squaring.
@@ -334,11 +278,11 @@ impl Lowering {
             return value;
         }
         let half = self.repeated(value, exponent / 2);
-        let square = self.push(Op::Multiply(half, half));
+        let square = self.multiply(vec![half, half]);
         if exponent.is_multiple_of(2) {
             square
         } else {
-            self.push(Op::Multiply(square, value))
+            self.multiply(vec![square, value])
         }
     }
 }

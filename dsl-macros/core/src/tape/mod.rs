@@ -1,0 +1,83 @@
+//! Graph to straight-line code: a list of operations, each on earlier results, equal ones once.
+
+mod linear;
+mod lower;
+mod share;
+
+use crate::graph::{Function, Function2, Sym, Variable};
+use lower::Lowering;
+
+/// One operation; operands are positions in the tape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Op {
+    Load(Variable),
+    /// A constant, by its bits.
+    Constant(u64),
+    Add(u32, u32),
+    Subtract(u32, u32),
+    Multiply(u32, u32),
+    Divide(u32, u32),
+    Negate(u32),
+    Root(u32),
+    Call(Function, u32),
+    Call2(Function2, u32, u32),
+}
+
+/// Operations in order of evaluation, and which of them are the outputs.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Tape {
+    pub(crate) ops: Vec<Op>,
+    pub(crate) outputs: Vec<u32>,
+}
+
+/// Expressions with sums and products of any number of parts, before those are put in an order.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+enum Nary {
+    Load(Variable),
+    Constant(u64),
+    /// Terms, and whether they are subtracted; the first one of a sum never is, unless all are.
+    Sum(Vec<(u32, bool)>),
+    Product(Vec<u32>),
+    Divide(u32, u32),
+    Negate(u32),
+    Root(u32),
+    Call(Function, u32),
+    Call2(Function2, u32, u32),
+}
+
+impl Tape {
+    /// The shortest of several ways to evaluate `outputs`.
+    pub(crate) fn of(outputs: &[Sym]) -> Self {
+        let mut best: Option<Self> = None;
+        for factor in [false, true] {
+            let (nodes, roots) = Lowering::run(outputs, factor);
+            let shared = share::pairs(nodes.clone());
+            for candidate in [linear::tape(&nodes, &roots), linear::tape(&shared, &roots)] {
+                if best
+                    .as_ref()
+                    .is_none_or(|best| candidate.operations() < best.operations())
+                {
+                    best = Some(candidate);
+                }
+            }
+        }
+        best.unwrap_or_default()
+    }
+
+    /// Number of arithmetic operations and function calls.
+    pub(crate) fn operations(&self) -> usize {
+        self.ops
+            .iter()
+            .filter(|op| !matches!(op, Op::Load(_) | Op::Constant(_)))
+            .count()
+    }
+}
+
+/// Number of operations that a set of expressions takes, about: without the search for shared pairs.
+pub(crate) fn operations(outputs: &[Sym]) -> usize {
+    let count = |factor| {
+        let (nodes, roots) = Lowering::run(outputs, factor);
+        linear::tape(&nodes, &roots).operations()
+    };
+    count(false).min(count(true))
+}

@@ -1,0 +1,213 @@
+//! The pump track: simulated against certified values, solved against the best known optima.
+
+use hangtime::model::Model;
+use hangtime::ocp::{self, Problem, Settings, Solution, Stationarity, Status};
+use hangtime::simulation::{
+    EventDriven, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
+};
+use hangtime_models::{PumpTrack, PumpTrackHolding, scenes};
+
+/// Certified ride without input at 15 km/h: time at `y = 2 pi` [s], and `(y, dy/dt)` after 2 s; quadrature in two
+/// precisions, 34 digits.
+struct Certified {
+    goal_time: f64,
+    after_two_seconds: (f64, f64),
+}
+
+const PAPER: Certified = Certified {
+    goal_time: 1.856_537_656_863_040_9,
+    after_two_seconds: (6.850_419_597_319_542, 3.616_761_144_893_092_5),
+};
+const HOLDING: Certified = Certified {
+    goal_time: 1.810_016_907_443_462,
+    after_two_seconds: (7.016_887_369_679_566, 3.456_939_698_579_41),
+};
+
+fn ride(model: &dyn Model, simulator: &dyn Simulator, horizon: f64) -> Simulation {
+    let problem = InitialValueProblem::of(model, Some(horizon)).unwrap();
+    let simulation = simulator.simulate(model, &problem, &mut |_| {}).unwrap();
+    assert_eq!(simulation.status, SimulationStatus::Solved);
+    simulation
+}
+
+fn end(simulation: &Simulation) -> (Vec<f64>, Vec<f64>) {
+    let trajectory = &simulation.trajectory;
+    (
+        trajectory.q.last().unwrap().clone(),
+        trajectory.v.last().unwrap().clone(),
+    )
+}
+
+fn accurate() -> (EventDriven, Fesd) {
+    let event = EventDriven {
+        tolerance: 1e-12,
+        ..EventDriven::default()
+    };
+    let mut fesd = Fesd::default();
+    fesd.tolerance = Some(1e-11);
+    (event, fesd)
+}
+
+fn check_against_certified(model: &dyn Model, certified: &Certified) {
+    let (event, fesd) = accurate();
+    for simulator in [&event as &dyn Simulator, &fesd] {
+        let (q, v) = end(&ride(model, simulator, 2.0));
+        // A few hundred times the tolerance of a step; the ride does not amplify errors by more than ten.
+        let (y, speed) = certified.after_two_seconds;
+        assert!((q[0] - y).abs() < 5e-9, "{}: {}", simulator.name(), q[0]);
+        assert!(
+            (v[0] - speed).abs() < 2e-8,
+            "{}: {}",
+            simulator.name(),
+            v[0]
+        );
+        // On the track up to rounding; the link is never moved.
+        assert!(q[1].abs() < 1e-15 && v[1].abs() < 1e-15, "{q:?} {v:?}");
+        assert_eq!((q[2], v[2]), (0.4368, 0.0));
+        let (q, v) = end(&ride(model, simulator, certified.goal_time));
+        assert!((q[0] - std::f64::consts::TAU).abs() < 5e-9, "{}", q[0]);
+        // Two whole waves later the track is level again, and the speed is that of the start.
+        assert!((v[0] - 15.0 / 3.6).abs() < 2e-8, "{}", v[0]);
+    }
+}
+
+#[test]
+fn ride_without_input_of_both_laws_matches_the_certified_values() {
+    check_against_certified(&PumpTrack::default(), &PAPER);
+    check_against_certified(&PumpTrackHolding::default(), &HOLDING);
+}
+
+#[test]
+fn ride_without_input_at_other_speeds_agrees_between_methods() {
+    let (event, fesd) = accurate();
+    for speed in [10.0, 22.0] {
+        let models: [Box<dyn Model>; 2] = [
+            Box::new(PumpTrack {
+                speed,
+                ..PumpTrack::default()
+            }),
+            Box::new(PumpTrackHolding {
+                speed,
+                ..PumpTrackHolding::default()
+            }),
+        ];
+        for model in models {
+            let [a, b] = [&event as &dyn Simulator, &fesd]
+                .map(|simulator| ride(model.as_ref(), simulator, 2.0));
+            let kinds = |s: &Simulation| s.events.iter().map(|e| e.kind).collect::<Vec<_>>();
+            assert_eq!(kinds(&a), kinds(&b), "{speed}");
+            for (x, y) in a.events.iter().zip(&b.events) {
+                assert!(
+                    (x.time - y.time).abs() < 1e-8,
+                    "{speed}: {} {}",
+                    x.time,
+                    y.time
+                );
+            }
+            let ((q, v), (p, w)) = (end(&a), end(&b));
+            for (x, y) in q.iter().chain(&v).zip(p.iter().chain(&w)) {
+                assert!((x - y).abs() < 1e-8, "{speed}: {x} against {y}");
+            }
+        }
+    }
+}
+
+#[test]
+fn holding_law_keeps_the_energy_of_a_slide_and_the_published_one_does_not() {
+    let drift = |model: &dyn Model| {
+        let simulation = ride(model, &accurate().0, 0.4);
+        let energy = |i: usize| {
+            let trajectory = &simulation.trajectory;
+            let mut x = trajectory.q[i].clone();
+            x.extend(&trajectory.v[i]);
+            x.push(0.0);
+            let mut energy = [0.0; 2];
+            model.energy(&x, &mut energy);
+            energy[0] + energy[1]
+        };
+        assert!(simulation.events.is_empty());
+        energy(simulation.trajectory.time.len() - 1) - energy(0)
+    };
+    // Of 90 kg at 15 km/h, 781 J; the slide up the first wave loses two hundred.
+    assert!(drift(&PumpTrackHolding::default()).abs() < 1e-6);
+    assert!(drift(&PumpTrack::default()) < -10.0);
+}
+
+fn problem(model: &dyn Model, intervals: usize) -> Problem {
+    let scene = scenes().iter().find(|s| s.name == "pump-track").unwrap();
+    (scene.optimal_control.unwrap().problem)(model, intervals)
+}
+
+fn solve(model: &dyn Model, intervals: usize) -> Solution {
+    let problem = problem(model, intervals);
+    ocp::solve(model, &problem, &Settings::default(), &mut |_| {}).unwrap()
+}
+
+fn at(speed: f64) -> PumpTrack {
+    PumpTrack {
+        speed,
+        ..PumpTrack::default()
+    }
+}
+
+fn check_solution(solution: &Solution) {
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    assert_ne!(solution.stationarity, Stationarity::None);
+    assert!(solution.residuals.primal < 1e-9 && solution.residuals.complementarity < 1e-9);
+    assert!(solution.resimulation_error < 1e-6);
+    let motion = solution.motion.as_ref().unwrap();
+    let (q, _) = end(motion);
+    assert!((q[0] - std::f64::consts::TAU).abs() < 1e-6, "{}", q[0]);
+    // The length of the link stays within its bounds at all times, the force within its own.
+    for (q, u) in motion.trajectory.q.iter().zip(&motion.trajectory.u) {
+        assert!((0.27803 - 1e-8..0.59559 + 1e-8).contains(&q[2]), "{}", q[2]);
+        assert!((-108.25 - 1e-6..376.875 + 1e-6).contains(&u[0]), "{}", u[0]);
+    }
+}
+
+#[test]
+fn fastest_ride_at_15_km_per_h_is_the_best_known_one() {
+    let solution = solve(&PumpTrack::default(), 30);
+    check_solution(&solution);
+    // Best of a global search over event-driven simulations with the bounds held at all times: 1.4137689 s.
+    assert!(
+        (solution.horizon - 1.413_768_9).abs() < 1e-7,
+        "{}",
+        solution.horizon
+    );
+    assert_eq!(solution.planned_events.len(), 4);
+}
+
+#[test]
+fn fastest_ride_at_10_and_22_km_per_h_beats_the_known_bounds() {
+    for (speed, bound) in [(10.0, 2.4520), (22.0, 1.0860)] {
+        let solution = solve(&at(speed), 30);
+        check_solution(&solution);
+        assert!(solution.horizon <= bound, "{speed}: {}", solution.horizon);
+    }
+}
+
+#[test]
+fn fastest_ride_with_more_intervals_is_faster_but_not_below_the_continuous_bound() {
+    let coarse = solve(&PumpTrack::default(), 30).horizon;
+    let fine = solve(&PumpTrack::default(), 60);
+    check_solution(&fine);
+    // 1.41159 s is the best known with the control free at every instant.
+    assert!(
+        fine.horizon < coarse && fine.horizon > 1.41159,
+        "{}",
+        fine.horizon
+    );
+}
+
+#[test]
+fn fastest_ride_with_the_link_held_at_impacts_is_the_best_known_one() {
+    let solution = solve(&PumpTrackHolding::default(), 30);
+    check_solution(&solution);
+    assert!(solution.horizon <= 1.42910, "{}", solution.horizon);
+}

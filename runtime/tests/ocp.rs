@@ -1,0 +1,286 @@
+//! Optimal control of scenes that the solver was not made for, compared with brute force.
+
+use hangtime::model::Model;
+use hangtime::ocp::{
+    self, Component, Goal, Guess, Horizon, Objective, Problem, Settings, Solution, Stationarity,
+    Status,
+};
+use hangtime::simulation::EventKind;
+
+hangtime::model! {
+    /// A mass with an engine, above the ground.
+    pub Hopper {
+        parameters {
+            /// Mass.
+            m: kg = 1,
+            /// Gravitational acceleration.
+            g: m/s^2 = 9.81,
+        }
+        coordinates {
+            /// Height.
+            z: m,
+        }
+        controls {
+            /// Thrust.
+            u: N in 0..=40,
+        }
+        lagrangian m/2*dot(z)^2 - m*g*z
+        forces { z: u }
+        surface ground: z >= 0
+        impact ground: inelastic
+        start { z: 0.2 [m] }
+    }
+}
+
+const GRAVITY: f64 = 9.81;
+const START: f64 = 0.2;
+const INTERVAL: f64 = 0.5;
+
+/// Height and speed after one interval of constant thrust, in closed form.
+fn after_interval((z, v): (f64, f64), u: f64) -> (f64, f64) {
+    let a = u - GRAVITY;
+    if z <= 0.0 && v <= 0.0 {
+        return if a > 0.0 {
+            (0.5 * a * INTERVAL * INTERVAL, a * INTERVAL)
+        } else {
+            (0.0, 0.0)
+        };
+    }
+    // First positive root of z + v t + a t^2 / 2.
+    let root = v * v - 2.0 * a * z;
+    let landing = if root < 0.0 {
+        f64::INFINITY
+    } else {
+        let t = 2.0 * z / (-v + root.sqrt());
+        if t > 0.0 { t } else { f64::INFINITY }
+    };
+    if landing >= INTERVAL {
+        (
+            z + v * INTERVAL + 0.5 * a * INTERVAL * INTERVAL,
+            v + a * INTERVAL,
+        )
+    } else if a <= 0.0 {
+        (0.0, 0.0)
+    } else {
+        let rest = INTERVAL - landing;
+        (0.5 * a * rest * rest, a * rest)
+    }
+}
+
+/// Least effort over both thrusts: for each first one the second one that reaches the goal.
+fn brute_force(goal: f64) -> f64 {
+    let effort = |u1: f64| {
+        let middle = after_interval((START, 0.0), u1);
+        let height = |u2: f64| after_interval(middle, u2).0;
+        let (mut low, mut high) = (0.0, 40.0);
+        if height(high) < goal || height(low) > goal {
+            return f64::INFINITY;
+        }
+        for _ in 0..100 {
+            let u2 = 0.5 * (low + high);
+            if height(u2) < goal {
+                low = u2
+            } else {
+                high = u2
+            }
+        }
+        INTERVAL * (u1 * u1 + high * high)
+    };
+    let (mut best, mut centre, mut width) = (f64::INFINITY, 20.0, 20.0);
+    // Successively finer grids around the best point.
+    for _ in 0..8 {
+        let from = centre;
+        for i in -200_i32..=200 {
+            let u1 = (from + width * f64::from(i) / 200.0).clamp(0.0, 40.0);
+            let value = effort(u1);
+            if value < best {
+                (best, centre) = (value, u1);
+            }
+        }
+        width /= 50.0;
+    }
+    best
+}
+
+fn hop(goal: f64) -> Solution {
+    let hopper = Hopper::default();
+    let goal = Goal {
+        component: Component::Coordinate(0),
+        value: goal,
+    };
+    let problem = Problem {
+        horizon: Horizon::Fixed(2.0 * INTERVAL),
+        ..Problem::of(&hopper, Objective::effort(), vec![goal], 2)
+    };
+    ocp::solve(&hopper, &problem, &Settings::default(), &mut |_| {}).unwrap()
+}
+
+#[test]
+fn hopping_mass_that_may_land_rests_on_the_ground_before_it_thrusts() {
+    let solution = hop(0.3);
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    let best = brute_force(0.3);
+    // The solver's tolerance 1e-9 and the 1e-12 of the search, relative to an effort of 75.
+    assert!(
+        (solution.objective - best).abs() < 1e-6,
+        "{} against {best}",
+        solution.objective
+    );
+    let kinds: Vec<EventKind> = solution.planned_events.iter().map(|e| e.1).collect();
+    assert_eq!(kinds, [EventKind::Impact, EventKind::LiftOff]);
+    assert!(solution.resimulation_error < 1e-9);
+}
+
+#[test]
+fn hopping_mass_that_must_stay_high_does_not_land() {
+    let solution = hop(1.5);
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    let best = brute_force(1.5);
+    assert!(
+        (solution.objective - best).abs() < 1e-6,
+        "{} against {best}",
+        solution.objective
+    );
+    assert!(solution.planned_events.is_empty());
+    assert_eq!(solution.stationarity, Stationarity::S);
+}
+
+#[test]
+fn goal_beyond_the_thrust_is_named_infeasible() {
+    let solution = hop(100.0);
+    assert_eq!(solution.status, Status::Infeasible);
+    assert!(solution.motion.is_none());
+    let diagnosis = solution.diagnosis().unwrap();
+    assert!(diagnosis.contains("worst row"), "{diagnosis}");
+}
+
+hangtime::model! {
+    /// A cart on a pendulum-like spring: nothing about it is a parabola.
+    pub Spring {
+        parameters {
+            /// Mass.
+            m: kg = 1,
+            /// Stiffness.
+            c: N/m = 4,
+        }
+        coordinates {
+            /// Position.
+            y: m in -0.3..=0.8,
+        }
+        controls {
+            /// Force.
+            u: N in -3..=3,
+        }
+        lagrangian m/2*dot(y)^2 - c/2*y^2
+        forces { y: u }
+    }
+}
+
+#[test]
+fn bounds_of_a_coordinate_that_is_no_parabola_hold_at_all_times() {
+    let spring = Spring::default();
+    let goals = vec![
+        Goal {
+            component: Component::Coordinate(0),
+            value: 0.5,
+        },
+        Goal {
+            component: Component::Velocity(0),
+            value: 1.9,
+        },
+    ];
+    let problem = Problem {
+        horizon: Horizon::Free { guess: Some(2.0) },
+        ..Problem::of(&spring, Objective::time(), goals, 5)
+    };
+    let solution = ocp::solve(&spring, &problem, &Settings::default(), &mut |_| {}).unwrap();
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    let motion = solution.motion.unwrap();
+    let lowest = motion.trajectory.q.iter().map(|q| q[0]);
+    let lowest = lowest.fold(f64::INFINITY, f64::min);
+    // The run-up ends at the bound; between the cuts it may miss by the tolerance and the plan's error.
+    assert!((-0.3 - 1e-6..-0.29).contains(&lowest), "{lowest}");
+    let last = (
+        motion.trajectory.q.last().unwrap()[0],
+        motion.trajectory.v.last().unwrap()[0],
+    );
+    assert!(
+        (last.0 - 0.5).abs() < 1e-6 && (last.1 - 1.9).abs() < 1e-5,
+        "{last:?}"
+    );
+}
+
+#[test]
+fn problem_with_wrong_input_is_refused_in_one_line() {
+    let hopper = Hopper::default();
+    let problem = Problem::of(&hopper, Objective::time(), Vec::new(), 3);
+    let refuse = |problem: &Problem| {
+        let error = ocp::solve(&hopper, problem, &Settings::default(), &mut |_| {});
+        error.unwrap_err().to_string()
+    };
+    let no_intervals = Problem {
+        intervals: 0,
+        ..problem.clone()
+    };
+    insta::assert_snapshot!(refuse(&no_intervals), @"number of control intervals = 0 : must be in 1..=10000");
+    let far = Problem {
+        goals: vec![Goal {
+            component: Component::Velocity(7),
+            value: 0.0,
+        }],
+        ..problem.clone()
+    };
+    insta::assert_snapshot!(refuse(&far), @"index of a coordinate in objective or goal = 7 : must be below 1, the number of coordinates");
+    let falling = Problem {
+        q: vec![0.0],
+        v: vec![-1.0],
+        ..problem.clone()
+    };
+    insta::assert_snapshot!(refuse(&falling), @"initial normal velocity of `ground` = -1 m/s: must be at least 0 on the surface: start after the impact");
+    let mut settings = Settings::default();
+    settings.stages = 1;
+    let error = ocp::solve(&hopper, &problem, &settings, &mut |_| {}).unwrap_err();
+    insta::assert_snapshot!(error, @"Runge-Kutta stages = 1 : must be in 2..=9");
+}
+
+#[test]
+fn every_guess_of_the_hopping_mass_ends_at_the_same_optimum() {
+    let hopper = Hopper::default();
+    let goal = Goal {
+        component: Component::Coordinate(0),
+        value: 0.3,
+    };
+    let problem = Problem {
+        horizon: Horizon::Fixed(2.0 * INTERVAL),
+        ..Problem::of(&hopper, Objective::effort(), vec![goal], 2)
+    };
+    let best = brute_force(0.3);
+    for guess in [
+        Guess::Rest,
+        Guess::Ride,
+        Guess::Perturbed { seed: 1 },
+        Guess::Perturbed { seed: 2 },
+    ] {
+        let mut settings = Settings::default();
+        settings.guess = guess;
+        let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| {}).unwrap();
+        assert_eq!(solution.status, Status::Solved, "{guess:?}");
+        assert!((solution.objective - best).abs() < 1e-6, "{guess:?}");
+    }
+    assert_eq!(hopper.declaration().name, "Hopper");
+}
