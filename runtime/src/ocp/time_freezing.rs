@@ -260,6 +260,10 @@ impl NlpProblem for TimeFreezing<'_> {
         self.transcription
             .hessian_values(x, weight, multipliers, values);
     }
+
+    fn constraint_name(&self, index: usize) -> String {
+        self.transcription.constraint_name(index)
+    }
 }
 
 impl Mpcc for TimeFreezing<'_> {
@@ -415,6 +419,21 @@ mod tests {
         }
         let inside = |alpha: &Vec<f64>| alpha[0] > 0.1 && alpha[0] < 0.95;
         assert!(motion.step_functions.iter().all(inside), "{motion:?}");
+    }
+
+    #[test]
+    fn constraint_names_say_what_and_where() {
+        let cart = Cart::default();
+        let goals = vec![goal(Component::Coordinate(0), 1.0)];
+        let problem = Problem::of(&cart, Objective::time(), goals, 2);
+        let program = TimeFreezing::new(&cart, &problem, &TimeFreezingSettings::default());
+        let program = program.expect("valid");
+        // An interval: length and clock, then three elements of two stages with (y, v, t).
+        let name = |index| program.constraint_name(index);
+        assert_eq!(name(1), "clock at the end of interval 0");
+        assert_eq!(name(8), "collocation of element 1 of interval 0");
+        assert_eq!(name(20), "sum of the element lengths of interval 1");
+        assert_eq!(name(program.constraints() - 1), "goal 0");
     }
 
     #[test]
