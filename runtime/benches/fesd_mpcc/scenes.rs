@@ -81,3 +81,17 @@ hangtime::model! {
         horizon 2 [s]
     }
 }
+
+hangtime::model! {
+    /// Bike and rider with nothing but their weight: the steps of a ride without input.
+    pub(crate) PumpTrackWithoutInput {
+        parameters { m_b: kg = 15, m_r: kg = 75, g: m/s^2 = 9.81, a: m = 0.2, k: 1/m = 2 }
+        coordinates { y: m, s: m, l: m }
+        fn track(y) = a*(1 - cos(k*y))
+        let bike = (y, track(y) + s)
+        let rider = (y, track(y) + s + l)
+        lagrangian m_b/2*|dot(bike)|^2 + m_r/2*|dot(rider)|^2 - m_b*g*bike.z - m_r*g*rider.z
+        surface ground: s >= 0
+        impact ground: inelastic, along (-diff(track)(y), 1, 0)
+    }
+}

@@ -302,7 +302,6 @@ impl<'a> HeavisideSystem<'a> {
             self.system.evaluate_contact_hessian(
                 contact,
                 &self.input,
-                0.0,
                 theta * weights[self.lifted_gap(contact)] - weights[row + 1],
                 weights[n..2 * n].iter().map(|weight| scale * weight),
             );

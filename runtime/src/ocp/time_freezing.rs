@@ -28,6 +28,10 @@ pub struct TimeFreezingSettings {
     /// Acceleration `a_bar` of the auxiliary dynamics \[unit of the gap / s^2\]; default 20, > 0. Of the
     /// order of the contact accelerations, so that the step functions stay away from 0 and 1.
     pub auxiliary_acceleration: f64,
+    /// Whether to start at a coarse simulation under the guessed controls instead of the straight line to
+    /// the goals; default false. Good where the motion that is looked for touches and leaves surfaces much
+    /// as it does without control. Without goals it is always so.
+    pub simulated_guess: bool,
 }
 
 impl Default for TimeFreezingSettings {
@@ -37,6 +41,7 @@ impl Default for TimeFreezingSettings {
             stages: 2,
             elements: 3,
             auxiliary_acceleration: 20.0,
+            simulated_guess: false,
         }
     }
 }
@@ -111,7 +116,7 @@ impl<'a> TimeFreezing<'a> {
             );
         };
         let system = TimeFreezingSystem::new(model, a_bar);
-        let task = task(model, problem, settings.elements);
+        let task = task(model, problem, settings);
         Ok(Self {
             transcription: Transcription::new(HeavisideSystem::new(system), &tableau, task),
             intervals: problem.intervals,
@@ -146,7 +151,7 @@ impl<'a> TimeFreezing<'a> {
 }
 
 /// The problem in plain numbers.
-fn task(model: &dyn Model, problem: &Problem, elements: usize) -> Task {
+fn task(model: &dyn Model, problem: &Problem, settings: &TimeFreezingSettings) -> Task {
     let n = problem.q.len();
     let (lower, upper) = bounds(model);
     let horizon = problem.horizon_guess(model);
@@ -166,7 +171,7 @@ fn task(model: &dyn Model, problem: &Problem, elements: usize) -> Task {
         Component::Velocity(k) => (n + k, goal.value),
     });
     let goals: Vec<(usize, f64)> = goals.collect();
-    let guess = if goals.is_empty() {
+    let guess = if settings.simulated_guess || goals.is_empty() {
         Guess::Simulated
     } else {
         let goal = |k| problem.goal(Component::Coordinate(k));
@@ -189,7 +194,7 @@ fn task(model: &dyn Model, problem: &Problem, elements: usize) -> Task {
         },
         controls,
         intervals: problem.intervals,
-        elements,
+        elements: settings.elements,
         coordinate_bounds: (lower[..n].to_vec(), upper[..n].to_vec()),
         goals,
         objective: Weights {
@@ -255,6 +260,10 @@ impl NlpProblem for TimeFreezing<'_> {
         self.transcription
             .hessian_values(x, weight, multipliers, values);
     }
+
+    fn constraint_name(&self, index: usize) -> String {
+        self.transcription.constraint_name(index)
+    }
 }
 
 impl Mpcc for TimeFreezing<'_> {
@@ -264,5 +273,181 @@ impl Mpcc for TimeFreezing<'_> {
 
     fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
         self.transcription.vanishing_sides(x, vanishes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mpcc::{self, Status};
+    use crate::ocp::{Goal, Objective};
+
+    crate::model! {
+        /// A cart that is pushed.
+        Cart {
+            parameters { m: kg = 2 }
+            coordinates { y: m }
+            controls { u: N in -1..=1 }
+            lagrangian m/2*dot(y)^2
+            forces { y: u }
+        }
+    }
+
+    crate::model! {
+        /// A point mass in a bowl that is parabolic.
+        Bowl {
+            parameters { m: kg = 1, g: m/s^2 = 9.81, c: 1/m = 0.5 }
+            coordinates { y: m, z: m }
+            lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+            surface ground: z - c*y^2 >= 0
+            impact ground: inelastic
+        }
+    }
+
+    crate::model! {
+        /// A mass that falls on a table and is pushed along it.
+        Puck {
+            parameters { m: kg = 1, g: m/s^2 = 9.81 }
+            coordinates { y: m, z: m }
+            controls { u: N in -4..=4 }
+            lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+            forces { y: u }
+            surface table: z >= 0
+            impact table: inelastic
+            start { z: 0.1 [m] }
+        }
+    }
+
+    fn goal(component: Component, value: f64) -> Goal {
+        Goal { component, value }
+    }
+
+    fn solve(
+        model: &dyn Model,
+        problem: &Problem,
+        simulated_guess: bool,
+    ) -> (mpcc::Solution, TimeFreezingMotion) {
+        let settings = TimeFreezingSettings {
+            simulated_guess,
+            ..TimeFreezingSettings::default()
+        };
+        let mut program = TimeFreezing::new(model, problem, &settings).expect("valid");
+        let solution = mpcc::solve(&mut program, &mpcc::Settings::default()).expect("accepted");
+        let motion = program.motion(&solution.x);
+        (solution, motion)
+    }
+
+    #[test]
+    fn motion_without_contact_least_time_is_bang_bang() {
+        // Half of the way at u / m = 1/2 from rest, the other half braking: 1 m takes sqrt(8) s.
+        let goals = vec![
+            goal(Component::Coordinate(0), 1.0),
+            goal(Component::Velocity(0), 0.0),
+        ];
+        let cart = Cart::default();
+        let problem = Problem::of(&cart, Objective::time(), goals, 4);
+        let (solution, motion) = solve(&cart, &problem, false);
+        assert_eq!(solution.status, Status::Solved);
+        // Constant forces are integrated exactly; the solver's tolerance is 1e-8.
+        assert!((motion.horizon - 8.0_f64.sqrt()).abs() < 1e-7, "{motion:?}");
+        let controls: Vec<f64> = motion.controls.iter().map(|u| u[0].round()).collect();
+        assert_eq!(controls, [1.0, 1.0, -1.0, -1.0]);
+    }
+
+    #[test]
+    fn push_along_a_table_effort_is_that_of_the_motion_without_weight() {
+        // Contact slows the clock, but along the table nothing but u acts. From rest to 0.5 m in 1 s with four
+        // constant pieces: the displacement is sum_k u_k h^2 (4 - k - 1/2), so u is proportional to
+        // 4 - k - 1/2, and the effort is d^2 / (h^3 sum_k (4 - k - 1/2)^2) = 16 / 21.
+        let puck = Puck::default();
+        let goals = vec![goal(Component::Coordinate(0), 0.5)];
+        let mut problem = Problem::of(&puck, Objective::effort(), goals, 4);
+        problem.horizon = Horizon::Fixed(1.0);
+        problem.q[1] = 0.0;
+        let (solution, motion) = solve(&puck, &problem, false);
+        assert_eq!(solution.status, Status::Solved);
+        let effort: f64 = motion.controls.iter().map(|u| 0.25 * u[0] * u[0]).sum();
+        // Quadratics in numerical time are integrated exactly; equal elements cost nothing.
+        assert!((effort - 16.0 / 21.0).abs() < 1e-7, "{effort}");
+        let last = motion.q.len() - 1;
+        assert!((motion.q[last][0] - 0.5).abs() < 1e-7 && motion.q[last][1].abs() < 1e-7);
+        // theta = a_bar / (a_bar + g)
+        let contact = 20.0 / (20.0 + 9.81);
+        for alpha in &motion.step_functions {
+            assert!((alpha[0] - contact).abs() < 1e-6, "{alpha:?}");
+        }
+    }
+
+    #[test]
+    fn fall_on_a_table_clock_rests_during_the_impact() {
+        let puck = Puck::default();
+        let mut problem = Problem::of(&puck, Objective::effort(), Vec::new(), 2);
+        problem.horizon = Horizon::Fixed(1.0);
+        let (solution, motion) = solve(&puck, &problem, true);
+        assert_eq!(solution.status, Status::Solved);
+        // A fall of 0.1 m takes sqrt(0.2 / g) and ends where the first element of flight does.
+        let fall = (0.2_f64 / 9.81).sqrt();
+        let landed = motion.time.iter().any(|time| (time - fall).abs() < 1e-6);
+        assert!(landed, "{motion:?}");
+        let last = motion.q.len() - 1;
+        assert!(motion.q[last][1].abs() < 1e-7 && motion.v[last][1].abs() < 1e-7);
+        // The numerical time is longer by the jump and by the contact after it.
+        let numerical: f64 = motion.numerical_lengths.iter().sum();
+        let (jump, contact) = (9.81 * fall / 20.0, (1.0 - fall) * 9.81 / 20.0);
+        assert!(
+            (numerical - 1.0 - jump - contact).abs() < 1e-6,
+            "{numerical}"
+        );
+    }
+
+    #[test]
+    fn sliding_in_a_bowl_keeps_gap_and_energy_to_the_order_of_the_scheme() {
+        let bowl = Bowl::default();
+        let mut problem = Problem::of(&bowl, Objective::default(), Vec::new(), 1);
+        (problem.q, problem.v) = (vec![-1.0, 0.5], vec![1.0, -1.0]);
+        problem.horizon = Horizon::Fixed(0.1);
+        let (solution, motion) = solve(&bowl, &problem, true);
+        assert_eq!(solution.status, Status::Solved);
+        for (q, v) in motion.q.iter().zip(&motion.v) {
+            // Radau IIA with two stages has order 3: errors of the order of (0.1 / 3)^3 = 4e-5.
+            assert!((q[1] - 0.5 * q[0] * q[0]).abs() < 4e-5, "{q:?}");
+            let energy = 0.5 * (v[0] * v[0] + v[1] * v[1]) + 9.81 * q[1];
+            assert!(
+                (energy - (1.0 + 9.81 * 0.5)).abs() < 9.81 * 4e-5,
+                "{energy}"
+            );
+        }
+        let inside = |alpha: &Vec<f64>| alpha[0] > 0.1 && alpha[0] < 0.95;
+        assert!(motion.step_functions.iter().all(inside), "{motion:?}");
+    }
+
+    #[test]
+    fn constraint_names_say_what_and_where() {
+        let cart = Cart::default();
+        let goals = vec![goal(Component::Coordinate(0), 1.0)];
+        let problem = Problem::of(&cart, Objective::time(), goals, 2);
+        let program = TimeFreezing::new(&cart, &problem, &TimeFreezingSettings::default());
+        let program = program.expect("valid");
+        // An interval: length and clock, then three elements of two stages with (y, v, t).
+        let name = |index| program.constraint_name(index);
+        assert_eq!(name(1), "clock at the end of interval 0");
+        assert_eq!(name(8), "collocation of element 1 of interval 0");
+        assert_eq!(name(20), "sum of the element lengths of interval 1");
+        assert_eq!(name(program.constraints() - 1), "goal 0");
+    }
+
+    #[test]
+    fn settings_out_of_range_are_refused_with_their_bound() {
+        let bowl = Bowl::default();
+        let problem = Problem::of(&bowl, Objective::default(), Vec::new(), 1);
+        for (elements, stages, a_bar) in [(0, 2, 20.0), (3, 0, 20.0), (3, 2, -1.0)] {
+            let settings = TimeFreezingSettings {
+                elements,
+                stages,
+                auxiliary_acceleration: a_bar,
+                ..TimeFreezingSettings::default()
+            };
+            assert!(TimeFreezing::new(&bowl, &problem, &settings).is_err());
+        }
     }
 }

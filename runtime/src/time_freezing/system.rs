@@ -110,16 +110,14 @@ impl<'a> TimeFreezingSystem<'a> {
             .free_hessian(x, weights, &mut self.acceleration_hessian);
     }
 
-    /// Hessian values of `gap g + velocity v_n + direction' d` of one contact at `x`.
+    /// Hessian values of `velocity v_n + direction' d` of one contact at `x`.
     pub(crate) fn evaluate_contact_hessian(
         &mut self,
         contact: usize,
         x: &[f64],
-        gap: f64,
         velocity: f64,
         direction: impl Iterator<Item = f64>,
     ) {
-        self.weights[0] = gap;
         self.weights[1] = velocity;
         for (weight, value) in self.weights[2..].iter_mut().zip(direction) {
             *weight = value;

@@ -14,6 +14,7 @@ impl Transcription<'_> {
     /// a stage vanishes in all of the element, terms with their sum, since a sum of zero leaves its
     /// nonnegative terms no interior. For the same reason both sides of a pair vanish where the mode leaves
     /// neither of them free: `p` and `w` in contact, `ln` in a jump that begins at gap zero.
+    /// Not so at the end of an element without a stage there: the scheme keeps `v_n = 0` at stages only.
     pub(super) fn mark_vanishing(&self, x: &[f64], vanishes: &mut [bool]) {
         let largest = self
             .pairs

@@ -1,6 +1,6 @@
 //! The program as the solver sees it.
 
-use super::{Controls, EQUILIBRATION, SHORTEST, SUMS, Transcription};
+use super::{Controls, EQUILIBRATION, Element, Interval, SHORTEST, SUMS, Transcription};
 use crate::dcs::PER_CONTACT;
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
@@ -223,6 +223,32 @@ impl NlpProblem for Transcription<'_> {
             }
         });
         self.hessian = pattern;
+    }
+
+    fn constraint_name(&self, index: usize) -> String {
+        if index >= self.goal_rows {
+            return format!("goal {}", index - self.goal_rows);
+        }
+        let before = |interval: &Interval| interval.rows <= index;
+        let k = self.intervals.partition_point(before).saturating_sub(1);
+        match index - self.intervals[k].rows {
+            0 => format!("sum of the element lengths of interval {k}"),
+            1 => format!("clock at the end of interval {k}"),
+            _ => {
+                let before = |element: &Element| element.collocation_rows <= index;
+                let e = self.elements.partition_point(before).saturating_sub(1);
+                let element = &self.elements[e];
+                let e = e % self.task.elements;
+                let kind = if index >= element.sum_rows {
+                    "cross complementarity"
+                } else if index >= element.blocks[0].algebraic_rows {
+                    "switching functions"
+                } else {
+                    "collocation"
+                };
+                format!("{kind} of element {e} of interval {k}")
+            }
+        }
     }
 }
 

@@ -1,9 +1,8 @@
 //! A step as the complementarity problem itself: the time-freezing system transcribed by FESD and solved by
 //! the interior point method. The last resort where Newton's method in a fixed mode fails.
 //!
-//! Its limits are those of the step form: contact is enforced through `max(g, v_n) = 0` only, which on
-//! curved ground need not have a solution at the stages, and a jump may share an element with the contact
-//! after it, so that an impact is known to the length of an element.
+//! Its limit is that of the step form: a jump may share an element with the contact after it, so that an
+//! impact is known to the length of an element.
 
 use super::driver::{Driver, Stop};
 use crate::dcs::HeavisideSystem;
@@ -17,6 +16,12 @@ use crate::time_freezing::TimeFreezingSystem;
 const ELEMENTS: usize = 3;
 /// Numbers of elements that are tried in turn; another number often solves a step that one does not.
 const ATTEMPTS: usize = 3;
+/// Acceleration of the auxiliary dynamics here, of the order of contact accelerations: the step functions
+/// stay away from 0 and 1, and more steps are solved (of 448 with and without impact 411, with 981 m/s^2 357).
+const AUXILIARY_ACCELERATION: f64 = 20.0;
+/// Barrier parameter of the start, which is a coarse simulation: from 1e-5 424 of the 448 steps are solved, in
+/// two thirds of the iterations that 0.1 takes for 412.
+const BARRIER_PARAMETER: f64 = 1e-5;
 /// Interior point iterations of one run; steps that are solved take fewer than half of them.
 const MAX_ITERATIONS: usize = 300;
 /// Residual up to which a solution of the program is a step.
@@ -49,13 +54,14 @@ impl Driver<'_> {
     pub(super) fn solve_program(&mut self, end: f64) -> Result<(), Stop> {
         let fewest = self.settings.elements.max(ELEMENTS);
         for elements in fewest..fewest + ATTEMPTS {
-            let system = TimeFreezingSystem::new(self.model, self.settings.auxiliary_acceleration);
+            let system = TimeFreezingSystem::new(self.model, AUXILIARY_ACCELERATION);
             let mut program = Transcription::new(
                 HeavisideSystem::new(system),
                 self.tableau,
                 Task::step(&self.state, &self.u, end - self.state.time, elements),
             );
             let mut settings = mpcc::Settings::default();
+            settings.interior_point.initial_barrier_parameter = BARRIER_PARAMETER;
             settings.interior_point.maximum_iterations = MAX_ITERATIONS;
             let solution = mpcc::solve(&mut program, &settings)
                 .map_err(|_| Stop::Program("the step problem was refused"))?;
@@ -107,7 +113,11 @@ impl Driver<'_> {
         for e in 0..program.elements() {
             let after = program.state(x, e);
             self.state.copy_from(&after);
-            self.numerical_time += program.numerical_length(x, e);
+            // Jumps and the slowing down by contact are inversely proportional to the acceleration.
+            let physical = after.time - before.time;
+            self.numerical_time += physical
+                + (program.numerical_length(x, e) - physical) * AUXILIARY_ACCELERATION
+                    / self.settings.auxiliary_acceleration;
             for i in self.all_contacts.clone() {
                 let phase = Phase::of(program.mean_alpha(x, e, i));
                 match (phases[i], phase) {

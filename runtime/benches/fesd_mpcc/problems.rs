@@ -1,0 +1,195 @@
+//! The problems of the benchmark.
+
+use crate::scenes::{Ball, Bar, Bowl, PumpTrack, PumpTrackWithoutInput, SkiJump, Waves};
+use hangtime::model::Model;
+use hangtime::ocp::{
+    Component, Goal, Horizon, Objective, Problem, TimeFreezing, TimeFreezingSettings,
+};
+use hangtime::rk::Scheme;
+use hangtime::simulation::InputError;
+
+/// A problem with its transcription.
+pub(crate) struct Case {
+    pub(crate) name: String,
+    model: Box<dyn Model>,
+    problem: Problem,
+    settings: TimeFreezingSettings,
+}
+
+impl Case {
+    /// A step of length `duration` from `(q, v)`: nothing is free but the lengths of the elements.
+    fn step(
+        name: &str,
+        model: impl Model + 'static,
+        (q, v): (&[f64], &[f64]),
+        duration: f64,
+        (scheme, stages, elements): (Scheme, usize, usize),
+    ) -> Self {
+        let mut problem = Problem::of(&model, Objective::default(), Vec::new(), 1);
+        (problem.q, problem.v) = (q.to_vec(), v.to_vec());
+        problem.horizon = Horizon::Fixed(duration);
+        let mut settings = TimeFreezingSettings::default();
+        (settings.scheme, settings.stages, settings.elements) = (scheme, stages, elements);
+        let family = match scheme {
+            Scheme::GaussLegendre => "Gauss",
+            _ => "Radau",
+        };
+        Self {
+            name: format!("{name}, {duration} s, {family} {stages}, {elements} elements"),
+            model: Box::new(model),
+            problem,
+            settings,
+        }
+    }
+
+    /// The pump track in least time.
+    fn pump_track(speed: f64, intervals: usize, stages: usize) -> Self {
+        let mut model = PumpTrack::default();
+        let parameters = model.declaration().parameters;
+        if let Some(index) = parameters.iter().position(|known| known.name == "speed") {
+            model.set_parameter(index, speed);
+        }
+        let goal = Goal {
+            component: Component::Coordinate(0),
+            value: std::f64::consts::TAU,
+        };
+        let problem = Problem::of(&model, Objective::time(), vec![goal], intervals);
+        let mut settings = TimeFreezingSettings::default();
+        settings.stages = stages;
+        Self {
+            name: format!("pump track, {speed} km/h, {intervals} intervals, Radau {stages}"),
+            model: Box::new(model),
+            problem,
+            settings,
+        }
+    }
+
+    pub(crate) fn program(&self) -> Result<TimeFreezing<'_>, InputError> {
+        TimeFreezing::new(&*self.model, &self.problem, &self.settings)
+    }
+
+    /// Whether the guess is a simulation.
+    pub(crate) fn is_step(&self) -> bool {
+        self.problem.goals.is_empty()
+    }
+}
+
+pub(crate) fn cases() -> Vec<Case> {
+    use Scheme::{GaussLegendre as Gauss, RadauIia as Radau};
+    let table = |y: f64| (((-0.0001524 * y - 0.002149) * y + 0.4162) * y - 9.154) * y + 99.15;
+    let y = 10.2759;
+    let sine = |y: f64| (0.2 * f64::sin(y), 0.2 * f64::cos(y));
+    let (height, slope) = sine(4.0);
+    let ball = (&[0.0, 0.5][..], &[1.0, 0.0][..]);
+    let bowl = (&[-1.0, 0.5][..], &[1.0, -1.0][..]);
+    let link = 0.4368;
+    vec![
+        Case::step(
+            "ski jump slides",
+            SkiJump::default(),
+            (&[y, table(y)], &[0.0, 0.0]),
+            0.3,
+            (Radau, 2, 3),
+        ),
+        Case::step(
+            "ski jump flies",
+            SkiJump::default(),
+            (&[30.0, 40.0], &[18.0, -1.0]),
+            0.2,
+            (Radau, 2, 3),
+        ),
+        Case::step(
+            "ski jump lands",
+            SkiJump::default(),
+            (&[40.0, 25.5], &[18.0, -8.0]),
+            0.5,
+            (Radau, 2, 3),
+        ),
+        Case::step(
+            "ski jump lands",
+            SkiJump::default(),
+            (&[40.0, 25.5], &[18.0, -8.0]),
+            1.0,
+            (Radau, 3, 4),
+        ),
+        Case::step(
+            "pump track rolls",
+            PumpTrackWithoutInput::default(),
+            (&[0.0, 0.0, link], &[4.2, 0.0, 0.0]),
+            0.05,
+            (Radau, 2, 3),
+        ),
+        Case::step(
+            "pump track flies",
+            PumpTrackWithoutInput::default(),
+            (&[1.8, 0.1, link], &[4.2, 0.5, 0.0]),
+            0.05,
+            (Radau, 2, 3),
+        ),
+        Case::step(
+            "pump track lands",
+            PumpTrackWithoutInput::default(),
+            (&[1.8, 0.02, link], &[4.2, -0.5, 0.0]),
+            0.1,
+            (Radau, 2, 3),
+        ),
+        Case::pump_track(10.0, 10, 2),
+        Case::pump_track(15.0, 10, 2),
+        Case::pump_track(22.0, 10, 2),
+        Case::pump_track(15.0, 10, 1),
+        Case::step("ball falls", Ball::default(), ball, 0.5, (Radau, 2, 4)),
+        Case::step("ball falls", Ball::default(), ball, 0.7, (Radau, 3, 3)),
+        Case::step("ball falls", Ball::default(), ball, 0.9, (Gauss, 2, 3)),
+        Case::step(
+            "ball slides",
+            Ball::default(),
+            (&[0.0, 0.0], &[1.0, 0.0]),
+            0.3,
+            (Radau, 1, 3),
+        ),
+        Case::step("bowl slides", Bowl::default(), bowl, 0.1, (Radau, 2, 3)),
+        Case::step("bowl slides", Bowl::default(), bowl, 0.3, (Radau, 3, 4)),
+        Case::step(
+            "bowl falls",
+            Bowl::default(),
+            (&[-1.0, 0.8], &[1.0, 0.0]),
+            0.3,
+            (Radau, 2, 3),
+        ),
+        Case::step(
+            "waves slide",
+            Waves::default(),
+            (&[4.0, height], &[1.0, slope]),
+            0.3,
+            (Radau, 2, 3),
+        ),
+        Case::step(
+            "waves fall",
+            Waves::default(),
+            (&[0.0, 0.3], &[1.0, 0.0]),
+            0.4,
+            (Radau, 2, 4),
+        ),
+        Case::step(
+            "bar lands on both ends",
+            Bar::default(),
+            (&[0.0, 0.3, 0.0], &[0.5, 0.0, 0.0]),
+            0.3,
+            (Radau, 2, 3),
+        ),
+        Case::step(
+            "bar lands on one end",
+            Bar::default(),
+            (&[0.0, 0.3, 0.2], &[0.5, 0.0, 0.0]),
+            0.21,
+            (Radau, 2, 3),
+        ),
+        Case::step(
+            "bar rests",
+            Bar::default(),
+            (&[0.0, 0.0, 0.0], &[0.5, 0.0, 0.0]),
+            0.1,
+            (Radau, 2, 3),
+        ),
+    ]
+}
