@@ -169,8 +169,8 @@ impl Solution {
                 self.counts.programs
             )),
             Status::Unconfirmed => Some(format!(
-                "the re-simulation ends {:.1e} away from the plan; raise the number of stages or of \
-                 intervals, or the gap margin",
+                "the re-simulation has other contact events than the plan or ends too far from it ({:.1e}); \
+                 raise the number of stages or of intervals, or the gap margin",
                 self.resimulation_error
             )),
             Status::Infeasible => Some(format!(
