@@ -15,7 +15,7 @@
 //!
 //! The multipliers with index 0 are those at the end of the element before; they put switches on element
 //! boundaries. Schemes without a stage at the end carry `lp, ln, p, w` there as boundary variables. The
-//! objective contains `1e-4 sum_e (h_e / h_0 - 1)^2`, the mean step equilibration: lengths that no switch
+//! objective contains `3e-4 sum_e (h_e / h_0 - 1)^2`, the mean step equilibration: lengths that no switch
 //! determines stay equal. Sources: Nurkanovic et al., Numerische Mathematik 2024; Nurkanovic, Pozharskiy,
 //! Frey, Diehl, Nonlinear Analysis: Hybrid Systems 54 (2024).
 
@@ -37,7 +37,7 @@ use std::collections::BTreeMap;
 const SHORTEST: f64 = 1e-3;
 /// Weight of the step equilibration: small enough to leave the complementarity to the solver, large
 /// enough to fix the lengths that nothing else does.
-const EQUILIBRATION: f64 = 1e-4;
+const EQUILIBRATION: f64 = 3e-4;
 /// Default bound of the numerical time relative to the physical time.
 const SPEED_OF_TIME: f64 = 25.0;
 /// Cross complementarity sums of one contact and element.
