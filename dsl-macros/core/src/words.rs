@@ -53,15 +53,7 @@ pub(crate) const NONSMOOTH: [&str; 10] = [
 pub(crate) const RESERVED: [&str; 6] =
     ["t", "time", "clock", "numerical_time", "clock_state", "pi"];
 
-/// Words that Rust does not allow as the name of a field or of a type.
-const RUST_WORDS: [&str; 38] = [
-    "as", "async", "await", "box", "break", "const", "continue", "crate", "dyn", "else", "enum",
-    "extern", "false", "fn", "for", "gen", "if", "impl", "in", "let", "loop", "match", "mod",
-    "move", "mut", "pub", "ref", "return", "self", "static", "struct", "super", "trait", "true",
-    "type", "unsafe", "use", "where",
-];
-
 /// Whether a word cannot name a field or a type in Rust.
 pub(crate) fn is_rust_word(text: &str) -> bool {
-    RUST_WORDS.contains(&text) || text.starts_with("r#") || text == "Self" || text == "_"
+    text.starts_with("r#") || syn::parse_str::<syn::Ident>(text).is_err()
 }

@@ -12,7 +12,7 @@ use crate::ast::{Documentation, Name, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::words;
 use cursor::Cursor;
-use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
+use proc_macro2::{Delimiter, Literal, Span, TokenStream, TokenTree};
 
 /// Parses one declaration. What could be read is returned even when mistakes were reported.
 pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<Scene> {
@@ -122,11 +122,9 @@ fn documentation(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Document
             diagnostics.syntax(place, "unexpected `#`; only doc comments may stand here");
             continue;
         };
-        let mut inner = Cursor::inside(&group);
-        let is_doc = inner.eat_word("doc") && inner.eat_symbol("=");
-        match (is_doc, inner.advance()) {
-            (true, Some(TokenTree::Literal(line))) => documentation.lines.push(line),
-            _ => {
+        match doc_line(group.stream()) {
+            Some(line) => documentation.lines.push(line),
+            None => {
                 diagnostics.syntax(
                     place,
                     "attributes are not part of the language; only doc comments may stand here",
@@ -135,6 +133,20 @@ fn documentation(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Document
         }
     }
     documentation
+}
+
+/// The text of `doc = "text"`, if the content of an attribute is that.
+fn doc_line(attribute: TokenStream) -> Option<Literal> {
+    let syn::Meta::NameValue(meta) = syn::parse2(attribute).ok()? else {
+        return None;
+    };
+    match meta.value {
+        syn::Expr::Lit(syn::ExprLit {
+            lit: syn::Lit::Str(text),
+            ..
+        }) if meta.path.is_ident("doc") => Some(text.token()),
+        _ => None,
+    }
 }
 
 /// Reports what was found instead of `expected`.
