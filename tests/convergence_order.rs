@@ -189,6 +189,6 @@ fn counts_of_the_default_settings_are_pinned() {
             simulation.size.variables,
             simulation.size.equalities
         ),
-        @"newton 679 factorizations 93 evaluations 2962 variables 40 equalities 40"
+        @"newton 673 factorizations 90 evaluations 3188 variables 40 equalities 40"
     );
 }
