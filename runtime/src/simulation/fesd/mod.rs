@@ -32,7 +32,7 @@ pub enum StepFormulation {
     #[default]
     ActiveSet,
     /// The complementarity problem of the time-freezing system in every step, a cross-check of the
-    /// active-set form: slower, for straight ground, with impact times known to the length of an element.
+    /// active-set form: slower, with impact times known to the length of an element.
     /// Simultaneous impacts follow the law of the lean product form, which is Moreau's where the contacts
     /// do not push each other apart.
     TimeFreezing,
