@@ -213,6 +213,37 @@ fn simulate_every_method_reaches_the_horizon() {
 }
 
 #[test]
+fn simulate_settings_of_a_discretization_are_common_to_all_methods() {
+    for method in ["fesd", "event", "moreau", "smooth", "fixed"] {
+        let result = json(&[
+            "simulate",
+            "ski-jump",
+            "--method",
+            method,
+            "--scheme",
+            "radau-iia",
+            "--stages",
+            "3",
+            "--steps",
+            "400",
+            "--elements",
+            "1",
+            "--json",
+        ]);
+        assert_eq!(result["status"], "solved", "{method}");
+        let notes = result["notes"].to_string();
+        // Finite elements use all four, the others say which they do not.
+        assert_eq!(
+            notes.contains("--scheme has no effect"),
+            method != "fesd",
+            "{notes}"
+        );
+        let steps = matches!(method, "event" | "smooth");
+        assert_eq!(notes.contains("--steps has no effect"), steps, "{notes}");
+    }
+}
+
+#[test]
 fn simulate_setting_with_another_unit_is_converted() {
     let parameter = |setting| {
         json(&["simulate", "ski-jump", "--set", setting, "--json"])["parameters"]["start_y"].clone()
@@ -411,8 +442,8 @@ fn bad_input_is_refused_in_one_line_and_leaves_no_file() {
             &["simulate", "ski-jump", "--method", "magic"],
         ),
         (
-            "--steps has no meaning for --method event",
-            &["simulate", "ski-jump", "--method", "event", "--steps", "3"],
+            "--width has no meaning for --method event",
+            &["simulate", "ski-jump", "--method", "event", "--width", "3"],
         ),
         (
             "--elements and --tolerance exclude each other",

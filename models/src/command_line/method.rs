@@ -95,6 +95,8 @@ fn counted(number: usize, noun: &str) -> String {
 pub(crate) struct ChosenMethod {
     /// Its settings.
     pub(crate) settings: MethodSettings,
+    /// Settings that were given and have no effect, for the notes of the result.
+    idle: Vec<&'static str>,
     simulator: Box<dyn Simulator>,
 }
 
@@ -102,7 +104,13 @@ impl ChosenMethod {
     /// Makes the simulator; settings left out take the method's defaults.
     pub(crate) fn from_arguments(arguments: &MethodArguments) -> Result<Self, BadInput> {
         arguments.refuse_foreign_settings()?;
-        Ok(match arguments.method {
+        let mut chosen = Self::of(arguments);
+        chosen.idle = arguments.idle_settings();
+        Ok(chosen)
+    }
+
+    fn of(arguments: &MethodArguments) -> Self {
+        match arguments.method {
             Method::Fesd => fesd(arguments),
             Method::Event => {
                 let mut event = EventDriven::default();
@@ -134,7 +142,7 @@ impl ChosenMethod {
                 fixed.steps = arguments.steps.unwrap_or(fixed.steps);
                 Self::new(stepping(fixed.steps), fixed)
             }
-        })
+        }
     }
 
     fn new(settings: MethodSettings, simulator: impl Simulator + 'static) -> Self {
@@ -143,6 +151,7 @@ impl ChosenMethod {
                 name: simulator.name(),
                 ..settings
             },
+            idle: Vec::new(),
             simulator: Box::new(simulator),
         }
     }
@@ -158,6 +167,12 @@ impl ChosenMethod {
         let mut simulation = self.simulator.simulate(model, problem, progress)?;
         if let Ok(elapsed) = start.and_then(|start| start.try_elapsed()) {
             simulation.seconds.total = elapsed.as_secs_f64();
+        }
+        for option in &self.idle {
+            simulation.notes.push(format!(
+                "{option} has no effect with --method {}",
+                self.settings.name
+            ));
         }
         Ok(simulation)
     }
@@ -201,14 +216,27 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
 }
 
 impl MethodArguments {
-    /// Refuses a setting that the method would ignore.
-    fn refuse_foreign_settings(&self) -> Result<(), BadInput> {
-        use Method::{Event, Fesd, Fixed, Moreau, Smooth};
-        let given: [(&str, bool, &[Method]); 8] = [
+    /// The settings of a discretization that were given but that the method does not have.
+    fn idle_settings(&self) -> Vec<&'static str> {
+        use Method::{Fesd, Fixed, Moreau};
+        let given: [(&str, bool, &[Method]); 4] = [
             ("--scheme", self.scheme.is_some(), &[Fesd]),
             ("--stages", self.stages.is_some(), &[Fesd]),
             ("--steps", self.steps.is_some(), &[Fesd, Moreau, Fixed]),
             ("--elements", self.elements.is_some(), &[Fesd]),
+        ];
+        given
+            .iter()
+            .filter(|(_, given, methods)| *given && !methods.contains(&self.method))
+            .map(|&(option, _, _)| option)
+            .collect()
+    }
+
+    /// Refuses a setting of another method. The settings of a discretization are common to `simulate`, so
+    /// that methods can be compared by changing `--method` alone; the result notes which had no effect.
+    fn refuse_foreign_settings(&self) -> Result<(), BadInput> {
+        use Method::{Event, Fesd, Smooth};
+        let given: [(&str, bool, &[Method]); 4] = [
             ("--formulation", self.formulation.is_some(), &[Fesd]),
             (
                 "--tolerance",
