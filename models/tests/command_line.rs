@@ -536,6 +536,12 @@ fn solve_json_has_the_fields_of_the_contract_in_order() {
     }
     assert!(places.is_sorted(), "{places:?}");
     let document: Value = serde_json::from_str(&document).unwrap();
+    for count in ["interior_point", "crossover", "newton", "factorizations"] {
+        assert!(document["iterations"][count].is_u64(), "{count}");
+    }
+    for kind in ["total", "evaluate", "factorize", "solve"] {
+        assert!(document["seconds"][kind].is_f64(), "{kind}");
+    }
     assert_eq!(document["status"], "solved");
     assert!((document["horizon"].as_f64().unwrap() - 1.4137689).abs() < 1e-6);
     assert_eq!(document["controls"].as_array().unwrap().len(), 30);

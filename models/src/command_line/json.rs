@@ -139,16 +139,24 @@ struct SolutionSize {
 
 #[derive(Serialize)]
 struct SolutionCounts {
+    /// Of all phases; `contact_implicit` is the share of the global one.
+    interior_point: usize,
+    /// The phases fix the contact sequence instead of crossing over from a relaxed point.
+    crossover: usize,
+    newton: usize,
+    factorizations: usize,
     programs: usize,
     contact_implicit: usize,
-    interior_point: usize,
-    factorizations: usize,
     repairs: usize,
 }
 
 #[derive(Serialize)]
 struct SolutionSeconds {
     total: f64,
+    /// Not measured separately, as the two that follow.
+    evaluate: f64,
+    factorize: f64,
+    solve: f64,
 }
 
 impl<'a> SolutionDocument<'a> {
@@ -190,14 +198,19 @@ impl<'a> SolutionDocument<'a> {
                 hessian_nonzeros: solution.size.hessian_nonzeros,
             },
             iterations: SolutionCounts {
+                interior_point: solution.counts.global_iterations + solution.counts.iterations,
+                crossover: 0,
+                newton: 0,
+                factorizations: solution.counts.factorizations,
                 programs: solution.counts.programs,
                 contact_implicit: solution.counts.global_iterations,
-                interior_point: solution.counts.iterations,
-                factorizations: solution.counts.factorizations,
                 repairs: solution.counts.repairs,
             },
             seconds: SolutionSeconds {
                 total: solution.seconds,
+                evaluate: 0.0,
+                factorize: 0.0,
+                solve: 0.0,
             },
         }
     }
