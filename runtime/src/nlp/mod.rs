@@ -39,6 +39,7 @@ mod iterate;
 pub mod iteration_log;
 mod kkt_system;
 mod line_search;
+mod pattern;
 mod problem;
 mod rescue;
 mod residuals;
@@ -56,6 +57,7 @@ pub use derivative_check::{DerivativeEntry, DerivativeReport, check_derivatives}
 pub use driver::{WarmStart, solve, solve_from};
 pub use error::InputError;
 pub use info::IterationInfo;
+pub(crate) use pattern::Pattern;
 pub use problem::NlpProblem;
 pub use settings::{LinearSolver, Settings};
 pub use solution::{Counts, Residuals, Solution, Violation};

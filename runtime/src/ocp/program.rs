@@ -7,34 +7,10 @@
 //! where `scale` is a variable (a duration) or 1. Values that callers give and get are physical; the
 //! solver sees each variable divided by its own unit, so that all of them are of order one.
 
-use std::collections::HashMap;
-
 use super::kernel::{Evaluator, Kernel};
 use crate::model::Model;
 use crate::mpcc::Mpcc;
-use crate::nlp::NlpProblem;
-
-/// Positions of a sparse matrix and where each addition goes.
-#[derive(Default)]
-struct Pattern {
-    entries: Vec<(usize, usize)>,
-    places: Vec<usize>,
-}
-
-impl Pattern {
-    fn new(additions: &[(usize, usize)]) -> Self {
-        let mut index = HashMap::new();
-        let mut pattern = Self::default();
-        for &position in additions {
-            let place = *index.entry(position).or_insert_with(|| {
-                pattern.entries.push(position);
-                pattern.entries.len() - 1
-            });
-            pattern.places.push(place);
-        }
-        pattern
-    }
-}
+use crate::nlp::{NlpProblem, Pattern};
 
 /// One use of a kernel.
 struct Block {

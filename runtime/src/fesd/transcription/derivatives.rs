@@ -1,6 +1,7 @@
 //! Jacobian and Hessian of the program, assembled from the local ones.
 
-use super::{EQUILIBRATION, Pattern, SUMS, Transcription};
+use super::{EQUILIBRATION, SUMS, Transcription};
+use crate::nlp::Pattern;
 
 impl Transcription<'_> {
     pub(super) fn set_patterns(&mut self) {

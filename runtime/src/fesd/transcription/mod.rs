@@ -29,8 +29,8 @@ pub(crate) use task::{Controls, Guess, Task, Weights};
 
 use crate::dcs::{ALPHA, BETA, HeavisideSystem, LAMBDA_MINUS, LAMBDA_PLUS, P, PER_CONTACT, W};
 use crate::fesd::finite_element::State;
+use crate::nlp::Pattern;
 use crate::rk::ButcherTableau;
-use std::collections::BTreeMap;
 
 /// Smallest element length relative to the nominal one: elements of length zero would make the Jacobian
 /// singular.
@@ -75,29 +75,6 @@ struct Interval {
     controls: Vec<usize>,
     /// Constraint `sum_e h_e = 1`; the next one is the clock.
     rows: usize,
-}
-
-/// Which number multiplies what in a pattern whose values come in a fixed order.
-#[derive(Default)]
-struct Pattern {
-    entries: Vec<(usize, usize)>,
-    /// Place in `entries` of each addition, in order.
-    places: Vec<usize>,
-}
-
-impl Pattern {
-    fn new(additions: &[(usize, usize)]) -> Self {
-        let mut index = BTreeMap::new();
-        let mut pattern = Self::default();
-        for &position in additions {
-            let place = *index.entry(position).or_insert_with(|| {
-                pattern.entries.push(position);
-                pattern.entries.len() - 1
-            });
-            pattern.places.push(place);
-        }
-        pattern
-    }
 }
 
 /// The program of a [`Task`].

@@ -292,14 +292,7 @@ impl<'a> Detector<'a> {
             return None;
         }
         let slope = (value(right) - height) / ((right - left) * element.length());
-        for _ in 0..60 {
-            let middle = 0.5 * (left + right);
-            if value(middle) > 0.0 {
-                left = middle;
-            } else {
-                right = middle;
-            }
-        }
+        let (left, right) = bisect(&mut value, left, right);
         Some(Switch {
             kind: SwitchKind::Entry,
             contact,
@@ -444,15 +437,7 @@ impl<'a> Detector<'a> {
         if depth >= -gap_rounding {
             return None;
         }
-        let (mut left, mut right) = (lower, bottom);
-        for _ in 0..60 {
-            let middle = 0.5 * (left + right);
-            if value(middle) > 0.0 {
-                left = middle;
-            } else {
-                right = middle;
-            }
-        }
+        let (left, _) = bisect(&mut value, lower, bottom);
         Some(Switch {
             kind: SwitchKind::Entry,
             contact,
@@ -461,6 +446,19 @@ impl<'a> Detector<'a> {
             slope: (depth - start) / ((bottom - lower) * element.length()),
         })
     }
+}
+
+/// Halves an interval 60 times around the root of a `value` that is positive on its left and not on its right.
+fn bisect(value: &mut dyn FnMut(f64) -> f64, mut left: f64, mut right: f64) -> (f64, f64) {
+    for _ in 0..60 {
+        let middle = 0.5 * (left + right);
+        if value(middle) > 0.0 {
+            left = middle;
+        } else {
+            right = middle;
+        }
+    }
+    (left, right)
 }
 
 fn keep_first(first: &mut Option<Switch>, candidate: Switch) {
