@@ -4,7 +4,7 @@
 mod common;
 
 use common::scenes;
-use common::{energies, gap_at, start};
+use common::{check_energy, gap_at, start};
 use hangtime::model::Model;
 use hangtime::simulation::{
     ControlSignal, EventDriven, InitialValueProblem, Simulation, SimulationStatus, Simulator,
@@ -53,20 +53,6 @@ fn checked(
     // Forces up to some hundreds vanish to rounding error at a take-off.
     prop_assert!(simulation.residuals.dual <= 1e-9);
     Ok(simulation)
-}
-
-/// Energy may only fall, up to the error of one step: the tolerance times the energy's rate of change
-/// with the state, at most some 1e3.
-fn check_energy(
-    model: &dyn Model,
-    simulation: &Simulation,
-    tolerance: f64,
-) -> Result<(), TestCaseError> {
-    for pair in energies(model, simulation).windows(2) {
-        let allowed = 1e3 * tolerance * (1.0 + pair[0].abs());
-        prop_assert!(pair[1] <= pair[0] + allowed, "{:?}", pair);
-    }
-    Ok(())
 }
 
 proptest! {

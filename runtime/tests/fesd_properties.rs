@@ -4,7 +4,7 @@
 mod common;
 
 use common::scenes;
-use common::{energies, gap_at, start};
+use common::{check_energy, gap_at, start};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -57,20 +57,6 @@ fn checked(
     // Constraints of active contacts hold to rounding error of positions of order one.
     prop_assert!(simulation.residuals.complementarity <= 1e-8);
     Ok(simulation)
-}
-
-/// Energy may only fall, up to the error of an element: the tolerance times the energy's rate of change with
-/// the state, at most some 1e3.
-fn check_energy(
-    model: &dyn Model,
-    simulation: &Simulation,
-    tolerance: f64,
-) -> Result<(), TestCaseError> {
-    for pair in energies(model, simulation).windows(2) {
-        let allowed = 1e3 * tolerance * (1.0 + pair[0].abs());
-        prop_assert!(pair[1] <= pair[0] + allowed, "{:?}", pair);
-    }
-    Ok(())
 }
 
 proptest! {

@@ -14,6 +14,8 @@ pub mod scenes;
 
 use hangtime::model::Model;
 use hangtime::simulation::{ControlSignal, InitialValueProblem, Simulation, Trajectory};
+use proptest::prelude::prop_assert;
+use proptest::test_runner::TestCaseError;
 
 /// The problem that starts at `(q, v)` and has no controls.
 pub fn start(q: &[f64], v: &[f64], horizon: f64) -> InitialValueProblem {
@@ -70,4 +72,18 @@ pub fn gap_at(model: &dyn Model, trajectory: &Trajectory, contact: usize, k: usi
     x.extend_from_slice(&trajectory.v[k]);
     x.extend_from_slice(&trajectory.u[k]);
     model.gap(contact, &x)
+}
+
+/// Energy may only fall, up to the error of one step: the tolerance times the energy's rate of change
+/// with the state, at most some 1e3.
+pub fn check_energy(
+    model: &dyn Model,
+    simulation: &Simulation,
+    tolerance: f64,
+) -> Result<(), TestCaseError> {
+    for pair in energies(model, simulation).windows(2) {
+        let allowed = 1e3 * tolerance * (1.0 + pair[0].abs());
+        prop_assert!(pair[1] <= pair[0] + allowed, "{:?}", pair);
+    }
+    Ok(())
 }
