@@ -36,6 +36,7 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<Report, BadInput> {
     for contact in declaration.contacts {
         let law = match contact.law {
             ImpactLaw::Inelastic => "inelastic",
+            ImpactLaw::Restitution => "restitution",
             _ => "other",
         };
         let direction = if contact.custom_direction {

@@ -21,6 +21,8 @@ pub struct Declaration {
     pub free_jacobian: SparsityPattern,
     /// Pattern (lower triangle) of the Hessian of the weighted free acceleration.
     pub free_hessian: SparsityPattern,
+    /// What the scene declares for optimal control, if it declares anything.
+    pub optimal_control: Option<OptimalControlDeclaration>,
     /// The emitted kernels with their operation counts.
     pub kernels: &'static [Kernel],
     /// The derived equations, as a person would write them.
@@ -86,8 +88,12 @@ pub struct ContactDeclaration {
     pub unit: &'static str,
     /// What happens at an impact.
     pub law: ImpactLaw,
+    /// Coulomb friction, if the scene declares it.
+    pub friction: Option<FrictionDeclaration>,
     /// Whether the scene declares its own impulse direction.
     pub custom_direction: bool,
+    /// Coordinates (indices) that are rigid under the contact force.
+    pub held: &'static [usize],
     /// Pattern of the Jacobian of `(g, v_n, d)`: `2 + n_q` rows.
     pub jacobian: SparsityPattern,
     /// Pattern (lower triangle) of the Hessian of the weighted `(g, v_n, d)`.
@@ -102,6 +108,82 @@ pub struct ContactDeclaration {
 pub enum ImpactLaw {
     /// No restitution: the normal velocity after the impact is zero.
     Inelastic,
+    /// Newton's law, `v_n+ = -e v_n-` with `e` from [`Model::restitution`](super::Model::restitution).
+    Restitution,
+}
+
+/// Coulomb friction of a contact in the plane.
+#[derive(Debug, Clone, Copy)]
+pub struct FrictionDeclaration {
+    /// Pattern of the Jacobian of `(v_t, e)`: `1 + n_q` rows.
+    pub jacobian: SparsityPattern,
+    /// Pattern (lower triangle) of the Hessian of the weighted `(v_t, e)`.
+    pub hessian: SparsityPattern,
+}
+
+/// Objective, path constraints, terminal conditions and free initial values.
+///
+/// The *path functions* are the running cost (if there is one) followed by the path constraints; they
+/// read the input vector `x` of the model. The *terminal functions* are the final cost (if there is
+/// one) followed by the terminal conditions; they read `z = (q, v, T)` with the final time `T`.
+#[derive(Debug, Clone, Copy)]
+pub struct OptimalControlDeclaration {
+    /// Whether the first path function is a running cost, to be integrated over physical time.
+    pub running_cost: bool,
+    /// Whether the first terminal function is a final cost.
+    pub final_cost: bool,
+    /// Path constraints, in the order of their functions.
+    pub constraints: &'static [ConstraintDeclaration],
+    /// Terminal conditions, in the order of their functions.
+    pub goals: &'static [ConstraintDeclaration],
+    /// Whether the final time is to be found: it occurs in the final cost or in a terminal condition.
+    pub free_time: bool,
+    /// Initial values that are to be found: indices into `(q, v)`, increasing.
+    pub free_start: &'static [usize],
+    /// Pattern of the Jacobian of the path functions with respect to `x`.
+    pub path_jacobian: SparsityPattern,
+    /// Pattern (lower triangle) of the Hessian of the weighted path functions.
+    pub path_hessian: SparsityPattern,
+    /// Pattern of the Jacobian of the terminal functions with respect to `z`.
+    pub terminal_jacobian: SparsityPattern,
+    /// Pattern (lower triangle) of the Hessian of the weighted terminal functions.
+    pub terminal_hessian: SparsityPattern,
+}
+
+impl OptimalControlDeclaration {
+    /// Number of path functions.
+    #[must_use]
+    pub const fn path_functions(&self) -> usize {
+        self.running_cost as usize + self.constraints.len()
+    }
+
+    /// Number of terminal functions.
+    #[must_use]
+    pub const fn terminal_functions(&self) -> usize {
+        self.final_cost as usize + self.goals.len()
+    }
+}
+
+/// A constraint of the optimal control problem, on one scalar function `c`.
+#[derive(Debug, Clone, Copy)]
+pub struct ConstraintDeclaration {
+    /// Its name, or the condition as written.
+    pub name: &'static str,
+    /// Unit of `c`.
+    pub unit: &'static str,
+    /// What `c` must satisfy.
+    pub relation: ConstraintRelation,
+    /// Documentation, as written.
+    pub documentation: &'static str,
+}
+
+/// What the function of a constraint must satisfy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ConstraintRelation {
+    /// `c = 0`.
+    Zero,
+    /// `c >= 0`.
+    NonNegative,
 }
 
 /// Positions of the structural nonzeros of a matrix.

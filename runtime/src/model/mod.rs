@@ -15,6 +15,18 @@
 //! of an impact, `v+ = v- + sum_i d_i p_i`, and the auxiliary dynamics of the time-freezing
 //! reformulation, `v' = a_bar d_i`.
 //!
+//! A contact with *restitution* turns its normal velocity round at an impact, `v_n+ = -e v_n-`.
+//!
+//! A contact with *Coulomb friction* carries a tangential force `lambda_t` as well, along
+//! `b_i = d v_t / dv` for the sliding velocity `v_t,i = b_i' v`:
+//!
+//! ```text
+//! v' = ... + e_i s_i        e_i = M^-1 b_i / D_i        |s_i| <= mu_i r_i,  s_i v_t,i = -mu_i r_i |v_t,i|
+//! ```
+//!
+//! so that `s_i = D_i lambda_t,i` is measured like `r_i`. Gap and sliding velocity must be scaled
+//! alike: normal and tangential part of one velocity.
+//!
 //! Every kernel reads one *input vector* `x = (q, v, u)`, with the physical time appended if the
 //! scene depends on it explicitly ([`Declaration::explicit_time`]).
 
@@ -22,8 +34,9 @@ mod declaration;
 mod mistakes;
 
 pub use declaration::{
-    ContactDeclaration, ControlDeclaration, CoordinateDeclaration, Declaration, Equation,
-    ImpactLaw, Kernel, ParameterDeclaration, SparsityPattern,
+    ConstraintDeclaration, ConstraintRelation, ContactDeclaration, ControlDeclaration,
+    CoordinateDeclaration, Declaration, Equation, FrictionDeclaration, ImpactLaw, Kernel,
+    OptimalControlDeclaration, ParameterDeclaration, SparsityPattern,
 };
 pub use mistakes::{explanation, mistake_codes};
 
@@ -85,6 +98,61 @@ pub trait Model: Send + Sync {
     /// `2 + n_q`.
     fn contact_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut [f64]);
 
+    /// Coefficient of restitution `e` of one contact, in `0..=1`; 0 for an inelastic one.
+    fn restitution(&self, _contact: usize) -> f64 {
+        0.0
+    }
+
+    /// Coefficient of friction `mu` of one contact, at least 0; 0 for one without friction.
+    fn friction(&self, _contact: usize) -> f64 {
+        0.0
+    }
+
+    /// The tangential side of a contact with friction, length [`tangent_point::length`]: see
+    /// [`tangent_point`] for the layout. Called for contacts that declare friction only.
+    fn tangent(&self, _contact: usize, _x: &[f64], _point: &mut [f64]) {}
+
+    /// Jacobian with respect to `x` of the rows `(v_t, e_1..e_nq)`: the values of
+    /// [`FrictionDeclaration::jacobian`], in its order.
+    fn tangent_jacobian(&self, _contact: usize, _x: &[f64], _values: &mut [f64]) {}
+
+    /// Hessian with respect to `x` of `multipliers' (v_t, e_1..e_nq)`: the values of
+    /// [`FrictionDeclaration::hessian`] (lower triangle), in its order. `multipliers` has length
+    /// `1 + n_q`.
+    fn tangent_hessian(
+        &self,
+        _contact: usize,
+        _x: &[f64],
+        _multipliers: &[f64],
+        _values: &mut [f64],
+    ) {
+    }
+
+    /// Path functions at `x`: the running cost if there is one, then the path constraints. Length
+    /// [`OptimalControlDeclaration::path_functions`].
+    fn path_functions(&self, _x: &[f64], _values: &mut [f64]) {}
+
+    /// Values of [`OptimalControlDeclaration::path_jacobian`], in its order.
+    fn path_jacobian(&self, _x: &[f64], _values: &mut [f64]) {}
+
+    /// Values of [`OptimalControlDeclaration::path_hessian`] for the weighted sum of the path functions.
+    fn path_hessian(&self, _x: &[f64], _multipliers: &[f64], _values: &mut [f64]) {}
+
+    /// Terminal functions at `z = (q, v, T)`: the final cost if there is one, then the terminal
+    /// conditions. Length [`OptimalControlDeclaration::terminal_functions`].
+    fn terminal_functions(&self, _z: &[f64], _values: &mut [f64]) {}
+
+    /// Values of [`OptimalControlDeclaration::terminal_jacobian`], in its order.
+    fn terminal_jacobian(&self, _z: &[f64], _values: &mut [f64]) {}
+
+    /// Values of [`OptimalControlDeclaration::terminal_hessian`] for the weighted sum of the terminal
+    /// functions.
+    fn terminal_hessian(&self, _z: &[f64], _multipliers: &[f64], _values: &mut [f64]) {}
+
+    /// Bounds of the free initial values, in the order of [`OptimalControlDeclaration::free_start`];
+    /// infinite where none is declared.
+    fn free_start_bounds(&self, _lower: &mut [f64], _upper: &mut [f64]) {}
+
     /// A copy behind a fresh box.
     fn boxed(&self) -> Box<dyn Model>;
 }
@@ -113,5 +181,27 @@ pub mod contact_point {
     #[must_use]
     pub const fn length(coordinates: usize) -> usize {
         NORMAL + 2 * coordinates
+    }
+}
+
+/// Layout of the output of [`Model::tangent`].
+pub mod tangent_point {
+    /// Sliding velocity `v_t = b' v`.
+    pub const SLIDING_VELOCITY: usize = 0;
+    /// Velocity-dependent part of the sliding acceleration: `v_t' = b' v' + CURVATURE`.
+    pub const CURVATURE: usize = 1;
+    /// First component of the tangent `b = d v_t / dv`, `n_q` numbers.
+    pub const TANGENT: usize = 2;
+
+    /// First component of the friction direction `e = M^-1 b / D`, `n_q` numbers.
+    #[must_use]
+    pub const fn direction(coordinates: usize) -> usize {
+        TANGENT + coordinates
+    }
+
+    /// Length of the whole layout.
+    #[must_use]
+    pub const fn length(coordinates: usize) -> usize {
+        TANGENT + 2 * coordinates
     }
 }

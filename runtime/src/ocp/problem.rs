@@ -150,6 +150,7 @@ impl Problem {
         };
         self.initial_value_problem(horizon, ControlSignal::Zero)
             .check(model)?;
+        InitialValueProblem::check_inelastic(model, "optimal control")?;
         let n = declaration.coordinates.len();
         let objective = &self.objective;
         let finals = objective.final_coordinates.iter();

@@ -74,6 +74,7 @@ impl Simulator for FixedStep {
     ) -> Result<Simulation, InputError> {
         check(self.steps, self.auxiliary_acceleration)?;
         problem.check(model)?;
+        InitialValueProblem::check_inelastic(model, self.name())?;
         let clock = ThreadTime::try_now();
         let mut run = FixedRun::new(self, model, problem);
         if let Err(status) = run.integrate(progress) {

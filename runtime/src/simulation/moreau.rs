@@ -57,6 +57,7 @@ impl Simulator for Moreau {
     ) -> Result<Simulation, InputError> {
         super::fixed::check(self.steps, self.auxiliary_acceleration)?;
         problem.check(model)?;
+        InitialValueProblem::check_inelastic(model, self.name())?;
         let clock = ThreadTime::try_now();
         let mut result = TimeStepping::new(self, model, problem).run(progress);
         result.notes.push(

@@ -1,6 +1,6 @@
 //! The initial value problem that every simulator takes, and the checks that come before it.
 
-use crate::model::{ImpactLaw, Model};
+use crate::model::{ContactDeclaration, ImpactLaw, Model};
 
 /// Gaps above `-GAP_TOLERANCE` times the scale of the coordinates count as "on the surface".
 const GAP_TOLERANCE: f64 = 1e-9;
@@ -198,9 +198,40 @@ impl InitialValueProblem {
                     unit: contact.unit.into(),
                 });
             }
-            let ImpactLaw::Inelastic = contact.law;
+            let restitution = model.restitution(i);
+            if !(0.0..=1.0).contains(&restitution) {
+                return Err(InputError::OutOfRange {
+                    what: format!("restitution of `{}` (E10)", contact.name),
+                    value: restitution,
+                    unit: String::new(),
+                    bound: "in 0..=1".into(),
+                });
+            }
+            let friction = model.friction(i);
+            if !(0.0..f64::INFINITY).contains(&friction) {
+                return Err(InputError::OutOfRange {
+                    what: format!("coefficient of friction of `{}` (E10)", contact.name),
+                    value: friction,
+                    unit: String::new(),
+                    bound: "at least 0".into(),
+                });
+            }
         }
         Ok(())
+    }
+
+    /// Refuses a scene with a contact that bounces or rubs, for methods that treat neither.
+    pub(crate) fn check_inelastic(model: &dyn Model, method: &str) -> Result<(), InputError> {
+        let contacts = model.declaration().contacts;
+        let beyond =
+            |c: &&ContactDeclaration| c.law != ImpactLaw::Inelastic || c.friction.is_some();
+        match contacts.iter().find(beyond) {
+            None => Ok(()),
+            Some(contact) => Err(InputError::UnsupportedLaw {
+                method: method.into(),
+                contact: contact.name.into(),
+            }),
+        }
     }
 
     /// The input vector `x = (q, v, u)` at the start.

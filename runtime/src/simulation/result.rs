@@ -104,6 +104,10 @@ pub enum EventKind {
     Contact,
     /// Sustained contact ends.
     LiftOff,
+    /// A sliding contact begins to stick.
+    Stick,
+    /// A sticking contact begins to slip, or the direction of sliding turns round.
+    Slip,
 }
 
 impl EventKind {
@@ -114,6 +118,8 @@ impl EventKind {
             Self::Impact => "impact",
             Self::Contact => "contact",
             Self::LiftOff => "lift_off",
+            Self::Stick => "stick",
+            Self::Slip => "slip",
         }
     }
 }
@@ -133,6 +139,9 @@ pub struct Trajectory {
     pub u: Vec<Vec<f64>>,
     /// Normal contact forces [N for a gap in metres], one vector an instant, 0 for open contacts.
     pub contact_force: Vec<Vec<f64>>,
+    /// Tangential contact forces, one vector an instant, 0 for contacts that carry none; no vector at
+    /// all if no contact declares friction.
+    pub friction_force: Vec<Vec<f64>>,
 }
 
 impl Trajectory {
@@ -144,6 +153,7 @@ impl Trajectory {
         self.v.truncate(instants);
         self.u.truncate(instants);
         self.contact_force.truncate(instants);
+        self.friction_force.truncate(instants);
     }
 
     /// Appends one instant.

@@ -84,6 +84,7 @@ impl Simulator for Smooth {
             }
         }
         problem.check(model)?;
+        InitialValueProblem::check_inelastic(model, self.name())?;
         let clock = ThreadTime::try_now();
         let mut system = SmoothSystem::new(self, model, problem);
         let mut result = system.dynamics.empty_result();

@@ -63,7 +63,7 @@ pub(super) fn write(
         let _ = write!(
             code,
             "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
-             ::hangtime::model::ImpactLaw::Inelastic, custom_direction: {}, jacobian: {}, hessian: {}, \
+             ::hangtime::model::ImpactLaw::Inelastic, friction: None, custom_direction: {}, held: &[], jacobian: {}, hessian: {}, \
              documentation: {:?} }},",
             contact.name.text,
             contact
@@ -77,7 +77,8 @@ pub(super) fn write(
     }
     let _ = write!(
         code,
-        "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, kernels: &[",
+        "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: None, \
+         kernels: &[",
         scene.explicit_time,
         pattern(&plan.free_patterns[0]),
         pattern(&plan.free_patterns[1])

@@ -133,6 +133,7 @@ impl Simulator for EventDriven {
     ) -> Result<Simulation, InputError> {
         self.check()?;
         problem.check(model)?;
+        InitialValueProblem::check_inelastic(model, self.name())?;
         Ok(integration::Integration::new(self, model, problem).run(progress))
     }
 }

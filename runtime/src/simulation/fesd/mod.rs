@@ -173,6 +173,7 @@ impl Simulator for Fesd {
     ) -> Result<Simulation, InputError> {
         let tableau = self.tableau()?;
         problem.check(model)?;
+        InitialValueProblem::check_inelastic(model, self.name())?;
         Ok(driver::Driver::new(self, &tableau, model, problem).run(progress))
     }
 }
