@@ -3,6 +3,7 @@
 mod common;
 
 use common::event::{accurate, run, sequence};
+use common::gold;
 use common::laws::{Belt, Disc, Ground, Rod, Room, Table};
 use common::scenes::GRAVITY;
 use common::{check_energy, distance, energies, index_at, last, start};
@@ -12,71 +13,9 @@ use hangtime::simulation::{
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-/// A block on an incline in the certified solution `friction_block` (closed form, 20 digits).
-struct BlockGold {
-    slope_degrees: f64,
-    mu: f64,
-    speed: f64,
-    stop: (f64, f64),
-    stop_position: [f64; 2],
-    /// Friction force per mass along the slope while it slides, and while it sticks.
-    force: (f64, f64),
-    dissipated: f64,
-    /// Time, way, speed.
-    states: [(f64, f64, f64); 4],
-}
-
-const BLOCKS: [BlockGold; 3] = [
-    BlockGold {
-        slope_degrees: 15.0,
-        mu: 0.5,
-        speed: 3.0,
-        stop: (1.3643487114989731386, 2.0465230672484597078),
-        stop_position: [1.9767894847516069074, -0.52967914604552822432],
-        force: (-4.7378661779478799465, -2.5390148324557286786),
-        dissipated: 9.6961524227066318806,
-        states: [
-            (0.5, 1.2251435818134810915, 1.9005743272539243661),
-            (1.0, 1.9005743272539243661, 0.80114865450784873214),
-            (2.0, 2.0465230672484597078, 0.0),
-            (3.0, 2.0465230672484597078, 0.0),
-        ],
-    },
-    BlockGold {
-        slope_degrees: 25.0,
-        mu: 0.6,
-        speed: 2.0,
-        stop: (1.6825917146443121914, 1.6825917146443121914),
-        stop_position: [1.5249459733854889988, -0.71109398566228218623],
-        force: (-5.3345276344977216836, -4.145885147676261469),
-        dissipated: 8.9758319993469882469,
-        states: [
-            (0.5, 0.85141968914731747317, 1.4056787565892698927),
-            (1.0, 1.4056787565892698927, 0.81135751317853978535),
-            (2.0, 1.6825917146443121914, 0.0),
-            (3.0, 1.6825917146443121914, 0.0),
-        ],
-    },
-    BlockGold {
-        slope_degrees: 0.0,
-        mu: 0.3,
-        speed: 2.0,
-        stop: (0.67957866123003737683, 0.67957866123003737683),
-        stop_position: [0.67957866123003737683, 0.0],
-        force: (-2.943, 0.0),
-        dissipated: 2.0,
-        states: [
-            (0.5, 0.632125, 0.5285),
-            (1.0, 0.67957866123003737683, 0.0),
-            (2.0, 0.67957866123003737683, 0.0),
-            (3.0, 0.67957866123003737683, 0.0),
-        ],
-    },
-];
-
 #[test]
 fn block_on_an_incline_stops_and_stays_as_certified() {
-    for gold in &BLOCKS {
+    for gold in &gold::BLOCKS {
         for (mass, scale) in [(1.0, 1.0), (10.0, 1.0), (2.0, 2.0)] {
             let slope = gold.slope_degrees.to_radians();
             let (sin, cos) = slope.sin_cos();
