@@ -38,13 +38,17 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
         .transpose()?;
     let spinner = Spinner::new(chosen.scene.name);
     let solution = ocp::solve(model, &problem, &settings, &mut |progress| {
-        let best = progress.objective.map_or_else(String::new, |objective| {
+        let best = progress.best.map_or_else(String::new, |objective| {
             format!(", best objective {objective:.6}")
         });
         spinner.say(&format!(
-            "{}: program {}, {} iterations{best}",
-            progress.step, progress.programs, progress.iterations
+            "{}: program {}, {} iterations, violation {:.1e}{best}",
+            progress.step,
+            progress.programs + 1,
+            progress.iterations,
+            progress.primal_infeasibility,
         ));
+        true
     })
     .map_err(|error| chosen.refuse(&error))?;
     drop(spinner);

@@ -17,6 +17,8 @@ pub enum Status {
     /// The programs converged to points of local infeasibility: the goal cannot be reached from the guess
     /// within the bounds.
     Infeasible,
+    /// The observer asked to stop; the result is the best motion found so far, if there is one.
+    Interrupted,
     /// A program ended without a solution, for the reason given.
     Failed(nlp::Status),
 }
@@ -36,6 +38,7 @@ impl Status {
             Self::Uncertified => "uncertified",
             Self::Unconfirmed => "unconfirmed",
             Self::Infeasible => "infeasible",
+            Self::Interrupted => "interrupted",
             Self::Failed(_) => "failed",
         }
     }
@@ -175,6 +178,13 @@ impl Solution {
             )),
             Status::Infeasible => Some(format!(
                 "the goal cannot be reached within the bounds from this guess; {worst}"
+            )),
+            Status::Interrupted if self.motion.is_none() => {
+                Some("stopped before a first motion was found".to_owned())
+            }
+            Status::Interrupted => Some(format!(
+                "stopped; the best motion so far ends {:.1e} from its re-simulation, and better ones may exist",
+                self.resimulation_error
             )),
             Status::Failed(status) => Some(format!("{status}; {worst}")),
         }
