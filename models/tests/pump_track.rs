@@ -142,7 +142,7 @@ fn problem(model: &dyn Model, intervals: usize) -> Problem {
 
 fn solve(model: &dyn Model, intervals: usize) -> Solution {
     let problem = problem(model, intervals);
-    ocp::solve(model, &problem, &Settings::default(), &mut |_| {}).unwrap()
+    ocp::solve(model, &problem, &Settings::default(), &mut |_| true).unwrap()
 }
 
 fn at(speed: f64) -> PumpTrack {

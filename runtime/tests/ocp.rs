@@ -114,7 +114,7 @@ fn hop(goal: f64) -> Solution {
         horizon: Horizon::Fixed(2.0 * INTERVAL),
         ..Problem::of(&hopper, Objective::effort(), vec![goal], 2)
     };
-    ocp::solve(&hopper, &problem, &Settings::default(), &mut |_| {}).unwrap()
+    ocp::solve(&hopper, &problem, &Settings::default(), &mut |_| true).unwrap()
 }
 
 #[test]
@@ -203,7 +203,7 @@ fn bounds_of_a_coordinate_that_is_no_parabola_hold_at_all_times() {
         horizon: Horizon::Fixed(2.0),
         ..Problem::of(&spring, fastest, vec![middle], 8)
     };
-    let solution = ocp::solve(&spring, &problem, &Settings::default(), &mut |_| {}).unwrap();
+    let solution = ocp::solve(&spring, &problem, &Settings::default(), &mut |_| true).unwrap();
     assert_eq!(
         solution.status,
         Status::Solved,
@@ -229,7 +229,7 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
     let hopper = Hopper::default();
     let problem = Problem::of(&hopper, Objective::time(), Vec::new(), 3);
     let refuse = |problem: &Problem| {
-        let error = ocp::solve(&hopper, problem, &Settings::default(), &mut |_| {});
+        let error = ocp::solve(&hopper, problem, &Settings::default(), &mut |_| true);
         error.unwrap_err().to_string()
     };
     let no_intervals = Problem {
@@ -253,7 +253,7 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
     insta::assert_snapshot!(refuse(&falling), @"initial normal velocity of `ground` = -1 m/s: must be at least 0 on the surface: start after the impact");
     let mut settings = Settings::default();
     settings.stages = 1;
-    let error = ocp::solve(&hopper, &problem, &settings, &mut |_| {}).unwrap_err();
+    let error = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap_err();
     insta::assert_snapshot!(error, @"Runge-Kutta stages = 1 : must be in 2..=9");
 }
 
@@ -277,9 +277,42 @@ fn every_guess_of_the_hopping_mass_ends_at_the_same_optimum() {
     ] {
         let mut settings = Settings::default();
         settings.guess = guess;
-        let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| {}).unwrap();
+        let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
         assert_eq!(solution.status, Status::Solved, "{guess:?}");
         assert!((solution.objective - best).abs() < 1e-6, "{guess:?}");
     }
     assert_eq!(hopper.declaration().name, "Hopper");
+}
+
+#[test]
+fn observer_that_stops_early_gets_no_motion_and_late_the_best_so_far() {
+    let hopper = Hopper::default();
+    let goal = Goal {
+        component: Component::Coordinate(0),
+        value: 0.3,
+    };
+    let problem = Problem {
+        horizon: Horizon::Fixed(2.0 * INTERVAL),
+        ..Problem::of(&hopper, Objective::effort(), vec![goal], 2)
+    };
+    let run = |calls: usize| {
+        let mut seen = Vec::new();
+        let solution = ocp::solve(&hopper, &problem, &Settings::default(), &mut |progress| {
+            seen.push((progress.iterations, progress.best));
+            seen.len() < calls
+        });
+        (solution.unwrap(), seen)
+    };
+    let (solved, all) = run(usize::MAX);
+    assert!(solved.status.is_solved());
+    assert!(all.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+    let (early, seen) = run(3);
+    assert_eq!((early.status, seen.len()), (Status::Interrupted, 3));
+    assert!(early.motion.is_none() && early.diagnosis().unwrap().contains("stopped"));
+    // As soon as there is a best motion, it is what an interrupted run returns.
+    let first = all.iter().position(|(_, best)| best.is_some()).unwrap();
+    let (late, seen) = run(first + 1);
+    assert_eq!(late.status, Status::Interrupted);
+    assert_eq!(Some(late.objective), seen.last().unwrap().1);
+    assert!(late.motion.is_some() && late.resimulation_error < 1e-6);
 }

@@ -2,17 +2,18 @@
 
 use std::fmt::Write as _;
 
-use hangtime::ocp::{self, Settings, Solution};
+use hangtime::ocp::{self, Formulation, Settings, Solution, TimeFreezingSettings};
 use hangtime::rk::Scheme;
 use hangtime::simulation::{EventKind, Simulation, Trajectory};
 
 use super::Report;
-use super::arguments::SolveArguments;
+use super::arguments::{SchemeName, SolveArguments, SolveFormulation};
 use super::failure::BadInput;
+use super::interrupt::Interrupt;
 use super::json::{SolutionDocument, SolverSettings};
 use super::motion::motion;
 use super::output::OutputDirectory;
-use super::progress::Spinner;
+use super::progress::SolveProgress;
 use super::settings::ChosenScene;
 use super::spreadsheet::{events_csv, trajectory_csv};
 use super::table::{headed, seconds, table};
@@ -26,34 +27,24 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
             chosen.scene.name
         )));
     };
-    let mut settings = Settings::default();
-    settings.stages = arguments.stages.unwrap_or(settings.stages);
-    settings.starts = arguments.starts.unwrap_or(settings.starts);
+    let (settings, method) = settings(arguments)?;
     let model = chosen.model.as_ref();
     let problem = (declared.problem)(model, arguments.intervals.unwrap_or(declared.intervals));
+    let interrupt = Interrupt::listen();
     let directory = arguments
         .out
         .as_deref()
         .map(OutputDirectory::open)
         .transpose()?;
-    let spinner = Spinner::new(chosen.scene.name);
+    let mut display = SolveProgress::new(chosen.scene.name, interrupt);
     let solution = ocp::solve(model, &problem, &settings, &mut |progress| {
-        let best = progress.objective.map_or_else(String::new, |objective| {
-            format!(", best objective {objective:.6}")
-        });
-        spinner.say(&format!(
-            "{}: program {}, {} iterations{best}",
-            progress.step, progress.programs, progress.iterations
-        ));
+        display.report(progress)
     })
     .map_err(|error| chosen.refuse(&error))?;
-    drop(spinner);
+    drop(display);
     let method = SolverSettings {
-        name: "phases",
-        scheme: Scheme::RadauIia.name(),
-        stages: settings.stages,
         intervals: problem.intervals,
-        starts: settings.starts,
+        ..method
     };
     let nothing = Trajectory::default();
     let motion = match &solution.motion {
@@ -80,6 +71,48 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
             .into_iter()
             .collect(),
     })
+}
+
+/// The settings of the solver, and how the result names them; its intervals follow from the problem.
+fn settings(arguments: &SolveArguments) -> Result<(Settings, SolverSettings), BadInput> {
+    let mut settings = Settings::default();
+    settings.starts = arguments.starts.unwrap_or(settings.starts);
+    let mut method = SolverSettings {
+        name: "phases",
+        scheme: Scheme::RadauIia.name(),
+        stages: settings.stages,
+        intervals: 0,
+        elements: 1,
+        starts: settings.starts,
+    };
+    match arguments.formulation {
+        SolveFormulation::Auto => {
+            if arguments.scheme == Some(SchemeName::GaussLegendre) {
+                return Err(BadInput::new(
+                    "--scheme gauss-legendre has no meaning for --formulation auto, whose phases need a stage \
+                     at their end; leave it out, or add --formulation time-freezing",
+                ));
+            }
+            settings.stages = arguments.stages.unwrap_or(settings.stages);
+            method.stages = settings.stages;
+        }
+        SolveFormulation::TimeFreezing => {
+            let mut freezing = TimeFreezingSettings::default();
+            freezing.scheme = match arguments.scheme {
+                Some(SchemeName::GaussLegendre) => Scheme::GaussLegendre,
+                Some(SchemeName::RadauIia) => Scheme::RadauIia,
+                None => freezing.scheme,
+            };
+            freezing.stages = arguments.stages.unwrap_or(freezing.stages);
+            freezing.elements = arguments.elements.unwrap_or(freezing.elements);
+            method.name = "time-freezing";
+            method.scheme = freezing.scheme.name();
+            method.stages = freezing.stages;
+            method.elements = freezing.elements;
+            settings.formulation = Formulation::TimeFreezing(freezing);
+        }
+    }
+    Ok((settings, method))
 }
 
 /// The files of one solution, as (name, content).
@@ -126,8 +159,8 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
     let _ = writeln!(text, "parameters    {}", chosen.parameters().join(", "));
     let _ = writeln!(
         text,
-        "method        {}, {}, {} stages, {} intervals",
-        method.name, method.scheme, method.stages, method.intervals
+        "method        {}, {}, {} stages, {} intervals of {} elements, {} starts",
+        method.name, method.scheme, method.stages, method.intervals, method.elements, method.starts
     );
     let _ = writeln!(text, "status        {}", solution.status.name());
     let _ = writeln!(text, "objective     {:.10}", solution.objective);
@@ -149,6 +182,7 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
             format!("{time:.10}"),
         ]
     });
+    text += &relaxed_and_optima(solution);
     text += &table(["event", "contact", "time [s]"], rows);
     text += "\n";
     let controls = declaration.controls.iter();
@@ -181,5 +215,57 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
         counts.repairs
     );
     let _ = writeln!(text, "CPU time      {}", seconds(solution.seconds));
+    text
+}
+
+/// The complementarity problem before the polish, and the local optima of several starts.
+fn relaxed_and_optima(solution: &Solution) -> String {
+    let mut text = String::new();
+    if let Some(report) = &solution.time_freezing {
+        let size = report.size;
+        let _ = writeln!(
+            text,
+            "time-freezing {}: objective {:.7}, violation {:.1e}, largest product {:.1e}; {} variables, {} rows, \
+             {} pairs; {} iterations, {} of CPU time\n",
+            report.status,
+            report.objective,
+            report.primal,
+            report.complementarity,
+            size.variables,
+            size.equalities + size.inequalities,
+            size.complementarities,
+            report.iterations,
+            seconds(report.seconds)
+        );
+    }
+    if solution
+        .optima
+        .iter()
+        .map(|o| o.starts.len())
+        .sum::<usize>()
+        > 1
+    {
+        let rows = solution.optima.iter().map(|optimum| {
+            let starts: Vec<String> = optimum.starts.iter().map(usize::to_string).collect();
+            vec![
+                format!("{:.10}", optimum.objective),
+                format!("{:.10}", optimum.horizon),
+                optimum.status.name().to_owned(),
+                optimum.stationarity.name().to_owned(),
+                optimum.switches.to_string(),
+                starts.join(" "),
+            ]
+        });
+        let header = [
+            "local optimum",
+            "final time [s]",
+            "status",
+            "stationarity",
+            "switches",
+            "starts",
+        ];
+        text += &table(header, rows);
+        text += "\n";
+    }
     text
 }
