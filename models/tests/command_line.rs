@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a failed step fails the test")]
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -569,6 +570,55 @@ fn solve_with_out_writes_data_and_a_picture() {
             "pump-track-optimal.svg",
         ]
     );
+}
+
+/// Waits for what another process does.
+fn wait_until(what: &str, condition: impl Fn() -> bool) {
+    // Long enough for a machine with other work; only a broken program waits so long.
+    let end = Instant::now() + Duration::from_secs(60);
+    while !condition() {
+        assert!(Instant::now() < end, "{what} did not happen");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn solve_interrupted_writes_what_it_has_and_ends_with_status_3() {
+    let scratch = Scratch::new("interrupted");
+    // So many intervals take far longer than the test waits.
+    let child = Command::new(env!("CARGO_BIN_EXE_hangtime"))
+        .args([
+            "solve",
+            "pump-track",
+            "--intervals",
+            "2000",
+            "--json",
+            "--out",
+        ])
+        .arg(scratch.text())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The program listens before it makes the directory.
+    wait_until("the output directory", || scratch.0.is_dir());
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(killed.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(
+        stderr.starts_with("error: pump-track: interrupted: stopped"),
+        "{stderr}"
+    );
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["status"], "interrupted");
+    let written: Value = serde_json::from_str(&scratch.read("pump-track-optimal.json")).unwrap();
+    assert_eq!(written, document);
 }
 
 #[test]

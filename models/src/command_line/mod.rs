@@ -5,6 +5,7 @@ mod chart;
 mod explain;
 mod failure;
 mod figure;
+mod interrupt;
 mod json;
 mod list;
 mod method;

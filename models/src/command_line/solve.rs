@@ -9,10 +9,11 @@ use hangtime::simulation::{EventKind, Simulation, Trajectory};
 use super::Report;
 use super::arguments::{SchemeName, SolveArguments, SolveFormulation};
 use super::failure::BadInput;
+use super::interrupt::Interrupt;
 use super::json::{SolutionDocument, SolverSettings};
 use super::motion::motion;
 use super::output::OutputDirectory;
-use super::progress::Spinner;
+use super::progress::SolveProgress;
 use super::settings::ChosenScene;
 use super::spreadsheet::{events_csv, trajectory_csv};
 use super::table::{headed, seconds, table};
@@ -29,27 +30,18 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
     let (settings, method) = settings(arguments)?;
     let model = chosen.model.as_ref();
     let problem = (declared.problem)(model, arguments.intervals.unwrap_or(declared.intervals));
+    let interrupt = Interrupt::listen();
     let directory = arguments
         .out
         .as_deref()
         .map(OutputDirectory::open)
         .transpose()?;
-    let spinner = Spinner::new(chosen.scene.name);
+    let mut display = SolveProgress::new(chosen.scene.name, interrupt);
     let solution = ocp::solve(model, &problem, &settings, &mut |progress| {
-        let best = progress.best.map_or_else(String::new, |objective| {
-            format!(", best objective {objective:.6}")
-        });
-        spinner.say(&format!(
-            "{}: program {}, {} iterations, violation {:.1e}{best}",
-            progress.step,
-            progress.programs + 1,
-            progress.iterations,
-            progress.primal_infeasibility,
-        ));
-        true
+        display.report(progress)
     })
     .map_err(|error| chosen.refuse(&error))?;
-    drop(spinner);
+    drop(display);
     let method = SolverSettings {
         intervals: problem.intervals,
         ..method
