@@ -6,7 +6,8 @@
 //! before the first such number, and elsewhere `null` stands in its place.
 
 use hangtime::model::{ContactDeclaration, Model};
-use hangtime::ocp::Solution;
+use hangtime::ocp::{Settings, Solution};
+use hangtime::rk::Scheme;
 use hangtime::simulation::{
     Counts, Diagnosis, Event, ProblemSize, Residuals, Seconds, Simulation, Trajectory,
 };
@@ -101,6 +102,19 @@ pub(crate) struct SolverSettings {
     pub(crate) starts: usize,
 }
 
+impl SolverSettings {
+    /// The settings of a solve with `intervals` control intervals.
+    pub(crate) fn new(settings: &Settings, intervals: usize) -> Self {
+        Self {
+            name: "phases",
+            scheme: Scheme::RadauIia.name(),
+            stages: settings.stages,
+            intervals,
+            starts: settings.starts,
+        }
+    }
+}
+
 /// The document of an optimal control problem: that of the re-simulated motion, and what belongs to the plan.
 #[derive(Serialize)]
 pub(crate) struct SolutionDocument<'a> {
@@ -165,10 +179,13 @@ impl<'a> SolutionDocument<'a> {
         chosen: &'a ChosenScene,
         method: &'a SolverSettings,
         solution: &'a Solution,
-        (trajectory, events): (&'a Trajectory, &'a [Event]),
     ) -> Self {
         let contacts = chosen.model.declaration().contacts;
-        let trajectory = TrajectoryEntry::new(trajectory);
+        let motion = solution.motion.as_ref();
+        let trajectory = motion.map_or_else(TrajectoryEntry::default, |motion| {
+            TrajectoryEntry::new(&motion.trajectory)
+        });
+        let events = motion.map_or(&[][..], |motion| &motion.events);
         Self {
             schema: SCHEMA,
             scene: chosen.scene.name,
@@ -300,7 +317,7 @@ impl<'a> EventEntry<'a> {
     }
 }
 
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct TrajectoryEntry<'a> {
     time: &'a [f64],
     numerical_time: &'a [f64],
