@@ -131,8 +131,10 @@ fn replay(case: &Case) -> Result<Option<Simulation>, InputError> {
         .collect();
     let mut problem = InitialValueProblem::of(model, Some(horizon))?;
     problem.controls = ControlSignal::PiecewiseConstant { times, values };
-    let mut event = EventDriven::default();
-    event.tolerance = REPLAY_TOLERANCE;
+    let event = EventDriven {
+        tolerance: REPLAY_TOLERANCE,
+        ..EventDriven::default()
+    };
     event.simulate(model, &problem, &mut |_| {}).map(Some)
 }
 
