@@ -2,12 +2,13 @@
 
 use std::fmt::Write as _;
 
-use hangtime::ocp::{self, Settings, Solution};
+use hangtime::ocp::{self, Formulation, Settings, Solution, TimeFreezingSettings};
+use hangtime::rk::Scheme;
 use hangtime::simulation::EventKind;
 use hangtime_models::PublishedData;
 
 use super::Report;
-use super::arguments::SolveArguments;
+use super::arguments::{SchemeName, SolveArguments, SolveFormulation};
 use super::failure::BadInput;
 use super::files::ResultFiles;
 use super::interrupt::Interrupt;
@@ -26,9 +27,7 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
             chosen.scene.name
         )));
     };
-    let mut settings = Settings::default();
-    settings.stages = arguments.stages.unwrap_or(settings.stages);
-    settings.starts = arguments.starts.unwrap_or(settings.starts);
+    let settings = settings(arguments)?;
     let model = chosen.model.as_ref();
     let problem = (declared.problem)(model, arguments.intervals.unwrap_or(declared.intervals));
     let interrupt = Interrupt::listen();
@@ -80,6 +79,35 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
     })
 }
 
+/// The settings of the solver.
+fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
+    let mut settings = Settings::default();
+    settings.starts = arguments.starts.unwrap_or(settings.starts);
+    match arguments.formulation {
+        SolveFormulation::Auto => {
+            if arguments.scheme == Some(SchemeName::GaussLegendre) {
+                return Err(BadInput::new(
+                    "--scheme gauss-legendre has no meaning for --formulation auto, whose phases need a stage \
+                     at their end; leave it out, or add --formulation time-freezing",
+                ));
+            }
+            settings.stages = arguments.stages.unwrap_or(settings.stages);
+        }
+        SolveFormulation::TimeFreezing => {
+            let mut freezing = TimeFreezingSettings::default();
+            freezing.scheme = match arguments.scheme {
+                Some(SchemeName::GaussLegendre) => Scheme::GaussLegendre,
+                Some(SchemeName::RadauIia) => Scheme::RadauIia,
+                None => freezing.scheme,
+            };
+            freezing.stages = arguments.stages.unwrap_or(freezing.stages);
+            freezing.elements = arguments.elements.unwrap_or(freezing.elements);
+            settings.formulation = Formulation::TimeFreezing(freezing);
+        }
+    }
+    Ok(settings)
+}
+
 /// What a page tells about a solution.
 pub(super) fn facts(method: &SolverSettings, solution: &Solution) -> Vec<[String; 2]> {
     [
@@ -111,8 +139,8 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
     let _ = writeln!(text, "parameters    {}", chosen.parameters().join(", "));
     let _ = writeln!(
         text,
-        "method        {}, {}, {} stages, {} intervals",
-        method.name, method.scheme, method.stages, method.intervals
+        "method        {}, {}, {} stages, {} intervals of {} elements, {} starts",
+        method.name, method.scheme, method.stages, method.intervals, method.elements, method.starts
     );
     let _ = writeln!(text, "status        {}", solution.status.name());
     let _ = writeln!(text, "objective     {:.10}", solution.objective);
@@ -134,6 +162,7 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
             format!("{time:.10}"),
         ]
     });
+    text += &relaxed_and_optima(solution);
     text += &table(["event", "contact", "time [s]"], rows);
     text += "\n";
     let controls = declaration.controls.iter();
@@ -166,5 +195,57 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
         counts.repairs
     );
     let _ = writeln!(text, "CPU time      {}", seconds(solution.seconds));
+    text
+}
+
+/// The complementarity problem before the polish, and the local optima of several starts.
+fn relaxed_and_optima(solution: &Solution) -> String {
+    let mut text = String::new();
+    if let Some(report) = &solution.time_freezing {
+        let size = report.size;
+        let _ = writeln!(
+            text,
+            "time-freezing {}: objective {:.7}, violation {:.1e}, largest product {:.1e}; {} variables, {} rows, \
+             {} pairs; {} iterations, {} of CPU time\n",
+            report.status,
+            report.objective,
+            report.primal,
+            report.complementarity,
+            size.variables,
+            size.equalities + size.inequalities,
+            size.complementarities,
+            report.iterations,
+            seconds(report.seconds)
+        );
+    }
+    if solution
+        .optima
+        .iter()
+        .map(|o| o.starts.len())
+        .sum::<usize>()
+        > 1
+    {
+        let rows = solution.optima.iter().map(|optimum| {
+            let starts: Vec<String> = optimum.starts.iter().map(usize::to_string).collect();
+            vec![
+                format!("{:.10}", optimum.objective),
+                format!("{:.10}", optimum.horizon),
+                optimum.status.name().to_owned(),
+                optimum.stationarity.name().to_owned(),
+                optimum.switches.to_string(),
+                starts.join(" "),
+            ]
+        });
+        let header = [
+            "local optimum",
+            "final time [s]",
+            "status",
+            "stationarity",
+            "switches",
+            "starts",
+        ];
+        text += &table(header, rows);
+        text += "\n";
+    }
     text
 }

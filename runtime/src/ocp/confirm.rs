@@ -4,7 +4,7 @@ use super::path::Path;
 use super::search::{Local, Search};
 use super::sequence::Sequence;
 use super::solution::{Size, Solution, Stationarity, Status};
-use crate::nlp::{self, NlpProblem as _};
+use crate::nlp;
 use crate::simulation::{
     EventDriven, EventKind, InputError, Residuals, Simulation, SimulationStatus, Simulator as _,
 };
@@ -121,14 +121,7 @@ impl<'a> Search<'a, '_> {
             dual: best.solution.residuals.dual,
             complementarity,
         };
-        let (equalities, inequalities) = best.program.program.row_counts();
-        let size = Size {
-            variables: best.program.program.variables(),
-            equalities,
-            inequalities,
-            jacobian_nonzeros: best.program.program.jacobian_pattern().len(),
-            hessian_nonzeros: best.program.program.hessian_pattern().len(),
-        };
+        let size = Size::of(&best.program.program, 0);
         let planned_events = best.sequence.switches.iter().map(|switch| {
             let time = switch.time * best.path.horizon / self.setting.problem.intervals as f64;
             let kind = if switch.closes {
@@ -152,6 +145,8 @@ impl<'a> Search<'a, '_> {
             size,
             counts: self.counts,
             seconds: 0.0,
+            time_freezing: None,
+            optima: Vec::new(),
         })
     }
 }

@@ -4,6 +4,7 @@ use super::collocation::Setting;
 use super::contact_implicit::ContactImplicit;
 use super::path::Path;
 use super::search::{Search, refused};
+use super::sequence::Sequence;
 use crate::mpcc::{self, RelaxationRule};
 use crate::nlp;
 use crate::simulation::{ControlSignal, InputError};
@@ -23,8 +24,6 @@ const COARSE: [(usize, &[RelaxationRule]); 2] = [
 ];
 /// Last relaxation and first barrier parameter of the first programs.
 const COARSE_RELAXATION: (f64, f64) = (1e-3, 1e-1);
-/// Elements an interval of the refined programs, started from the first ones.
-const FINE: usize = 4;
 /// Rules of the refined programs.
 const FINE_RULES: [RelaxationRule; 3] = [
     RelaxationRule::Proportional,
@@ -37,6 +36,8 @@ const FINE_ALTERNATIVES: usize = 2;
 const FINE_RELAXATION: (f64, f64) = (1e-6, 1e-4);
 /// Relative difference of the objective within which two relaxed motions count as the same.
 const SAME: f64 = 1e-3;
+/// Where in an element of implicit Euler a contact closes, as a share of the element: it says no more.
+const CLOSING: f64 = 0.5;
 /// Gap below which a motion starts on a surface, in its unit.
 const AT_START: f64 = 1e-9;
 
@@ -44,10 +45,7 @@ const AT_START: f64 = 1e-9;
 pub(super) struct Relaxed {
     pub(super) objective: f64,
     pub(super) path: Path,
-    /// Which contacts are closed in each element.
-    pub(super) closed: Vec<Vec<bool>>,
-    /// Elements an interval.
-    pub(super) elements: usize,
+    pub(super) sequence: Sequence,
 }
 
 impl Search<'_, '_> {
@@ -77,7 +75,8 @@ impl Search<'_, '_> {
                 if self.watch.stopped || index >= FINE_ALTERNATIVES && !fine.is_empty() {
                     break;
                 }
-                let found = self.relaxed(start, FINE, rule, FINE_RELAXATION)?;
+                let found =
+                    self.relaxed(start, self.settings.refined_elements, rule, FINE_RELAXATION)?;
                 let solved = found.is_some();
                 insert(&mut fine, found);
                 if solved && !hard {
@@ -90,8 +89,10 @@ impl Search<'_, '_> {
             fine.push(Relaxed {
                 objective: f64::INFINITY,
                 path: guess.clone(),
-                closed: vec![self.closed_at_start(); FINE * self.setting.problem.intervals],
-                elements: FINE,
+                sequence: Sequence {
+                    initially: self.closed_at_start(),
+                    switches: Vec::new(),
+                },
             });
         }
         Ok(fine)
@@ -131,11 +132,15 @@ impl Search<'_, '_> {
         self.counts.global_iterations += solution.iterations;
         self.counts.factorizations += solution.factorizations;
         if solution.status == mpcc::Status::Relaxed {
+            let closed = program.closed(&solution.x);
+            let ends: Vec<f64> = (1..=closed.len())
+                .map(|end| end as f64 / elements as f64)
+                .collect();
+            let initially = self.closed_at_start();
             return Ok(Some(Relaxed {
                 objective: solution.objective,
                 path: program.path(&solution.x),
-                closed: program.closed(&solution.x),
-                elements,
+                sequence: Sequence::of_elements(initially, &closed, (elements, &ends), CLOSING),
             }));
         }
         let status = match solution.status {

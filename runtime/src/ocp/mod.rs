@@ -58,12 +58,14 @@ mod sequence;
 mod settings;
 mod solution;
 mod solve;
+mod starts;
 mod time_freezing;
+mod time_freezing_search;
 mod transcribe;
 
 pub use problem::{Component, Goal, Horizon, Objective, Problem};
 pub use progress::{Observer, Progress};
-pub use settings::{Guess, Settings};
-pub use solution::{Counts, Size, Solution, Stationarity, Status};
+pub use settings::{Formulation, Guess, Settings};
+pub use solution::{Counts, Optimum, Size, Solution, Stationarity, Status, TimeFreezingReport};
 pub use solve::solve;
 pub use time_freezing::{TimeFreezing, TimeFreezingMotion, TimeFreezingSettings};

@@ -7,8 +7,8 @@ use super::path::Path;
 use super::progress::Watch;
 use super::repair::Pressure;
 use super::sequence::{Sequence, Signature};
-use super::settings::Settings;
-use super::solution::{Counts, Solution, Stationarity, Status};
+use super::settings::{Formulation, Settings};
+use super::solution::{Counts, Solution, Stationarity, Status, TimeFreezingReport};
 use crate::nlp;
 use crate::rk::ButcherTableau;
 use crate::simulation::{InputError, SimulationStatus};
@@ -46,6 +46,7 @@ pub(super) struct Search<'a, 's> {
     pub(super) settings: &'s Settings,
     pub(super) watch: Watch<'s>,
     pub(super) counts: Counts,
+    pub(super) time_freezing: Option<TimeFreezingReport>,
     pub(super) tried: Vec<Signature>,
     pub(super) best: Option<Local<'a>>,
     /// Whether a neighbour of the best could not be solved.
@@ -57,7 +58,12 @@ pub(super) struct Search<'a, 's> {
 impl<'a> Search<'a, '_> {
     pub(super) fn run(&mut self, guess: &Path) -> Result<Solution, InputError> {
         let mut found: Vec<(Local<'a>, Stationarity)> = Vec::new();
-        for global in self.global(guess)?.into_iter().take(self.settings.starts) {
+        let settings = self.settings;
+        let relaxed = match &settings.formulation {
+            Formulation::Phases => self.global(guess)?,
+            Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
+        };
+        for global in relaxed.into_iter().take(settings.refined_motions) {
             if self.watch.stopped {
                 break;
             }
@@ -92,9 +98,7 @@ impl<'a> Search<'a, '_> {
     /// candidates, the likely ones first.
     fn read_and_attempt(&mut self, global: Relaxed) -> Result<(), InputError> {
         let replay = self.simulate(&global.path, self.settings.replay_tolerance)?;
-        let relaxed =
-            Sequence::of_elements(self.closed_at_start(), &global.closed, global.elements);
-        let mut candidates = vec![(relaxed, global.path)];
+        let mut candidates = vec![(global.sequence, global.path)];
         if replay.status == SimulationStatus::Solved {
             let path = &candidates[0].1;
             let simulated = Path::of_simulation(

@@ -9,6 +9,7 @@ use super::progress::{Observer, Watch};
 use super::search::Search;
 use super::settings::Settings;
 use super::solution::{Counts, Solution};
+use super::starts;
 use crate::model::Model;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
@@ -31,6 +32,16 @@ pub fn solve(
 ) -> Result<Solution, InputError> {
     settings.check()?;
     problem.check(model)?;
+    starts::solve(model, problem, settings, observer)
+}
+
+/// Solves from one start.
+pub(super) fn solve_once(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+    observer: &mut Observer<'_>,
+) -> Result<Solution, InputError> {
     let clock = ThreadTime::try_now();
     let (lower, upper) = bounds(model);
     let bounds = (&lower[..], &upper[..]);
@@ -59,12 +70,14 @@ pub fn solve(
         settings,
         watch: Watch::new(observer),
         counts: Counts::default(),
+        time_freezing: None,
         tried: Vec::new(),
         best: None,
         undecided: false,
         failure: None,
     };
     let mut solution = search.run(&guess)?;
+    solution.time_freezing = search.time_freezing;
     if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
         solution.seconds = elapsed.as_secs_f64();
     }

@@ -6,18 +6,20 @@
 //! M = d2L/dv2          r = dL/dq + Q - (d2L/dv dq) v - d2L/dv dt          M a = r
 //! ```
 
+mod contact;
 mod implicit;
 mod ldl;
 mod simplify;
 
+pub(crate) use contact::{ContactEquations, FrictionEquations, InverseInertia};
 pub(crate) use implicit::Implicit;
+pub(crate) use simplify::simplify;
 
-use crate::check::normal;
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
-use crate::scene::{CheckedScene, Contact};
+use crate::scene::CheckedScene;
 use ldl::Factorization;
-use simplify::{simplify, simplify_all};
+use simplify::simplify_all;
 
 /// Largest number of coordinates whose acceleration is written out as a formula; above, it is the
 /// solution of a linear system, as formulas through the inverse of the mass matrix explode.
@@ -55,24 +57,6 @@ pub(crate) enum Solution {
     Explicit(Explicit),
     /// As the solution of a linear system.
     Implicit(Implicit),
-}
-
-/// What belongs to one contact.
-pub(crate) struct ContactEquations {
-    /// Gap, normal velocity, and if it is a formula, the contact direction.
-    pub(crate) rows: Explicit,
-    pub(crate) curvature: Sym,
-    pub(crate) normal: Vec<Sym>,
-    pub(crate) inverse_inertia: InverseInertia,
-    /// The contact direction, unless it is among the `rows`.
-    pub(crate) direction: Option<Implicit>,
-}
-
-/// `D = n' M^-1 n`.
-pub(crate) enum InverseInertia {
-    Formula(Sym),
-    /// From a linear system at run time: with the mass matrix, or with that of the direction.
-    Solved,
 }
 
 /// Why no equations could be derived.
@@ -140,12 +124,13 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let (acceleration, contacts) = if n <= EXPLICIT {
         let factorization = Factorization::of(&mass, n)
             .map_err(|coordinate| Failure::SingularMass { coordinate })?;
+        let acceleration = factorization.solve(&right);
+        let whole = contact::Inertia::whole(factorization, n);
         let contacts = scene
             .contacts
             .iter()
-            .map(|contact| explicit_contact(contact, &factorization, n, &inputs))
-            .collect();
-        let acceleration = factorization.solve(&right);
+            .map(|contact| contact::explicit(contact, &mass, &whole, &inputs))
+            .collect::<Result<_, _>>()?;
         (
             Solution::Explicit(Explicit::new(acceleration, &inputs)),
             contacts,
@@ -154,7 +139,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         let contacts = scene
             .contacts
             .iter()
-            .map(|contact| implicit_contact(contact, &mass, &momenta, n, &inputs))
+            .map(|contact| contact::implicit(contact, &mass, &momenta, &inputs))
             .collect();
         let motion = implicit::motion(mass.clone(), right, &momenta, &applied, &inputs);
         (Solution::Implicit(motion), contacts)
@@ -166,72 +151,6 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         acceleration,
         contacts,
     })
-}
-
-fn inner(a: &[Sym], b: &[Sym]) -> Sym {
-    simplify(a.iter().zip(b).map(|(&a, &b)| a * b).sum())
-}
-
-/// Gap, normal velocity, curvature and normal.
-fn geometry(contact: &Contact, n: usize) -> (Vec<Sym>, Sym, Vec<Sym>) {
-    let gap = contact.gap;
-    let normal: Vec<Sym> = normal(gap, n).into_iter().map(simplify).collect();
-    let normal_velocity = graph::directional(&[gap], velocity_direction)[0];
-    let curvature = graph::directional(&[normal_velocity], velocity_direction)[0];
-    (
-        vec![gap, simplify(normal_velocity)],
-        simplify(curvature),
-        normal,
-    )
-}
-
-/// `w / (n' w)`.
-fn scaled_direction(along: &[Sym], normal: &[Sym]) -> Vec<Sym> {
-    let scale = inner(normal, along).power(-2);
-    along.iter().map(|&w| simplify(w * scale)).collect()
-}
-
-fn explicit_contact(
-    contact: &Contact,
-    factorization: &Factorization,
-    n: usize,
-    inputs: &[Variable],
-) -> ContactEquations {
-    let (mut rows, curvature, normal) = geometry(contact, n);
-    let inverse = factorization.solve(&normal);
-    let along = contact.along.as_ref().unwrap_or(&inverse);
-    rows.extend(scaled_direction(along, &normal));
-    ContactEquations {
-        rows: Explicit::new(rows, inputs),
-        curvature,
-        inverse_inertia: InverseInertia::Formula(inner(&normal, &inverse)),
-        normal,
-        direction: None,
-    }
-}
-
-fn implicit_contact(
-    contact: &Contact,
-    mass: &[Sym],
-    momenta: &[Sym],
-    n: usize,
-    inputs: &[Variable],
-) -> ContactEquations {
-    let (mut rows, curvature, normal) = geometry(contact, n);
-    let direction = match &contact.along {
-        Some(along) => {
-            rows.extend(scaled_direction(along, &normal));
-            None
-        }
-        None => Some(implicit::direction(mass, momenta, &normal, inputs)),
-    };
-    ContactEquations {
-        rows: Explicit::new(rows, inputs),
-        curvature,
-        inverse_inertia: InverseInertia::Solved,
-        normal,
-        direction,
-    }
 }
 
 /// `v' dL/dv - L` split into the part that vanishes at rest and the rest.

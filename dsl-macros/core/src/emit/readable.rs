@@ -13,8 +13,14 @@ const POWER: u8 = 3;
 
 /// The expression in the names of the scene; velocities are written `y'`.
 pub(crate) fn formula(scene: &CheckedScene, sym: Sym) -> String {
+    formula_with(scene, sym, &[])
+}
+
+/// The same with names for further variables: `Argument(i)` is called `names[i]`.
+pub(crate) fn formula_with(scene: &CheckedScene, sym: Sym, names: &[String]) -> String {
     let mut printer = Printer {
         scene,
+        names,
         text: String::new(),
     };
     match printer.write(sym, 0) {
@@ -27,6 +33,7 @@ struct TooLong;
 
 struct Printer<'a> {
     scene: &'a CheckedScene,
+    names: &'a [String],
     text: String,
 }
 
@@ -221,7 +228,10 @@ impl Printer<'_> {
             Variable::Time => "t".to_owned(),
             Variable::Multiplier(i) => format!("lambda{i}"),
             Variable::Unknown(i) => format!("a{i}"),
-            Variable::Argument(i) => format!("arg{i}"),
+            Variable::Argument(i) => {
+                let name = self.names.get(usize::from(i)).cloned();
+                name.unwrap_or_else(|| format!("arg{i}"))
+            }
         }
     }
 }

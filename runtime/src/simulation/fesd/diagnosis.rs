@@ -1,7 +1,7 @@
 //! Why a run stopped, in words.
 
 use super::driver::{Driver, Stop};
-use crate::fesd::contact_mode::ModeError;
+use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
 use crate::simulation::{Diagnosis, SimulationStatus};
 
@@ -30,14 +30,14 @@ impl Driver<'_> {
         let names: Vec<&str> = self
             .active
             .iter()
-            .map(|&i| self.model.declaration().contacts[i].name)
+            .map(|held| self.model.declaration().contacts[held.contact].name)
             .collect();
         let mode = if names.is_empty() {
             "in free motion".to_string()
         } else {
             format!("in contact with {}", names.join(", "))
         };
-        let contact = self.active.first().copied();
+        let contact = self.active.first().map(|held| held.contact);
         let describe =
             |what: &str| format!("step {step} at t = {} s {mode}: {what}", self.state.time);
         match stop {
