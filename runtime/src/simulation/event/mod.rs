@@ -77,7 +77,7 @@ pub struct EventDriven {
     pub max_step: Option<f64>,
     /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
     /// ends infinite sequences of bounces, with a note; default none, which means `sqrt(2 a h)` where the
-    /// contact is pressed with the acceleration `a`: bounces lower than `h = max(tolerance^2, 1e-13)` times
+    /// contact is pressed with the acceleration `a`: bounces lower than `h = max(tolerance^2, 1e-11)` times
     /// `max(1, |q|)` are left out.
     pub rest_velocity: Option<f64>,
     /// Largest number of events before the run ends as
