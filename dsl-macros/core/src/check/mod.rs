@@ -1,5 +1,6 @@
 //! The declaration as a whole: names in force, every expression evaluated, the rules of the language.
 
+mod dependence;
 mod law;
 mod names;
 mod optimal_control;
@@ -248,6 +249,7 @@ impl Checker<'_> {
         }
         rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)?;
         let mut contacts = law::contacts(laws, lagrangian, &mut checker)?;
+        dependence::gaps(&contacts, &mut checker);
         rules::unused(&mut checker);
         for contact in &mut contacts {
             contact.unit = units.gaps.get(&contact.name.text).copied();
