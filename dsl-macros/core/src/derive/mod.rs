@@ -8,6 +8,7 @@
 
 mod implicit;
 mod ldl;
+mod residual;
 mod simplify;
 
 pub(crate) use implicit::Implicit;
@@ -17,11 +18,21 @@ use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{CheckedScene, Contact};
 use ldl::Factorization;
-use simplify::{simplify, simplify_all};
+use crate::tape::{self, Tape};
+use residual::Bordered;
+use simplify::{simplify, simplify_all, simplify_equation};
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Largest number of coordinates whose acceleration is written out as a formula; above, it is the
-/// solution of a linear system, as formulas through the inverse of the mass matrix explode.
+/// Largest number of coordinates whose acceleration is simplified as one formula; above, formulas
+/// through the inverse of the mass matrix explode.
 const EXPLICIT: usize = 4;
+
+/// Largest number of coordinates for which elimination is written out; above, loops over dense matrices
+/// are faster, and much shorter to compile.
+const WRITTEN_OUT: usize = 8;
+
+/// Fewest operations of a Hessian for which a second way of deriving it is tried.
+const SHORT: usize = 40;
 
 /// Values of a sparse matrix with their positions.
 #[derive(Default)]
@@ -39,12 +50,72 @@ pub(crate) struct Explicit {
     pub(crate) hessian: Sparse,
 }
 
+impl Sparse {
+    /// The structural nonzeros of a matrix.
+    fn nonzeros(
+        rows: usize,
+        columns: usize,
+        entries: impl Iterator<Item = ((usize, usize), Sym)>,
+    ) -> Self {
+        let (entries, values) = entries
+            .filter(|(_, value)| !value.is_structural_zero())
+            .unzip();
+        Self {
+            rows,
+            columns,
+            entries,
+            values,
+        }
+    }
+
+    /// Of two forms of the same matrix the cheaper one, at the positions that are nonzero in both.
+    fn cheaper(self, other: Self) -> Self {
+        let common = |one: Self, other: &Self| {
+            let positions: BTreeSet<(usize, usize)> = other.entries.iter().copied().collect();
+            let entries = one.entries.into_iter().zip(one.values);
+            let kept = entries.filter(|(entry, _)| positions.contains(entry));
+            Self::nonzeros(one.rows, one.columns, kept)
+        };
+        let first = common(self, &other);
+        let second = common(other, &first);
+        let (own, its) = (tape::cost(&first.values), tape::cost(&second.values));
+        if its < own { second } else { first }
+    }
+}
+
 impl Explicit {
     fn new(values: Vec<Sym>, inputs: &[Variable]) -> Self {
         Self {
             jacobian: jacobian(&values, inputs),
             hessian: hessian(&values, inputs),
             values,
+        }
+    }
+
+    /// The components of both; the Hessians are those of weighted sums, and add up.
+    fn followed_by(mut self, other: Self) -> Self {
+        let rows = self.values.len();
+        let below = other.jacobian.entries.iter();
+        let below = below.map(|&(row, column)| (rows + row, column));
+        self.jacobian.entries.extend(below);
+        self.jacobian.values.extend(other.jacobian.values);
+        self.jacobian.rows += other.jacobian.rows;
+        self.values.extend(other.values);
+        let own = self.hessian.entries.into_iter().zip(self.hessian.values);
+        let mut sums: BTreeMap<(usize, usize), Sym> = own.collect();
+        for (entry, value) in other.hessian.entries.into_iter().zip(other.hessian.values) {
+            *sums.entry(entry).or_insert(Sym::ZERO) += value;
+        }
+        self.hessian = Sparse::nonzeros(other.hessian.rows, other.hessian.columns, sums.into_iter());
+        self
+    }
+
+    /// The same function with the derivatives of whichever form takes fewer operations.
+    fn with_cheaper_derivatives(self, other: Self) -> Self {
+        Self {
+            values: self.values,
+            jacobian: self.jacobian.cheaper(other.jacobian),
+            hessian: self.hessian.cheaper(other.hessian),
         }
     }
 }
@@ -87,6 +158,10 @@ pub(crate) struct Equations {
     pub(crate) inputs: usize,
     /// Mass matrix, row-major.
     pub(crate) mass: Vec<Sym>,
+    /// `r` of `M a = r`.
+    pub(crate) right: Vec<Sym>,
+    /// Whether acceleration and contact directions are formulas that a person can read.
+    pub(crate) readable: bool,
     /// Kinetic and potential energy.
     pub(crate) energy: [Sym; 2],
     pub(crate) acceleration: Solution,
@@ -112,21 +187,26 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         for (i, entry) in graph::partial(&momenta, velocity).into_iter().enumerate() {
             // Lower and upper entries are the same formula, whatever form the sweeps gave them.
             if i >= j {
-                let entry = simplify(entry);
+                let entry = simplify_equation(entry);
                 (mass[i * n + j], mass[j * n + i]) = (entry, entry);
             }
         }
     }
-    let applied: Vec<Sym> = graph::gradient(lagrangian, &coordinates)
-        .into_iter()
+    let conservative = graph::gradient(lagrangian, &coordinates);
+    let applied: Vec<Sym> = conservative
+        .iter()
         .zip(&scene.forces)
-        .map(|(conservative, &force)| conservative + force)
+        .map(|(&conservative, &force)| conservative + force)
         .collect();
     let transport = graph::directional(&momenta, velocity_direction);
-    let right: Vec<Sym> = applied
+    let right: Vec<Sym> = conservative
         .iter()
         .zip(&transport)
-        .map(|(&applied, &transport)| simplify(applied - transport))
+        .zip(&scene.forces)
+        // Each part by itself: the terms of both rarely cancel, and long sums are not simplified.
+        .map(|((&conservative, &transport), &force)| {
+            simplify(simplify_equation(conservative - transport) + simplify_equation(force))
+        })
         .collect();
     if let Some(coordinate) = (0..n).find(|i| {
         mass[i * n..i * n + n]
@@ -137,30 +217,43 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     }
 
     let energy = energy(lagrangian, &momenta, &velocities);
-    let (acceleration, contacts) = if n <= EXPLICIT {
-        let factorization = Factorization::of(&mass, n)
-            .map_err(|coordinate| Failure::SingularMass { coordinate })?;
-        let contacts = scene
-            .contacts
-            .iter()
-            .map(|contact| explicit_contact(contact, &factorization, n, &inputs))
-            .collect();
-        let acceleration = factorization.solve(&right);
-        (
-            Solution::Explicit(Explicit::new(acceleration, &inputs)),
-            contacts,
-        )
+    let singular = |coordinate| Failure::SingularMass { coordinate };
+    let formulas = (n <= EXPLICIT)
+        .then(|| Factorization::of(&mass, n))
+        .transpose()
+        .map_err(singular)?;
+    let stepwise = Factorization::stepwise(&mass, n).map_err(singular)?;
+    let contacts = scene
+        .contacts
+        .iter()
+        .map(|contact| {
+            let elimination = (n <= WRITTEN_OUT).then_some(&stepwise);
+            contact_equations(contact, &mass, &momenta, formulas.as_ref(), elimination, &inputs)
+        })
+        .collect();
+    let motion = implicit::motion(
+        mass.clone(),
+        right.clone(),
+        &stepwise,
+        &momenta,
+        &applied,
+        &inputs,
+    );
+    let acceleration = if n <= WRITTEN_OUT {
+        let weights: Vec<Sym> = (0..n).map(Implicit::multiplier).collect();
+        let written = residual::derivatives(&motion, &stepwise, &weights, &inputs);
+        Solution::Explicit(match &formulas {
+            Some(formulas) => Explicit::new(formulas.solve(&right), &inputs)
+                .with_cheaper_derivatives(written),
+            None => written,
+        })
     } else {
-        let contacts = scene
-            .contacts
-            .iter()
-            .map(|contact| implicit_contact(contact, &mass, &momenta, n, &inputs))
-            .collect();
-        let motion = implicit::motion(mass.clone(), right, &momenta, &applied, &inputs);
-        (Solution::Implicit(motion), contacts)
+        Solution::Implicit(motion)
     };
     Ok(Equations {
         inputs: inputs.len(),
+        right,
+        readable: n <= EXPLICIT,
         mass,
         energy,
         acceleration,
@@ -191,47 +284,61 @@ fn scaled_direction(along: &[Sym], normal: &[Sym]) -> Vec<Sym> {
     along.iter().map(|&w| simplify(w * scale)).collect()
 }
 
-fn explicit_contact(
-    contact: &Contact,
-    factorization: &Factorization,
-    n: usize,
-    inputs: &[Variable],
-) -> ContactEquations {
-    let (mut rows, curvature, normal) = geometry(contact, n);
-    let inverse = factorization.solve(&normal);
-    let along = contact.along.as_ref().unwrap_or(&inverse);
-    rows.extend(scaled_direction(along, &normal));
-    ContactEquations {
-        rows: Explicit::new(rows, inputs),
-        curvature,
-        inverse_inertia: InverseInertia::Formula(inner(&normal, &inverse)),
-        normal,
-        direction: None,
-    }
-}
-
-fn implicit_contact(
+/// Contact quantities: as formulas, with elimination written out, or with a system that is solved at run
+/// time, as far as each is to be had.
+fn contact_equations(
     contact: &Contact,
     mass: &[Sym],
     momenta: &[Sym],
-    n: usize,
+    formulas: Option<&Factorization>,
+    elimination: Option<&Factorization>,
     inputs: &[Variable],
 ) -> ContactEquations {
+    let n = momenta.len();
     let (mut rows, curvature, normal) = geometry(contact, n);
-    let direction = match &contact.along {
-        Some(along) => {
-            rows.extend(scaled_direction(along, &normal));
-            None
-        }
-        None => Some(implicit::direction(mass, momenta, &normal, inputs)),
-    };
-    ContactEquations {
-        rows: Explicit::new(rows, inputs),
+    let finish = |rows, inverse_inertia, direction, normal| ContactEquations {
+        rows,
         curvature,
-        inverse_inertia: InverseInertia::Solved,
-        normal,
+        inverse_inertia,
         direction,
+        normal,
+    };
+    if let Some(along) = &contact.along {
+        rows.extend(scaled_direction(along, &normal));
+        let rows = Explicit::new(rows, inputs);
+        let inverse_inertia = match (formulas, elimination) {
+            (Some(factorization), _) => {
+                InverseInertia::Formula(inner(&normal, &factorization.solve(&normal)))
+            }
+            (None, Some(factorization)) => {
+                InverseInertia::Formula(Bordered::new(factorization, &normal).inverse_inertia())
+            }
+            (None, None) => InverseInertia::Solved,
+        };
+        return finish(rows, inverse_inertia, None, normal);
     }
+    let direction = implicit::direction(mass, momenta, &normal, inputs);
+    let geometry = Explicit::new(rows.clone(), inputs);
+    let Some(elimination) = elimination else {
+        return finish(geometry, InverseInertia::Solved, Some(direction), normal);
+    };
+    let bordered = Bordered::new(elimination, &normal);
+    let weights: Vec<Sym> = (0..n).map(|i| Implicit::multiplier(2 + i)).collect();
+    let written = geometry.followed_by(residual::derivatives(
+        &direction, &bordered, &weights, inputs,
+    ));
+    let (rows, inverse_inertia) = match formulas {
+        Some(formulas) => {
+            let inverse = formulas.solve(&normal);
+            rows.extend(scaled_direction(&inverse, &normal));
+            (
+                Explicit::new(rows, inputs).with_cheaper_derivatives(written),
+                inner(&normal, &inverse),
+            )
+        }
+        None => (written, bordered.inverse_inertia()),
+    };
+    finish(rows, InverseInertia::Formula(inverse_inertia), None, normal)
 }
 
 /// `v' dL/dv - L` split into the part that vanishes at rest and the rest.
@@ -259,8 +366,9 @@ fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     sparse(outputs.len(), inputs.len(), entries)
 }
 
-/// Nonzero second derivatives (lower triangle) of the outputs weighted by multipliers: adjoints
-/// first, then a sweep of dual numbers for each input.
+/// Nonzero second derivatives (lower triangle) of the outputs weighted by multipliers, by two ways of which
+/// now one and now the other takes fewer operations: adjoints, then a sweep of dual numbers for
+/// each input; or one sweep that carries second derivatives, over the shortest evaluation.
 fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     let weighted: Sym = outputs
         .iter()
@@ -275,7 +383,14 @@ fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     let entries = (0..inputs.len())
         .flat_map(|i| (0..=i).map(move |j| (i, j)))
         .map(|(i, j)| ((i, j), columns[j][i]));
-    sparse(inputs.len(), inputs.len(), entries)
+    let by_columns = sparse(inputs.len(), inputs.len(), entries);
+    if tape::operations(&by_columns.values) < SHORT {
+        return by_columns;
+    }
+    let evaluation = Tape::of(&[weighted]).stepwise();
+    let entries = graph::hessian(evaluation[0], inputs);
+    let at_once = Sparse::nonzeros(inputs.len(), inputs.len(), entries.into_iter());
+    by_columns.cheaper(at_once)
 }
 
 /// The nonzeros of a matrix, in their cheapest common form.

@@ -149,14 +149,14 @@ fn formulas(scene: &CheckedScene, equations: &Equations) -> Vec<(String, String)
     add("kinetic energy".to_owned(), equations.energy[0]);
     add("potential energy".to_owned(), equations.energy[1]);
     match &equations.acceleration {
-        Solution::Explicit(solution) => {
+        Solution::Explicit(solution) if equations.readable => {
             for (name, &acceleration) in names.iter().zip(&solution.values) {
                 add(format!("{name}''"), acceleration);
             }
         }
-        Solution::Implicit(system) => {
-            for (i, &right) in system.right.iter().enumerate() {
-                add(format!("(M q'')({})", names[i]), right);
+        _ => {
+            for (name, &right) in names.iter().zip(&equations.right) {
+                add(format!("(M q'')({name})"), right);
             }
         }
     }
@@ -164,6 +164,9 @@ fn formulas(scene: &CheckedScene, equations: &Equations) -> Vec<(String, String)
         let contact = &contact.name.text;
         add(format!("gap({contact})"), derived.rows.values[0]);
         add(format!("gap({contact})'"), derived.rows.values[1]);
+        if !equations.readable {
+            continue;
+        }
         if let InverseInertia::Formula(inverse_inertia) = derived.inverse_inertia {
             add(format!("D({contact})"), inverse_inertia);
         }

@@ -103,6 +103,7 @@ fn dual_of(
             }
             Dual::new(sym, sum(terms))
         }
+        Node::Kept(inner) => Dual::new(sym, of(inner).eps),
         Node::Call(function, argument) => {
             Dual::new(sym, of(argument).eps * function.derivative(argument))
         }
@@ -152,6 +153,7 @@ pub(crate) fn gradient(root: Sym, by: &[Variable]) -> Vec<Sym> {
                     add(factor, product(rest), f64::from(halves) / 2.0);
                 }
             }
+            Node::Kept(inner) => add(inner, adjoint, 1.0),
             Node::Call(function, argument) => {
                 add(argument, adjoint * function.derivative(argument), 1.0);
             }
@@ -181,6 +183,7 @@ pub(crate) fn substitute(roots: &[Sym], replace: impl Fn(Variable) -> Option<Sym
             Node::Product(factors) => {
                 product(factors.iter().map(|&(factor, halves)| (of(factor), halves)))
             }
+            Node::Kept(inner) => of(inner).kept(),
             Node::Call(function, argument) => of(argument).call(function),
             Node::Call2(function, first, second) => of(first).call2(function, of(second)),
         };

@@ -64,6 +64,29 @@ impl Tape {
         best.unwrap_or_default()
     }
 
+    /// The outputs as expressions again, each operation one quantity: what is differentiated then is the
+    /// evaluation with all that it shares.
+    pub(crate) fn stepwise(&self) -> Vec<Sym> {
+        let mut values: Vec<Sym> = Vec::with_capacity(self.ops.len());
+        for &op in &self.ops {
+            let at = |i: u32| values[i as usize];
+            let value = match op {
+                Op::Load(variable) => Sym::variable(variable),
+                Op::Constant(bits) => Sym::number(f64::from_bits(bits)),
+                Op::Add(a, b) => at(a) + at(b),
+                Op::Subtract(a, b) => at(a) - at(b),
+                Op::Multiply(a, b) => at(a) * at(b),
+                Op::Divide(a, b) => at(a) / at(b),
+                Op::Negate(a) => -at(a),
+                Op::Root(a) => at(a).power(1),
+                Op::Call(function, a) => at(a).call(function),
+                Op::Call2(function, a, b) => at(a).call2(function, at(b)),
+            };
+            values.push(value.kept());
+        }
+        self.outputs.iter().map(|&i| values[i as usize]).collect()
+    }
+
     /// Number of arithmetic operations and function calls.
     pub(crate) fn operations(&self) -> usize {
         self.ops
@@ -71,6 +94,21 @@ impl Tape {
             .filter(|op| !matches!(op, Op::Load(_) | Op::Constant(_)))
             .count()
     }
+}
+
+/// What a set of expressions costs, in multiplications, about: a division or a root takes as long as
+/// several of them, a function as long as many.
+pub(crate) fn cost(outputs: &[Sym]) -> usize {
+    let weight = |op: &Op| match op {
+        Op::Load(_) | Op::Constant(_) => 0,
+        Op::Add(..) | Op::Subtract(..) | Op::Multiply(..) | Op::Negate(_) => 1,
+        Op::Divide(..) | Op::Root(_) => 5,
+        Op::Call(..) => 25,
+        Op::Call2(..) => 50,
+    };
+    let (nodes, roots) = Lowering::run(outputs, true);
+    let shared = share::pairs(nodes);
+    linear::tape(&shared, &roots).ops.iter().map(weight).sum()
 }
 
 /// Number of operations that a set of expressions takes, about: without the search for shared pairs.
