@@ -17,8 +17,8 @@ use crate::check::normal;
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{CheckedScene, Contact};
-use ldl::Factorization;
 use crate::tape::{self, Tape};
+use ldl::Factorization;
 use residual::Bordered;
 use simplify::{simplify, simplify_all, simplify_equation};
 use std::collections::{BTreeMap, BTreeSet};
@@ -30,6 +30,10 @@ const EXPLICIT: usize = 4;
 /// Largest number of coordinates for which elimination is written out; above, loops over dense matrices
 /// are faster, and much shorter to compile.
 const WRITTEN_OUT: usize = 8;
+
+/// Most operations of formulas whose derivatives are tried as formulas; those of longer ones were never the
+/// cheaper ones.
+const DIFFERENTIATED: usize = 120;
 
 /// Fewest operations of a Hessian for which a second way of deriving it is tried.
 const SHORT: usize = 40;
@@ -106,16 +110,25 @@ impl Explicit {
         for (entry, value) in other.hessian.entries.into_iter().zip(other.hessian.values) {
             *sums.entry(entry).or_insert(Sym::ZERO) += value;
         }
-        self.hessian = Sparse::nonzeros(other.hessian.rows, other.hessian.columns, sums.into_iter());
+        self.hessian =
+            Sparse::nonzeros(other.hessian.rows, other.hessian.columns, sums.into_iter());
         self
     }
 
-    /// The same function with the derivatives of whichever form takes fewer operations.
-    fn with_cheaper_derivatives(self, other: Self) -> Self {
+    /// Formulas whose derivatives are taken of themselves or from `written_out`, the same function by
+    /// elimination, whichever takes fewer operations.
+    fn with_cheaper_derivatives(values: Vec<Sym>, written_out: Self, inputs: &[Variable]) -> Self {
+        if tape::operations(&values) > DIFFERENTIATED {
+            return Self {
+                values,
+                ..written_out
+            };
+        }
+        let formulas = Self::new(values, inputs);
         Self {
-            values: self.values,
-            jacobian: self.jacobian.cheaper(other.jacobian),
-            hessian: self.hessian.cheaper(other.hessian),
+            values: formulas.values,
+            jacobian: formulas.jacobian.cheaper(written_out.jacobian),
+            hessian: formulas.hessian.cheaper(written_out.hessian),
         }
     }
 }
@@ -228,7 +241,14 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         .iter()
         .map(|contact| {
             let elimination = (n <= WRITTEN_OUT).then_some(&stepwise);
-            contact_equations(contact, &mass, &momenta, formulas.as_ref(), elimination, &inputs)
+            contact_equations(
+                contact,
+                &mass,
+                &momenta,
+                formulas.as_ref(),
+                elimination,
+                &inputs,
+            )
         })
         .collect();
     let motion = implicit::motion(
@@ -243,8 +263,9 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         let weights: Vec<Sym> = (0..n).map(Implicit::multiplier).collect();
         let written = residual::derivatives(&motion, &stepwise, &weights, &inputs);
         Solution::Explicit(match &formulas {
-            Some(formulas) => Explicit::new(formulas.solve(&right), &inputs)
-                .with_cheaper_derivatives(written),
+            Some(formulas) => {
+                Explicit::with_cheaper_derivatives(formulas.solve(&right), written, &inputs)
+            }
             None => written,
         })
     } else {
@@ -332,7 +353,7 @@ fn contact_equations(
             let inverse = formulas.solve(&normal);
             rows.extend(scaled_direction(&inverse, &normal));
             (
-                Explicit::new(rows, inputs).with_cheaper_derivatives(written),
+                Explicit::with_cheaper_derivatives(rows, written, inputs),
                 inner(&normal, &inverse),
             )
         }

@@ -26,6 +26,10 @@ pub(crate) fn simplify_equation(sym: Sym) -> Sym {
 }
 
 fn simplify_up_to(sym: Sym, longest: usize) -> Sym {
+    // Counting operations takes much longer than counting parts, of which each is one or more.
+    if graph::is_longer_than(sym, longest) {
+        return sym;
+    }
     let mut best = sym;
     let mut cost = tape::operations(&[sym]);
     if cost <= 1 || cost > longest {

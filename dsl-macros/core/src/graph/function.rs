@@ -177,7 +177,10 @@ impl Function2 {
 
 /// Stand-ins for arguments, which no expression of a scene contains.
 fn holes() -> [Variable; 2] {
-    [Variable::Argument(u16::MAX), Variable::Argument(u16::MAX - 1)]
+    [
+        Variable::Argument(u16::MAX),
+        Variable::Argument(u16::MAX - 1),
+    ]
 }
 
 fn put(formula: Sym, arguments: [(Variable, Sym); 2]) -> Sym {

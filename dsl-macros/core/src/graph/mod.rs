@@ -14,13 +14,13 @@ mod number;
 mod passes;
 mod second_order;
 
-pub(crate) use second_order::hessian;
 pub(crate) use expand::{expand, pythagoras};
 pub(crate) use function::{Function, Function2};
 pub(crate) use normal::{factors_of, product, sum};
 pub(crate) use passes::{
-    depends_on, directional, gradient, partial, reachable, substitute, variables,
+    depends_on, directional, gradient, is_longer_than, partial, reachable, substitute, variables,
 };
+pub(crate) use second_order::hessian;
 
 use std::cell::RefCell;
 use std::collections::HashMap;

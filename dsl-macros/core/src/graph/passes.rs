@@ -2,7 +2,7 @@
 
 use super::{Node, Sym, Variable, children, product, sum};
 use num_dual::Dual;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// All expressions that `roots` consist of, parts before wholes.
 pub(crate) fn reachable(roots: &[Sym]) -> Vec<Sym> {
@@ -15,6 +15,22 @@ pub(crate) fn reachable(roots: &[Sym]) -> Vec<Sym> {
     }
     // A node is created after its parts, so the order of creation is an order of evaluation.
     seen.into_iter().collect()
+}
+
+/// Whether an expression has more than `limit` parts that are sums, products or calls; looks no further.
+pub(crate) fn is_longer_than(root: Sym, limit: usize) -> bool {
+    let mut seen: HashSet<Sym> = HashSet::new();
+    let mut stack = vec![root];
+    while let Some(sym) = stack.pop() {
+        let parts = children(&sym.node());
+        if !parts.is_empty() && seen.insert(sym) {
+            if seen.len() > limit {
+                return true;
+            }
+            stack.extend(parts);
+        }
+    }
+    false
 }
 
 /// All variables that `roots` depend on.

@@ -145,9 +145,7 @@ fn second_partials(node: &Node) -> Vec<(Sym, Sym, Sym)> {
         Node::Call(function, argument) => {
             vec![(*argument, *argument, function.second_derivative(*argument))]
         }
-        Node::Call2(function, first, second) => {
-            function.second_derivatives(*first, *second)
-        }
+        Node::Call2(function, first, second) => function.second_derivatives(*first, *second),
     }
 }
 
