@@ -35,6 +35,16 @@ pub(crate) const FUNCTIONS: [&str; 13] = [
 /// Functions with their own rules.
 pub(crate) const SPECIAL_FUNCTIONS: [&str; 4] = ["dot", "diff", "atan2", "cross"];
 
+/// Functions that make matrices; their names may be taken by declarations.
+pub(crate) const MATRIX_FUNCTIONS: [&str; 6] = [
+    "rotation",
+    "rotation_x",
+    "rotation_y",
+    "rotation_z",
+    "transpose",
+    "diagonal",
+];
+
 /// Functions with a kink or a jump, which dynamics must not have.
 pub(crate) const NONSMOOTH: [&str; 10] = [
     "abs",
