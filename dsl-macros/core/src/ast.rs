@@ -66,6 +66,21 @@ pub(crate) enum Relation {
     AtMost,
 }
 
+/// What happens where surfaces are hit: parts of an impact law, which the parser has seen to fit together.
+#[derive(Debug)]
+pub(crate) struct Law {
+    /// Coefficient of restitution; `None` for an inelastic law.
+    pub(crate) restitution: Option<Expr>,
+    /// Coefficient of friction.
+    pub(crate) friction: Option<Expr>,
+    /// Sliding velocity.
+    pub(crate) sliding: Option<Expr>,
+    /// Direction of the impulse.
+    pub(crate) along: Option<Expr>,
+    /// Coordinates that are rigid under the impulse.
+    pub(crate) holding: Vec<Name>,
+}
+
 /// One statement.
 #[derive(Debug)]
 pub(crate) enum Statement {
@@ -99,7 +114,7 @@ pub(crate) enum Statement {
     },
     Impact {
         surfaces: Vec<Name>,
-        along: Option<Expr>,
+        law: Law,
     },
     Start(Vec<Assignment>),
     Horizon {

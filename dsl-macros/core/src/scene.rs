@@ -49,6 +49,18 @@ pub(crate) struct Contact {
     pub(crate) unit: Option<Unit>,
     /// The declared impulse direction, in the units of the velocities as declared.
     pub(crate) along: Option<Vec<Sym>>,
+    /// Coordinates that are rigid under the impulse, increasing.
+    pub(crate) held: Vec<usize>,
+    /// Coefficient of restitution; `None` for an inelastic contact.
+    pub(crate) restitution: Option<Sym>,
+    pub(crate) friction: Option<Friction>,
+}
+
+/// Coulomb friction of a contact.
+pub(crate) struct Friction {
+    pub(crate) coefficient: Sym,
+    /// Sliding velocity, linear in the velocities, in SI units.
+    pub(crate) sliding: Sym,
 }
 
 /// How many SI units one declared unit is.

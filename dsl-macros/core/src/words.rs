@@ -1,7 +1,7 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 19] = [
+pub(crate) const STATEMENTS: [&str; 16] = [
     "parameters",
     "coordinates",
     "controls",
@@ -14,17 +14,29 @@ pub(crate) const STATEMENTS: [&str; 19] = [
     "impact",
     "start",
     "horizon",
-    "friction",
     "constraint",
     "minimize",
     "finally",
     "free",
+];
+
+/// Words that begin a part of an impact law.
+pub(crate) const LAW_PARTS: [&str; 6] = [
+    "inelastic",
+    "restitution",
+    "friction",
+    "sliding",
     "along",
     "holding",
 ];
 
 /// Statements of the language that no solver treats yet.
-pub(crate) const NOT_YET: [&str; 5] = ["friction", "constraint", "minimize", "finally", "free"];
+pub(crate) const NOT_YET: [&str; 4] = ["constraint", "minimize", "finally", "free"];
+
+/// Whether a word belongs to the language, so that it names nothing else.
+pub(crate) fn is_keyword(text: &str) -> bool {
+    STATEMENTS.contains(&text) || LAW_PARTS.contains(&text)
+}
 
 /// Functions of one number.
 pub(crate) const FUNCTIONS: [&str; 13] = [

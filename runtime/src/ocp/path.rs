@@ -216,7 +216,7 @@ impl Path {
 }
 
 /// `(q, v)` with the normal accelerations that keep the contacts closed, as far as they push.
-fn with_forces(model: &dyn Model, state: Vec<f64>, controls: &[f64]) -> Vec<f64> {
+pub(super) fn with_forces(model: &dyn Model, state: Vec<f64>, controls: &[f64]) -> Vec<f64> {
     let mut x = state;
     let plain = x.len();
     x.extend(controls);

@@ -194,13 +194,6 @@ impl<'a> Program<'a> {
         self.unit[variable]
     }
 
-    /// (equalities, inequalities).
-    pub(super) fn row_counts(&self) -> (usize, usize) {
-        let equalities = self.row_lower.iter().zip(&self.row_upper);
-        let equalities = equalities.filter(|(l, u)| l == u).count();
-        (equalities, self.row_lower.len() - equalities)
-    }
-
     fn gather(&mut self, block: usize, x: &[f64]) {
         self.local.clear();
         let inputs = self.blocks[block].inputs.iter();

@@ -1,5 +1,6 @@
 //! What the caller may choose.
 
+use super::time_freezing::TimeFreezingSettings;
 use crate::rk::ButcherTableau;
 use crate::simulation::InputError;
 
@@ -20,12 +21,29 @@ pub enum Guess {
     },
 }
 
+/// How the contact sequence is found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Formulation {
+    /// Small contact-implicit programs, from coarse to fine.
+    #[default]
+    Phases,
+    /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing). It starts from
+    /// [`Guess::Straight`] or [`Guess::Ride`].
+    TimeFreezing(TimeFreezingSettings),
+}
+
 /// Settings of the optimal control solver; change fields of [`Settings::default`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {
+    /// How the contact sequence is found; default [`Formulation::Phases`].
+    pub formulation: Formulation,
     /// Where the global phase starts; default [`Guess::Straight`].
     pub guess: Guess,
+    /// Number of starts that are solved side by side, the first one with these settings, the others with other
+    /// guesses and discretizations; default 1, at least 1. The best result is returned, with the distinct local
+    /// optima; it does not depend on the number of threads.
+    pub starts: usize,
     /// Radau IIA stages of a phase; default 4, in `2..=9`. Order `2 n - 1`. More are taken where the re-simulation
     /// does not confirm a plan.
     pub stages: usize,
@@ -35,7 +53,9 @@ pub struct Settings {
     /// 1e-5, > 0. A grazing plan is not one that a motion can follow: a hair lower it would land.
     pub gap_margin: f64,
     /// Most motions of the global phase that are refined, the best first; default 2, at least 1.
-    pub starts: usize,
+    pub refined_motions: usize,
+    /// Elements an interval of the contact-implicit programs that are refined; default 4, at least 1.
+    pub refined_elements: usize,
     /// Most programs, those of the global phase included; default 60.
     pub maximum_programs: usize,
     /// Most iterations of one program; default 500.
@@ -52,11 +72,14 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            formulation: Formulation::default(),
             guess: Guess::default(),
+            starts: 1,
             stages: 4,
             tolerance: 1e-9,
             gap_margin: 1e-5,
-            starts: 2,
+            refined_motions: 2,
+            refined_elements: 4,
             maximum_programs: 60,
             maximum_iterations: 500,
             replay_tolerance: 1e-9,
@@ -91,6 +114,8 @@ impl Settings {
         }
         for (what, value) in [
             ("starts", self.starts),
+            ("refined motions", self.refined_motions),
+            ("refined elements", self.refined_elements),
             ("most programs", self.maximum_programs),
             ("most iterations", self.maximum_iterations),
         ] {
@@ -103,7 +128,25 @@ impl Settings {
                 });
             }
         }
+        let supported = matches!(self.guess, Guess::Straight | Guess::Ride);
+        if let Formulation::TimeFreezing(_) = self.formulation
+            && !supported
+        {
+            return Err(InputError::Unsupported {
+                what: format!("guess {:?} of the time-freezing formulation", self.guess),
+                remedy: "choose `Straight` or `Ride`".into(),
+            });
+        }
         Ok(())
+    }
+
+    pub(super) fn refuse_starts(&self) -> InputError {
+        InputError::OutOfRange {
+            what: "starts".into(),
+            value: self.starts as f64,
+            unit: String::new(),
+            bound: "at least 1".into(),
+        }
     }
 
     pub(super) fn refuse_stages(&self) -> InputError {

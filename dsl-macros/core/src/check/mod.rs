@@ -1,18 +1,18 @@
 //! The declaration as a whole: names in force, every expression evaluated, the rules of the language.
 
+mod law;
 mod names;
 mod rules;
 mod units;
 mod values;
 
-pub(crate) use rules::normal;
+pub(crate) use law::normal;
 
 use crate::ast::{Assignment, Documentation, Expr, Name, Relation, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
-use crate::evaluate::{Meaning, Scope, UserFunction, Value};
+use crate::evaluate::{Meaning, Scope, UserFunction};
 use crate::graph::{self, Sym, Variable};
-use crate::parse::law_of;
-use crate::scene::{self, CheckedScene, Contact, Coordinate, Parameter};
+use crate::scene::{self, CheckedScene, Coordinate, Parameter};
 use hangtime_units::Unit;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -58,12 +58,6 @@ struct Surface {
     gap: Sym,
 }
 
-/// A law for one surface.
-struct Law {
-    surface: Name,
-    along: Option<Vec<Sym>>,
-}
-
 /// A sum of which parts are used by name.
 struct Abbreviation {
     name: Name,
@@ -82,7 +76,7 @@ struct Checker<'a> {
     /// Generalized force in SI units, by coordinate.
     forces: Vec<(usize, Sym)>,
     surfaces: Vec<Surface>,
-    impacts: Vec<Law>,
+    impacts: Vec<law::CheckedLaw>,
     start: Vec<Assignment>,
     horizon: Option<Sym>,
 }
@@ -109,7 +103,7 @@ impl Checker<'_> {
                 relation,
                 right,
             } => self.surface(documentation, name, left, *relation, right),
-            Statement::Impact { surfaces, along } => self.impact(surfaces, along.as_ref()),
+            Statement::Impact { surfaces, law } => self.impact(surfaces, law),
             Statement::Start(assignments) => self.start_statement(assignments),
             Statement::Horizon { keyword, value } => self.horizon(*keyword, value),
         }
@@ -218,83 +212,6 @@ impl Checker<'_> {
         Ok(())
     }
 
-    fn impact(&mut self, surfaces: &[Name], along: Option<&Expr>) -> Checked<()> {
-        let along = match along {
-            None => None,
-            Some(expr) => {
-                let direction = self.direction(expr);
-                if direction.is_err() {
-                    for surface in surfaces {
-                        self.diagnostics.poison(&law_of(&surface.text));
-                    }
-                }
-                Some(direction?)
-            }
-        };
-        for surface in surfaces {
-            if let Some(known) = self
-                .impacts
-                .iter()
-                .find(|known| known.surface.text == surface.text)
-            {
-                let text = known.surface.text.clone();
-                self.diagnostics.report(
-                    "E20",
-                    surface.place(),
-                    format!("surface `{text}` has two impact laws; keep one"),
-                );
-                continue;
-            }
-            self.impacts.push(Law {
-                surface: surface.clone(),
-                along: along.clone(),
-            });
-        }
-        Ok(())
-    }
-
-    /// The impulse direction as velocities in declared units.
-    fn direction(&mut self, expr: &Expr) -> Checked<Vec<Sym>> {
-        let value = self.scope.value(expr, self.diagnostics)?;
-        let n = self.coordinates.len();
-        let components = value.components();
-        if components.len() != n
-            || (matches!(value, Value::Scalar(_)) && n != 1)
-            || matches!(value, Value::Matrix(_))
-        {
-            return Err(self.diagnostics.report(
-                "E02",
-                expr.place,
-                format!(
-                    "the impulse direction has {} component{}; it needs one for each of the {n} \
-                     coordinates, in their order",
-                    components.len(),
-                    if components.len() == 1 { "" } else { "s" },
-                ),
-            ));
-        }
-        if let Some(variable) = graph::variables(components)
-            .into_iter()
-            .find(|variable| matches!(variable, Variable::Velocity(_) | Variable::Control(_)))
-        {
-            return Err(self.diagnostics.report(
-                "E07",
-                expr.place,
-                format!(
-                    "the impulse direction depends on {}; it may depend on positions only",
-                    self.in_words(variable)
-                ),
-            ));
-        }
-        Ok(components
-            .iter()
-            .zip(&self.coordinates)
-            .map(|(component, coordinate)| {
-                component.scaled(1.0 / scene::scale(coordinate.unit.as_ref()))
-            })
-            .collect())
-    }
-
     /// A variable as the user knows it.
     fn in_words(&self, variable: Variable) -> String {
         let name = |list: &[Coordinate], i: u16| {
@@ -313,10 +230,9 @@ impl Checker<'_> {
     fn finish(self, declared: &Scene, gaps: &HashMap<String, Unit>) -> Checked<CheckedScene> {
         let mut checker = self;
         rules::missing_statements(&declared.name, &mut checker);
-        let contacts = rules::laws(&mut checker);
+        let laws = law::of_surfaces(&mut checker);
         let start = checker.start_values();
-        let (Some((lagrangian, place)), Ok(mut contacts), Ok(start)) =
-            (checker.lagrangian, contacts, start)
+        let (Some((lagrangian, place)), Ok(laws), Ok(start)) = (checker.lagrangian, laws, start)
         else {
             return Err(Reported);
         };
@@ -325,17 +241,18 @@ impl Checker<'_> {
             return Err(Reported);
         }
         rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)?;
+        let mut contacts = law::contacts(laws, lagrangian, &mut checker)?;
         rules::unused(&mut checker);
         for contact in &mut contacts {
             contact.unit = gaps.get(&contact.name.text).copied();
         }
         let forces = checker.total_forces();
-        let along = |contact: &Contact| contact.along.clone().unwrap_or_default();
         let mut dynamics: Vec<Sym> = vec![lagrangian];
         dynamics.extend(&forces);
         for contact in &contacts {
             dynamics.push(contact.gap);
-            dynamics.extend(along(contact));
+            dynamics.extend(contact.along.iter().flatten());
+            dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
         }
         let explicit_time = graph::variables(&dynamics).contains(&Variable::Time);
         Ok(CheckedScene {

@@ -84,7 +84,7 @@ impl Checker<'_> {
     }
 
     /// A value that may depend on parameters only.
-    fn constant(&mut self, sym: Sym, expr: &Expr, what: &str) -> Checked<Sym> {
+    pub(super) fn constant(&mut self, sym: Sym, expr: &Expr, what: &str) -> Checked<Sym> {
         let moving = graph::variables(&[sym])
             .into_iter()
             .find(|variable| !matches!(variable, Variable::Parameter(_)));
@@ -166,7 +166,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    fn coordinate_index(&mut self, name: &Name) -> Checked<usize> {
+    pub(super) fn coordinate_index(&mut self, name: &Name) -> Checked<usize> {
         if let Some(index) = self
             .coordinates
             .iter()
@@ -263,6 +263,16 @@ impl Checker<'_> {
         Ok((filled(values.0), filled(values.1)))
     }
 
+    /// The number that a value is for the defaults of the parameters.
+    pub(super) fn at_default(&self, value: Sym) -> Option<f64> {
+        let defaults: Vec<f64> = self.parameters.iter().map(|known| known.default).collect();
+        graph::substitute(&[value], |variable| match variable {
+            Variable::Parameter(i) => defaults.get(usize::from(i)).map(|&v| Sym::number(v)),
+            _ => None,
+        })[0]
+            .as_number()
+    }
+
     fn start_within_bounds(&mut self, index: usize, value: Sym, expr: &Expr) {
         let coordinate = &self.coordinates[index];
         let Some((lower, upper)) = coordinate.bounds else {
@@ -271,13 +281,7 @@ impl Checker<'_> {
         let (Some(low), Some(high)) = (lower.as_number(), upper.as_number()) else {
             return;
         };
-        // With parameters in it, the value at their defaults is what counts.
-        let defaults: Vec<f64> = self.parameters.iter().map(|known| known.default).collect();
-        let at_default = graph::substitute(&[value], |variable| match variable {
-            Variable::Parameter(i) => defaults.get(usize::from(i)).map(|&v| Sym::number(v)),
-            _ => None,
-        });
-        if let Some(value) = at_default[0].as_number()
+        if let Some(value) = self.at_default(value)
             && !(low..=high).contains(&value)
         {
             self.diagnostics.report(

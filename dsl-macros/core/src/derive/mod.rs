@@ -6,21 +6,22 @@
 //! M = d2L/dv2          r = dL/dq + Q - (d2L/dv dq) v - d2L/dv dt          M a = r
 //! ```
 
+mod contact;
 mod implicit;
 mod ldl;
 mod residual;
 mod simplify;
 
+pub(crate) use contact::{ContactEquations, FrictionEquations, InverseInertia};
 pub(crate) use implicit::Implicit;
+pub(crate) use simplify::simplify;
 
-use crate::check::normal;
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
-use crate::scene::{CheckedScene, Contact};
+use crate::scene::CheckedScene;
 use crate::tape::{self, Tape};
 use ldl::Factorization;
-use residual::Bordered;
-use simplify::{simplify, simplify_all, simplify_equation};
+use simplify::{simplify_all, simplify_equation};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest number of coordinates whose acceleration is simplified as one formula; above, formulas
@@ -35,7 +36,7 @@ const WRITTEN_OUT: usize = 8;
 /// cheaper ones.
 const DIFFERENTIATED: usize = 120;
 
-/// Fewest operations of a Hessian for which a second way of deriving it is tried.
+/// Most operations of derivatives for which no second way of deriving them is tried.
 const SHORT: usize = 40;
 
 /// Values of a sparse matrix with their positions.
@@ -117,14 +118,24 @@ impl Explicit {
 
     /// Formulas whose derivatives are taken of themselves or from `written_out`, the same function by
     /// elimination, whichever takes fewer operations.
-    fn with_cheaper_derivatives(values: Vec<Sym>, written_out: Self, inputs: &[Variable]) -> Self {
+    fn cheapest(
+        values: Vec<Sym>,
+        written_out: impl FnOnce() -> Self,
+        inputs: &[Variable],
+    ) -> Self {
         if tape::operations(&values) > DIFFERENTIATED {
             return Self {
                 values,
-                ..written_out
+                ..written_out()
             };
         }
         let formulas = Self::new(values, inputs);
+        let length = tape::operations(&formulas.jacobian.values)
+            + tape::operations(&formulas.hessian.values);
+        if length <= SHORT {
+            return formulas;
+        }
+        let written_out = written_out();
         Self {
             values: formulas.values,
             jacobian: formulas.jacobian.cheaper(written_out.jacobian),
@@ -139,24 +150,6 @@ pub(crate) enum Solution {
     Explicit(Explicit),
     /// As the solution of a linear system.
     Implicit(Implicit),
-}
-
-/// What belongs to one contact.
-pub(crate) struct ContactEquations {
-    /// Gap, normal velocity, and if it is a formula, the contact direction.
-    pub(crate) rows: Explicit,
-    pub(crate) curvature: Sym,
-    pub(crate) normal: Vec<Sym>,
-    pub(crate) inverse_inertia: InverseInertia,
-    /// The contact direction, unless it is among the `rows`.
-    pub(crate) direction: Option<Implicit>,
-}
-
-/// `D = n' M^-1 n`.
-pub(crate) enum InverseInertia {
-    Formula(Sym),
-    /// From a linear system at run time: with the mass matrix, or with that of the direction.
-    Solved,
 }
 
 /// Why no equations could be derived.
@@ -236,21 +229,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         .transpose()
         .map_err(singular)?;
     let stepwise = Factorization::stepwise(&mass, n).map_err(singular)?;
-    let contacts = scene
-        .contacts
-        .iter()
-        .map(|contact| {
-            let elimination = (n <= WRITTEN_OUT).then_some(&stepwise);
-            contact_equations(
-                contact,
-                &mass,
-                &momenta,
-                formulas.as_ref(),
-                elimination,
-                &inputs,
-            )
-        })
-        .collect();
+    let written_out = (n <= WRITTEN_OUT).then_some(&stepwise);
     let motion = implicit::motion(
         mass.clone(),
         right.clone(),
@@ -259,18 +238,30 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         &applied,
         &inputs,
     );
-    let acceleration = if n <= WRITTEN_OUT {
-        let weights: Vec<Sym> = (0..n).map(Implicit::multiplier).collect();
-        let written = residual::derivatives(&motion, &stepwise, &weights, &inputs);
-        Solution::Explicit(match &formulas {
-            Some(formulas) => {
-                Explicit::with_cheaper_derivatives(formulas.solve(&right), written, &inputs)
-            }
-            None => written,
-        })
-    } else {
-        Solution::Implicit(motion)
+    let weights: Vec<Sym> = (0..n).map(Implicit::multiplier).collect();
+    let by_elimination = || residual::derivatives(&motion, &stepwise, &weights, &inputs);
+    let acceleration = match (&formulas, written_out) {
+        (Some(formulas), _) => Solution::Explicit(Explicit::cheapest(
+            formulas.solve(&right),
+            by_elimination,
+            &inputs,
+        )),
+        (None, Some(_)) => Solution::Explicit(by_elimination()),
+        (None, None) => Solution::Implicit(motion),
     };
+    let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
+    let inertia = contact::Mechanism {
+        mass: &mass,
+        momenta: &momenta,
+        formulas: formulas.as_ref(),
+        written_out,
+        inputs: &inputs,
+    };
+    let contacts = scene
+        .contacts
+        .iter()
+        .map(|contact| inertia.contact(contact))
+        .collect::<Result<_, _>>()?;
     Ok(Equations {
         inputs: inputs.len(),
         right,
@@ -280,86 +271,6 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         acceleration,
         contacts,
     })
-}
-
-fn inner(a: &[Sym], b: &[Sym]) -> Sym {
-    simplify(a.iter().zip(b).map(|(&a, &b)| a * b).sum())
-}
-
-/// Gap, normal velocity, curvature and normal.
-fn geometry(contact: &Contact, n: usize) -> (Vec<Sym>, Sym, Vec<Sym>) {
-    let gap = contact.gap;
-    let normal: Vec<Sym> = normal(gap, n).into_iter().map(simplify).collect();
-    let normal_velocity = graph::directional(&[gap], velocity_direction)[0];
-    let curvature = graph::directional(&[normal_velocity], velocity_direction)[0];
-    (
-        vec![gap, simplify(normal_velocity)],
-        simplify(curvature),
-        normal,
-    )
-}
-
-/// `w / (n' w)`.
-fn scaled_direction(along: &[Sym], normal: &[Sym]) -> Vec<Sym> {
-    let scale = inner(normal, along).power(-2);
-    along.iter().map(|&w| simplify(w * scale)).collect()
-}
-
-/// Contact quantities: as formulas, with elimination written out, or with a system that is solved at run
-/// time, as far as each is to be had.
-fn contact_equations(
-    contact: &Contact,
-    mass: &[Sym],
-    momenta: &[Sym],
-    formulas: Option<&Factorization>,
-    elimination: Option<&Factorization>,
-    inputs: &[Variable],
-) -> ContactEquations {
-    let n = momenta.len();
-    let (mut rows, curvature, normal) = geometry(contact, n);
-    let finish = |rows, inverse_inertia, direction, normal| ContactEquations {
-        rows,
-        curvature,
-        inverse_inertia,
-        direction,
-        normal,
-    };
-    if let Some(along) = &contact.along {
-        rows.extend(scaled_direction(along, &normal));
-        let rows = Explicit::new(rows, inputs);
-        let inverse_inertia = match (formulas, elimination) {
-            (Some(factorization), _) => {
-                InverseInertia::Formula(inner(&normal, &factorization.solve(&normal)))
-            }
-            (None, Some(factorization)) => {
-                InverseInertia::Formula(Bordered::new(factorization, &normal).inverse_inertia())
-            }
-            (None, None) => InverseInertia::Solved,
-        };
-        return finish(rows, inverse_inertia, None, normal);
-    }
-    let direction = implicit::direction(mass, momenta, &normal, inputs);
-    let geometry = Explicit::new(rows.clone(), inputs);
-    let Some(elimination) = elimination else {
-        return finish(geometry, InverseInertia::Solved, Some(direction), normal);
-    };
-    let bordered = Bordered::new(elimination, &normal);
-    let weights: Vec<Sym> = (0..n).map(|i| Implicit::multiplier(2 + i)).collect();
-    let written = geometry.followed_by(residual::derivatives(
-        &direction, &bordered, &weights, inputs,
-    ));
-    let (rows, inverse_inertia) = match formulas {
-        Some(formulas) => {
-            let inverse = formulas.solve(&normal);
-            rows.extend(scaled_direction(&inverse, &normal));
-            (
-                Explicit::with_cheaper_derivatives(rows, written, inputs),
-                inner(&normal, &inverse),
-            )
-        }
-        None => (written, bordered.inverse_inertia()),
-    };
-    finish(rows, InverseInertia::Formula(inverse_inertia), None, normal)
 }
 
 /// `v' dL/dv - L` split into the part that vanishes at rest and the rest.

@@ -25,23 +25,24 @@ impl Elimination for Factorization {
     }
 }
 
-/// The mass matrix bordered by a normal: `M d - n r = f`, `n' d = g`.
+/// The mass matrix bordered by vectors, the normal `n` last: with unknowns `e` for each tangent `b`, then `d`
+/// and `r`, `M e - b r = f`, `M d - n r = g`, `n' d = h`.
 pub(super) struct Bordered<'a> {
     mass: &'a Factorization,
-    normal: &'a [Sym],
-    /// `M^-1 n`.
-    along: Vec<Sym>,
+    columns: Vec<Vec<Sym>>,
+    /// `M^-1` times each column.
+    along: Vec<Vec<Sym>>,
     /// `1 / (n' M^-1 n)`.
     scale: Sym,
 }
 
 impl<'a> Bordered<'a> {
-    pub(super) fn new(mass: &'a Factorization, normal: &'a [Sym]) -> Self {
-        let along = mass.solve(normal);
-        let scale = inner(normal, &along).power(-2).kept();
+    pub(super) fn new(mass: &'a Factorization, columns: Vec<Vec<Sym>>) -> Self {
+        let along: Vec<Vec<Sym>> = columns.iter().map(|column| mass.solve(column)).collect();
+        let scale = last_product(&columns, &along).power(-2).kept();
         Self {
             mass,
-            normal,
+            columns,
             along,
             scale,
         }
@@ -49,34 +50,65 @@ impl<'a> Bordered<'a> {
 
     /// `n' M^-1 n`.
     pub(super) fn inverse_inertia(&self) -> Sym {
-        inner(self.normal, &self.along)
+        last_product(&self.columns, &self.along)
     }
 
-    /// `M^-1 f + sign M^-1 n r`, and `r` last.
-    fn solve_signed(&self, right: &[Sym], sign: f64) -> Vec<Sym> {
-        let (first, last) = right.split_at(self.normal.len());
-        // Forces along the normal alone come often; for them `M^-1 f` is not needed.
-        let mut y = if first.iter().all(|f| f.is_structural_zero()) {
-            first.to_vec()
-        } else {
-            self.mass.solve(first)
+    /// `M^-1` times each block, and what remains behind the blocks.
+    fn blocks(&self, right: &[Sym]) -> (Vec<Vec<Sym>>, Sym) {
+        let n = self.columns[0].len();
+        let blocks = right.chunks_exact(n).take(self.columns.len());
+        let solve = |block: &[Sym]| {
+            if block.iter().all(|f| f.is_structural_zero()) {
+                block.to_vec()
+            } else {
+                self.mass.solve(block)
+            }
         };
-        let gap = last[0].scaled(sign) - inner(self.normal, &y);
-        let r = (gap.kept() * self.scale).kept();
-        for (y, &along) in y.iter_mut().zip(&self.along) {
-            *y = (*y + along * r).kept();
-        }
-        y.push(r.scaled(sign));
-        y
+        (
+            blocks.map(solve).collect(),
+            right[n * self.columns.len()],
+        )
     }
 }
 
 impl Elimination for Bordered<'_> {
     fn solve(&self, right: &[Sym]) -> Vec<Sym> {
-        self.solve_signed(right, 1.0)
+        let (mut blocks, closing) = self.blocks(right);
+        let gap = closing - last_product(&self.columns, &blocks);
+        let r = (gap.kept() * self.scale).kept();
+        for (block, along) in blocks.iter_mut().zip(&self.along) {
+            add_multiple(block, along, r);
+        }
+        let mut y = blocks.concat();
+        y.push(r);
+        y
     }
+
     fn solve_transposed(&self, right: &[Sym]) -> Vec<Sym> {
-        self.solve_signed(right, -1.0)
+        let (mut blocks, closing) = self.blocks(right);
+        let products = self.columns.iter().zip(&blocks);
+        let total: Sym = products.map(|(column, block)| inner(column, block)).sum();
+        let r = ((total + closing).kept() * self.scale).kept();
+        if let (Some(block), Some(along)) = (blocks.last_mut(), self.along.last()) {
+            add_multiple(block, along, -r);
+        }
+        let mut mu = blocks.concat();
+        mu.push(r);
+        mu
+    }
+}
+
+/// Product of the last vectors of two lists.
+fn last_product(a: &[Vec<Sym>], b: &[Vec<Sym>]) -> Sym {
+    match (a.last(), b.last()) {
+        (Some(a), Some(b)) => inner(a, b),
+        _ => Sym::ZERO,
+    }
+}
+
+fn add_multiple(to: &mut [Sym], vector: &[Sym], factor: Sym) {
+    for (to, &component) in to.iter_mut().zip(vector) {
+        *to = (*to + component * factor).kept();
     }
 }
 

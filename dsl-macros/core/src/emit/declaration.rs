@@ -1,13 +1,11 @@
 //! The static description of a scene.
 
-use super::Timing;
 use super::kernel::literal;
 use super::plan::{Pattern, Plan};
-use super::readable::formula;
 use super::structure::text;
+use super::{Timing, equations};
 use crate::ast::WrittenUnit;
-use crate::derive::{Equations, InverseInertia, Solution};
-use crate::graph::Sym;
+use crate::derive::Equations;
 use crate::scene::CheckedScene;
 use hangtime_units::Unit;
 use std::fmt::Write;
@@ -15,7 +13,7 @@ use std::fmt::Write;
 /// Writes `static DECLARATION`.
 pub(super) fn write(
     scene: &CheckedScene,
-    equations: &Equations,
+    derived: &Equations,
     plan: &Plan,
     timing: &Timing,
     code: &mut String,
@@ -59,19 +57,33 @@ pub(super) fn write(
         }
     }
     code.push_str("], contacts: &[");
-    for (contact, [jacobian, hessian]) in scene.contacts.iter().zip(&plan.contact_patterns) {
+    for (contact, plan) in scene.contacts.iter().zip(&plan.contacts) {
+        let friction = match &plan.friction {
+            None => "None".to_owned(),
+            Some(friction) => format!(
+                "Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {} }})",
+                pattern(&friction.derivatives.jacobian_pattern),
+                pattern(&friction.derivatives.hessian_pattern)
+            ),
+        };
         let _ = write!(
             code,
             "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
-             ::hangtime::model::ImpactLaw::Inelastic, friction: None, custom_direction: {}, held: &[], jacobian: {}, hessian: {}, \
-             documentation: {:?} }},",
+             ::hangtime::model::ImpactLaw::{}, friction: {friction}, custom_direction: {}, held: &{:?}, \
+             jacobian: {}, hessian: {}, documentation: {:?} }},",
             contact.name.text,
             contact
                 .unit
                 .map_or_else(String::new, |unit| unit.to_string()),
+            if contact.restitution.is_some() {
+                "Restitution"
+            } else {
+                "Inelastic"
+            },
             contact.along.is_some(),
-            pattern(jacobian),
-            pattern(hessian),
+            contact.held,
+            pattern(&plan.derivatives.jacobian_pattern),
+            pattern(&plan.derivatives.hessian_pattern),
             text(&contact.documentation)
         );
     }
@@ -93,7 +105,7 @@ pub(super) fn write(
         );
     }
     code.push_str("], equations: &[");
-    for (left, right) in formulas(scene, equations) {
+    for (left, right) in equations::readable(scene, derived) {
         let _ = write!(
             code,
             "::hangtime::model::Equation {{ left: {left:?}, right: {right:?} }},"
@@ -126,53 +138,4 @@ fn pattern(pattern: &Pattern) -> String {
         pattern.columns,
         pattern.entries()
     )
-}
-
-/// The derived equations in readable form.
-fn formulas(scene: &CheckedScene, equations: &Equations) -> Vec<(String, String)> {
-    let mut all = Vec::new();
-    let names: Vec<&str> = scene
-        .coordinates
-        .iter()
-        .map(|coordinate| coordinate.name.text.as_str())
-        .collect();
-    let n = names.len();
-    let mut add = |left: String, right: Sym| all.push((left, formula(scene, right)));
-    for i in 0..n {
-        for j in 0..=i {
-            let entry = equations.mass[i * n + j];
-            if !entry.is_structural_zero() {
-                add(format!("M({}, {})", names[i], names[j]), entry);
-            }
-        }
-    }
-    add("kinetic energy".to_owned(), equations.energy[0]);
-    add("potential energy".to_owned(), equations.energy[1]);
-    match &equations.acceleration {
-        Solution::Explicit(solution) if equations.readable => {
-            for (name, &acceleration) in names.iter().zip(&solution.values) {
-                add(format!("{name}''"), acceleration);
-            }
-        }
-        _ => {
-            for (name, &right) in names.iter().zip(&equations.right) {
-                add(format!("(M q'')({name})"), right);
-            }
-        }
-    }
-    for (contact, derived) in scene.contacts.iter().zip(&equations.contacts) {
-        let contact = &contact.name.text;
-        add(format!("gap({contact})"), derived.rows.values[0]);
-        add(format!("gap({contact})'"), derived.rows.values[1]);
-        if !equations.readable {
-            continue;
-        }
-        if let InverseInertia::Formula(inverse_inertia) = derived.inverse_inertia {
-            add(format!("D({contact})"), inverse_inertia);
-        }
-        for (name, &component) in names.iter().zip(&derived.rows.values[2..]) {
-            add(format!("d({contact}, {name})"), component);
-        }
-    }
-    all
 }

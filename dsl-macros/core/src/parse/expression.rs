@@ -255,7 +255,7 @@ impl Parser<'_> {
         }
         if cursor.ident().is_some_and(|ident| {
             let text = ident.to_string();
-            !words::STATEMENTS.contains(&text.as_str())
+            !words::is_keyword(&text)
         }) && let Some(name) = cursor.eat_name()
         {
             return self.name(cursor, name);
@@ -377,7 +377,7 @@ impl Parser<'_> {
         let right = match cursor.peek() {
             Some(TokenTree::Ident(ident)) => {
                 let text = ident.to_string();
-                if words::STATEMENTS.contains(&text.as_str()) || text == "in" {
+                if words::is_keyword(&text) || text == "in" {
                     return Ok(());
                 }
                 match cursor.peek_at(1) {

@@ -3,10 +3,11 @@
 
 mod cursor;
 mod expression;
+mod law;
 mod statement;
 mod unit;
 
-pub(crate) use statement::law_of;
+pub(crate) use law::law_of;
 
 use crate::ast::{Documentation, Name, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};

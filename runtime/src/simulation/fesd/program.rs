@@ -6,10 +6,11 @@
 
 use super::driver::{Driver, Stop};
 use crate::dcs::HeavisideSystem;
+use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::finite_element::State;
 use crate::fesd::transcription::{Task, Transcription};
 use crate::mpcc;
-use crate::simulation::EventKind;
+use crate::simulation::{EventKind, InitialValueProblem};
 use crate::time_freezing::TimeFreezingSystem;
 
 /// Finite elements that one switch with an impact needs: before, jump, after.
@@ -52,6 +53,11 @@ impl Phase {
 impl Driver<'_> {
     /// Advances to `end` by one complementarity problem.
     pub(super) fn solve_program(&mut self, end: f64) -> Result<(), Stop> {
+        if InitialValueProblem::check_inelastic(self.model, "").is_err() {
+            return Err(Stop::Program(
+                "Newton's method did not solve the step; take more steps",
+            ));
+        }
         let fewest = self.settings.elements.max(ELEMENTS);
         for elements in fewest..fewest + ATTEMPTS {
             let system = TimeFreezingSystem::new(self.model, AUXILIARY_ACCELERATION);
@@ -102,7 +108,7 @@ impl Driver<'_> {
             .all_contacts
             .iter()
             .map(|i| {
-                if self.active.contains(i) {
+                if find(&self.active, *i).is_some() {
                     Phase::Contact
                 } else {
                     Phase::Free
@@ -139,6 +145,10 @@ impl Driver<'_> {
             }
             self.active = (0..phases.len())
                 .filter(|&i| phases[i] == Phase::Contact)
+                .map(|contact| ActiveContact {
+                    contact,
+                    tangential: Tangential::Idle,
+                })
                 .collect();
             self.evaluate_state()?;
             self.record();
