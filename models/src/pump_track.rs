@@ -144,7 +144,7 @@ fn fastest_ride(model: &dyn Model, intervals: usize) -> Problem {
         component: Component::Coordinate(0),
         value: std::f64::consts::TAU,
     };
-    Problem::of(model, Objective::time(), vec![goal], intervals)
+    Problem::new(model, Objective::time(), vec![goal], intervals)
 }
 
 /// Points of the ground line.

@@ -128,10 +128,7 @@ impl List<'_> {
         } else {
             accelerations
         };
-        let components: Vec<String> = rates
-            .chain(accelerations)
-            .chain(["1".to_owned()])
-            .collect();
+        let components: Vec<String> = rates.chain(accelerations).chain(["1".to_owned()]).collect();
         let right = format!("({})", components.join(", "));
         self.all.push(("f_free".to_owned(), right));
     }
