@@ -311,6 +311,13 @@ fn explain_shows_equations_patterns_and_counts() {
 }
 
 #[test]
+fn explain_prints_the_page_of_a_mistake() {
+    let text = solved(&["explain", "e07"]);
+    assert!(text.starts_with("# E07: "), "{text}");
+    assert!(text.contains("Right:"), "{text}");
+}
+
+#[test]
 fn reproduce_writes_both_figures_and_a_page_without_outside_resources() {
     let scratch = Scratch::new("reproduce");
     let text = solved(&["reproduce", "--out", scratch.text()]);
@@ -477,7 +484,8 @@ fn bad_input_is_refused_in_one_line_and_leaves_no_file() {
         assert!(!Path::new(out).exists(), "{arguments:?} left {out}");
     }
     for arguments in [
-        &["explain", "ski"] as &[&str],
+        &["explain", "E99"] as &[&str],
+        &["explain", "ski"],
         &["chart", "pump"],
         &["solve", "ski-jump", "--set", "a=1"],
     ] {

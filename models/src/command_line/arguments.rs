@@ -26,7 +26,8 @@ pub(crate) enum Command {
     Solve(SolveArguments),
     /// Measure the error of every method against its step size and its CPU time.
     Chart(ChartArguments),
-    /// Show what was derived from a scene: equations, sparsity patterns, operation counts.
+    /// Show what was derived from a scene: equations, sparsity patterns, operation counts. Given the code
+    /// of a mistake, as in `hangtime explain E07`, show its page.
     Explain(ExplainArguments),
     /// Reproduce the published results and write figures, data and a page.
     Reproduce(ReproduceArguments),

@@ -81,6 +81,7 @@ impl Checker<'_> {
         if words::FUNCTIONS.contains(&text)
             || words::SPECIAL_FUNCTIONS.contains(&text)
             || words::NONSMOOTH.contains(&text)
+            || text == words::INTEGRAL
         {
             return Err(self.diagnostics.report(
                 "E19",
