@@ -371,8 +371,8 @@ fn complete(
             let first = &checker.coordinates[0].name.text;
             let message = format!(
                 "`friction` of `{0}` needs the sliding velocity, which follows by itself for one point mass \
-                 in two Cartesian coordinates only; add it, scaled like the gap, as in `impact {0}: ..., \
-                 friction {1}, sliding dot({first})`",
+                 in two Cartesian coordinates only; add that of the touching point along the surface, scaled \
+                 like the gap, as in `impact {0}: ..., friction {1}, sliding dot({first})`",
                 surface.name.text,
                 checker.shown_coefficient(&friction)
             );
