@@ -18,6 +18,7 @@
 use hangtime::model::Model;
 use hangtime::ocp::{Component, Goal, Objective, Problem};
 
+use crate::published;
 use crate::scene::{GroundLine, OptimalControl, Plane, Scene, Variant};
 
 hangtime::model! {
@@ -128,6 +129,7 @@ pub(crate) const SCENE: Scene = Scene {
         axes: ["y [m]", "z [m]"],
         unit: "m",
         bodies: &["bike", "rider"],
+        links: &[[0, 1]],
         positions,
         ground,
     }),
@@ -135,7 +137,7 @@ pub(crate) const SCENE: Scene = Scene {
         intervals: 30,
         problem: fastest_ride,
     }),
-    published: &[],
+    published: published::pump_track::CASES,
 };
 
 /// The fastest ride to `y = 2 pi m`, which is two waves of the track as published.

@@ -3,7 +3,7 @@
 use hangtime::model::Model;
 use hangtime::ocp::Problem;
 
-use crate::published::PublishedFigure;
+use crate::published::PublishedCase;
 
 /// A shipped scene.
 #[derive(Debug, Clone, Copy)]
@@ -19,7 +19,7 @@ pub struct Scene {
     /// The optimal control problem of the scene, if it has one.
     pub optimal_control: Option<OptimalControl>,
     /// Published results that the scene reproduces.
-    pub published: &'static [PublishedFigure],
+    pub published: &'static [PublishedCase],
 }
 
 /// What is to be optimized in a scene.
@@ -50,6 +50,8 @@ pub struct Plane {
     pub unit: &'static str,
     /// Names of the bodies.
     pub bodies: &'static [&'static str],
+    /// Pairs of bodies that are joined by a line.
+    pub links: &'static [[usize; 2]],
     /// Positions of the bodies for coordinates `q`.
     pub positions: fn(model: &dyn Model, q: &[f64]) -> Vec<[f64; 2]>,
     /// The ground lines between two horizontal positions.

@@ -6,7 +6,8 @@
 //! before the first such number, and elsewhere `null` stands in its place.
 
 use hangtime::model::{ContactDeclaration, Model};
-use hangtime::ocp::{Optimum, Size, Solution, TimeFreezingReport};
+use hangtime::ocp::{Formulation, Optimum, Settings, Size, Solution, TimeFreezingReport};
+use hangtime::rk::Scheme;
 use hangtime::simulation::{
     Counts, Diagnosis, Event, ProblemSize, Residuals, Seconds, Simulation, Trajectory,
 };
@@ -101,6 +102,26 @@ pub(crate) struct SolverSettings {
     pub(crate) elements: usize,
     /// Starts that were solved side by side.
     pub(crate) starts: usize,
+}
+
+impl SolverSettings {
+    /// The settings of a solve with `intervals` control intervals.
+    pub(crate) fn new(settings: &Settings, intervals: usize) -> Self {
+        let (name, scheme, stages, elements) = match &settings.formulation {
+            Formulation::Phases => ("phases", Scheme::RadauIia, settings.stages, 1),
+            Formulation::TimeFreezing(grid) => {
+                ("time-freezing", grid.scheme, grid.stages, grid.elements)
+            }
+        };
+        Self {
+            name,
+            scheme: scheme.name(),
+            stages,
+            intervals,
+            elements,
+            starts: settings.starts,
+        }
+    }
 }
 
 /// The complementarity problem of the time-freezing formulation, before its motion was polished.
@@ -242,10 +263,13 @@ impl<'a> SolutionDocument<'a> {
         chosen: &'a ChosenScene,
         method: &'a SolverSettings,
         solution: &'a Solution,
-        (trajectory, events): (&'a Trajectory, &'a [Event]),
     ) -> Self {
         let contacts = chosen.model.declaration().contacts;
-        let trajectory = TrajectoryEntry::new(trajectory);
+        let motion = solution.motion.as_ref();
+        let trajectory = motion.map_or_else(TrajectoryEntry::default, |motion| {
+            TrajectoryEntry::new(&motion.trajectory)
+        });
+        let events = motion.map_or(&[][..], |motion| &motion.events);
         Self {
             schema: SCHEMA,
             scene: chosen.scene.name,
@@ -371,7 +395,7 @@ impl<'a> EventEntry<'a> {
     }
 }
 
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct TrajectoryEntry<'a> {
     time: &'a [f64],
     numerical_time: &'a [f64],

@@ -4,18 +4,18 @@ use std::fmt::Write as _;
 
 use hangtime::ocp::{self, Formulation, Settings, Solution, TimeFreezingSettings};
 use hangtime::rk::Scheme;
-use hangtime::simulation::{EventKind, Simulation, Trajectory};
+use hangtime::simulation::EventKind;
+use hangtime_models::PublishedData;
 
 use super::Report;
 use super::arguments::{SchemeName, SolveArguments, SolveFormulation};
 use super::failure::BadInput;
+use super::files::ResultFiles;
 use super::interrupt::Interrupt;
 use super::json::{SolutionDocument, SolverSettings};
-use super::motion::motion;
 use super::output::OutputDirectory;
 use super::progress::SolveProgress;
 use super::settings::ChosenScene;
-use super::spreadsheet::{events_csv, trajectory_csv};
 use super::table::{headed, seconds, table};
 
 pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
             chosen.scene.name
         )));
     };
-    let (settings, method) = settings(arguments)?;
+    let settings = settings(arguments)?;
     let model = chosen.model.as_ref();
     let problem = (declared.problem)(model, arguments.intervals.unwrap_or(declared.intervals));
     let interrupt = Interrupt::listen();
@@ -42,19 +42,25 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
     })
     .map_err(|error| chosen.refuse(&error))?;
     drop(display);
-    let method = SolverSettings {
-        intervals: problem.intervals,
-        ..method
-    };
-    let nothing = Trajectory::default();
-    let motion = match &solution.motion {
-        Some(motion) => (&motion.trajectory, &motion.events[..]),
-        None => (&nothing, &[][..]),
-    };
-    let json = SolutionDocument::new(&chosen, &method, &solution, motion).text();
+    let method = SolverSettings::new(&settings, problem.intervals);
+    let json = SolutionDocument::new(&chosen, &method, &solution).text();
     let mut written = String::new();
     if let Some(directory) = directory {
-        for path in directory.write(&files(&chosen, &json, solution.motion.as_ref()))? {
+        let stem = format!("{}-optimal", chosen.scene.name);
+        let files = match &solution.motion {
+            None => vec![(format!("{stem}.json"), json.clone())],
+            Some(simulation) => ResultFiles {
+                stem,
+                title: format!("{}, optimal", chosen.scene.name),
+                chosen: &chosen,
+                simulation,
+                json: &json,
+                published: &PublishedData::default(),
+                facts: facts(&method, &solution),
+            }
+            .contents(),
+        };
+        for path in directory.write(&files)? {
             let _ = writeln!(written, "wrote {}", path.display());
         }
     }
@@ -73,18 +79,10 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
     })
 }
 
-/// The settings of the solver, and how the result names them; its intervals follow from the problem.
-fn settings(arguments: &SolveArguments) -> Result<(Settings, SolverSettings), BadInput> {
+/// The settings of the solver.
+fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
     let mut settings = Settings::default();
     settings.starts = arguments.starts.unwrap_or(settings.starts);
-    let mut method = SolverSettings {
-        name: "phases",
-        scheme: Scheme::RadauIia.name(),
-        stages: settings.stages,
-        intervals: 0,
-        elements: 1,
-        starts: settings.starts,
-    };
     match arguments.formulation {
         SolveFormulation::Auto => {
             if arguments.scheme == Some(SchemeName::GaussLegendre) {
@@ -94,7 +92,6 @@ fn settings(arguments: &SolveArguments) -> Result<(Settings, SolverSettings), Ba
                 ));
             }
             settings.stages = arguments.stages.unwrap_or(settings.stages);
-            method.stages = settings.stages;
         }
         SolveFormulation::TimeFreezing => {
             let mut freezing = TimeFreezingSettings::default();
@@ -105,51 +102,34 @@ fn settings(arguments: &SolveArguments) -> Result<(Settings, SolverSettings), Ba
             };
             freezing.stages = arguments.stages.unwrap_or(freezing.stages);
             freezing.elements = arguments.elements.unwrap_or(freezing.elements);
-            method.name = "time-freezing";
-            method.scheme = freezing.scheme.name();
-            method.stages = freezing.stages;
-            method.elements = freezing.elements;
             settings.formulation = Formulation::TimeFreezing(freezing);
         }
     }
-    Ok((settings, method))
+    Ok(settings)
 }
 
-/// The files of one solution, as (name, content).
-fn files(
-    chosen: &ChosenScene,
-    json: &str,
-    simulation: Option<&Simulation>,
-) -> Vec<(String, String)> {
-    let declaration = chosen.model.declaration();
-    let name = chosen.scene.name;
-    let mut files = vec![(format!("{name}-optimal.json"), json.to_owned())];
-    let Some(simulation) = simulation else {
-        return files;
-    };
-    files.extend([
+/// What a page tells about a solution.
+pub(super) fn facts(method: &SolverSettings, solution: &Solution) -> Vec<[String; 2]> {
+    [
         (
-            format!("{name}-optimal-trajectory.csv"),
-            trajectory_csv(declaration, &simulation.trajectory),
+            "method",
+            format!(
+                "{}, {}, {} stages, {} intervals",
+                method.name, method.scheme, method.stages, method.intervals
+            ),
         ),
+        ("status", solution.status.name().to_owned()),
+        ("objective", format!("{:.10}", solution.objective)),
+        ("final time", format!("{:.10} s", solution.horizon)),
+        ("stationarity", solution.stationarity.name().to_owned()),
         (
-            format!("{name}-optimal-events.csv"),
-            events_csv(declaration, &simulation.events),
+            "distance of the re-simulation at the end",
+            format!("{:.1e}", solution.resimulation_error),
         ),
-    ]);
-    if let Some(plane) = &chosen.scene.plane {
-        let title = format!("{}, optimal", chosen.scene.title);
-        let picture = motion(
-            title,
-            plane,
-            chosen.model.as_ref(),
-            simulation,
-            Vec::new(),
-            None,
-        );
-        files.push((format!("{name}-optimal.svg"), picture.svg()));
-    }
-    files
+        ("CPU time", seconds(solution.seconds)),
+    ]
+    .map(|(name, value)| [name.to_owned(), value])
+    .into()
 }
 
 /// The result for people.

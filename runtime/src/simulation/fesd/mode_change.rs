@@ -7,6 +7,20 @@ use crate::fesd::contacts::ModeError;
 use crate::simulation::{Event, EventKind};
 use crate::time_freezing::clock;
 
+/// Rest velocity where none is set, relative to the largest velocity.
+const REST: f64 = 1e-6;
+
+/// What the change of a tangential state is called.
+fn sliding_event(before: Tangential, after: Tangential) -> Option<EventKind> {
+    if before.sense() == after.sense() {
+        None
+    } else if after.sense() == 0.0 {
+        Some(EventKind::Stick)
+    } else {
+        Some(EventKind::Slip)
+    }
+}
+
 impl Driver<'_> {
     /// Carries out a located switch at the present state.
     pub(super) fn carry_out(&mut self, switch: Switch) -> Result<(), ModeError> {
@@ -79,34 +93,48 @@ impl Driver<'_> {
         if !self.active.is_empty() {
             let active = self.active.iter().map(|held| held.contact);
             self.contacts.evaluate_contacts(&self.x, active);
-            self.contacts
-                .hold(&self.active, tolerance.sliding, &mut self.state.v)?;
+            self.contacts.hold(&self.active, &mut self.state.v)?;
+        }
+        // A contact that already carried a force takes part in the impact without one of its own.
+        for &i in &closing {
+            self.push_event(EventKind::Impact, i, v_before.clone());
         }
         for i in self.all_contacts.clone() {
-            // A contact that already carried a force takes part in the impact without one of its own.
             let struck = closing.contains(&i);
             let (before, after) = (find(&previous, i), find(&self.active, i));
-            if struck {
-                self.push_event(EventKind::Impact, i, v_before.clone());
-            }
             match (before, after) {
                 (Some(_), None) => self.push_event(EventKind::LiftOff, i, v_before.clone()),
                 (None, Some(_)) if !struck && self.state.time > 0.0 => {
                     self.push_event(EventKind::Contact, i, v_before.clone());
                 }
-                (Some(before), Some(after)) if before != after => {
-                    let kind = if after == Tangential::Sticking {
-                        EventKind::Stick
-                    } else {
-                        EventKind::Slip
-                    };
-                    self.push_event(kind, i, v_before.clone());
+                (Some(before), Some(after)) => {
+                    if let Some(kind) = sliding_event(before, after) {
+                        self.push_event(kind, i, v_before.clone());
+                    }
                 }
                 _ => {}
             }
         }
         self.element.set_mode(&self.active);
         self.evaluate_state()
+    }
+
+    /// The event of a contact that goes on in another tangential state, if it is one.
+    pub(super) fn push_sliding_event(
+        &mut self,
+        contact: usize,
+        before: Tangential,
+        after: Tangential,
+    ) {
+        if let Some(kind) = sliding_event(before, after) {
+            self.push_event(kind, contact, self.state.v.clone());
+        }
+    }
+
+    /// Rest velocity at the present state.
+    pub(super) fn rest_velocity(&self) -> f64 {
+        let largest = self.state.v.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
+        self.settings.rest_velocity.unwrap_or(REST * largest)
     }
 
     /// The velocity jump of an impact of the `closing` contacts in which all `touching` ones take part.
@@ -118,8 +146,7 @@ impl Driver<'_> {
         closing: &[usize],
         slow: f64,
     ) -> Result<Vec<(usize, f64)>, ModeError> {
-        let largest = self.state.v.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
-        let rest = self.settings.rest_velocity * largest;
+        let rest = self.rest_velocity();
         let mut ended = Vec::new();
         let mut restitution = vec![0.0; touching.len()];
         for (e, &i) in restitution.iter_mut().zip(touching) {
@@ -143,7 +170,7 @@ impl Driver<'_> {
 
     /// Remembers the bounces that the contacts in `ended`, which came with the given speeds and stay, did not
     /// carry out.
-    fn end_cascades(&mut self, ended: &[(usize, f64)]) {
+    pub(super) fn end_cascades(&mut self, ended: &[(usize, f64)]) {
         for &(i, speed) in ended {
             if find(&self.active, i).is_none() {
                 continue;
@@ -164,16 +191,15 @@ impl Driver<'_> {
         let contacts = self.model.declaration().contacts;
         for (cascades, contact) in self.cascades.clone().iter().zip(contacts) {
             if cascades.count > 0 {
+                let times = if cascades.count == 1 {
+                    "once"
+                } else {
+                    "repeatedly"
+                };
                 self.note(&format!(
-                    "bounces of `{}` end in contact once they are slower than the rest velocity \
-                     ({:e} of the largest velocity): {} times, first at t = {} s; the height left out is \
-                     at most {:.1e} {}",
-                    contact.name,
-                    self.settings.rest_velocity,
-                    cascades.count,
-                    cascades.first,
-                    cascades.height,
-                    contact.unit
+                    "bounces of `{}` slower than the rest velocity end in contact: {times}, first at t = {} s; \
+                     a bounce left out is at most {:.1e} {} high",
+                    contact.name, cascades.first, cascades.height, contact.unit
                 ));
             }
         }
