@@ -142,7 +142,7 @@ pub(crate) enum FormulationName {
 pub(crate) struct SolveArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
-    /// Control intervals of equal physical length; default: what the scene declares.
+    /// Control intervals of equal physical length [default: 30].
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) intervals: Option<usize>,
     /// How the contact sequence is found.

@@ -20,6 +20,7 @@ pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<(Stri
             .iter()
             .map(|coordinate| coordinate.name.text.as_str())
             .collect(),
+        readable: equations.readable,
         all: Vec::new(),
     };
     list.motion(equations);
@@ -42,6 +43,8 @@ struct List<'a> {
     scene: &'a CheckedScene,
     /// Names of the coordinates.
     names: Vec<&'a str>,
+    /// Whether accelerations and directions are formulas that a person can read.
+    readable: bool,
     all: Vec<(String, String)>,
 }
 
@@ -49,6 +52,11 @@ impl List<'_> {
     fn add(&mut self, left: String, right: Sym) {
         let right = formula(self.scene, right);
         self.all.push((left, right));
+    }
+
+    /// The components of a direction, if they can be read.
+    fn components<'b>(&self, direction: &'b [Sym]) -> &'b [Sym] {
+        if self.readable { direction } else { &[] }
     }
 
     fn motion(&mut self, equations: &Equations) {
@@ -65,14 +73,14 @@ impl List<'_> {
         self.add("kinetic energy".to_owned(), equations.energy[0]);
         self.add("potential energy".to_owned(), equations.energy[1]);
         match &equations.acceleration {
-            Solution::Explicit(solution) => {
+            Solution::Explicit(solution) if self.readable => {
                 for (name, &acceleration) in names.iter().zip(&solution.values) {
                     self.add(format!("{name}''"), acceleration);
                 }
             }
-            Solution::Implicit(system) => {
-                for (i, &right) in system.right.iter().enumerate() {
-                    self.add(format!("(M q'')({})", names[i]), right);
+            _ => {
+                for (name, &right) in names.iter().zip(&equations.right) {
+                    self.add(format!("(M q'')({name})"), right);
                 }
             }
         }
@@ -82,17 +90,29 @@ impl List<'_> {
         let name = &contact.name.text;
         self.add(format!("gap({name})"), derived.rows.values[0]);
         self.add(format!("gap({name})'"), derived.rows.values[1]);
-        if let InverseInertia::Formula(inverse_inertia) = derived.inverse_inertia {
+        if let InverseInertia::Formula(inverse_inertia) = derived.inverse_inertia
+            && self.readable
+        {
             self.add(format!("D({name})"), inverse_inertia);
         }
-        self.direction("d", "n = grad gap", contact, &derived.rows.values[2..]);
+        self.direction(
+            "d",
+            "n = grad gap",
+            contact,
+            self.components(&derived.rows.values[2..]),
+        );
         if let Some(coefficient) = contact.restitution {
             self.add(format!("restitution({name})"), coefficient);
         }
         if let (Some(friction), Some(derived)) = (&contact.friction, &derived.friction) {
             self.add(format!("friction({name})"), friction.coefficient);
             self.add(format!("slip({name})"), derived.rows.values[0]);
-            self.direction("e", "b = d slip/dv", contact, &derived.rows.values[1..]);
+            self.direction(
+                "e",
+                "b = d slip/dv",
+                contact,
+                self.components(&derived.rows.values[1..]),
+            );
         }
     }
 
@@ -142,8 +162,8 @@ impl List<'_> {
     fn free_dynamics(&mut self, equations: &Equations) {
         let rates = self.names.iter().map(|name| format!("{name}'"));
         let formulas = match &equations.acceleration {
-            Solution::Explicit(solution) => self.short(&solution.values, &[]),
-            Solution::Implicit(_) => None,
+            Solution::Explicit(solution) if self.readable => self.short(&solution.values, &[]),
+            _ => None,
         };
         let accelerations =
             formulas.unwrap_or_else(|| self.names.iter().map(|name| format!("{name}''")).collect());
@@ -178,10 +198,11 @@ impl List<'_> {
             format!("gap({name}) < 0 and gap({name})' < 0")
         };
         self.all.push((format!("frozen({name})"), frozen));
-        let normal = derived.rows.values.get(2..).filter(|d| !d.is_empty());
+        let normal = Some(self.components(&derived.rows.values[2..])).filter(|d| !d.is_empty());
         match (&contact.friction, &derived.friction) {
             (Some(friction), Some(tangent)) => {
-                let tangential = tangent.rows.values.get(1..).filter(|e| !e.is_empty());
+                let tangential =
+                    Some(self.components(&tangent.rows.values[1..])).filter(|e| !e.is_empty());
                 for (region, sign, shown) in [("slip > 0", -1.0, '-'), ("slip < 0", 1.0, '+')] {
                     let mu = friction.coefficient.scaled(sign);
                     let direction: Option<Vec<Sym>> = normal.zip(tangential).map(|(d, e)| {
