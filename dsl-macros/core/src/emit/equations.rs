@@ -89,14 +89,24 @@ impl List<'_> {
         {
             self.add(format!("D({name})"), inverse_inertia);
         }
-        self.direction("d", "n = grad gap", contact, self.components(&derived.rows.values[2..]));
+        self.direction(
+            "d",
+            "n = grad gap",
+            contact,
+            self.components(&derived.rows.values[2..]),
+        );
         if let Some(coefficient) = contact.restitution {
             self.add(format!("restitution({name})"), coefficient);
         }
         if let (Some(friction), Some(derived)) = (&contact.friction, &derived.friction) {
             self.add(format!("friction({name})"), friction.coefficient);
             self.add(format!("slip({name})"), derived.rows.values[0]);
-            self.direction("e", "b = d slip/dv", contact, self.components(&derived.rows.values[1..]));
+            self.direction(
+                "e",
+                "b = d slip/dv",
+                contact,
+                self.components(&derived.rows.values[1..]),
+            );
         }
     }
 
@@ -168,7 +178,8 @@ impl List<'_> {
         let normal = Some(self.components(&derived.rows.values[2..])).filter(|d| !d.is_empty());
         match (&contact.friction, &derived.friction) {
             (Some(friction), Some(tangent)) => {
-                let tangential = Some(self.components(&tangent.rows.values[1..])).filter(|e| !e.is_empty());
+                let tangential =
+                    Some(self.components(&tangent.rows.values[1..])).filter(|e| !e.is_empty());
                 let coupling = match tangential {
                     Some(e) => product(&derived.normal, e),
                     None => Sym::ONE,
