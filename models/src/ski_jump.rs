@@ -57,7 +57,6 @@ pub(crate) const SCENE: Scene = Scene {
         positions: |_, q| vec![[q[0], q[1]]],
         ground,
     }),
-    optimal_control: None,
     published: published::ski_jump::CASES,
 };
 

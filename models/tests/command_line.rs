@@ -357,6 +357,13 @@ fn explain_shows_equations_patterns_and_counts() {
 }
 
 #[test]
+fn explain_prints_the_page_of_a_mistake() {
+    let text = solved(&["explain", "e07"]);
+    assert!(text.starts_with("# E07: "), "{text}");
+    assert!(text.contains("Right:"), "{text}");
+}
+
+#[test]
 fn reproduce_covers_the_publication_with_figures_data_and_pages() {
     let scratch = Scratch::new("reproduce");
     let text = solved(&["reproduce", "--out", scratch.text()]);
@@ -542,7 +549,8 @@ fn bad_input_is_refused_in_one_line_and_leaves_no_file() {
         assert!(!Path::new(out).exists(), "{arguments:?} left {out}");
     }
     for arguments in [
-        &["explain", "ski"] as &[&str],
+        &["explain", "E99"] as &[&str],
+        &["explain", "ski"],
         &["chart", "pump"],
         &["solve", "ski-jump", "--set", "a=1"],
     ] {

@@ -268,12 +268,12 @@ fn bordered(
     let normal = &columns[columns.len() - 1];
     let mut matrix = vec![Sym::ZERO; size * size];
     for (block, column) in columns.iter().enumerate() {
-        for i in 0..n {
+        for (i, &component) in column.iter().enumerate() {
             let row = (block * n + i) * size;
             for j in 0..n {
                 matrix[row + block * n + j] = inertia.entry(i, j);
             }
-            matrix[row + last] = -column[i];
+            matrix[row + last] = -component;
         }
     }
     matrix[last * size + closing..last * size + last].copy_from_slice(normal);

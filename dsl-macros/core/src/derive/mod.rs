@@ -18,7 +18,7 @@ pub(crate) use simplify::simplify;
 
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
-use crate::scene::CheckedScene;
+use crate::scene::{CheckedScene, Condition, OptimalControl};
 use crate::tape::{self, Tape};
 use ldl::Factorization;
 use simplify::{simplify_all, simplify_equation};
@@ -168,6 +168,15 @@ pub(crate) struct Equations {
     pub(crate) energy: [Sym; 2],
     pub(crate) acceleration: Solution,
     pub(crate) contacts: Vec<ContactEquations>,
+    pub(crate) optimal_control: Option<ControlEquations>,
+}
+
+/// Functions of optimal control.
+pub(crate) struct ControlEquations {
+    /// Running cost, then path constraints; functions of the input vector.
+    pub(crate) path: Explicit,
+    /// Final cost, then terminal conditions; functions of coordinates, velocities and final time.
+    pub(crate) terminal: Explicit,
 }
 
 /// Derives all equations of a scene.
@@ -266,7 +275,25 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         energy,
         acceleration,
         contacts,
+        optimal_control: scene
+            .optimal_control
+            .as_ref()
+            .map(|task| optimal_control(task, n, &inputs)),
     })
+}
+
+fn optimal_control(task: &OptimalControl, n: usize, inputs: &[Variable]) -> ControlEquations {
+    let functions = |cost: Option<Sym>, conditions: &[Condition], inputs: &[Variable]| {
+        let functions = conditions.iter().map(|condition| condition.function);
+        let values: Vec<Sym> = cost.into_iter().chain(functions).map(simplify).collect();
+        Explicit::new(values, inputs)
+    };
+    let mut at_the_end = inputs[..2 * n].to_vec();
+    at_the_end.push(Variable::Time);
+    ControlEquations {
+        path: functions(task.running_cost, &task.constraints, inputs),
+        terminal: functions(task.final_cost, &task.goals, &at_the_end),
+    }
 }
 
 /// `v' dL/dv - L` split into the part that vanishes at rest and the rest.

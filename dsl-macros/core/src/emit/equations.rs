@@ -1,9 +1,12 @@
 //! The derived equations as a person would write them.
 
 use super::readable::{formula, formula_with};
-use crate::derive::{ContactEquations, Equations, InverseInertia, Solution, simplify};
-use crate::graph::{Function, Sym, Variable};
-use crate::scene::{CheckedScene, Contact};
+use crate::derive::{
+    ContactEquations, ControlEquations, Equations, InverseInertia, Solution, simplify,
+};
+use crate::graph::{self, Function, Sym, Variable};
+use crate::scene::{CheckedScene, Condition, Contact, OptimalControl};
+use crate::words;
 
 /// Longest vector that is written out; a longer one is given by the names of its components.
 const LONGEST: usize = 240;
@@ -29,6 +32,9 @@ pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<(Stri
     }
     for (contact, derived) in scene.contacts.iter().zip(&equations.contacts) {
         list.auxiliary_dynamics(contact, derived);
+    }
+    if let (Some(task), Some(derived)) = (&scene.optimal_control, &equations.optimal_control) {
+        list.optimal_control(task, derived);
     }
     list.all
 }
@@ -107,6 +113,27 @@ impl List<'_> {
                 contact,
                 self.components(&derived.rows.values[1..]),
             );
+        }
+    }
+
+    /// Costs and the functions of conditions.
+    fn optimal_control(&mut self, task: &OptimalControl, derived: &ControlEquations) {
+        let path = names(
+            "running cost",
+            task.running_cost,
+            "constraint",
+            &task.constraints,
+        );
+        for (name, &function) in path.into_iter().zip(&derived.path.values) {
+            self.add(name, function);
+        }
+        let terminal = names("final cost", task.final_cost, "goal", &task.goals);
+        for (name, function) in terminal.into_iter().zip(&derived.terminal.values) {
+            let named = graph::substitute(&[*function], |variable| {
+                (variable == Variable::Time).then(|| Sym::variable(Variable::Argument(0)))
+            });
+            let right = formula_with(self.scene, named[0], &[words::FINAL_TIME.to_owned()]);
+            self.all.push((name, right));
         }
     }
 
@@ -271,6 +298,17 @@ impl List<'_> {
         let right = formula_with(self.scene, right, &names);
         self.all.push((format!("c_n({contact})"), right));
     }
+}
+
+/// What the functions of optimal control are called.
+fn names(cost: &str, has: Option<Sym>, kind: &str, conditions: &[Condition]) -> Vec<String> {
+    let conditions = conditions
+        .iter()
+        .map(|condition| format!("{kind}({})", condition.name));
+    has.map(|_| cost.to_owned())
+        .into_iter()
+        .chain(conditions)
+        .collect()
 }
 
 fn product(a: &[Sym], b: &[Sym]) -> Sym {

@@ -16,6 +16,8 @@ pub(crate) struct Kernel {
     pub(crate) tape: Tape,
     /// Whether it is evaluated again and again, so that its cost is of interest.
     pub(crate) listed: bool,
+    /// Whether it reads `(q, v, T)` with the final time `T` instead of the input vector.
+    pub(crate) at_the_end: bool,
 }
 
 impl Kernel {
@@ -24,6 +26,7 @@ impl Kernel {
             name: name.into(),
             tape: Tape::of(outputs),
             listed,
+            at_the_end: false,
         }
     }
 
@@ -55,7 +58,7 @@ impl Kernel {
             })
             .collect();
         let chunks: Vec<&[usize]> = computed.chunks(CHUNK).collect();
-        let writer = Writer::new(scene, tape, &chunks);
+        let writer = Writer::new(scene, self, &chunks);
         if chunks.len() <= 1 {
             let _ = write!(
                 code,
@@ -99,7 +102,7 @@ impl Kernel {
         let mut lengths = [0; 2];
         for op in &self.tape.ops {
             if let Op::Load(variable) = op {
-                match place(scene, *variable) {
+                match place(scene, *variable, self.at_the_end) {
                     Input::Field(_) => {}
                     Input::Vector(index) => lengths[0] = lengths[0].max(index + 1),
                     Input::Second(index) => lengths[1] = lengths[1].max(index + 1),
@@ -118,6 +121,7 @@ impl Kernel {
 struct Writer<'a> {
     scene: &'a CheckedScene,
     tape: &'a Tape,
+    at_the_end: bool,
     /// Chunk in which each operation is computed.
     home: Vec<usize>,
     /// Place in the workspace of values that later chunks need.
@@ -128,7 +132,8 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    fn new(scene: &'a CheckedScene, tape: &'a Tape, chunks: &[&[usize]]) -> Self {
+    fn new(scene: &'a CheckedScene, kernel: &'a Kernel, chunks: &[&[usize]]) -> Self {
+        let tape = &kernel.tape;
         let mut home = vec![usize::MAX; tape.ops.len()];
         for (index, chunk) in chunks.iter().enumerate() {
             for &position in *chunk {
@@ -158,6 +163,7 @@ impl<'a> Writer<'a> {
         Self {
             scene,
             tape,
+            at_the_end: kernel.at_the_end,
             home,
             slot,
             crossing,
@@ -168,7 +174,7 @@ impl<'a> Writer<'a> {
     fn operand(&self, chunk: usize, position: u32) -> String {
         let index = position as usize;
         match self.tape.ops[index] {
-            Op::Load(variable) => load(self.scene, variable),
+            Op::Load(variable) => load(self.scene, variable, self.at_the_end),
             Op::Constant(bits) => literal(f64::from_bits(bits)),
             _ if self.home[index] == chunk => format!("t{index}"),
             _ => match self.slot[index] {
@@ -221,7 +227,7 @@ enum Input {
     Second(usize),
 }
 
-fn place(scene: &CheckedScene, variable: Variable) -> Input {
+fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Input {
     let n = scene.coordinates.len();
     let index = |i: u16| usize::from(i);
     match variable {
@@ -229,6 +235,7 @@ fn place(scene: &CheckedScene, variable: Variable) -> Input {
         Variable::Coordinate(i) => Input::Vector(index(i)),
         Variable::Velocity(i) => Input::Vector(n + index(i)),
         Variable::Control(i) => Input::Vector(2 * n + index(i)),
+        Variable::Time if at_the_end => Input::Vector(2 * n),
         Variable::Time => Input::Vector(2 * n + scene.controls.len()),
         Variable::Multiplier(i) | Variable::Unknown(i) | Variable::Argument(i) => {
             Input::Second(index(i))
@@ -236,8 +243,8 @@ fn place(scene: &CheckedScene, variable: Variable) -> Input {
     }
 }
 
-fn load(scene: &CheckedScene, variable: Variable) -> String {
-    match place(scene, variable) {
+fn load(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> String {
+    match place(scene, variable, at_the_end) {
         Input::Field(i) => scene
             .parameters
             .get(i)

@@ -70,9 +70,22 @@ pub(crate) struct UserFunction {
     pub(crate) body: Expr,
 }
 
+/// What an expression is for, which decides what it may use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Role {
+    /// The motion: dynamics, surfaces, laws.
+    #[default]
+    Motion,
+    /// What is added up or holds during the motion: running cost and constraints.
+    Running,
+    /// What counts at the final instant: final cost and terminal conditions, which know the final time.
+    End,
+}
+
 /// All names in force, and which of them have been used.
 #[derive(Default)]
 pub(crate) struct Scope {
+    pub(crate) role: Role,
     pub(crate) names: BTreeMap<String, Meaning>,
     pub(crate) used: HashSet<String>,
     /// Names that are declared further down.
@@ -227,6 +240,10 @@ impl Scope {
             )),
             None if name.text == "pi" => Ok(Value::Scalar(Sym::number(std::f64::consts::PI))),
             None if name.text == "t" => Ok(Value::Scalar(Sym::variable(Variable::Time))),
+            None if name.text == words::FINAL_TIME && self.role == Role::End => {
+                self.used.insert(name.text.clone());
+                Ok(Value::Scalar(Sym::variable(Variable::Time)))
+            }
             None => Err(self.undeclared(name, diagnostics)),
         }
     }
@@ -259,10 +276,12 @@ impl Scope {
             .chain(self.names.keys().map(String::as_str))
             .collect();
         let message = match closest(text, known.iter().copied()) {
-            Some(near) => format!("`{text}` is not declared; did you mean `{near}`?"),
-            None if text == "time" => {
-                "`time` is not declared; physical time is written `t`".to_owned()
+            _ if text == words::FINAL_TIME => {
+                "`time` is the final time, known to final costs in `minimize` and to `finally` only; the \
+                 time at each instant is `t`"
+                    .to_owned()
             }
+            Some(near) => format!("`{text}` is not declared; did you mean `{near}`?"),
             None if known.is_empty() => {
                 format!("`{text}` is not declared; add it to `parameters` or `coordinates`")
             }
@@ -389,6 +408,14 @@ impl Scope {
                 return Err(Reported);
             }
             return self.apply(function, values, whole.place, diagnostics);
+        }
+        if text == words::INTEGRAL {
+            return Err(diagnostics.report(
+                "E15",
+                whole.place,
+                "`integral` is the running cost and stands in `minimize` only, as a term by itself, \
+                 possibly times a constant",
+            ));
         }
         if words::NONSMOOTH.contains(&text) {
             return Err(diagnostics.report(
@@ -574,7 +601,12 @@ impl Scope {
                 ),
                 _ => continue,
             };
-            return Err(diagnostics.syntax(argument.place, message));
+            return Err(match (variable, self.role) {
+                (Variable::Control(_), Role::Running | Role::End) => {
+                    diagnostics.report("E15", argument.place, message)
+                }
+                _ => diagnostics.syntax(argument.place, message),
+            });
         }
         let rates = graph::directional(value.components(), velocity_direction);
         Ok(value.with_components(rates))
