@@ -90,7 +90,8 @@ impl Driver<'_> {
         ))
     }
 
-    /// Jumps of the contacts in `resting` that would be bounces, with the speed at which each comes.
+    /// Bounces that the program leaves out, with the speed at which each contact comes: impacts of the contacts
+    /// in `resting`, and sustained contact of the others, which the equations admit but no bounce leads to.
     fn bounces_left_out(
         &mut self,
         program: &Transcription<'_>,
@@ -99,13 +100,24 @@ impl Driver<'_> {
     ) -> Vec<(usize, f64)> {
         let start = self.state.clone();
         let mut ended = Vec::new();
-        for &i in resting {
+        for i in self.all_contacts.clone() {
             if self.restitution[i] == 0.0 {
                 continue;
             }
-            let jumps = |e: usize| Phase::of(program.mean_alpha(x, e, i)) == Phase::Jump;
+            let phase = |e: usize| Phase::of(program.mean_alpha(x, e, i));
             for e in 0..program.elements() {
-                if !jumps(e) || e > 0 && jumps(e - 1) {
+                if !resting.contains(&i) {
+                    if phase(e) == Phase::Contact {
+                        ended.push((i, f64::INFINITY));
+                    }
+                    continue;
+                }
+                let closed = if e == 0 {
+                    find(&self.active, i).is_some()
+                } else {
+                    phase(e - 1) != Phase::Free
+                };
+                if closed || phase(e) == Phase::Free {
                     continue;
                 }
                 if e > 0 {
