@@ -25,10 +25,12 @@ pub(crate) struct AdaptiveBarrier {
 }
 
 impl AdaptiveBarrier {
-    pub(crate) fn new(tolerance: f64) -> Self {
+    /// A rule that has seen nothing; `keeps_first` holds on to the first barrier parameter until the error at the first
+    /// point is beaten, as a warm start wants it.
+    pub(crate) fn new(tolerance: f64, keeps_first: bool) -> Self {
         Self {
             references: Vec::with_capacity(REFERENCES),
-            is_free: true,
+            is_free: !keeps_first,
             least: tolerance / 11.0,
             greatest: None,
         }
@@ -83,6 +85,9 @@ impl Loop<'_, '_, '_, '_> {
             adaptive.greatest = Some((1e3 * average).max(adaptive.least).min(1e5));
         }
         let error = self.mean_squares().sum();
+        if !adaptive.is_free && adaptive.references.is_empty() {
+            adaptive.references.resize(REFERENCES, error);
+        }
         let progresses = adaptive.progresses(error);
         // steps below the resolution of the numbers are the monotone mode's business
         let tiny = self.tiny_steps > 0;
@@ -156,7 +161,7 @@ mod tests {
 
     #[test]
     fn progresses_needs_one_of_the_last_four_errors_to_be_beaten() {
-        let mut adaptive = AdaptiveBarrier::new(1e-8);
+        let mut adaptive = AdaptiveBarrier::new(1e-8, false);
         for error in [8.0, 4.0, 2.0, 1.0] {
             assert!(adaptive.progresses(100.0));
             adaptive.remember(error);
@@ -171,7 +176,7 @@ mod tests {
 
     #[test]
     fn clamped_keeps_the_floor_and_the_first_ceiling() {
-        let mut adaptive = AdaptiveBarrier::new(1.1e-7);
+        let mut adaptive = AdaptiveBarrier::new(1.1e-7, false);
         assert_eq!(adaptive.clamped(1e9), 1e9);
         adaptive.greatest = Some(10.0);
         assert_eq!(adaptive.clamped(1e9), 10.0);

@@ -213,7 +213,7 @@ fn run_loop<'o>(
     let main = BarrierProblem::main(&core.formulation);
     let mut main_loop = Loop::new(&mut core, main, path, false);
     if settings.barrier_strategy == BarrierStrategy::Adaptive && products.pairs.is_empty() {
-        main_loop.adaptive = Some(AdaptiveBarrier::new(settings.tolerance));
+        main_loop.adaptive = Some(AdaptiveBarrier::new(settings.tolerance, start.is_some()));
     }
     first_point(&mut main_loop);
     if !main_loop.evaluate_iterate() {
