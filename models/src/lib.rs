@@ -8,9 +8,12 @@ mod pump_track;
 mod scene;
 mod ski_jump;
 
-pub use published::{PublishedDataError, PublishedFigure, PublishedMarker};
+pub use published::{
+    ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
+    PublishedPoint, Quantity, Reference, Task,
+};
 pub use pump_track::{PumpTrack, PumpTrackHolding};
-pub use scene::{GroundLine, OptimalControl, Plane, Scene, Variant};
+pub use scene::{GroundLine, Plane, Scene, Variant};
 pub use ski_jump::SkiJump;
 
 /// All shipped scenes, in the order in which they are listed.

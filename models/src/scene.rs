@@ -1,9 +1,8 @@
 //! What the list of scenes knows about each one.
 
 use hangtime::model::Model;
-use hangtime::ocp::Problem;
 
-use crate::published::PublishedFigure;
+use crate::published::PublishedCase;
 
 /// A shipped scene.
 #[derive(Debug, Clone, Copy)]
@@ -16,19 +15,8 @@ pub struct Scene {
     pub variants: &'static [Variant],
     /// How to draw the scene, if it moves in a plane.
     pub plane: Option<Plane>,
-    /// The optimal control problem of the scene, if it has one.
-    pub optimal_control: Option<OptimalControl>,
     /// Published results that the scene reproduces.
-    pub published: &'static [PublishedFigure],
-}
-
-/// What is to be optimized in a scene.
-#[derive(Debug, Clone, Copy)]
-pub struct OptimalControl {
-    /// Control intervals, unless others are asked for.
-    pub intervals: usize,
-    /// The problem with a number of control intervals.
-    pub problem: fn(model: &dyn Model, intervals: usize) -> Problem,
+    pub published: &'static [PublishedCase],
 }
 
 /// One form of a scene: a model of its own, chosen by settings that are words instead of numbers.
@@ -50,6 +38,8 @@ pub struct Plane {
     pub unit: &'static str,
     /// Names of the bodies.
     pub bodies: &'static [&'static str],
+    /// Pairs of bodies that are joined by a line.
+    pub links: &'static [[usize; 2]],
     /// Positions of the bodies for coordinates `q`.
     pub positions: fn(model: &dyn Model, q: &[f64]) -> Vec<[f64; 2]>,
     /// The ground lines between two horizontal positions.

@@ -6,7 +6,7 @@
 
 use hangtime::model::Model;
 
-use crate::published::PublishedFigure;
+use crate::published;
 use crate::scene::{GroundLine, Plane, Scene, Variant};
 
 hangtime::model! {
@@ -53,28 +53,11 @@ pub(crate) const SCENE: Scene = Scene {
         axes: ["y [m]", "z [m]"],
         unit: "m",
         bodies: &["jumper"],
+        links: &[],
         positions: |_, q| vec![[q[0], q[1]]],
         ground,
     }),
-    optimal_control: None,
-    published: &[
-        PublishedFigure {
-            name: "ski_sim_45",
-            title: "ski jump, start 45 m high",
-            source: "Golembiewski and Faulwasser, Fig. 3a",
-            settings: &[("start_y", 10.2759)],
-            marker_rate: 5.0,
-            csv: include_str!("../data/ski_sim_45.csv"),
-        },
-        PublishedFigure {
-            name: "ski_sim_50",
-            title: "ski jump, start 50 m high",
-            source: "Golembiewski and Faulwasser, Fig. 3b",
-            settings: &[("start_y", 8.264)],
-            marker_rate: 5.0,
-            csv: include_str!("../data/ski_sim_50.csv"),
-        },
-    ],
+    published: published::ski_jump::CASES,
 };
 
 /// Points of a ground line.

@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a failed step fails the test")]
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -74,6 +75,59 @@ fn refused(arguments: &[&str]) -> String {
     let line = line.strip_suffix('\n').unwrap();
     assert!(!line.contains('\n'), "{arguments:?}: {line}");
     line.to_owned()
+}
+
+/// The files of one result, in alphabetical order.
+fn result_files(stem: &str) -> [String; 6] {
+    [
+        "-events.csv",
+        "-time.svg",
+        "-trajectory.csv",
+        ".html",
+        ".json",
+        ".svg",
+    ]
+    .map(|ending| format!("{stem}{ending}"))
+}
+
+/// The JSON that a page carries in its script element `id`.
+fn embedded(page: &str, id: &str) -> Value {
+    let opening = format!("<script type=\"application/json\" id=\"{id}\">");
+    let (_, rest) = page.split_once(&opening).unwrap();
+    serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
+}
+
+/// The page of a result loads nothing from elsewhere, carries the JSON of the result, and its frames are the motion.
+fn assert_page_shows_its_result(scratch: &Scratch, stem: &str) {
+    let page = scratch.read(&format!("{stem}.html"));
+    for outside in ["<link", " src=", "@import", "url(http", "fetch(", "import "] {
+        assert!(!page.contains(outside), "the page loads `{outside}`");
+    }
+    for (opened, closed) in [
+        ("<script", "</script>"),
+        ("<svg", "</svg>"),
+        ("<div", "</div>"),
+    ] {
+        assert_eq!(page.matches(opened).count(), page.matches(closed).count());
+    }
+    let document: Value = serde_json::from_str(&scratch.read(&format!("{stem}.json"))).unwrap();
+    assert_eq!(embedded(&page, "result"), document);
+    let frames = embedded(&page, "frames");
+    let times = frames["time"].as_array().unwrap();
+    assert!(times.len() >= 200);
+    assert!(times.is_sorted_by(|a, b| a.as_f64() < b.as_f64()));
+    assert_eq!(times.last().unwrap(), &document["final"]["time"]);
+    for rows in ["positions", "forces"] {
+        assert_eq!(frames[rows].as_array().unwrap().len(), times.len());
+    }
+    // Both scenes with pages here have the horizontal position as first coordinate.
+    let end = frames["positions"].as_array().unwrap().last().unwrap();
+    assert_eq!(end[0][0], document["final"]["q"][0]);
+    let events = document["events"].as_array().unwrap();
+    assert_eq!(frames["events"].as_array().unwrap().len(), events.len());
+    for event in events {
+        assert!(times.contains(&event["time"]), "no frame at {event}");
+    }
 }
 
 #[test]
@@ -277,21 +331,14 @@ fn simulate_tables_show_events_and_the_final_state_with_units() {
 fn simulate_with_out_writes_data_and_a_picture_and_nothing_else() {
     let scratch = Scratch::new("simulate");
     solved(&["simulate", "ski-jump", "--out", scratch.text()]);
-    assert_eq!(
-        scratch.names(),
-        [
-            "ski-jump-events.csv",
-            "ski-jump-trajectory.csv",
-            "ski-jump.json",
-            "ski-jump.svg"
-        ]
-    );
+    assert_eq!(scratch.names(), result_files("ski-jump"));
     let document: Value = serde_json::from_str(&scratch.read("ski-jump.json")).unwrap();
     let rows = document["trajectory"]["time"].as_array().unwrap().len();
     let csv = scratch.read("ski-jump-trajectory.csv");
     assert_eq!(csv.lines().count(), rows + 1);
     assert!(csv.starts_with("time [s],numerical time [s],y [m],z [m],dy/dt [m/s],dz/dt [m/s],"));
     assert!(scratch.read("ski-jump.svg").starts_with("<svg"));
+    assert_page_shows_its_result(&scratch, "ski-jump");
 }
 
 #[test]
@@ -310,25 +357,51 @@ fn explain_shows_equations_patterns_and_counts() {
 }
 
 #[test]
-fn reproduce_writes_both_figures_and_a_page_without_outside_resources() {
+fn explain_prints_the_page_of_a_mistake() {
+    let text = solved(&["explain", "e07"]);
+    assert!(text.starts_with("# E07: "), "{text}");
+    assert!(text.contains("Right:"), "{text}");
+}
+
+#[test]
+fn reproduce_covers_the_publication_with_figures_data_and_pages() {
     let scratch = Scratch::new("reproduce");
     let text = solved(&["reproduce", "--out", scratch.text()]);
-    assert!(text.contains("35.8280435750"), "published marker:\n{text}");
-    let names = scratch.names();
-    for name in [
-        "index.html",
-        "ski_sim_45.svg",
-        "ski_sim_50.svg",
-        "ski_sim_45_markers.csv",
+    // Published, computed and certified values of one row of each kind of case, to the digits that they share.
+    for words in [
+        "35.8280435750  36.07181",
+        "6.3550423883   6.35295",
+        "1.4135130411   1.41376",
+        "(1.413768945)",
+        "y -2.2e-3 m",
+        "l by up to 1.0e-3 m",
     ] {
-        assert!(names.iter().any(|found| found == name), "{name}: {names:?}");
+        assert!(text.contains(words), "`{words}` is missing in\n{text}");
+    }
+    let names = scratch.names();
+    let cases = [
+        "ski_sim_45",
+        "ski_sim_50",
+        "pump_sim_10",
+        "pump_sim_15",
+        "pump_sim_22",
+        "pump_opt_10",
+        "pump_opt_15",
+        "pump_opt_22",
+    ];
+    for case in cases {
+        for name in result_files(case) {
+            assert!(names.contains(&name), "{name}: {names:?}");
+        }
+        assert_page_shows_its_result(&scratch, case);
     }
     assert!(
         names.iter().all(|name| !name.ends_with(".part")),
         "{names:?}"
     );
     let page = scratch.read("index.html");
-    assert_eq!(page.matches("<svg").count(), 2);
+    // Two figures a case, and one a scene.
+    assert_eq!(page.matches("<svg").count(), 2 * cases.len() + 2);
     for outside in ["<script", "<link", "src=", "@import", "url(http"] {
         assert!(!page.contains(outside), "the page loads `{outside}`");
     }
@@ -476,7 +549,8 @@ fn bad_input_is_refused_in_one_line_and_leaves_no_file() {
         assert!(!Path::new(out).exists(), "{arguments:?} left {out}");
     }
     for arguments in [
-        &["explain", "ski"] as &[&str],
+        &["explain", "E99"] as &[&str],
+        &["explain", "ski"],
         &["chart", "pump"],
         &["solve", "ski-jump", "--set", "a=1"],
     ] {
@@ -560,15 +634,57 @@ fn solve_with_out_writes_data_and_a_picture() {
         scratch.text(),
     ]);
     assert!(text.contains("final time"), "{text}");
-    assert_eq!(
-        scratch.names(),
-        [
-            "pump-track-optimal-events.csv",
-            "pump-track-optimal-trajectory.csv",
-            "pump-track-optimal.json",
-            "pump-track-optimal.svg",
-        ]
+    assert_eq!(scratch.names(), result_files("pump-track-optimal"));
+    assert_page_shows_its_result(&scratch, "pump-track-optimal");
+}
+
+/// Waits for what another process does.
+fn wait_until(what: &str, condition: impl Fn() -> bool) {
+    // Long enough for a machine with other work; only a broken program waits so long.
+    let end = Instant::now() + Duration::from_secs(60);
+    while !condition() {
+        assert!(Instant::now() < end, "{what} did not happen");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn solve_interrupted_writes_what_it_has_and_ends_with_status_3() {
+    let scratch = Scratch::new("interrupted");
+    // So many intervals take far longer than the test waits.
+    let child = Command::new(env!("CARGO_BIN_EXE_hangtime"))
+        .args([
+            "solve",
+            "pump-track",
+            "--intervals",
+            "2000",
+            "--json",
+            "--out",
+        ])
+        .arg(scratch.text())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The program listens before it makes the directory.
+    wait_until("the output directory", || scratch.0.is_dir());
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(killed.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(
+        stderr.starts_with("error: pump-track: interrupted: stopped"),
+        "{stderr}"
     );
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["status"], "interrupted");
+    let written: Value = serde_json::from_str(&scratch.read("pump-track-optimal.json")).unwrap();
+    assert_eq!(written, document);
 }
 
 #[test]

@@ -3,11 +3,13 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use hangtime::model::Model;
-use hangtime::ocp::{self, Problem, Settings, Solution, Stationarity, Status};
+use hangtime::ocp::{
+    self, Formulation, Problem, Settings, Solution, Stationarity, Status, TimeFreezingSettings,
+};
 use hangtime::simulation::{
     EventDriven, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
 };
-use hangtime_models::{PumpTrack, PumpTrackHolding, scenes};
+use hangtime_models::{PumpTrack, PumpTrackHolding};
 
 /// Certified ride without input at 15 km/h: time at `y = 2 pi` [s], and `(y, dy/dt)` after 2 s; quadrature in two
 /// precisions, 34 digits.
@@ -135,14 +137,9 @@ fn holding_law_keeps_the_energy_of_a_slide_and_the_published_one_does_not() {
     assert!(drift(&PumpTrack::default()) < -10.0);
 }
 
-fn problem(model: &dyn Model, intervals: usize) -> Problem {
-    let scene = scenes().iter().find(|s| s.name == "pump-track").unwrap();
-    (scene.optimal_control.unwrap().problem)(model, intervals)
-}
-
 fn solve(model: &dyn Model, intervals: usize) -> Solution {
-    let problem = problem(model, intervals);
-    ocp::solve(model, &problem, &Settings::default(), &mut |_| {}).unwrap()
+    let problem = Problem::of(model, intervals);
+    ocp::solve(model, &problem, &Settings::default(), &mut |_| true).unwrap()
 }
 
 fn at(speed: f64) -> PumpTrack {
@@ -212,4 +209,17 @@ fn fastest_ride_with_the_link_held_at_impacts_is_the_best_known_one() {
     let solution = solve(&PumpTrackHolding::default(), 30);
     check_solution(&solution);
     assert!(solution.horizon <= 1.42910, "{}", solution.horizon);
+}
+
+#[test]
+fn time_freezing_formulation_at_15_km_per_h_ends_at_the_optimum_of_the_phases() {
+    let mut settings = Settings::default();
+    settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
+    let model = PumpTrack::default();
+    let solution = ocp::solve(&model, &Problem::of(&model, 30), &settings, &mut |_| true).unwrap();
+    check_solution(&solution);
+    assert!((solution.horizon - 1.413_768_9).abs() < 1e-6);
+    let report = solution.time_freezing.unwrap();
+    // The relaxation ends at products of 1e-6, the solver's own tolerance on top.
+    assert!(report.complementarity < 1.1e-6 && report.primal < 1e-6);
 }

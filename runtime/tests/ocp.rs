@@ -4,8 +4,8 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{
-    self, Component, Goal, Guess, Horizon, Objective, Problem, Settings, Solution, Stationarity,
-    Status,
+    self, Component, Formulation, Goal, Guess, Horizon, Objective, Problem, Settings, Solution,
+    Stationarity, Status, TimeFreezingSettings,
 };
 use hangtime::simulation::EventKind;
 
@@ -112,9 +112,9 @@ fn hop(goal: f64) -> Solution {
     };
     let problem = Problem {
         horizon: Horizon::Fixed(2.0 * INTERVAL),
-        ..Problem::of(&hopper, Objective::effort(), vec![goal], 2)
+        ..Problem::new(&hopper, Objective::effort(), vec![goal], 2)
     };
-    ocp::solve(&hopper, &problem, &Settings::default(), &mut |_| {}).unwrap()
+    ocp::solve(&hopper, &problem, &Settings::default(), &mut |_| true).unwrap()
 }
 
 #[test]
@@ -201,9 +201,9 @@ fn bounds_of_a_coordinate_that_is_no_parabola_hold_at_all_times() {
     };
     let problem = Problem {
         horizon: Horizon::Fixed(2.0),
-        ..Problem::of(&spring, fastest, vec![middle], 8)
+        ..Problem::new(&spring, fastest, vec![middle], 8)
     };
-    let solution = ocp::solve(&spring, &problem, &Settings::default(), &mut |_| {}).unwrap();
+    let solution = ocp::solve(&spring, &problem, &Settings::default(), &mut |_| true).unwrap();
     assert_eq!(
         solution.status,
         Status::Solved,
@@ -227,9 +227,9 @@ fn bounds_of_a_coordinate_that_is_no_parabola_hold_at_all_times() {
 #[test]
 fn problem_with_wrong_input_is_refused_in_one_line() {
     let hopper = Hopper::default();
-    let problem = Problem::of(&hopper, Objective::time(), Vec::new(), 3);
+    let problem = Problem::new(&hopper, Objective::time(), Vec::new(), 3);
     let refuse = |problem: &Problem| {
-        let error = ocp::solve(&hopper, problem, &Settings::default(), &mut |_| {});
+        let error = ocp::solve(&hopper, problem, &Settings::default(), &mut |_| true);
         error.unwrap_err().to_string()
     };
     let no_intervals = Problem {
@@ -253,7 +253,7 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
     insta::assert_snapshot!(refuse(&falling), @"initial normal velocity of `ground` = -1 m/s: must be at least 0 on the surface: start after the impact");
     let mut settings = Settings::default();
     settings.stages = 1;
-    let error = ocp::solve(&hopper, &problem, &settings, &mut |_| {}).unwrap_err();
+    let error = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap_err();
     insta::assert_snapshot!(error, @"Runge-Kutta stages = 1 : must be in 2..=9");
 }
 
@@ -266,7 +266,7 @@ fn every_guess_of_the_hopping_mass_ends_at_the_same_optimum() {
     };
     let problem = Problem {
         horizon: Horizon::Fixed(2.0 * INTERVAL),
-        ..Problem::of(&hopper, Objective::effort(), vec![goal], 2)
+        ..Problem::new(&hopper, Objective::effort(), vec![goal], 2)
     };
     let best = brute_force(0.3);
     for guess in [
@@ -277,9 +277,119 @@ fn every_guess_of_the_hopping_mass_ends_at_the_same_optimum() {
     ] {
         let mut settings = Settings::default();
         settings.guess = guess;
-        let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| {}).unwrap();
+        let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
         assert_eq!(solution.status, Status::Solved, "{guess:?}");
         assert!((solution.objective - best).abs() < 1e-6, "{guess:?}");
     }
     assert_eq!(hopper.declaration().name, "Hopper");
+}
+
+#[test]
+fn observer_that_stops_early_gets_no_motion_and_late_the_best_so_far() {
+    let hopper = Hopper::default();
+    let goal = Goal {
+        component: Component::Coordinate(0),
+        value: 0.3,
+    };
+    let problem = Problem {
+        horizon: Horizon::Fixed(2.0 * INTERVAL),
+        ..Problem::new(&hopper, Objective::effort(), vec![goal], 2)
+    };
+    let run = |calls: usize| {
+        let mut seen = Vec::new();
+        let solution = ocp::solve(&hopper, &problem, &Settings::default(), &mut |progress| {
+            seen.push((progress.iterations, progress.best));
+            seen.len() < calls
+        });
+        (solution.unwrap(), seen)
+    };
+    let (solved, all) = run(usize::MAX);
+    assert!(solved.status.is_solved());
+    assert!(all.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+    let (early, seen) = run(3);
+    assert_eq!((early.status, seen.len()), (Status::Interrupted, 3));
+    assert!(early.motion.is_none() && early.diagnosis().unwrap().contains("stopped"));
+    // As soon as there is a best motion, it is what an interrupted run returns.
+    let first = all.iter().position(|(_, best)| best.is_some()).unwrap();
+    let (late, seen) = run(first + 1);
+    assert_eq!(late.status, Status::Interrupted);
+    assert_eq!(Some(late.objective), seen.last().unwrap().1);
+    assert!(late.motion.is_some() && late.resimulation_error < 1e-6);
+}
+
+fn hop_problem(hopper: &Hopper) -> Problem {
+    let goal = Goal {
+        component: Component::Coordinate(0),
+        value: 0.3,
+    };
+    Problem {
+        horizon: Horizon::Fixed(2.0 * INTERVAL),
+        ..Problem::new(hopper, Objective::effort(), vec![goal], 2)
+    }
+}
+
+#[test]
+fn time_freezing_formulation_polished_finds_both_local_optima_of_the_hopping_mass() {
+    let hopper = Hopper::default();
+    let mut settings = Settings::default();
+    settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
+    settings.starts = 4;
+    let problem = hop_problem(&hopper);
+    let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    // Without landing, 3 u_1 + u_2 = 8 (0.1 + g / 2): the least effort is a tenth of its square.
+    let flight = INTERVAL * (0.8_f64 + 4.0 * GRAVITY).powi(2) / 10.0;
+    let both = [brute_force(0.3), flight];
+    assert!(
+        (solution.objective - both[0]).abs() < 1e-6,
+        "{:?}",
+        solution.optima
+    );
+    for optimum in &solution.optima {
+        let known = both
+            .iter()
+            .any(|best| (optimum.objective - best).abs() < 1e-6);
+        assert!(known, "{optimum:?} is none of {both:?}");
+    }
+    let report = solution.time_freezing.unwrap();
+    assert!(report.complementarity < 1.1e-6 && report.primal < 1e-6);
+    assert!(report.size.complementarities > 0 && report.iterations > 0);
+    settings.starts = 1;
+    settings.guess = Guess::Rest;
+    let error = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap_err();
+    insta::assert_snapshot!(error, @"guess Rest of the time-freezing formulation is not supported; choose `Straight` or `Ride`");
+}
+
+#[test]
+fn several_starts_report_their_distinct_optima_and_do_not_depend_on_threads() {
+    let hopper = Hopper::default();
+    let mut settings = Settings::default();
+    settings.starts = 4;
+    let problem = hop_problem(&hopper);
+    let solve = || ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
+    let solution = solve();
+    assert_eq!(solution.status, Status::Solved);
+    assert!((solution.objective - brute_force(0.3)).abs() < 1e-6);
+    // Every start that was confirmed is counted once.
+    let optima = solution.optima.iter();
+    let mut starts: Vec<usize> = optima.flat_map(|o| o.starts.clone()).collect();
+    starts.sort_unstable();
+    assert_eq!(starts, [0, 1, 2, 3]);
+    assert_eq!(solution.optima[0].objective, solution.objective);
+    let again = solve();
+    assert_eq!(again.objective, solution.objective);
+    assert_eq!(again.optima, solution.optima);
+    // A stop reaches all of them.
+    let mut calls = 0;
+    let stopped = ocp::solve(&hopper, &problem, &settings, &mut |_| {
+        calls += 1;
+        false
+    });
+    assert_eq!(stopped.unwrap().status, Status::Interrupted);
+    assert_eq!(calls, 1);
 }

@@ -1,7 +1,7 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 19] = [
+pub(crate) const STATEMENTS: [&str; 16] = [
     "parameters",
     "coordinates",
     "controls",
@@ -14,17 +14,26 @@ pub(crate) const STATEMENTS: [&str; 19] = [
     "impact",
     "start",
     "horizon",
-    "friction",
     "constraint",
     "minimize",
     "finally",
     "free",
+];
+
+/// Words that begin a part of an impact law.
+pub(crate) const LAW_PARTS: [&str; 6] = [
+    "inelastic",
+    "restitution",
+    "friction",
+    "sliding",
     "along",
     "holding",
 ];
 
-/// Statements of the language that no solver treats yet.
-pub(crate) const NOT_YET: [&str; 5] = ["friction", "constraint", "minimize", "finally", "free"];
+/// Whether a word belongs to the language, so that it names nothing else.
+pub(crate) fn is_keyword(text: &str) -> bool {
+    STATEMENTS.contains(&text) || LAW_PARTS.contains(&text)
+}
 
 /// Functions of one number.
 pub(crate) const FUNCTIONS: [&str; 13] = [
@@ -34,6 +43,22 @@ pub(crate) const FUNCTIONS: [&str; 13] = [
 
 /// Functions with their own rules.
 pub(crate) const SPECIAL_FUNCTIONS: [&str; 4] = ["dot", "diff", "atan2", "cross"];
+
+/// The running cost in an objective.
+pub(crate) const INTEGRAL: &str = "integral";
+
+/// The final time in an objective or a terminal condition.
+pub(crate) const FINAL_TIME: &str = "time";
+
+/// Functions that make matrices; their names may be taken by declarations.
+pub(crate) const MATRIX_FUNCTIONS: [&str; 6] = [
+    "rotation",
+    "rotation_x",
+    "rotation_y",
+    "rotation_z",
+    "transpose",
+    "diagonal",
+];
 
 /// Functions with a kink or a jump, which dynamics must not have.
 pub(crate) const NONSMOOTH: [&str; 10] = [

@@ -23,6 +23,14 @@ fn beside(statements: &str) -> Vec<String> {
     ))
 }
 
+/// A cart with a control, and further statements.
+fn cart(statements: &str) -> Vec<String> {
+    messages(&format!(
+        "pub S {{ parameters {{ m: kg = 1 }} coordinates {{ y: m in -1..=3 }} controls {{ u: N }} lagrangian \
+         m/2*dot(y)^2 forces {{ y: u }} {statements} }}"
+    ))
+}
+
 macro_rules! texts {
     ($($name:ident: $how:ident $source:expr => $($text:expr),+;)*) => {
         $(#[test]
@@ -114,6 +122,29 @@ texts! {
     // E10, E11, E12, E13
     restitution_above_one: beside "surface wall: y >= 0 impact wall: restitution 1.5" =>
         "E10: coefficient of restitution 1.5 is outside [0, 1]: 0 keeps no normal velocity, 1 all of it";
+    restitution_above_one_by_its_default: messages
+        "S { parameters { m: kg = 1, e = 1.2 } coordinates { y: m } lagrangian m/2*dot(y)^2 surface wall: y >= 0 impact wall: restitution 1 - e/10, friction -e, sliding dot(y) }" =>
+        "E10: coefficient of friction -e = -1.2 is below 0: the force would drive the sliding instead of braking it; change its sign";
+    restitution_that_changes: beside "surface wall: y >= 0 impact wall: restitution z/y" =>
+        "the coefficient of restitution depends on the coordinate `y`; it may depend on parameters only";
+    coefficients_with_units: beside "surface wall: y >= 0 impact wall: restitution 0.5 [m], friction m/80 [s]" =>
+        "E03: units differ: `0.5 [m]` is in m, where a pure number is needed (a coefficient of restitution is a ratio)",
+        "E03: units differ: `m/80 [s]` is in N s/m, where a pure number is needed (a coefficient of friction is a ratio)";
+    sliding_velocity_without_time: beside "surface wall: y >= 0 impact wall: inelastic, friction 0.3, sliding dot(z)/1 [m]" =>
+        "E03: units differ: `dot(z)/1 [m]` is in 1/s, where m/s is needed (the sliding velocity of `wall` has the unit of its gap over s)";
+    sliding_velocity_that_is_none: beside "surface wall: y >= 0 surface top: z <= 1 [m] impact wall: inelastic, friction 0.3, sliding dot(z) + 1 [m/s] impact top: inelastic, friction 0.3, sliding z/1 [s]" =>
+        "E07: `dot(z) + 1 [m/s]` is no sliding velocity: that is a sum of velocities times functions of positions, zero at rest, such as `dot(y)`",
+        "E07: `z/1 [s]` is no sliding velocity: that is a sum of velocities times functions of positions, zero at rest, such as `dot(y)`";
+    friction_beyond_a_point_mass: messages
+        "S { parameters { m: kg = 1, mu = 0.3 } coordinates { y: m, z: m, s: m } lagrangian m/2*|dot((y, z, s))|^2 surface wall: y >= 0 impact wall: inelastic, friction mu }" =>
+        "E20: `friction` of `wall` needs the sliding velocity, which follows by itself for one point mass in two Cartesian coordinates only; add it, scaled like the gap, as in `impact wall: ..., friction mu, sliding dot(y)`";
+    everything_held: beside "surface wall: y >= 0 impact wall: inelastic, holding y" =>
+        "E09: all coordinates that the gap of `wall` depends on are held, so no impulse can stop the motion into it; hold fewer";
+    sliding_held: beside "surface wall: y >= 0 impact wall: inelastic, holding z, friction 0.1, sliding dot(z)" =>
+        "E09: all coordinates that the sliding velocity of `wall` depends on are held, so friction cannot brake it; hold fewer";
+    holding_something_else: beside "surface wall: y >= 0 impact wall: inelastic, holding m, w" =>
+        "E01: `m` is not a coordinate (coordinates: `y`, `z`)",
+        "E01: `w` is not declared (coordinates: `y`, `z`)";
     reserved_names: messages "S { parameters { t: s = 3, clock = 1, type = 1, let = 2 } coordinates { y } lagrangian dot(y)^2 }" =>
         "E11: `let` is a word of the language; choose another name",
         "E11: `t` is reserved for the physical time; choose another name",
@@ -127,6 +158,82 @@ texts! {
         "E12: `if` switches inside smooth dynamics; declare a `surface` where the motion switches";
     norm_of_velocity: with "lagrangian m/2*|dot((y, z))|^2 + m*|dot((y, z))|*1 [m/s]" =>
         "E13: a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`";
+
+    // E15 and what else optimal control knows
+    task_is_accepted: cart "minimize 1 [1/s]*time + integral(u^2)/1 [N^2 s] finally { y == 1 [m], dot(y) >= 0 } constraint power: u*dot(y) <= 3 [W] free { dot(y) in 0..=3 }" =>
+        "accepted";
+    control_in_a_final_cost: cart "minimize u^2" =>
+        "E15: the final cost depends on the control `u`, which acts over a time and has no value at the final instant; write `integral(u^2)`";
+    control_in_a_terminal_condition: cart "finally { y == 1 [m], u == 0 }" =>
+        "E15: a terminal condition depends on the control `u`, which acts over a time and has no value at the final instant; a condition on it is a `constraint`";
+    derivative_of_a_control: cart "minimize integral(dot(u)^2)" =>
+        "E15: `dot(u)` needs the derivative of a control, which may jump; take `dot` of positions only";
+    integral_of_a_constant: cart "minimize integral(1)" =>
+        "E15: the integral of the constant `1` is that times the final time; write `time`";
+    integral_of_a_sum_of_constants: cart "minimize integral(m + 2 [kg])" =>
+        "E15: the integral of the constant `m + 2 [kg]` is that times the final time; write `(m + 2 [kg])*time`";
+    integral_inside_a_function: cart "minimize sqrt(integral(u^2))" =>
+        "E15: `integral` inside `sqrt(integral(u^2))`: an objective is a sum of final terms and of integrals, each possibly times a constant";
+    integral_inside_an_integral: cart "minimize integral(y*integral(u^2))" =>
+        "E15: `integral` inside `integral`: a running cost is integrated once, over the motion; add a coordinate for the inner one";
+    integral_times_a_velocity: cart "minimize dot(y)*integral(u^2)" =>
+        "E15: an integral times `dot(y)`, which depends on the velocity `dot(y)`: a weight may depend on parameters only; move it into the integral";
+    integral_outside_of_an_objective: cart "finally { integral(u^2) <= 3 [N^2 s] }" =>
+        "E15: `integral` is the running cost and stands in `minimize` only, as a term by itself, possibly times a constant";
+    constant_cost: cart "minimize 3*m" =>
+        "E15: `3*m` is the same for every motion, so it cannot be minimized; leave it out";
+    condition_on_nothing: cart "finally { m >= 0 } constraint c: 2*m == 3 [kg]" =>
+        "E15: `m >= 0` is the same for every motion, so it is no condition; use coordinates, velocities or the time",
+        "E15: `2*m == 3 [kg]` is the same for every motion, so it is no condition; use coordinates, velocities or the time";
+    final_time_in_a_running_cost: cart "minimize integral(u^2*time) constraint c: y <= 1 [m/s]*time" =>
+        "E01: `time` is the final time, known to final costs in `minimize` and to `finally` only; the time at each instant is `t`";
+    terms_of_a_cost_in_other_units: cart "minimize time + integral(u^2)" =>
+        "E03: units differ: `time` is in s, `integral(u^2)` is in kg^2 m^2/s^3; both sides of `+` must agree";
+    condition_in_other_units: cart "finally { y == 1, dot(y) <= y }" =>
+        "E03: units differ: `y` is in m, `1` has no unit; both sides of a terminal condition must agree; a bare number has no unit, write it in brackets, as in `1 [m]`",
+        "E03: units differ: `dot(y)` is in m/s, `y` is in m; both sides of a terminal condition must agree";
+    free_value_in_other_units: cart "free { y in 0..=1 [m/s], dot(y) in 0 [m]..=1 }" =>
+        "E03: units differ: `1 [m/s]` is in m/s, where m is needed (it bounds `y`)",
+        "E03: units differ: `0 [m]` is in m, where m/s is needed (it bounds `dot(y)`)";
+    free_value_with_a_guess: cart "free { y: 2 }" =>
+        "`free` says which initial values are to be found; the guess belongs to `start { y: ... }`";
+    free_value_twice_or_unknown: cart "free { y, dot(y), y, z }" =>
+        "`y` is listed in `free` twice; keep one",
+        "E01: `z` is not declared (coordinates: `y`)";
+    guess_outside_its_bounds: cart "free { y in 2..=1, dot(y) in 1..=3 }" =>
+        "E17: lower bound 2 of `y` lies above its upper bound 1; exchange them",
+        "E17: `dot(y)` starts at 0, outside its bounds 1..=3";
+    guess_that_is_left_out: cart "free { dot(y) in 1..=3, y in 10..=40 [cm] } start { y: 0.5 }" =>
+        "E17: `dot(y)` starts at 0, outside its bounds 1..=3",
+        "E17: `y` starts at 0.5, outside its bounds 0.1..=0.4";
+    two_objectives_and_names: cart "minimize time minimize y constraint c: y <= 1 [m] constraint c: y >= 0" =>
+        "a scene has one `minimize`; add the terms up in it",
+        "E19: constraint `c` is declared twice; rename one";
+    single_equals_sign: cart "finally { y = 1 [m], dot(y) > 0 }" =>
+        "a condition is written with `==`, `>=` or `<=`; one of them is meant here";
+    chain_of_inequalities: cart "constraint c: 0 <= y <= 1 [m]" =>
+        "a condition compares two sides; write two conditions, the second one with `y` on its left";
+    norm_of_velocity_as_constraint: beside "constraint c: |dot((y, z))| <= 1 [m/s]" =>
+        "E13: a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`";
+    control_of_a_cost_is_used: beside "controls { u: N, slack: m, idle: N } forces { y: u } minimize integral(slack) constraint c: slack >= y" =>
+        "E16: control `idle` is never used; let it act by `forces { ... }`";
+    name_of_the_integral: messages "S { parameters { integral = 2 } coordinates { y } lagrangian integral*dot(y)^2 }" =>
+        "E19: `integral` is the name of a function; choose another name";
+
+    // E18
+    surface_twice: beside "surface a: z >= 0 surface b: 3*z >= 0 impact a, b: inelastic" =>
+        "E18: surfaces `a` and `b` are the same, so they are always touched together and no rule says which of their laws holds; leave one out";
+    surface_from_both_sides: beside "surface a: z >= m*1 [m/kg] surface b: z <= m*1 [m/kg] impact a, b: inelastic" =>
+        "E18: surfaces `a` and `b` are the same from both sides, so they leave no room to move; leave one out, or describe the motion by a coordinate less";
+    surface_through_a_corner: beside "surface a: z >= 0 surface b: y >= 0 surface c: y + m*2 [1/kg]*z >= 0 impact a, b, c: inelastic" =>
+        "E18: the gap of surface `c` is a combination of those of `a`, `b`, so it is touched wherever they are and no rule says how they share the force; leave one of them out";
+    same_surface_in_two_forms: messages
+        "S { coordinates { y } lagrangian dot(y)^2 surface a: sin(y)^2 >= 1/4 surface b: 1 - cos(2*y) >= 1/2 impact a, b: inelastic }" =>
+        "E18: surfaces `a` and `b` are the same, so they are always touched together and no rule says which of their laws holds; leave one out";
+    box_is_accepted: beside "surface a: y >= 0 surface b: y <= 1 [m] surface c: z >= 0 surface d: z <= m*1 [m/kg] impact a, b, c, d: inelastic" =>
+        "accepted";
+    parallel_walls_are_accepted: beside "surface a: y >= 0 surface b: y <= 1 [m] surface c: y <= 2 [m] impact a, b, c: inelastic" =>
+        "accepted";
 
     // E16, E17, E19, E20
     everything_unused: beside "controls { u: N } let a = y fn f(b) = b^2" =>
@@ -145,6 +252,28 @@ texts! {
         "E20: surface `wall` has no impact law; write `impact wall: inelastic`";
     two_laws: beside "surface wall: y >= 0 impact wall: inelastic impact wall: inelastic" =>
         "E20: surface `wall` has two impact laws; keep one";
+
+    parts_of_a_law_that_exclude_each_other: beside
+        "surface a: y >= 0 surface b: y <= 1 [m] surface c: z >= 0 impact a: inelastic, restitution 0.5 impact b: inelastic, along (1, 0), holding z impact c: inelastic, along (0, 1), friction 0.3" =>
+        "E20: `inelastic` and `restitution` exclude each other: `inelastic` is no rebound at all; keep one",
+        "E20: `along` and `holding` both give the direction of the impulse; keep one",
+        "E20: `along` and `friction` exclude each other: Coulomb's law bounds the tangential part of a force whose normal part acts along M^-1 grad gap, and `along` puts another direction in its place; leave one out";
+    parts_of_a_law_that_are_missing: beside
+        "surface a: y >= 0 surface b: z >= 0 impact a: friction 0.3 impact b: inelastic, sliding dot(z)" =>
+        "E20: the impact law says nothing about the normal velocity; add `inelastic` or `restitution e`",
+        "E20: `sliding` gives the velocity that friction brakes, and there is no `friction`; add `friction mu` or leave it out";
+    part_of_a_law_twice: beside "surface a: y >= 0 impact a: friction 0.3, inelastic, friction 0.2" =>
+        "E20: `friction` stands twice in one impact law; keep one";
+    unknown_part_of_a_law: beside "surface a: y >= 0 impact a: inelastic, fricton 0.3" =>
+        "unknown part `fricton` of an impact law; did you mean `friction`?";
+    law_that_is_called_otherwise: beside "surface a: y >= 0 impact a: elastic" =>
+        "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`";
+    part_without_comma: beside "surface a: y >= 0 impact a: inelastic friction 0.3" =>
+        "a comma is missing before `friction`";
+    friction_as_a_statement: beside "surface a: y >= 0 impact a: inelastic friction a: 0.3" =>
+        "a comma is missing before `friction`";
+    friction_far_from_its_law: beside "surface a: y >= 0 impact a: inelastic horizon 3 [s]; friction a: 0.3" =>
+        "`friction` is part of an impact law; write `impact name: ..., friction ...`, with commas between the parts";
 
     // Functions
     function_of_itself: messages "S { coordinates { y } fn f(x) = 1 + f(x) lagrangian f(1)*dot(y)^2 }" =>
@@ -170,8 +299,6 @@ texts! {
         "unknown unit `sec`; did you mean `s`?";
     missing_default: messages "S { parameters { a: kg } coordinates { y } lagrangian a*dot(y)^2 }" =>
         "parameter `a` needs a default value, as in `a: kg = 1`";
-    not_available_yet: beside "minimize time" =>
-        "the statement `minimize` is not available yet; leave it out";
     nothing: messages "" => "expected the name of the scene, found the end; write `pub Name { ... }`";
     name_alone: messages "pub S" => "expected `{` after the name `S`, found the end";
 }

@@ -26,7 +26,8 @@ pub(crate) enum Command {
     Solve(SolveArguments),
     /// Measure the error of every method against its step size and its CPU time.
     Chart(ChartArguments),
-    /// Show what was derived from a scene: equations, sparsity patterns, operation counts.
+    /// Show what was derived from a scene: equations, sparsity patterns, operation counts. Given the code
+    /// of a mistake, as in `hangtime explain E07`, show its page.
     Explain(ExplainArguments),
     /// Reproduce the published results and write figures, data and a page.
     Reproduce(ReproduceArguments),
@@ -141,13 +142,25 @@ pub(crate) enum FormulationName {
 pub(crate) struct SolveArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
-    /// Control intervals of equal physical length; default: what the scene declares.
+    /// Control intervals of equal physical length [default: 30].
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) intervals: Option<usize>,
-    /// Radau IIA stages of a phase, 2 to 9; more where the re-simulation asks for them [default: 4].
+    /// How the contact sequence is found.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) formulation: SolveFormulation,
+    /// Runge-Kutta scheme (time-freezing) [default: radau-iia].
+    #[arg(long, value_enum)]
+    pub(crate) scheme: Option<SchemeName>,
+    /// Runge-Kutta stages: of a phase, 2 to 9, more where the re-simulation asks for them [default: 4]; of a finite
+    /// element with time-freezing, 1 to 9 [default: 2].
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) stages: Option<usize>,
-    /// Motions of the global phase that are refined, the best first [default: 2].
+    /// Finite elements: of a phase between two switches [default: 1], of an interval with time-freezing
+    /// [default: 3].
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    pub(crate) elements: Option<usize>,
+    /// Guesses and discretizations that are solved side by side; the best is returned, and the distinct
+    /// local optima are listed [default: 1].
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) starts: Option<usize>,
     /// Directory for data and figures; made if it does not exist.
@@ -156,6 +169,16 @@ pub(crate) struct SolveArguments {
     /// Print one JSON object.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// How `solve` finds the contact sequence.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SolveFormulation {
+    /// Small contact-implicit programs, from coarse to fine.
+    #[default]
+    Auto,
+    /// The complementarity problem of finite elements with switch detection on the time-freezing system.
+    TimeFreezing,
 }
 
 /// Arguments of `chart`.

@@ -13,11 +13,11 @@ use super::method::ChosenMethod;
 use super::output::OutputDirectory;
 use super::page::{Page, Section};
 use super::progress::Progress;
-use super::reproduce::{EXACT_TOLERANCE, fastest};
 use super::settings::ChosenScene;
 use super::simulate::diagnosis_line;
 use super::spreadsheet::csv_text;
 use super::table::{seconds, table};
+use super::timing::{EXACT_TOLERANCE, fastest};
 
 /// Steps of the methods of high order.
 const FINITE_ELEMENTS: [usize; 8] = [10, 15, 20, 30, 40, 80, 160, 320];
@@ -275,6 +275,7 @@ fn chart(
             text: "The order is the slope over the finest points above rounding; the prices are \
                 the CPU times of the first run with an error of at most the value above the column."
                 .to_owned(),
+            animation: None,
             figures: figures.iter().map(|(_, svg)| svg.clone()).collect(),
             header,
             rows,

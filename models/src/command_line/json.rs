@@ -6,7 +6,8 @@
 //! before the first such number, and elsewhere `null` stands in its place.
 
 use hangtime::model::{ContactDeclaration, Model};
-use hangtime::ocp::Solution;
+use hangtime::ocp::{Formulation, Optimum, Settings, Size, Solution, TimeFreezingReport};
+use hangtime::rk::Scheme;
 use hangtime::simulation::{
     Counts, Diagnosis, Event, ProblemSize, Residuals, Seconds, Simulation, Trajectory,
 };
@@ -97,8 +98,89 @@ pub(crate) struct SolverSettings {
     pub(crate) stages: usize,
     /// Control intervals.
     pub(crate) intervals: usize,
-    /// Motions of the global phase that are refined.
+    /// Finite elements: of a phase, or of an interval with time-freezing.
+    pub(crate) elements: usize,
+    /// Starts that were solved side by side.
     pub(crate) starts: usize,
+}
+
+impl SolverSettings {
+    /// The settings of a solve with `intervals` control intervals.
+    pub(crate) fn new(settings: &Settings, intervals: usize) -> Self {
+        let (name, scheme, stages, elements) = match &settings.formulation {
+            Formulation::Phases => ("phases", Scheme::RadauIia, settings.stages, 1),
+            Formulation::TimeFreezing(grid) => {
+                ("time-freezing", grid.scheme, grid.stages, grid.elements)
+            }
+        };
+        Self {
+            name,
+            scheme: scheme.name(),
+            stages,
+            intervals,
+            elements,
+            starts: settings.starts,
+        }
+    }
+}
+
+/// The complementarity problem of the time-freezing formulation, before its motion was polished.
+#[derive(Serialize)]
+struct TimeFreezingEntry {
+    status: String,
+    objective: f64,
+    horizon: f64,
+    residuals: TimeFreezingResiduals,
+    size: SolutionSize,
+    iterations: usize,
+    seconds: f64,
+}
+
+#[derive(Serialize)]
+struct TimeFreezingResiduals {
+    primal: f64,
+    complementarity: f64,
+}
+
+impl TimeFreezingEntry {
+    fn new(report: &TimeFreezingReport) -> Self {
+        Self {
+            status: report.status.to_string(),
+            objective: report.objective,
+            horizon: report.horizon,
+            residuals: TimeFreezingResiduals {
+                primal: report.primal,
+                complementarity: report.complementarity,
+            },
+            size: SolutionSize::new(&report.size),
+            iterations: report.iterations,
+            seconds: report.seconds,
+        }
+    }
+}
+
+/// A distinct local optimum.
+#[derive(Serialize)]
+struct OptimumEntry<'a> {
+    objective: f64,
+    horizon: f64,
+    status: &'static str,
+    stationarity: &'static str,
+    switches: usize,
+    starts: &'a [usize],
+}
+
+impl<'a> OptimumEntry<'a> {
+    fn new(optimum: &'a Optimum) -> Self {
+        Self {
+            objective: optimum.objective,
+            horizon: optimum.horizon,
+            status: optimum.status.name(),
+            stationarity: optimum.stationarity.name(),
+            switches: optimum.switches,
+            starts: &optimum.starts,
+        }
+    }
 }
 
 /// The document of an optimal control problem: that of the re-simulated motion, and what belongs to the plan.
@@ -125,6 +207,9 @@ pub(crate) struct SolutionDocument<'a> {
     size: SolutionSize,
     iterations: SolutionCounts,
     seconds: SolutionSeconds,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time_freezing: Option<TimeFreezingEntry>,
+    optima: Vec<OptimumEntry<'a>>,
 }
 
 #[derive(Serialize)]
@@ -135,6 +220,19 @@ struct SolutionSize {
     complementarities: usize,
     jacobian_nonzeros: usize,
     hessian_nonzeros: usize,
+}
+
+impl SolutionSize {
+    fn new(size: &Size) -> Self {
+        Self {
+            variables: size.variables,
+            equalities: size.equalities,
+            inequalities: size.inequalities,
+            complementarities: size.complementarities,
+            jacobian_nonzeros: size.jacobian_nonzeros,
+            hessian_nonzeros: size.hessian_nonzeros,
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -165,10 +263,13 @@ impl<'a> SolutionDocument<'a> {
         chosen: &'a ChosenScene,
         method: &'a SolverSettings,
         solution: &'a Solution,
-        (trajectory, events): (&'a Trajectory, &'a [Event]),
     ) -> Self {
         let contacts = chosen.model.declaration().contacts;
-        let trajectory = TrajectoryEntry::new(trajectory);
+        let motion = solution.motion.as_ref();
+        let trajectory = motion.map_or_else(TrajectoryEntry::default, |motion| {
+            TrajectoryEntry::new(&motion.trajectory)
+        });
+        let events = motion.map_or(&[][..], |motion| &motion.events);
         Self {
             schema: SCHEMA,
             scene: chosen.scene.name,
@@ -188,15 +289,7 @@ impl<'a> SolutionDocument<'a> {
             resimulation_error: solution.resimulation_error,
             controls: &solution.controls,
             residuals: solution.residuals,
-            size: SolutionSize {
-                variables: solution.size.variables,
-                equalities: solution.size.equalities,
-                inequalities: solution.size.inequalities,
-                // The last program has a given contact sequence.
-                complementarities: 0,
-                jacobian_nonzeros: solution.size.jacobian_nonzeros,
-                hessian_nonzeros: solution.size.hessian_nonzeros,
-            },
+            size: SolutionSize::new(&solution.size),
             iterations: SolutionCounts {
                 interior_point: solution.counts.global_iterations + solution.counts.iterations,
                 crossover: 0,
@@ -212,6 +305,8 @@ impl<'a> SolutionDocument<'a> {
                 factorize: 0.0,
                 solve: 0.0,
             },
+            time_freezing: solution.time_freezing.as_ref().map(TimeFreezingEntry::new),
+            optima: solution.optima.iter().map(OptimumEntry::new).collect(),
         }
     }
 
@@ -300,7 +395,7 @@ impl<'a> EventEntry<'a> {
     }
 }
 
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct TrajectoryEntry<'a> {
     time: &'a [f64],
     numerical_time: &'a [f64],

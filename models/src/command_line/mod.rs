@@ -1,10 +1,13 @@
 //! The command line: arguments in, one report and an exit status out.
 
+mod animation;
 mod arguments;
 mod chart;
 mod explain;
 mod failure;
 mod figure;
+mod files;
+mod interrupt;
 mod json;
 mod list;
 mod method;
@@ -12,12 +15,15 @@ mod motion;
 mod output;
 mod page;
 mod progress;
+mod quantity;
 mod reproduce;
+mod sampling;
 mod settings;
 mod simulate;
 mod solve;
 mod spreadsheet;
 mod table;
+mod timing;
 
 use std::ffi::OsString;
 use std::io::{self, Write as _};

@@ -1,72 +1,44 @@
-//! From a simulation to a picture of the motion in its plane.
+//! From a simulation to its figures: the motion in its plane, and its quantities over time.
 
-use hangtime::model::Model;
-use hangtime::simulation::{EventKind, Simulation, Trajectory};
-use hangtime_models::{Plane, PublishedMarker};
+use hangtime::model::{Declaration, Model};
+use hangtime::simulation::{EventKind, Simulation};
+use hangtime_models::{Plane, PublishedData, Quantity};
 
-use super::figure::{Motion, Path};
+use super::figure::{COLOURS, Motion, Panel, Path, Series};
+use super::quantity;
+use super::sampling::{State, dense, state_at};
 
-/// Points drawn between two instants of the trajectory.
-const POINTS_BETWEEN: usize = 8;
 /// Ground drawn on either side of the motion, as a share of its horizontal extent.
 const GROUND_AROUND: f64 = 0.25;
-/// Time between two positions of the time lapse where none is published [s].
-const DEFAULT_INTERVAL: f64 = 0.2;
+/// About how many instants a time lapse shows where none is published.
+const LAPSES: f64 = 12.0;
 
-/// Coordinates at physical time `t`: the cubic through the states of the two neighbouring instants
-/// and their velocities. It is exact where the acceleration is constant, and misses by
-/// `h^4 |q''''| / 384` between two instants that are `h` apart otherwise.
-///
-/// `None` outside the trajectory.
-pub(crate) fn coordinates_at(trajectory: &Trajectory, t: f64) -> Option<Vec<f64>> {
-    let next = trajectory.time.partition_point(|&time| time <= t);
-    let last = next.checked_sub(1)?;
-    if next == trajectory.time.len() {
-        return (trajectory.time[last] == t).then(|| trajectory.q[last].clone());
-    }
-    let h = trajectory.time[next] - trajectory.time[last];
-    let s = (t - trajectory.time[last]) / h;
-    let (q0, q1) = (&trajectory.q[last], &trajectory.q[next]);
-    let (v0, v1) = (&trajectory.v[last], &trajectory.v[next]);
-    Some(
-        (0..q0.len())
-            .map(|i| {
-                let rise = q1[i] - q0[i];
-                let (a, b) = (h * v0[i] - rise, rise - h * v1[i]);
-                q0[i] + s * (rise + (1.0 - s) * ((1.0 - s) * a + s * b))
-            })
-            .collect(),
-    )
-}
-
-/// The picture of a simulation, beside published markers if there are any.
-pub(crate) fn motion(
+/// The picture of a simulation in its plane, beside published positions if there are any.
+pub(crate) fn picture(
     title: String,
     plane: &Plane,
     model: &dyn Model,
     simulation: &Simulation,
-    published: Vec<PublishedMarker>,
-    interval: Option<f64>,
+    published: &PublishedData,
 ) -> Motion {
     let trajectory = &simulation.trajectory;
     let positions = |q: &[f64]| (plane.positions)(model, q);
-    let interval = interval.unwrap_or(DEFAULT_INTERVAL);
     let end = trajectory.time.last().copied().unwrap_or_default();
-    // A quotient that rounding put just below a whole number still counts as that number.
-    let lapses = (end / interval + 1e-9) as usize;
-    let time_lapse: Vec<Vec<[f64; 2]>> = (0..=lapses)
-        .filter_map(|k| coordinates_at(trajectory, (k as f64 * interval).min(end)))
-        .map(|q| positions(&q))
+    let (times, lapse) = lapses(end, published);
+    let time_lapse: Vec<Vec<[f64; 2]>> = times
+        .iter()
+        .filter_map(|&t| state_at(trajectory, t.min(end)))
+        .map(|state| positions(&state.q))
         .collect();
-    let path: Vec<Vec<[f64; 2]>> = instants(trajectory)
-        .filter_map(|t| coordinates_at(trajectory, t))
-        .map(|q| positions(&q))
+    let path: Vec<Vec<[f64; 2]>> = dense(trajectory)
+        .iter()
+        .map(|state| positions(&state.q))
         .collect();
     let body = |rows: &[Vec<[f64; 2]>], body: usize| rows.iter().map(|row| row[body]).collect();
-    let published_positions = published.iter().map(|marker| marker.position);
-    let seen = path.iter().flatten().copied().chain(published_positions);
+    let shown = published.points.iter().flat_map(|point| &point.positions);
+    let seen = path.iter().flatten().chain(shown);
     let (from, to) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), [y, _]| {
-        (from.min(y), to.max(y))
+        (from.min(*y), to.max(*y))
     });
     // Some ground on either side of the motion.
     let around = GROUND_AROUND * (to - from);
@@ -88,6 +60,7 @@ pub(crate) fn motion(
                 time_lapse: body(&time_lapse, index),
             })
             .collect(),
+        links: plane.links,
         start: trajectory
             .q
             .first()
@@ -99,59 +72,131 @@ pub(crate) fn motion(
             .filter(|event| event.kind == EventKind::Impact)
             .flat_map(|event| positions(&event.q))
             .collect(),
-        published,
-        interval,
+        published: published.points.clone(),
+        lapse,
     }
 }
 
-/// The instants of the trajectory and some between them.
-fn instants(trajectory: &Trajectory) -> impl Iterator<Item = f64> {
-    let between = trajectory.time.windows(2).flat_map(|pair| {
-        let (from, to) = (pair[0], pair[1]);
-        let points = if to > from { POINTS_BETWEEN } else { 0 };
-        (0..points).map(move |i| from + (to - from) * i as f64 / points as f64)
+/// The instants of the time lapse, and what the legend says about them: those that were published, or else evenly
+/// spaced ones.
+fn lapses(end: f64, published: &PublishedData) -> (Vec<f64>, String) {
+    let points = published.points.iter().filter(|point| point.time_lapse);
+    let times: Vec<f64> = points.map(|point| point.time).collect();
+    if !times.is_empty() {
+        let kept = times.into_iter().filter(|&t| t < end).chain([end]);
+        return (kept.collect(), ", time lapse".to_owned());
+    }
+    if !(end.is_finite() && end > 0.0) {
+        return (vec![0.0], " at the start".to_owned());
+    }
+    let interval = round(end / LAPSES);
+    // A quotient that rounding put just below a whole number still counts as that number.
+    let count = (end / interval + 1e-9) as usize;
+    let times = (0..=count).map(|k| k as f64 * interval).collect();
+    (times, format!(" every {interval} s"))
+}
+
+/// The nearest of 1, 2 and 5 times a power of ten, by ratio.
+fn round(value: f64) -> f64 {
+    let power = value.log10().floor() as i32;
+    let candidates = [1.0, 2.0, 5.0, 10.0].map(|digit: f64| {
+        // Written and read back, so that 0.2 is the double nearest to it.
+        format!("{digit}e{power}").parse().unwrap_or(value)
     });
-    between.chain(trajectory.time.last().copied())
+    let ratio = |candidate: &f64| (candidate / value).ln().abs();
+    let nearest = candidates
+        .into_iter()
+        .min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+    nearest.unwrap_or(value)
+}
+
+/// A panel for every quantity of the scene, in the unit of the published data if there are any: coordinates and
+/// velocities, controls, contact forces.
+pub(crate) fn panels(
+    model: &dyn Model,
+    simulation: &Simulation,
+    published: &PublishedData,
+) -> Vec<Panel> {
+    let declaration = model.declaration();
+    let states = dense(&simulation.trajectory);
+    quantity::all(declaration)
+        .into_iter()
+        .map(|quantity| {
+            let unit = match published.curve(quantity) {
+                Some(curve) => curve.unit.to_owned(),
+                None => quantity::unit(declaration, quantity),
+            };
+            let series = series(declaration, quantity, &unit, &states, published);
+            panel(model, quantity, &unit, vec![series])
+        })
+        .collect()
+}
+
+/// A panel of one quantity in `unit`, with its bounds.
+pub(crate) fn panel(
+    model: &dyn Model,
+    quantity: Quantity,
+    unit: &str,
+    series: Vec<Series>,
+) -> Panel {
+    let declaration = model.declaration();
+    Panel {
+        title: quantity::title(declaration, quantity),
+        label: quantity::label(declaration, quantity, unit),
+        bounds: quantity::bounds(model, quantity)
+            .into_iter()
+            .filter_map(|bound| quantity::converted(declaration, quantity, bound, unit))
+            .collect(),
+        series,
+    }
+}
+
+/// The line of one quantity in `unit`, and its published dots.
+pub(crate) fn series(
+    declaration: &Declaration,
+    quantity: Quantity,
+    unit: &str,
+    states: &[State],
+    published: &PublishedData,
+) -> Series {
+    let value = |state: &State| {
+        let value = quantity::converted(declaration, quantity, state.value(quantity)?, unit)?;
+        value.is_finite().then_some((state.time, value))
+    };
+    let dots = published.curve(quantity).map(|curve| &curve.points[..]);
+    let dots = dots.unwrap_or_default();
+    Series {
+        name: None,
+        colour: COLOURS[0],
+        dashed: false,
+        line: states.iter().filter_map(value).collect(),
+        dots: match quantity {
+            Quantity::Control(_) => middles(dots),
+            _ => dots.iter().map(|&[t, value]| (t, value)).collect(),
+        },
+    }
+}
+
+/// The values of a piecewise constant quantity in the middle of their intervals, all of which have the length of the
+/// first one.
+fn middles(starts: &[[f64; 2]]) -> Vec<(f64, f64)> {
+    let half = match starts {
+        [first, second, ..] => (second[0] - first[0]) / 2.0,
+        _ => 0.0,
+    };
+    starts.iter().map(|&[t, value]| (t + half, value)).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use hangtime::simulation::Trajectory;
-
-    use super::coordinates_at;
-
-    /// A ball thrown up at 3 m/s that stops on the ground at t = 1 s; the jump is kept twice.
-    fn thrown() -> Trajectory {
-        let mut trajectory = Trajectory::default();
-        let state = |t: f64| ([3.0 * t - 3.0 * t * t], [3.0 - 6.0 * t]);
-        for t in [0.0, 0.5, 1.0] {
-            let (q, v) = state(t);
-            trajectory.push(t, t, &q, &v, &[], &[]);
-        }
-        trajectory.push(1.0, 1.1, &[0.0], &[0.0], &[], &[]);
-        trajectory.push(2.0, 2.1, &[0.0], &[0.0], &[], &[]);
-        trajectory
-    }
+    use super::round;
 
     #[test]
-    fn coordinates_at_constant_acceleration_is_exact() {
-        let trajectory = thrown();
-        for t in [0.0_f64, 0.1, 0.5, 0.77, 1.0] {
-            let q = coordinates_at(&trajectory, t).unwrap()[0];
-            // A handful of roundings of numbers below 3.
-            assert!((q - (3.0 * t - 3.0 * t * t)).abs() < 1e-15, "{t}: {q}");
-        }
-    }
-
-    #[test]
-    fn coordinates_at_after_an_impact_uses_the_velocity_after_it() {
-        assert_eq!(coordinates_at(&thrown(), 1.5), Some(vec![0.0]));
-        assert_eq!(coordinates_at(&thrown(), 2.0), Some(vec![0.0]));
-    }
-
-    #[test]
-    fn coordinates_at_outside_the_trajectory_is_none() {
-        assert_eq!(coordinates_at(&thrown(), 2.5), None);
-        assert_eq!(coordinates_at(&Trajectory::default(), 0.0), None);
+    fn round_takes_the_nearest_simple_number() {
+        assert_eq!(round(0.118), 0.1);
+        assert_eq!(round(0.17), 0.2);
+        assert_eq!(round(0.42), 0.5);
+        assert_eq!(round(0.9), 1.0);
+        assert_eq!(round(37.0), 50.0);
     }
 }

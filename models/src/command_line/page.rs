@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use super::animation::{self, Animation};
+
 /// A page of figures and tables.
 pub(crate) struct Page {
     /// Title.
@@ -18,6 +20,8 @@ pub(crate) struct Section {
     pub(crate) heading: String,
     /// One paragraph, possibly empty.
     pub(crate) text: String,
+    /// A motion that plays, with the result that it shows as JSON.
+    pub(crate) animation: Option<(Animation, String)>,
     /// Figures as SVG.
     pub(crate) figures: Vec<String>,
     /// Header of the table.
@@ -46,10 +50,12 @@ impl Page {
     /// The page as HTML.
     pub(crate) fn html(&self) -> String {
         let title = escape(&self.title);
+        let plays = self.sections.iter().any(|s| s.animation.is_some());
+        let player = if plays { animation::STYLE } else { "" };
         let mut html = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-             <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+             <title>{title}</title>\n<style>\n{STYLE}{player}</style>\n</head>\n<body>\n\
              <h1>{title}</h1>\n<p>{}</p>\n",
             escape(&self.introduction)
         );
@@ -65,6 +71,9 @@ impl Section {
         let _ = writeln!(html, "<h2>{}</h2>", escape(&self.heading));
         if !self.text.is_empty() {
             let _ = writeln!(html, "<p>{}</p>", escape(&self.text));
+        }
+        if let Some((animation, result)) = &self.animation {
+            html.push_str(&animation.html(result));
         }
         if !self.header.is_empty() {
             let row = |cell: &str, cells: &[String]| {

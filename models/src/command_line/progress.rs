@@ -2,7 +2,10 @@
 
 use std::time::{Duration, Instant};
 
+use hangtime::ocp;
 use indicatif::{ProgressBar, ProgressStyle};
+
+use super::interrupt::Interrupt;
 
 /// Runs shorter than this show no bar, and a bar is redrawn no more often.
 const PATIENCE: Duration = Duration::from_millis(150);
@@ -48,30 +51,61 @@ impl Drop for Progress {
     }
 }
 
-/// A line that says what a long run is doing; drawn on the standard error stream if that is a terminal.
-pub(crate) struct Spinner {
+/// What a long solve is doing, in one line on the standard error stream if that is a terminal.
+pub(crate) struct SolveProgress {
     bar: ProgressBar,
+    next: Instant,
+    interrupt: Interrupt,
 }
 
-impl Spinner {
-    /// A line that begins with `title`.
-    pub(crate) fn new(title: &str) -> Self {
+impl SolveProgress {
+    /// A line that begins with `title`, for a solve that `interrupt` can stop.
+    pub(crate) fn new(title: &str, interrupt: Interrupt) -> Self {
         let bar = ProgressBar::new_spinner().with_prefix(title.to_owned());
         if let Ok(style) = ProgressStyle::with_template("{prefix} {spinner} {elapsed} {msg}") {
             bar.set_style(style);
         }
         bar.enable_steady_tick(PATIENCE);
-        Self { bar }
+        Self {
+            bar,
+            next: Instant::now(),
+            interrupt,
+        }
     }
 
-    /// Changes what the line says.
-    pub(crate) fn say(&self, message: &str) {
-        self.bar.set_message(message.to_owned());
+    /// Shows the progress; `false` once the user has asked to stop.
+    pub(crate) fn report(&mut self, progress: &ocp::Progress) -> bool {
+        let now = Instant::now();
+        if self.interrupt.asked() {
+            self.bar.set_message("stopping");
+            return false;
+        }
+        if now >= self.next {
+            self.next = now + PATIENCE;
+            self.bar.set_message(line(progress));
+        }
+        true
     }
 }
 
-impl Drop for Spinner {
+impl Drop for SolveProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
+}
+
+/// One iteration in words.
+fn line(progress: &ocp::Progress) -> String {
+    let best = progress
+        .best
+        .map_or_else(String::new, |best| format!(", best objective {best:.7}"));
+    format!(
+        "{}: program {}, iteration {}, residuals primal {:.0e} dual {:.0e} complementarity {:.0e}{best}",
+        progress.step,
+        progress.programs + 1,
+        progress.iterations,
+        progress.primal_infeasibility,
+        progress.dual_infeasibility,
+        progress.complementarity,
+    )
 }

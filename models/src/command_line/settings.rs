@@ -205,7 +205,6 @@ mod tests {
             },
         ],
         plane: None,
-        optimal_control: None,
         published: &[],
     };
 

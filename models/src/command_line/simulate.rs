@@ -3,17 +3,17 @@
 use std::fmt::Write as _;
 
 use hangtime::simulation::{InitialValueProblem, Simulation};
+use hangtime_models::PublishedData;
 
 use super::Report;
 use super::arguments::SimulateArguments;
 use super::failure::BadInput;
+use super::files::ResultFiles;
 use super::json::Document;
 use super::method::ChosenMethod;
-use super::motion::motion;
 use super::output::OutputDirectory;
 use super::progress::Progress;
 use super::settings::ChosenScene;
-use super::spreadsheet::{events_csv, trajectory_csv};
 use super::table::{headed, per_second, seconds, table};
 
 pub(super) fn run(arguments: &SimulateArguments) -> Result<Report, BadInput> {
@@ -35,7 +35,16 @@ pub(super) fn run(arguments: &SimulateArguments) -> Result<Report, BadInput> {
     let json = Document::new(&chosen, problem.horizon, &method.settings, &simulation).text();
     let mut written = String::new();
     if let Some(directory) = directory {
-        for path in directory.write(&files(&chosen, &json, &simulation))? {
+        let files = ResultFiles {
+            stem: chosen.scene.name.to_owned(),
+            title: format!("{}, {}", chosen.scene.name, method.settings),
+            chosen: &chosen,
+            simulation: &simulation,
+            json: &json,
+            published: &PublishedData::default(),
+            facts: facts(&method, &simulation),
+        };
+        for path in directory.write(&files.contents())? {
             let _ = writeln!(written, "wrote {}", path.display());
         }
     }
@@ -61,28 +70,25 @@ pub(crate) fn diagnosis_line(chosen: &ChosenScene, simulation: &Simulation) -> O
     Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// The files of one simulation, as (name, content).
-fn files(chosen: &ChosenScene, json: &str, simulation: &Simulation) -> Vec<(String, String)> {
-    let declaration = chosen.model.declaration();
-    let name = chosen.scene.name;
-    let mut files = vec![
-        (format!("{name}.json"), json.to_owned()),
+/// What a page tells about a simulation.
+pub(crate) fn facts(method: &ChosenMethod, simulation: &Simulation) -> Vec<[String; 2]> {
+    let residuals = simulation.residuals;
+    [
+        ("method", method.settings.to_string()),
+        ("status", simulation.status.name().to_owned()),
         (
-            format!("{name}-trajectory.csv"),
-            trajectory_csv(declaration, &simulation.trajectory),
+            "largest primal residual",
+            format!("{:.1e}", residuals.primal),
         ),
+        ("largest dual residual", format!("{:.1e}", residuals.dual)),
         (
-            format!("{name}-events.csv"),
-            events_csv(declaration, &simulation.events),
+            "largest complementarity",
+            format!("{:.1e}", residuals.complementarity),
         ),
-    ];
-    if let Some(plane) = &chosen.scene.plane {
-        let title = chosen.scene.title.to_owned();
-        let model = chosen.model.as_ref();
-        let picture = motion(title, plane, model, simulation, Vec::new(), None);
-        files.push((format!("{name}.svg"), picture.svg()));
-    }
-    files
+        ("CPU time", seconds(simulation.seconds.total)),
+    ]
+    .map(|(name, value)| [name.to_owned(), value])
+    .into()
 }
 
 /// A number for people: ten decimals, or an exponent where they would fill the line.

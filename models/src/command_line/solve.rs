@@ -2,68 +2,68 @@
 
 use std::fmt::Write as _;
 
-use hangtime::ocp::{self, Settings, Solution};
+use hangtime::ocp::{self, Formulation, Problem, Settings, Solution, TimeFreezingSettings};
 use hangtime::rk::Scheme;
-use hangtime::simulation::{EventKind, Simulation, Trajectory};
+use hangtime::simulation::EventKind;
+use hangtime_models::PublishedData;
 
 use super::Report;
-use super::arguments::SolveArguments;
+use super::arguments::{SchemeName, SolveArguments, SolveFormulation};
 use super::failure::BadInput;
+use super::files::ResultFiles;
+use super::interrupt::Interrupt;
 use super::json::{SolutionDocument, SolverSettings};
-use super::motion::motion;
 use super::output::OutputDirectory;
-use super::progress::Spinner;
+use super::progress::SolveProgress;
 use super::settings::ChosenScene;
-use super::spreadsheet::{events_csv, trajectory_csv};
 use super::table::{headed, seconds, table};
+
+/// Control intervals, unless others are asked for.
+pub(super) const INTERVALS: usize = 30;
 
 pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
     let chosen = ChosenScene::from_arguments(&arguments.scene)?;
-    let Some(declared) = chosen.scene.optimal_control else {
+    if chosen.model.declaration().optimal_control.is_none() {
         return Err(BadInput::new(format!(
             "scene `{0}` declares no objective, so there is nothing to optimize; run `hangtime \
              simulate {0}` instead",
             chosen.scene.name
         )));
-    };
-    let mut settings = Settings::default();
-    settings.stages = arguments.stages.unwrap_or(settings.stages);
-    settings.starts = arguments.starts.unwrap_or(settings.starts);
+    }
+    let settings = settings(arguments)?;
     let model = chosen.model.as_ref();
-    let problem = (declared.problem)(model, arguments.intervals.unwrap_or(declared.intervals));
+    let problem = Problem::of(model, arguments.intervals.unwrap_or(INTERVALS));
+    let interrupt = Interrupt::listen();
     let directory = arguments
         .out
         .as_deref()
         .map(OutputDirectory::open)
         .transpose()?;
-    let spinner = Spinner::new(chosen.scene.name);
+    let mut display = SolveProgress::new(chosen.scene.name, interrupt);
     let solution = ocp::solve(model, &problem, &settings, &mut |progress| {
-        let best = progress.objective.map_or_else(String::new, |objective| {
-            format!(", best objective {objective:.6}")
-        });
-        spinner.say(&format!(
-            "{}: program {}, {} iterations{best}",
-            progress.step, progress.programs, progress.iterations
-        ));
+        display.report(progress)
     })
     .map_err(|error| chosen.refuse(&error))?;
-    drop(spinner);
-    let method = SolverSettings {
-        name: "phases",
-        scheme: Scheme::RadauIia.name(),
-        stages: settings.stages,
-        intervals: problem.intervals,
-        starts: settings.starts,
-    };
-    let nothing = Trajectory::default();
-    let motion = match &solution.motion {
-        Some(motion) => (&motion.trajectory, &motion.events[..]),
-        None => (&nothing, &[][..]),
-    };
-    let json = SolutionDocument::new(&chosen, &method, &solution, motion).text();
+    drop(display);
+    let method = SolverSettings::new(&settings, problem.intervals);
+    let json = SolutionDocument::new(&chosen, &method, &solution).text();
     let mut written = String::new();
     if let Some(directory) = directory {
-        for path in directory.write(&files(&chosen, &json, solution.motion.as_ref()))? {
+        let stem = format!("{}-optimal", chosen.scene.name);
+        let files = match &solution.motion {
+            None => vec![(format!("{stem}.json"), json.clone())],
+            Some(simulation) => ResultFiles {
+                stem,
+                title: format!("{}, optimal", chosen.scene.name),
+                chosen: &chosen,
+                simulation,
+                json: &json,
+                published: &PublishedData::default(),
+                facts: facts(&method, &solution),
+            }
+            .contents(),
+        };
+        for path in directory.write(&files)? {
             let _ = writeln!(written, "wrote {}", path.display());
         }
     }
@@ -82,41 +82,57 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
     })
 }
 
-/// The files of one solution, as (name, content).
-fn files(
-    chosen: &ChosenScene,
-    json: &str,
-    simulation: Option<&Simulation>,
-) -> Vec<(String, String)> {
-    let declaration = chosen.model.declaration();
-    let name = chosen.scene.name;
-    let mut files = vec![(format!("{name}-optimal.json"), json.to_owned())];
-    let Some(simulation) = simulation else {
-        return files;
-    };
-    files.extend([
-        (
-            format!("{name}-optimal-trajectory.csv"),
-            trajectory_csv(declaration, &simulation.trajectory),
-        ),
-        (
-            format!("{name}-optimal-events.csv"),
-            events_csv(declaration, &simulation.events),
-        ),
-    ]);
-    if let Some(plane) = &chosen.scene.plane {
-        let title = format!("{}, optimal", chosen.scene.title);
-        let picture = motion(
-            title,
-            plane,
-            chosen.model.as_ref(),
-            simulation,
-            Vec::new(),
-            None,
-        );
-        files.push((format!("{name}-optimal.svg"), picture.svg()));
+/// The settings of the solver.
+fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
+    let mut settings = Settings::default();
+    settings.starts = arguments.starts.unwrap_or(settings.starts);
+    match arguments.formulation {
+        SolveFormulation::Auto => {
+            if arguments.scheme == Some(SchemeName::GaussLegendre) {
+                return Err(BadInput::new(
+                    "--scheme gauss-legendre has no meaning for --formulation auto, whose phases need a stage \
+                     at their end; leave it out, or add --formulation time-freezing",
+                ));
+            }
+            settings.stages = arguments.stages.unwrap_or(settings.stages);
+        }
+        SolveFormulation::TimeFreezing => {
+            let mut freezing = TimeFreezingSettings::default();
+            freezing.scheme = match arguments.scheme {
+                Some(SchemeName::GaussLegendre) => Scheme::GaussLegendre,
+                Some(SchemeName::RadauIia) => Scheme::RadauIia,
+                None => freezing.scheme,
+            };
+            freezing.stages = arguments.stages.unwrap_or(freezing.stages);
+            freezing.elements = arguments.elements.unwrap_or(freezing.elements);
+            settings.formulation = Formulation::TimeFreezing(freezing);
+        }
     }
-    files
+    Ok(settings)
+}
+
+/// What a page tells about a solution.
+pub(super) fn facts(method: &SolverSettings, solution: &Solution) -> Vec<[String; 2]> {
+    [
+        (
+            "method",
+            format!(
+                "{}, {}, {} stages, {} intervals",
+                method.name, method.scheme, method.stages, method.intervals
+            ),
+        ),
+        ("status", solution.status.name().to_owned()),
+        ("objective", format!("{:.10}", solution.objective)),
+        ("final time", format!("{:.10} s", solution.horizon)),
+        ("stationarity", solution.stationarity.name().to_owned()),
+        (
+            "distance of the re-simulation at the end",
+            format!("{:.1e}", solution.resimulation_error),
+        ),
+        ("CPU time", seconds(solution.seconds)),
+    ]
+    .map(|(name, value)| [name.to_owned(), value])
+    .into()
 }
 
 /// The result for people.
@@ -126,8 +142,8 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
     let _ = writeln!(text, "parameters    {}", chosen.parameters().join(", "));
     let _ = writeln!(
         text,
-        "method        {}, {}, {} stages, {} intervals",
-        method.name, method.scheme, method.stages, method.intervals
+        "method        {}, {}, {} stages, {} intervals of {} elements, {} starts",
+        method.name, method.scheme, method.stages, method.intervals, method.elements, method.starts
     );
     let _ = writeln!(text, "status        {}", solution.status.name());
     let _ = writeln!(text, "objective     {:.10}", solution.objective);
@@ -149,6 +165,7 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
             format!("{time:.10}"),
         ]
     });
+    text += &relaxed_and_optima(solution);
     text += &table(["event", "contact", "time [s]"], rows);
     text += "\n";
     let controls = declaration.controls.iter();
@@ -181,5 +198,57 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
         counts.repairs
     );
     let _ = writeln!(text, "CPU time      {}", seconds(solution.seconds));
+    text
+}
+
+/// The complementarity problem before the polish, and the local optima of several starts.
+fn relaxed_and_optima(solution: &Solution) -> String {
+    let mut text = String::new();
+    if let Some(report) = &solution.time_freezing {
+        let size = report.size;
+        let _ = writeln!(
+            text,
+            "time-freezing {}: objective {:.7}, violation {:.1e}, largest product {:.1e}; {} variables, {} rows, \
+             {} pairs; {} iterations, {} of CPU time\n",
+            report.status,
+            report.objective,
+            report.primal,
+            report.complementarity,
+            size.variables,
+            size.equalities + size.inequalities,
+            size.complementarities,
+            report.iterations,
+            seconds(report.seconds)
+        );
+    }
+    if solution
+        .optima
+        .iter()
+        .map(|o| o.starts.len())
+        .sum::<usize>()
+        > 1
+    {
+        let rows = solution.optima.iter().map(|optimum| {
+            let starts: Vec<String> = optimum.starts.iter().map(usize::to_string).collect();
+            vec![
+                format!("{:.10}", optimum.objective),
+                format!("{:.10}", optimum.horizon),
+                optimum.status.name().to_owned(),
+                optimum.stationarity.name().to_owned(),
+                optimum.switches.to_string(),
+                starts.join(" "),
+            ]
+        });
+        let header = [
+            "local optimum",
+            "final time [s]",
+            "status",
+            "stationarity",
+            "switches",
+            "starts",
+        ];
+        text += &table(header, rows);
+        text += "\n";
+    }
     text
 }

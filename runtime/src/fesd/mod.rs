@@ -6,8 +6,15 @@
 //! Numerische Mathematik 2024.
 //!
 //! - [`finite_element`]: one element in a fixed contact mode, a smooth square system.
-//! - [`contact_mode`]: which contacts are active, and the velocity jump of an impact.
+//! - [`contacts`]: gaps, velocities and forces at a point; [`contact_mode`]: which contacts are active and
+//!   which of them stick; [`impact`]: velocity jumps; [`coulomb`]: the law that the last two share.
 
-pub(crate) mod contact_mode;
+pub(crate) mod active_contact;
+mod constraints;
+mod contact_mode;
+pub(crate) mod contacts;
+mod coulomb;
 pub(crate) mod finite_element;
+mod impact;
+mod sharing;
 pub(crate) mod transcription;

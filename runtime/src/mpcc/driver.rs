@@ -53,18 +53,35 @@ use crate::nlp::{self, BarrierPath, InputError, Products, Violation};
 /// # Ok::<(), hangtime::nlp::InputError>(())
 /// ```
 pub fn solve(problem: &mut dyn Mpcc, settings: &Settings) -> Result<Solution, InputError> {
+    solve_observed(problem, settings, &mut |_| true)
+}
+
+/// As [`solve`], with an observer that sees each line of the log of the relaxed runs and can stop them: then the
+/// status is [`Failed`](Status::Failed) with [`nlp::Status::Interrupted`].
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_observed(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    observer: &mut nlp::Observer<'_>,
+) -> Result<Solution, InputError> {
     settings.validate()?;
     check_pairs(problem)?;
     let mut best: Option<Solution> = None;
     let mut iterations = 0;
     let mut factorizations = 0;
     for &rule in &settings.rules {
-        let mut solution = solve_with(problem, settings, rule)?;
+        let mut solution = solve_with(problem, settings, rule, &mut *observer)?;
+        if solution.status == Status::Failed(nlp::Status::Interrupted) {
+            best = None;
+        }
         iterations += solution.iterations;
         factorizations += solution.factorizations;
         solution.iterations = iterations;
         solution.factorizations = factorizations;
         let finished = solution.status.is_solved()
+            || solution.status == Status::Failed(nlp::Status::Interrupted)
             || (solution.status == Status::Relaxed && !settings.crossover);
         best = Some(match best {
             Some(best) if rank(&best) <= rank(&solution) => Solution {
@@ -145,7 +162,9 @@ where
         let threads: Vec<_> = copies
             .into_iter()
             .map(|(mut copy, rule)| {
-                scope.spawn(move || solve_with(&mut copy as &mut dyn Mpcc, settings, rule))
+                scope.spawn(move || {
+                    solve_with(&mut copy as &mut dyn Mpcc, settings, rule, &mut |_| true)
+                })
             })
             .collect();
         threads
@@ -260,6 +279,7 @@ fn solve_with(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     rule: RelaxationRule,
+    observer: &mut nlp::Observer<'_>,
 ) -> Result<Solution, InputError> {
     if rule == RelaxationRule::Homotopy {
         return homotopy(problem, settings);
@@ -286,7 +306,7 @@ fn solve_with(
             &mut products,
             &mut *path,
             None,
-            None,
+            Some(&mut *observer),
         )?;
         return Ok(finish(problem, settings, rule, relaxed, products.sigma));
     }
@@ -297,7 +317,14 @@ fn solve_with(
         ..interior_point.clone()
     };
     let mut path = make_path(rule, start, early.tolerance, PAUSE_RELAXATION);
-    let paused = nlp::run(problem, &early, &mut products, &mut *path, None, None)?;
+    let paused = nlp::run(
+        problem,
+        &early,
+        &mut products,
+        &mut *path,
+        None,
+        Some(&mut *observer),
+    )?;
     if paused.status != nlp::Status::Solved {
         return Ok(finish(problem, settings, rule, paused, products.sigma));
     }
@@ -327,7 +354,7 @@ fn solve_with(
         &mut products,
         &mut *path,
         Some(&warm),
-        None,
+        Some(&mut *observer),
     )?;
     relaxed.counts.iterations += paused.counts.iterations;
     relaxed.counts.factorizations += paused.counts.factorizations;
@@ -404,7 +431,9 @@ fn finish(
     let near = matches!(
         relaxed.status,
         nlp::Status::Solved | nlp::Status::Acceptable
-    ) || (relaxed.residuals.primal <= 1e-4 && sigma <= 1e-2);
+    ) || (relaxed.status != nlp::Status::Interrupted
+        && relaxed.residuals.primal <= 1e-4
+        && sigma <= 1e-2);
     let exact = if settings.crossover && near {
         cross_over(problem, settings, &relaxed, &mut work)
     } else {

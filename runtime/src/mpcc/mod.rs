@@ -19,7 +19,7 @@ mod settings;
 mod solution;
 
 pub use certificate::{Certificate, StationarityType};
-pub use driver::{solve, solve_parallel};
+pub use driver::{solve, solve_observed, solve_parallel};
 pub use problem::Mpcc;
 pub use settings::{RelaxationRule, Settings};
 pub use solution::{Residuals, Solution, Status};

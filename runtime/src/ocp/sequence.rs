@@ -85,11 +85,13 @@ impl Sequence {
     }
 
     /// Reads the sequence from the contacts that are closed in each of `per_interval` elements of every
-    /// control interval.
+    /// control interval; the elements end at `ends`, in units of intervals. A contact closes at the share `closing`
+    /// of the first element in which it is closed, and opens at the end of the last one.
     pub(super) fn of_elements(
         initially: Vec<bool>,
         closed: &[Vec<bool>],
-        per_interval: usize,
+        (per_interval, ends): (usize, &[f64]),
+        closing: f64,
     ) -> Self {
         let mut switches = Vec::new();
         let mut before = &initially;
@@ -98,8 +100,8 @@ impl Sequence {
                 if was == is {
                     continue;
                 }
-                // A contact closes somewhere in an element, and opens after the last one in which it pushes.
-                let shift = if is { 0.5 } else { 0.0 };
+                let start = element.checked_sub(1).map_or(0.0, |before| ends[before]);
+                let shift = if is { closing } else { 0.0 };
                 let interval = element / per_interval;
                 let at_jump = !is && element % per_interval == 0 && element > 0;
                 switches.push(Switch {
@@ -107,7 +109,7 @@ impl Sequence {
                     closes: is,
                     interval,
                     place: if at_jump { Place::Start } else { Place::Inside },
-                    time: (element as f64 + shift) / per_interval as f64,
+                    time: start + shift * (ends[element] - start),
                 });
             }
             before = now;

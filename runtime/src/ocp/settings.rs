@@ -1,5 +1,6 @@
 //! What the caller may choose.
 
+use super::time_freezing::TimeFreezingSettings;
 use crate::rk::ButcherTableau;
 use crate::simulation::InputError;
 
@@ -20,22 +21,69 @@ pub enum Guess {
     },
 }
 
+/// How the contact sequence is found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Formulation {
+    /// Small contact-implicit programs, from coarse to fine.
+    #[default]
+    Phases,
+    /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing). It starts from
+    /// [`Guess::Straight`] or [`Guess::Ride`].
+    TimeFreezing(TimeFreezingSettings),
+}
+
+/// Where the bounds of coordinates hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BoundsAt {
+    /// At all times.
+    #[default]
+    AllTimes,
+    /// At the ends of the control intervals and at contact switches only; in between they may be violated, see
+    /// [`Solution::excess`](super::Solution::excess). Path constraints are not checked in between, either.
+    Nodes,
+}
+
+/// Where path constraints are imposed. Between these places they are checked, and imposed where they are violated,
+/// unless bounds are asked for at the nodes only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PathPoints {
+    /// At the ends of the finite elements.
+    Ends,
+    /// At all stages; for Radau IIA, the end of an element is one.
+    #[default]
+    Stages,
+    /// At all stages and at the starts of the elements, right after the impacts.
+    Both,
+}
+
 /// Settings of the optimal control solver; change fields of [`Settings::default`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {
+    /// How the contact sequence is found; default [`Formulation::Phases`].
+    pub formulation: Formulation,
     /// Where the global phase starts; default [`Guess::Straight`].
     pub guess: Guess,
+    /// Number of starts that are solved side by side, the first one with these settings, the others with other
+    /// guesses and discretizations; default 1, at least 1. The best result is returned, with the distinct local
+    /// optima; it does not depend on the number of threads.
+    pub starts: usize,
     /// Radau IIA stages of a phase; default 4, in `2..=9`. Order `2 n - 1`. More are taken where the re-simulation
     /// does not confirm a plan.
     pub stages: usize,
+    /// Where the bounds of coordinates hold; default at all times.
+    pub bounds: BoundsAt,
+    /// Where path constraints are imposed; default at all stages.
+    pub path_points: PathPoints,
     /// Tolerance of the collocation programs; default 1e-9, in (0, 1).
     pub tolerance: f64,
     /// Gap that a flight keeps where it would otherwise graze the surface \[unit of the gap\]; default
     /// 1e-5, > 0. A grazing plan is not one that a motion can follow: a hair lower it would land.
     pub gap_margin: f64,
     /// Most motions of the global phase that are refined, the best first; default 2, at least 1.
-    pub starts: usize,
+    pub refined_motions: usize,
+    /// Elements an interval of the contact-implicit programs that are refined; default 4, at least 1.
+    pub refined_elements: usize,
     /// Most programs, those of the global phase included; default 60.
     pub maximum_programs: usize,
     /// Most iterations of one program; default 500.
@@ -52,11 +100,16 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            formulation: Formulation::default(),
             guess: Guess::default(),
+            starts: 1,
             stages: 4,
+            bounds: BoundsAt::default(),
+            path_points: PathPoints::default(),
             tolerance: 1e-9,
             gap_margin: 1e-5,
-            starts: 2,
+            refined_motions: 2,
+            refined_elements: 4,
             maximum_programs: 60,
             maximum_iterations: 500,
             replay_tolerance: 1e-9,
@@ -91,6 +144,8 @@ impl Settings {
         }
         for (what, value) in [
             ("starts", self.starts),
+            ("refined motions", self.refined_motions),
+            ("refined elements", self.refined_elements),
             ("most programs", self.maximum_programs),
             ("most iterations", self.maximum_iterations),
         ] {
@@ -103,7 +158,25 @@ impl Settings {
                 });
             }
         }
+        let supported = matches!(self.guess, Guess::Straight | Guess::Ride);
+        if let Formulation::TimeFreezing(_) = self.formulation
+            && !supported
+        {
+            return Err(InputError::Unsupported {
+                what: format!("guess {:?} of the time-freezing formulation", self.guess),
+                remedy: "choose `Straight` or `Ride`".into(),
+            });
+        }
         Ok(())
+    }
+
+    pub(super) fn refuse_starts(&self) -> InputError {
+        InputError::OutOfRange {
+            what: "starts".into(),
+            value: self.starts as f64,
+            unit: String::new(),
+            bound: "at least 1".into(),
+        }
     }
 
     pub(super) fn refuse_stages(&self) -> InputError {

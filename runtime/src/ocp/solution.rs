@@ -1,6 +1,7 @@
 //! What the caller keeps.
 
-use crate::nlp::{self, Violation};
+use crate::mpcc;
+use crate::nlp::{self, NlpProblem, Violation};
 use crate::simulation::{EventKind, Residuals, Simulation};
 
 /// Why a run ended.
@@ -17,6 +18,8 @@ pub enum Status {
     /// The programs converged to points of local infeasibility: the goal cannot be reached from the guess
     /// within the bounds.
     Infeasible,
+    /// The observer asked to stop; the result is the best motion found so far, if there is one.
+    Interrupted,
     /// A program ended without a solution, for the reason given.
     Failed(nlp::Status),
 }
@@ -36,6 +39,7 @@ impl Status {
             Self::Uncertified => "uncertified",
             Self::Unconfirmed => "unconfirmed",
             Self::Infeasible => "infeasible",
+            Self::Interrupted => "interrupted",
             Self::Failed(_) => "failed",
         }
     }
@@ -65,7 +69,7 @@ impl Stationarity {
     }
 }
 
-/// Size of the last program.
+/// Size of a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Size {
     /// Variables.
@@ -74,10 +78,70 @@ pub struct Size {
     pub equalities: usize,
     /// Inequalities, bounds of variables not counted.
     pub inequalities: usize,
+    /// Complementarity pairs.
+    pub complementarities: usize,
     /// Nonzeros of the Jacobian.
     pub jacobian_nonzeros: usize,
     /// Nonzeros of the Hessian (lower triangle).
     pub hessian_nonzeros: usize,
+}
+
+impl Size {
+    pub(super) fn of(program: &dyn NlpProblem, complementarities: usize) -> Self {
+        let rows = program.constraints();
+        let (mut lower, mut upper) = (vec![0.0; rows], vec![0.0; rows]);
+        program.constraint_bounds(&mut lower, &mut upper);
+        let equalities = lower.iter().zip(&upper).filter(|(l, u)| l == u).count();
+        Self {
+            variables: program.variables(),
+            equalities,
+            inequalities: rows - equalities,
+            complementarities,
+            jacobian_nonzeros: program.jacobian_pattern().len(),
+            hessian_nonzeros: program.hessian_pattern().len(),
+        }
+    }
+}
+
+/// What became of the complementarity problem of [`Formulation::TimeFreezing`](super::Formulation::TimeFreezing),
+/// before its motion was polished.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TimeFreezingReport {
+    /// Why its solver ended; [`Relaxed`](mpcc::Status::Relaxed) where all went well.
+    pub status: mpcc::Status,
+    /// Objective of the relaxed point.
+    pub objective: f64,
+    /// Length of the relaxed motion \[s\].
+    pub horizon: f64,
+    /// Largest violation of a constraint or bound.
+    pub primal: f64,
+    /// Largest product of a pair.
+    pub complementarity: f64,
+    /// Interior point iterations.
+    pub iterations: usize,
+    /// Size of the problem.
+    pub size: Size,
+    /// CPU time \[s\].
+    pub seconds: f64,
+}
+
+/// A local optimum that several starts led to, or one of them alone.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Optimum {
+    /// Its objective.
+    pub objective: f64,
+    /// Length of the motion \[s\].
+    pub horizon: f64,
+    /// Status of the first start that ended there.
+    pub status: Status,
+    /// What is proved about its contact sequence.
+    pub stationarity: Stationarity,
+    /// Number of contact switches of the plan.
+    pub switches: usize,
+    /// The starts that ended there, from 0.
+    pub starts: Vec<usize>,
 }
 
 /// Work done.
@@ -93,6 +157,17 @@ pub struct Counts {
     pub factorizations: usize,
     /// Changes of the contact sequence that improved the objective.
     pub repairs: usize,
+}
+
+/// A violation between the places where a condition is imposed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Excess {
+    /// Name of the coordinate or path constraint.
+    pub name: String,
+    /// By how much it leaves its bounds, in its unit.
+    pub amount: f64,
+    /// When \[s\].
+    pub time: f64,
 }
 
 /// Result of a run.
@@ -113,18 +188,25 @@ pub struct Solution {
     pub residuals: Residuals,
     /// (time \[s\], kind, contact) of the switches of the plan; a closing counts as an impact.
     pub planned_events: Vec<(f64, EventKind, usize)>,
+    /// Largest violation of a bound of a coordinate or of a path constraint along the whole plan, if there is any;
+    /// of the order of the tolerance unless bounds are asked for at the nodes only.
+    pub excess: Option<Excess>,
     /// Controls of each interval, all of equal length.
     pub controls: Vec<Vec<f64>>,
     /// The event-driven re-simulation of the plan's controls; absent without a plan.
     pub motion: Option<Simulation>,
     /// Worst violated rows, if a program failed.
     pub violations: Vec<Violation>,
-    /// Size of the last program.
+    /// Size of a program.
     pub size: Size,
     /// Work done.
     pub counts: Counts,
-    /// CPU time \[s\].
+    /// CPU time of all starts \[s\].
     pub seconds: f64,
+    /// The complementarity problem before the polish, where it was asked for.
+    pub time_freezing: Option<TimeFreezingReport>,
+    /// The distinct local optima that the starts ended at, the best first.
+    pub optima: Vec<Optimum>,
 }
 
 impl Solution {
@@ -145,12 +227,15 @@ impl Solution {
                 complementarity: f64::NAN,
             },
             planned_events: Vec::new(),
+            excess: None,
             controls: Vec::new(),
             motion: None,
             violations,
             size: Size::default(),
             counts,
             seconds: 0.0,
+            time_freezing: None,
+            optima: Vec::new(),
         }
     }
 
@@ -175,6 +260,13 @@ impl Solution {
             )),
             Status::Infeasible => Some(format!(
                 "the goal cannot be reached within the bounds from this guess; {worst}"
+            )),
+            Status::Interrupted if self.motion.is_none() => {
+                Some("stopped before a first motion was found".to_owned())
+            }
+            Status::Interrupted => Some(format!(
+                "stopped; the best motion so far ends {:.1e} from its re-simulation, and better ones may exist",
+                self.resimulation_error
             )),
             Status::Failed(status) => Some(format!("{status}; {worst}")),
         }

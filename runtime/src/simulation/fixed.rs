@@ -2,9 +2,10 @@
 
 use cpu_time::ThreadTime;
 
-use super::event::contact_mode::{self, Undetermined};
+use super::event::contact_mode;
 use super::event::dop853::{Dop853, System};
 use super::event::dynamics::Dynamics;
+use super::event::impact::{self, LowestBounce, Undetermined};
 use super::{
     Diagnosis, Event, EventKind, InitialValueProblem, InputError, Simulation, SimulationStatus,
     Simulator,
@@ -193,27 +194,24 @@ impl<'a> FixedRun<'a> {
         let n = self.dynamics.n;
         let before = self.y[n..2 * n].to_vec();
         let previously = self.dynamics.active.clone();
-        let impact = contact_mode::impact(&mut self.dynamics, t, &mut self.y, None)
+        // Contacts with restitution are refused: no bounce is too low.
+        let lowest = LowestBounce {
+            velocity: None,
+            height: 0.0,
+        };
+        let impact = impact::impact(&mut self.dynamics, t, &mut self.y, None, lowest)
             .map_err(|problem| self.undetermined(t, problem))?;
         self.y[2 * n] += impact.impulse / self.settings.auxiliary_acceleration;
-        contact_mode::select(
+        contact_mode::change(
             &mut self.dynamics,
             &mut self.probe,
             t,
-            &self.y,
+            &mut self.y,
             &impact.resting,
             None,
             h,
         )
         .map_err(|problem| self.undetermined(t, problem))?;
-        if !self.dynamics.project(t, &mut self.y) {
-            let contact = self.dynamics.active.first().copied();
-            return Err(SimulationStatus::AmbiguousContact(self.diagnosis(
-                t,
-                contact,
-                "the normals of the surfaces in contact are dependent".into(),
-            )));
-        }
         for i in 0..self.dynamics.contacts {
             let (was, is) = (previously.contains(&i), self.dynamics.is_active(i));
             let kind = if impact.struck.contains(&i) {

@@ -2,8 +2,9 @@
 
 use cpu_time::ThreadTime;
 
-use super::event::contact_mode;
-use super::event::dynamics::{Dynamics, largest};
+use super::event::contact_problem::ContactProblem;
+use super::event::coulomb::TangentialLaw;
+use super::event::dynamics::{Dynamics, dot, largest};
 use super::{Diagnosis, InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator};
 use crate::model::{Model, contact_point};
 
@@ -13,15 +14,20 @@ const ITERATIONS: usize = 100;
 /// Change of the velocity, relative to it, at which the iterations end.
 const CONVERGED: f64 = 1e-13;
 
-/// Moreau-Jean time stepping with `theta = 1/2` and restitution 0.
+/// Moreau-Jean time stepping with `theta = 1/2`.
 ///
 /// ```text
-/// q_m = q + h/2 v,   v+ = v + h a(q + h/4 (v + v+), (v + v+)/2) + sum_i d_i(q_m) p_i,   q+ = q + h/2 (v + v+)
-/// 0 <= p_i  _|_  n_i(q_m)' v+ >= 0        for contacts with g_i(q_m) <= 0;   p_i = 0 for the others
+/// q_m = q + h/2 v,   v+ = v + h a(q + h/4 (v + v+), (v + v+)/2) + sum_i d_i p_i + e_i s_i,   q+ = q + h/2 (v + v+)
+/// 0 <= p_i  _|_  n_i' v+ + restitution_i min(n_i' v, 0) >= 0
+/// |s_i| <= mu_i p_i,   s_i v_t,i+ = -mu_i p_i |v_t,i+|,   v_t,i+ = b_i' v+
 /// ```
 ///
+/// for contacts with `g_i(q_m) <= 0`, with `n_i`, `d_i`, `b_i`, `e_i` at `q_m`; the others carry nothing.
+///
 /// Order 2 without contact, order 1 with impacts; in sustained contact on curved ground gaps of the size
-/// of `h^2` open and close. It locates no events, so [`Simulation::events`] stays empty. To be compared
+/// of `h^2` open and close. Where friction admits no sustained force (Painleve), it takes the impulse that
+/// stops the sliding. A contact with restitution that comes to rest does so after bounces that last a step.
+/// It locates no events, so [`Simulation::events`] stays empty. To be compared
 /// with.
 ///
 /// Source: Jean, *The non-smooth contact dynamics method* (1999); Acary, Brogliato, *Numerical Methods for
@@ -57,7 +63,6 @@ impl Simulator for Moreau {
     ) -> Result<Simulation, InputError> {
         super::fixed::check(self.steps, self.auxiliary_acceleration)?;
         problem.check(model)?;
-        InitialValueProblem::check_inelastic(model, self.name())?;
         let clock = ThreadTime::try_now();
         let mut result = TimeStepping::new(self, model, problem).run(progress);
         result.notes.push(
@@ -81,6 +86,7 @@ struct TimeStepping<'a> {
     end: Vec<f64>,
     numerical_time: f64,
     forces: Vec<f64>,
+    friction_forces: Vec<f64>,
     result: Simulation,
 }
 
@@ -96,6 +102,7 @@ impl<'a> TimeStepping<'a> {
             start,
             numerical_time: 0.0,
             forces: vec![0.0; dynamics.contacts],
+            friction_forces: vec![0.0; dynamics.contacts],
             result: dynamics.empty_result(),
             dynamics,
         }
@@ -152,13 +159,14 @@ impl<'a> TimeStepping<'a> {
             self.middle[n + k] = self.start[n + k];
         }
         self.dynamics.load(middle, &self.middle);
-        let mut closed = Vec::new();
-        for i in 0..self.dynamics.contacts {
-            if self.dynamics.gap(i) <= 0.0 {
-                self.dynamics.evaluate_contact(i);
-                closed.push(i);
-            }
-        }
+        let closed = self.close();
+        let laws: Vec<TangentialLaw> = closed
+            .iter()
+            .map(|&i| match self.dynamics.friction[i] {
+                0.0 => TangentialLaw::None,
+                mu => TangentialLaw::Coulomb(mu),
+            })
+            .collect();
         self.end.copy_from_slice(&self.start);
         for _ in 0..ITERATIONS {
             for k in 0..n {
@@ -174,32 +182,23 @@ impl<'a> TimeStepping<'a> {
                 .iter()
                 .map(|a| h * a)
                 .collect();
-            let mut velocity: Vec<f64> = self.start[n..]
+            let (normal, tangential) = self.contact_velocities(&closed, &change);
+            let problem = ContactProblem {
+                what: "impulse",
+                contacts: &closed,
+                normal: &normal,
+                tangential: &tangential,
+                laws: &laws,
+            };
+            let impulses = problem
+                .solve(&self.dynamics)
+                .map_err(|message| (closed.first().copied(), message))?;
+            let velocity: Vec<f64> = self.start[n..]
                 .iter()
                 .zip(&change)
-                .map(|(v, change)| v + change)
+                .zip(problem.change(&self.dynamics, &impulses))
+                .map(|((v, free), contact)| v + free + contact)
                 .collect();
-            let normal: Vec<f64> = closed
-                .iter()
-                .map(|&i| {
-                    let change: f64 = self
-                        .dynamics
-                        .normal(i)
-                        .iter()
-                        .zip(&change)
-                        .map(|(n, change)| n * change)
-                        .sum();
-                    self.dynamics.point(i)[contact_point::NORMAL_VELOCITY] + change
-                })
-                .collect();
-            let impulses = contact_mode::solve(&self.dynamics, &closed, &normal, "impulse")
-                .map_err(|message| (closed.first().copied(), message))?
-                .z;
-            for (&i, p) in closed.iter().zip(&impulses) {
-                for (v, d) in velocity.iter_mut().zip(self.dynamics.direction(i)) {
-                    *v += d * p;
-                }
-            }
             let moved = velocity
                 .iter()
                 .zip(&self.end[n..])
@@ -212,11 +211,13 @@ impl<'a> TimeStepping<'a> {
             }
             if moved <= CONVERGED * largest(&velocity).max(1.0) {
                 self.forces.fill(0.0);
-                for (&i, p) in closed.iter().zip(&impulses) {
+                self.friction_forces.fill(0.0);
+                for (slot, &i) in closed.iter().enumerate() {
                     let inertia = self.dynamics.point(i)[contact_point::INVERSE_INERTIA];
-                    self.forces[i] = p / (h * inertia);
+                    self.forces[i] = impulses.p[slot] / (h * inertia);
+                    self.friction_forces[i] = impulses.s[slot] / (h * inertia);
                 }
-                self.numerical_time += largest(&impulses) / self.settings.auxiliary_acceleration;
+                self.numerical_time += largest(&impulses.p) / self.settings.auxiliary_acceleration;
                 return Ok(());
             }
         }
@@ -224,6 +225,37 @@ impl<'a> TimeStepping<'a> {
             closed.first().copied(),
             format!("the midpoint rule does not converge with steps of {h:.1e} s; take more steps"),
         ))
+    }
+
+    /// The contacts that are closed at the middle of the step, evaluated there with the velocities at the start.
+    fn close(&mut self) -> Vec<usize> {
+        let closed: Vec<usize> = (0..self.dynamics.contacts)
+            .filter(|&i| self.dynamics.gap(i) <= 0.0)
+            .collect();
+        for &i in &closed {
+            self.dynamics.evaluate_sides(i);
+        }
+        closed
+    }
+
+    /// Normal velocities `n' v+ + restitution min(n' v, 0)` and sliding velocities `v_t+` that a change of the
+    /// velocity without impulses gives.
+    fn contact_velocities(&self, closed: &[usize], change: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        closed
+            .iter()
+            .map(|&i| {
+                let dynamics = &self.dynamics;
+                let before = dynamics.point(i)[contact_point::NORMAL_VELOCITY];
+                let returned = dynamics.restitution[i] * before.min(0.0);
+                let normal = before + dot(dynamics.normal(i), change) + returned;
+                let tangential = if dynamics.has_friction(i) {
+                    dynamics.sliding_velocity(i) + dot(dynamics.tangent(i), change)
+                } else {
+                    0.0
+                };
+                (normal, tangential)
+            })
+            .unzip()
     }
 
     fn record(&mut self, time: f64) {
@@ -236,6 +268,10 @@ impl<'a> TimeStepping<'a> {
             &self.dynamics.u,
             &self.forces,
         );
+        if self.dynamics.declares_friction {
+            let forces = self.friction_forces.clone();
+            self.result.trajectory.friction_force.push(forces);
+        }
         self.dynamics.load(time, &self.start);
         for i in 0..self.dynamics.contacts {
             let penetration = -self.dynamics.gap(i);

@@ -114,6 +114,14 @@ pub enum InputError {
         /// The direction without inertia, in the names of the coordinates.
         direction: String,
     },
+    /// The method cannot treat something that is meaningful otherwise.
+    #[error("{what} is not supported; {remedy}")]
+    Unsupported {
+        /// What it is, with its place.
+        what: String,
+        /// What to do instead.
+        remedy: String,
+    },
     /// The method cannot treat the impact law of a contact.
     #[error("method {method} cannot treat the impact law of `{contact}`")]
     UnsupportedLaw {

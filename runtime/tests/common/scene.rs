@@ -1,8 +1,8 @@
 //! A scene given by mass matrix, forces, potential and gaps, generic over dual numbers, as a [`Model`].
 
 use hangtime::model::{
-    ContactDeclaration, ControlDeclaration, CoordinateDeclaration, Declaration, ImpactLaw, Model,
-    SparsityPattern, contact_point,
+    ContactDeclaration, ControlDeclaration, CoordinateDeclaration, Declaration,
+    FrictionDeclaration, ImpactLaw, Model, SparsityPattern, contact_point, tangent_point,
 };
 use num_dual::{Dual, Dual2, DualNum, HyperDual};
 
@@ -26,6 +26,18 @@ pub trait Scene<const N: usize, const U: usize>: Clone + Send + Sync + 'static {
     fn gap<D: Number>(&self, contact: usize, q: &[D; N]) -> D;
     /// Impulse direction of a contact, up to its length, if it is not `M^-1 grad g`.
     fn direction<D: Number>(&self, _contact: usize, _q: &[D; N]) -> Option<[D; N]> {
+        None
+    }
+    /// Coefficient of restitution of a contact.
+    fn restitution(&self, _contact: usize) -> f64 {
+        0.0
+    }
+    /// Coefficient of friction of a contact.
+    fn friction(&self, _contact: usize) -> f64 {
+        0.0
+    }
+    /// Sliding velocity of a contact, linear in `v` up to a constant, if it declares friction.
+    fn sliding<D: Number>(&self, _contact: usize, _q: &[D; N], _v: &[D; N]) -> Option<D> {
         None
     }
 }
@@ -65,8 +77,17 @@ impl<S: Scene<N, U>, const N: usize, const U: usize> HandWritten<S, N, U> {
             .map(|(i, &name)| ContactDeclaration {
                 name,
                 unit: "m",
-                law: ImpactLaw::Inelastic,
-                friction: None,
+                law: if scene.restitution(i) == 0.0 {
+                    ImpactLaw::Inelastic
+                } else {
+                    ImpactLaw::Restitution
+                },
+                friction: scene
+                    .sliding(i, &[1.0; N], &[1.0; N])
+                    .map(|_| FrictionDeclaration {
+                        jacobian: dense(1 + N, inputs),
+                        hessian: triangle(inputs),
+                    }),
                 held: &[],
                 custom_direction: scene.direction(i, &[1.0; N]).is_some(),
                 jacobian: dense(2 + N, inputs),
@@ -131,6 +152,35 @@ impl<S: Scene<N, U>, const N: usize, const U: usize> HandWritten<S, N, U> {
             normal,
             along.map(|d| d / length),
         )
+    }
+
+    /// `(v_t, curvature, b, e)`.
+    fn tangent_sides<D: Number>(&self, contact: usize, x: &[D]) -> (D, D, [D; N], [D; N]) {
+        let (q, v, _) = Self::split(x);
+        let along: [Dual<D>; N] = std::array::from_fn(|k| Dual::new(q[k], v[k]));
+        let sliding = self.sliding(contact, &along, &v.map(|v| Dual::new(v, D::from(0.0))));
+        let tangent: [D; N] = std::array::from_fn(|k| {
+            let at: [Dual<D>; N] =
+                std::array::from_fn(|j| Dual::new(v[j], D::from(if j == k { 1.0 } else { 0.0 })));
+            self.sliding(contact, &q.map(|q| Dual::new(q, D::from(0.0))), &at)
+                .eps
+        });
+        let (_, _, _, inverse_inertia, _, _) = self.point(contact, x);
+        let direction = solve(self.scene.mass(&q), tangent).map(|e| e / inverse_inertia);
+        (sliding.re, sliding.eps, tangent, direction)
+    }
+
+    fn sliding<D: Number>(&self, contact: usize, q: &[D; N], v: &[D; N]) -> D {
+        self.scene
+            .sliding(contact, q, v)
+            .expect("asked for contacts with friction only")
+    }
+
+    fn tangent_rows<D: Number>(&self, contact: usize, x: &[D]) -> Vec<D> {
+        let (sliding, _, _, direction) = self.tangent_sides(contact, x);
+        let mut rows = vec![sliding];
+        rows.extend(direction);
+        rows
     }
 
     fn rows<D: Number>(&self, contact: usize, x: &[D]) -> Vec<D> {
@@ -214,6 +264,30 @@ impl<S: Scene<N, U>, const N: usize, const U: usize> Model for HandWritten<S, N,
 
     fn contact_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
         hessian(x, multipliers, values, |x| self.rows(contact, x));
+    }
+
+    fn restitution(&self, contact: usize) -> f64 {
+        self.scene.restitution(contact)
+    }
+
+    fn friction(&self, contact: usize) -> f64 {
+        self.scene.friction(contact)
+    }
+
+    fn tangent(&self, contact: usize, x: &[f64], point: &mut [f64]) {
+        let (sliding, curvature, tangent, direction) = self.tangent_sides(contact, x);
+        point[tangent_point::SLIDING_VELOCITY] = sliding;
+        point[tangent_point::CURVATURE] = curvature;
+        point[tangent_point::TANGENT..][..N].copy_from_slice(&tangent);
+        point[tangent_point::direction(N)..][..N].copy_from_slice(&direction);
+    }
+
+    fn tangent_jacobian(&self, contact: usize, x: &[f64], values: &mut [f64]) {
+        jacobian(x, values, |x| self.tangent_rows(contact, x));
+    }
+
+    fn tangent_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
+        hessian(x, multipliers, values, |x| self.tangent_rows(contact, x));
     }
 
     fn boxed(&self) -> Box<dyn Model> {

@@ -1,20 +1,21 @@
 //! The declaration as a whole: names in force, every expression evaluated, the rules of the language.
 
+mod dependence;
+mod law;
 mod names;
+mod optimal_control;
 mod rules;
 mod units;
 mod values;
 
-pub(crate) use rules::normal;
+pub(crate) use law::normal;
 
 use crate::ast::{Assignment, Documentation, Expr, Name, Relation, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
-use crate::evaluate::{Meaning, Scope, UserFunction, Value};
+use crate::evaluate::{Meaning, Scope, UserFunction};
 use crate::graph::{self, Sym, Variable};
-use crate::parse::law_of;
-use crate::scene::{self, CheckedScene, Contact, Coordinate, Parameter};
-use hangtime_units::Unit;
-use std::collections::{HashMap, HashSet};
+use crate::scene::{self, CheckedScene, Coordinate, Parameter};
+use std::collections::HashSet;
 use std::rc::Rc;
 
 /// Checks a declaration. Every mistake found is reported; a scene comes back only if there was none.
@@ -34,6 +35,7 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         impacts: Vec::new(),
         start: Vec::new(),
         horizon: None,
+        task: optimal_control::Task::default(),
     };
     checker.declare_all(&declared.statements);
     let mut failed = HashSet::new();
@@ -43,8 +45,8 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
             failed.insert(index);
         }
     }
-    let gaps = units::gaps(declared, &failed, checker.diagnostics);
-    let scene = checker.finish(declared, &gaps);
+    let units = units::inferred(declared, &failed, checker.diagnostics);
+    let scene = checker.finish(declared, &units);
     if diagnostics.mistakes() > before {
         return Err(Reported);
     }
@@ -56,12 +58,6 @@ struct Surface {
     documentation: Documentation,
     name: Name,
     gap: Sym,
-}
-
-/// A law for one surface.
-struct Law {
-    surface: Name,
-    along: Option<Vec<Sym>>,
 }
 
 /// A sum of which parts are used by name.
@@ -82,9 +78,10 @@ struct Checker<'a> {
     /// Generalized force in SI units, by coordinate.
     forces: Vec<(usize, Sym)>,
     surfaces: Vec<Surface>,
-    impacts: Vec<Law>,
+    impacts: Vec<law::CheckedLaw>,
     start: Vec<Assignment>,
     horizon: Option<Sym>,
+    task: optimal_control::Task,
 }
 
 impl Checker<'_> {
@@ -109,9 +106,13 @@ impl Checker<'_> {
                 relation,
                 right,
             } => self.surface(documentation, name, left, *relation, right),
-            Statement::Impact { surfaces, along } => self.impact(surfaces, along.as_ref()),
+            Statement::Impact { surfaces, law } => self.impact(surfaces, law),
             Statement::Start(assignments) => self.start_statement(assignments),
             Statement::Horizon { keyword, value } => self.horizon(*keyword, value),
+            Statement::Minimize { keyword, value } => self.minimize(*keyword, value),
+            Statement::Constraint { name, condition } => self.constraint(name, condition),
+            Statement::Finally(goals) => self.finally(goals),
+            Statement::Free(values) => self.free(values),
         }
     }
 
@@ -204,7 +205,7 @@ impl Checker<'_> {
             return self.poison(name);
         };
         let gap = match relation {
-            Relation::AtLeast => left_value - right_value,
+            Relation::AtLeast | Relation::Equal => left_value - right_value,
             Relation::AtMost => right_value - left_value,
         };
         if rules::surface(name, gap, (left, right), self).is_err() {
@@ -216,80 +217,6 @@ impl Checker<'_> {
             gap,
         });
         Ok(())
-    }
-
-    fn impact(&mut self, surfaces: &[Name], along: Option<&Expr>) -> Checked<()> {
-        let along = match along {
-            None => None,
-            Some(expr) => {
-                let direction = self.direction(expr);
-                if direction.is_err() {
-                    for surface in surfaces {
-                        self.diagnostics.poison(&law_of(&surface.text));
-                    }
-                }
-                Some(direction?)
-            }
-        };
-        for surface in surfaces {
-            if let Some(known) = self
-                .impacts
-                .iter()
-                .find(|known| known.surface.text == surface.text)
-            {
-                let text = known.surface.text.clone();
-                self.diagnostics.report(
-                    "E20",
-                    surface.place(),
-                    format!("surface `{text}` has two impact laws; keep one"),
-                );
-                continue;
-            }
-            self.impacts.push(Law {
-                surface: surface.clone(),
-                along: along.clone(),
-            });
-        }
-        Ok(())
-    }
-
-    /// The impulse direction as velocities in declared units.
-    fn direction(&mut self, expr: &Expr) -> Checked<Vec<Sym>> {
-        let value = self.scope.value(expr, self.diagnostics)?;
-        let n = self.coordinates.len();
-        let components = value.components();
-        if components.len() != n || (matches!(value, Value::Scalar(_)) && n != 1) {
-            return Err(self.diagnostics.report(
-                "E02",
-                expr.place,
-                format!(
-                    "the impulse direction has {} component{}; it needs one for each of the {n} \
-                     coordinates, in their order",
-                    components.len(),
-                    if components.len() == 1 { "" } else { "s" },
-                ),
-            ));
-        }
-        if let Some(variable) = graph::variables(components)
-            .into_iter()
-            .find(|variable| matches!(variable, Variable::Velocity(_) | Variable::Control(_)))
-        {
-            return Err(self.diagnostics.report(
-                "E07",
-                expr.place,
-                format!(
-                    "the impulse direction depends on {}; it may depend on positions only",
-                    self.in_words(variable)
-                ),
-            ));
-        }
-        Ok(components
-            .iter()
-            .zip(&self.coordinates)
-            .map(|(component, coordinate)| {
-                component.scaled(1.0 / scene::scale(coordinate.unit.as_ref()))
-            })
-            .collect())
     }
 
     /// A variable as the user knows it.
@@ -307,13 +234,12 @@ impl Checker<'_> {
         }
     }
 
-    fn finish(self, declared: &Scene, gaps: &HashMap<String, Unit>) -> Checked<CheckedScene> {
+    fn finish(self, declared: &Scene, units: &units::Inferred) -> Checked<CheckedScene> {
         let mut checker = self;
         rules::missing_statements(&declared.name, &mut checker);
-        let contacts = rules::laws(&mut checker);
+        let laws = law::of_surfaces(&mut checker);
         let start = checker.start_values();
-        let (Some((lagrangian, place)), Ok(mut contacts), Ok(start)) =
-            (checker.lagrangian, contacts, start)
+        let (Some((lagrangian, place)), Ok(laws), Ok(start)) = (checker.lagrangian, laws, start)
         else {
             return Err(Reported);
         };
@@ -322,17 +248,24 @@ impl Checker<'_> {
             return Err(Reported);
         }
         rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)?;
+        let mut contacts = law::contacts(laws, lagrangian, &mut checker)?;
+        dependence::gaps(&contacts, &mut checker);
         rules::unused(&mut checker);
         for contact in &mut contacts {
-            contact.unit = gaps.get(&contact.name.text).copied();
+            contact.unit = units.gaps.get(&contact.name.text).copied();
         }
         let forces = checker.total_forces();
-        let along = |contact: &Contact| contact.along.clone().unwrap_or_default();
         let mut dynamics: Vec<Sym> = vec![lagrangian];
         dynamics.extend(&forces);
         for contact in &contacts {
             dynamics.push(contact.gap);
-            dynamics.extend(along(contact));
+            dynamics.extend(contact.along.iter().flatten());
+            dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
+        }
+        let optimal_control = checker.optimal_control(units);
+        if let Some(task) = &optimal_control {
+            dynamics.extend(task.running_cost);
+            dynamics.extend(task.constraints.iter().map(|known| known.function));
         }
         let explicit_time = graph::variables(&dynamics).contains(&Variable::Time);
         Ok(CheckedScene {
@@ -348,6 +281,7 @@ impl Checker<'_> {
             start,
             horizon: checker.horizon,
             explicit_time,
+            optimal_control,
         })
     }
 

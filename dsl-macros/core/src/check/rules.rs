@@ -2,12 +2,11 @@
 
 use super::Checker;
 use crate::ast::{Expr, Kind, Name};
-use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
+use crate::diagnostics::{Checked, Diagnostics, Place, list};
 use crate::graph::{self, Function, Node, Sym, Variable};
-use crate::parse::law_of;
-use crate::scene::{Contact, Coordinate};
+use crate::scene::Coordinate;
 
-fn is_velocity(variable: Variable) -> bool {
+pub(super) fn is_velocity(variable: Variable) -> bool {
     matches!(variable, Variable::Velocity(_))
 }
 
@@ -207,93 +206,12 @@ pub(super) fn surface(
 /// Whether an expression contains one of the names.
 fn mentions(expr: &Expr, names: &[String]) -> bool {
     match &expr.kind {
-        Kind::Number { .. } => false,
         Kind::Name(name) => names.contains(&name.text),
-        Kind::Negate(inner) | Kind::Norm(inner) => mentions(inner, names),
-        Kind::Binary { left, right, .. } => mentions(left, names) || mentions(right, names),
-        Kind::Call { arguments, .. } => arguments.iter().any(|item| mentions(item, names)),
-        Kind::Derivative { argument, .. } => mentions(argument, names),
-        Kind::Vector(items) => items.iter().any(|item| mentions(item, names)),
-        Kind::Component { vector, .. } | Kind::Index { vector, .. } => mentions(vector, names),
+        _ => expr
+            .children()
+            .into_iter()
+            .any(|inner| mentions(inner, names)),
     }
-}
-
-/// E20: one law for each surface, no law without a surface.
-pub(super) fn laws(checker: &mut Checker<'_>) -> Checked<Vec<Contact>> {
-    let before = checker.diagnostics.mistakes();
-    let mut laws = std::mem::take(&mut checker.impacts);
-    let surfaces = std::mem::take(&mut checker.surfaces);
-    for law in &laws {
-        let text = &law.surface.text;
-        if surfaces.iter().any(|known| known.name.text == *text)
-            || checker.diagnostics.is_poisoned(text)
-        {
-            continue;
-        }
-        let names = || surfaces.iter().map(|known| known.name.text.as_str());
-        let message = match closest(text, names()) {
-            Some(near) => format!("there is no surface `{text}`; did you mean `{near}`?"),
-            None if surfaces.is_empty() => {
-                format!("there is no surface `{text}`; declare it by `surface {text}: ... >= ...`")
-            }
-            None => format!("there is no surface `{text}` (surfaces: {})", list(names())),
-        };
-        checker
-            .diagnostics
-            .report("E20", law.surface.place(), message);
-    }
-    let mut contacts = Vec::with_capacity(surfaces.len());
-    for surface in surfaces {
-        let text = &surface.name.text;
-        let Some(index) = laws.iter().position(|law| law.surface.text == *text) else {
-            if checker.diagnostics.is_poisoned(&law_of(text)) {
-                continue;
-            }
-            checker.diagnostics.report(
-                "E20",
-                surface.name.place(),
-                format!("surface `{text}` has no impact law; write `impact {text}: inelastic`"),
-            );
-            continue;
-        };
-        let law = laws.swap_remove(index);
-        contacts.push(Contact {
-            name: surface.name,
-            documentation: surface.documentation,
-            gap: surface.gap,
-            unit: None,
-            along: law.along,
-        });
-    }
-    for contact in &contacts {
-        if let Some(along) = &contact.along {
-            let normal = normal(contact.gap, along.len());
-            let product: Sym = normal.iter().zip(along).map(|(&n, &w)| n * w).sum();
-            if product.is_structural_zero() {
-                checker.diagnostics.report(
-                    "E09",
-                    contact.name.place(),
-                    format!(
-                        "the impulse direction of `{}` is tangential to the surface, so it cannot stop \
-                         the motion into it; give it a normal component",
-                        contact.name.text
-                    ),
-                );
-            }
-        }
-    }
-    if checker.diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
-    Ok(contacts)
-}
-
-/// Gradient of a gap with respect to the coordinates.
-pub(crate) fn normal(gap: Sym, coordinates: usize) -> Vec<Sym> {
-    let by: Vec<Variable> = (0..coordinates)
-        .map(|i| Variable::Coordinate(i as u16))
-        .collect();
-    graph::gradient(gap, &by)
 }
 
 /// E16: everything declared is used.

@@ -4,8 +4,10 @@
 //! Bare numbers are dimensionless, except 0, which fits anywhere, and except where a declaration gives
 //! the unit (`m: kg = 80`). A scene that declares no unit at all is not checked.
 
+mod statement;
+
 use super::values::is_bare;
-use crate::ast::{Assignment, Expr, Kind, Name, Operator, Quantity, Scene, Statement};
+use crate::ast::{Expr, Kind, Name, Operator, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::dimension::{Dimension, Unifier};
 use crate::evaluate::BUDGET;
@@ -16,15 +18,22 @@ use std::collections::{HashMap, HashSet};
 /// Most calls inside each other; the evaluation before this one refuses more.
 const MOST_CALLS: usize = 100;
 
-/// Units of the gaps of all surfaces, by name, as far as they are known.
-/// Statements at the positions `skip` failed before and are passed over.
-pub(super) fn gaps(
+/// Units of gaps and of the functions of conditions, as far as they are known.
+#[derive(Default)]
+pub(super) struct Inferred {
+    pub(super) gaps: HashMap<String, Unit>,
+    pub(super) constraints: Vec<Option<Unit>>,
+    pub(super) goals: Vec<Option<Unit>>,
+}
+
+/// Checks and infers units. Statements at the positions `skip` failed before and are passed over.
+pub(super) fn inferred(
     scene: &Scene,
     skip: &HashSet<usize>,
     diagnostics: &mut Diagnostics,
-) -> HashMap<String, Unit> {
+) -> Inferred {
     if !declares_units(scene) {
-        return HashMap::new();
+        return Inferred::default();
     }
     let mut unifier = Unifier::default();
     let energy = unifier.unknown("lagrangian");
@@ -38,6 +47,9 @@ pub(super) fn gaps(
         coordinates: Vec::new(),
         energy,
         gaps: Vec::new(),
+        sliding: Vec::new(),
+        constraints: Vec::new(),
+        goals: Vec::new(),
     };
     walk.declare(scene);
     for (index, statement) in scene.statements.iter().enumerate() {
@@ -47,10 +59,28 @@ pub(super) fn gaps(
         // Reported where it fails; the next statement is checked all the same.
         let _: Checked<()> = walk.statement(statement);
     }
-    let Walk { unifier, gaps, .. } = walk;
-    gaps.into_iter()
-        .filter_map(|(name, dimension)| Some((name, unifier.known(&dimension)?)))
-        .collect()
+    walk.sliding_velocities();
+    let Walk {
+        unifier,
+        gaps,
+        constraints,
+        goals,
+        ..
+    } = walk;
+    let known = |conditions: Vec<Dimension>| {
+        let dimensions = conditions.iter();
+        dimensions
+            .map(|dimension| unifier.known(dimension))
+            .collect()
+    };
+    Inferred {
+        constraints: known(constraints),
+        goals: known(goals),
+        gaps: gaps
+            .into_iter()
+            .filter_map(|(name, dimension)| Some((name, unifier.known(&dimension)?)))
+            .collect(),
+    }
 }
 
 fn declares_units(scene: &Scene) -> bool {
@@ -96,204 +126,13 @@ struct Walk<'a> {
     /// Unit of the Lagrangian.
     energy: Dimension,
     gaps: Vec<(String, Dimension)>,
+    /// Sliding velocities with the surfaces that they belong to.
+    sliding: Vec<(Vec<Name>, Expr, Dimension)>,
+    constraints: Vec<Dimension>,
+    goals: Vec<Dimension>,
 }
 
 impl Walk<'_> {
-    fn declare(&mut self, scene: &Scene) {
-        for statement in &scene.statements {
-            let (Statement::Parameters(list)
-            | Statement::Coordinates(list)
-            | Statement::Controls(list)) = statement
-            else {
-                continue;
-            };
-            if matches!(statement, Statement::Coordinates(_)) {
-                self.coordinates
-                    .extend(list.iter().map(|quantity| quantity.name.clone()));
-            }
-            for quantity in list {
-                let dimension = match &quantity.unit {
-                    Some(written) => Dimension::of(written.unit),
-                    None => self.unifier.unknown(&quantity.name.text),
-                };
-                self.values
-                    .insert(quantity.name.text.clone(), Units::Scalar(dimension));
-            }
-        }
-    }
-
-    fn statement(&mut self, statement: &Statement) -> Checked<()> {
-        match statement {
-            Statement::Parameters(list)
-            | Statement::Coordinates(list)
-            | Statement::Controls(list) => {
-                for quantity in list {
-                    let _: Checked<()> = self.quantity(quantity);
-                }
-                Ok(())
-            }
-            Statement::Let { name, value } => {
-                let units = self.units(value);
-                if let Ok(units) = units {
-                    self.values.insert(name.text.clone(), units);
-                }
-                Ok(())
-            }
-            Statement::Function {
-                name,
-                arguments,
-                body,
-            } => {
-                self.functions
-                    .insert(name.text.clone(), (arguments.clone(), body.clone()));
-                Ok(())
-            }
-            Statement::Lagrangian { value, .. } => {
-                let own = self.scalar(value)?;
-                let energy = self.energy.clone();
-                self.unifier.unify(&own, &energy);
-                Ok(())
-            }
-            Statement::Dissipation { value, .. } => {
-                let own = self.scalar(value)?;
-                let wanted = self.energy.over(&Dimension::second());
-                self.expect(value, &own, &wanted, "the dissipation is a power")
-            }
-            Statement::Forces(assignments) => {
-                for assignment in assignments {
-                    let _: Checked<()> = self.force(assignment);
-                }
-                Ok(())
-            }
-            Statement::Surface {
-                name, left, right, ..
-            } => {
-                let (own, its) = (self.scalar(left), self.scalar(right));
-                let (own, its) = (own?, its?);
-                if !self.unifier.unify(&own, &its) {
-                    return Err(self.differ(
-                        left.place.to(right.place),
-                        (left, &own),
-                        (right, &its),
-                        &format!("both sides of surface `{}`", name.text),
-                    ));
-                }
-                self.gaps.push((name.text.clone(), own));
-                Ok(())
-            }
-            Statement::Impact { along, .. } => match along {
-                Some(direction) => self.direction(direction),
-                None => Ok(()),
-            },
-            Statement::Start(assignments) => {
-                for assignment in assignments {
-                    let _: Checked<()> = self.start(assignment);
-                }
-                Ok(())
-            }
-            Statement::Horizon { value, .. } => {
-                if is_bare(value) {
-                    return Ok(());
-                }
-                let own = self.scalar(value)?;
-                self.expect(value, &own, &Dimension::second(), "the horizon is a time")
-            }
-        }
-    }
-
-    fn quantity(&mut self, quantity: &Quantity) -> Checked<()> {
-        let wanted = self.named(&quantity.name);
-        let mut exprs: Vec<&Expr> = quantity.value.iter().collect();
-        if let Some((lower, upper)) = &quantity.bounds {
-            exprs.extend([lower, upper]);
-        }
-        for expr in exprs {
-            if is_bare(expr) {
-                continue;
-            }
-            let own = self.scalar(expr)?;
-            self.expect(
-                expr,
-                &own,
-                &wanted,
-                &format!("`{}` is declared so", quantity.name.text),
-            )?;
-        }
-        Ok(())
-    }
-
-    fn force(&mut self, assignment: &Assignment) -> Checked<()> {
-        if !self
-            .coordinates
-            .iter()
-            .any(|known| known.text == assignment.target.text)
-        {
-            return Err(Reported);
-        }
-        let own = self.scalar(&assignment.value)?;
-        let coordinate = self.named(&assignment.target);
-        let wanted = self.energy.over(&coordinate);
-        self.expect(
-            &assignment.value,
-            &own,
-            &wanted,
-            &format!(
-                "a force on `{}` is the Lagrangian's unit over that of the coordinate",
-                assignment.target.text
-            ),
-        )
-    }
-
-    fn start(&mut self, assignment: &Assignment) -> Checked<()> {
-        if is_bare(&assignment.value) {
-            return Ok(());
-        }
-        let own = self.scalar(&assignment.value)?;
-        let mut wanted = self.named(&assignment.target);
-        let mut shown = assignment.target.text.clone();
-        if assignment.velocity {
-            wanted = wanted.over(&Dimension::second());
-            shown = format!("dot({shown})");
-        }
-        self.expect(
-            &assignment.value,
-            &own,
-            &wanted,
-            &format!("it is the start value of `{shown}`"),
-        )
-    }
-
-    /// Components of an impulse direction are displacements of the coordinates, up to one factor.
-    fn direction(&mut self, direction: &Expr) -> Checked<()> {
-        let Kind::Vector(items) = &direction.kind else {
-            self.units(direction)?;
-            return Ok(());
-        };
-        let coordinates: Vec<Name> = self.coordinates.clone();
-        let mut first: Option<(Dimension, &Expr)> = None;
-        for (item, coordinate) in items.iter().zip(&coordinates) {
-            let own = self.scalar(item)?;
-            let relative = own.over(&self.named(coordinate));
-            match &first {
-                None => first = Some((relative, item)),
-                Some((known, _)) => {
-                    let wanted = known.times(&self.named(coordinate));
-                    self.expect(
-                        item,
-                        &own,
-                        &wanted,
-                        &format!(
-                            "components of an impulse direction are proportional to displacements, \
-                             here of `{}`",
-                            coordinate.text
-                        ),
-                    )?;
-                }
-            }
-        }
-        Ok(())
-    }
-
     fn named(&mut self, name: &Name) -> Dimension {
         match self.values.get(&name.text) {
             Some(Units::Scalar(dimension)) => dimension.clone(),
@@ -462,7 +301,9 @@ impl Walk<'_> {
         match self.values.get(&name.text) {
             Some(units) => units.clone(),
             None if name.text == "pi" => Units::Scalar(Dimension::one()),
-            None if name.text == "t" => Units::Scalar(Dimension::second()),
+            None if name.text == "t" || name.text == words::FINAL_TIME => {
+                Units::Scalar(Dimension::second())
+            }
             // Its own declaration has been reported.
             None => Units::Scalar(self.unifier.unknown(&name.text)),
         }
@@ -529,6 +370,10 @@ impl Walk<'_> {
             ("dot", [argument]) => {
                 let units = self.units(argument)?;
                 Ok(units.map(|own| own.over(&Dimension::second())))
+            }
+            (words::INTEGRAL, [argument]) => {
+                let own = self.scalar(argument)?;
+                Ok(Units::Scalar(own.times(&Dimension::second())))
             }
             ("dot", [left, right]) => {
                 let (own, its) = (self.units(left)?, self.units(right)?);

@@ -12,6 +12,7 @@
 use super::ldl::Factorization;
 use super::{Sparse, hessian, jacobian};
 use crate::graph::{self, Sym, Variable};
+use crate::tape;
 use std::collections::BTreeSet;
 
 /// Largest mass matrix that is factorized by formulas: some n^3/3 operations, which pivoting and loops
@@ -121,10 +122,11 @@ impl Implicit {
 }
 
 /// The motion without contact: `M a = r`. The residual is built from the momenta along the motion,
-/// which takes far fewer operations than the entries of `M`.
+/// which takes far fewer operations than the entries of `M` if those are many.
 pub(super) fn motion(
     mass: Vec<Sym>,
     right: Vec<Sym>,
+    factorization: &Factorization,
     momenta: &[Sym],
     applied: &[Sym],
     inputs: &[Variable],
@@ -145,50 +147,158 @@ pub(super) fn motion(
         Variable::Velocity(i) => Implicit::multiplier(usize::from(i)),
         _ => Sym::ZERO,
     });
-    let solution = (n <= FORMULAS)
-        .then(|| Factorization::plain(&mass, n).ok())
-        .flatten()
-        .map(|factorization| factorization.solve(&right));
+    // From the entries of the mass matrix instead, where that is shorter.
+    let times = |unknown: &dyn Fn(usize) -> Sym| -> Vec<Sym> {
+        let rows = mass.chunks(n);
+        rows.map(|row| (0..n).map(|j| row[j] * unknown(j)).sum())
+            .collect()
+    };
+    let by_entries: Vec<Sym> = times(&|j| Implicit::unknown(n, j))
+        .into_iter()
+        .zip(&right)
+        .map(|(inertial, &right)| inertial - right)
+        .collect();
+    let residual = shorter(residual, by_entries);
+    let transposed = shorter(transposed, times(&Implicit::multiplier));
+    let solution = (n <= FORMULAS).then(|| factorization.solve(&right));
     let mut motion = Implicit::new(mass, right, &residual, &transposed, inputs);
     motion.solution = solution;
     motion
 }
 
-/// The contact direction `d` and `r = 1 / (n' M^-1 n)` as unknowns of `M d - n r = 0`, `n' d = 1`.
-pub(super) fn direction(
-    mass: &[Sym],
-    momenta: &[Sym],
+fn shorter(one: Vec<Sym>, other: Vec<Sym>) -> Vec<Sym> {
+    if tape::operations(&other) < tape::operations(&one) {
+        other
+    } else {
+        one
+    }
+}
+
+/// The mass matrix with the rows and columns of held coordinates replaced by those of the identity.
+pub(super) struct Locked<'a> {
+    /// Mass matrix, row-major.
+    pub(super) mass: &'a [Sym],
+    /// Momenta, whose derivatives along velocities multiply by the mass matrix.
+    pub(super) momenta: &'a [Sym],
+    pub(super) held: &'a [usize],
+}
+
+impl Locked<'_> {
+    fn size(&self) -> usize {
+        self.momenta.len()
+    }
+
+    fn is_held(&self, i: usize) -> bool {
+        self.held.contains(&i)
+    }
+
+    fn entry(&self, i: usize, j: usize) -> Sym {
+        match (self.is_held(i) || self.is_held(j), i == j) {
+            (false, _) => self.mass[i * self.size() + j],
+            (true, true) => Sym::ONE,
+            (true, false) => Sym::ZERO,
+        }
+    }
+
+    /// Product with a vector, in far fewer operations than by the entries.
+    fn times(&self, of: impl Fn(usize) -> Sym) -> Vec<Sym> {
+        let mut rows = graph::directional(self.momenta, |variable| match variable {
+            Variable::Velocity(i) if !self.is_held(usize::from(i)) => of(usize::from(i)),
+            _ => Sym::ZERO,
+        });
+        for &i in self.held {
+            rows[i] = of(i);
+        }
+        rows
+    }
+
+    /// Row-major.
+    pub(super) fn matrix(&self) -> Vec<Sym> {
+        let n = self.size();
+        (0..n * n).map(|k| self.entry(k / n, k % n)).collect()
+    }
+
+    /// A vector with zeros for the held coordinates.
+    pub(super) fn free_part(&self, vector: &[Sym]) -> Vec<Sym> {
+        let component = |(i, &component)| {
+            if self.is_held(i) {
+                Sym::ZERO
+            } else {
+                component
+            }
+        };
+        vector.iter().enumerate().map(component).collect()
+    }
+}
+
+/// The contact direction `d` and `r = 1 / (n' H n)` as unknowns of `M d - n r = 0`, `n' d = 1`.
+pub(super) fn direction(inertia: &Locked<'_>, normal: &[Sym], inputs: &[Variable]) -> Implicit {
+    bordered(inertia, normal, &[], inputs)
+}
+
+/// The friction direction `e`, then `d` and `r`, as unknowns of `M e - b r = 0` and of the equations for
+/// the contact direction.
+pub(super) fn friction(
+    inertia: &Locked<'_>,
     normal: &[Sym],
+    tangent: &[Sym],
     inputs: &[Variable],
 ) -> Implicit {
-    let n = normal.len();
-    let size = n + 1;
+    bordered(inertia, normal, &[tangent], inputs)
+}
+
+/// Unknowns `e` for each of the tangents, then `d` and `r`.
+fn bordered(
+    inertia: &Locked<'_>,
+    normal: &[Sym],
+    tangents: &[&[Sym]],
+    inputs: &[Variable],
+) -> Implicit {
+    let n = inertia.size();
+    // What multiplies `r` in each block of rows; the normal comes last.
+    let columns: Vec<Vec<Sym>> = tangents
+        .iter()
+        .copied()
+        .chain([normal])
+        .map(|vector| inertia.free_part(vector))
+        .collect();
+    let last = columns.len() * n;
+    let closing = last - n;
+    let size = last + 1;
+    let normal = &columns[columns.len() - 1];
     let mut matrix = vec![Sym::ZERO; size * size];
-    for i in 0..n {
-        matrix[i * size..i * size + n].copy_from_slice(&mass[i * n..i * n + n]);
-        matrix[i * size + n] = -normal[i];
-        matrix[n * size + i] = normal[i];
+    for (block, column) in columns.iter().enumerate() {
+        for (i, &component) in column.iter().enumerate() {
+            let row = (block * n + i) * size;
+            for j in 0..n {
+                matrix[row + block * n + j] = inertia.entry(i, j);
+            }
+            matrix[row + last] = -component;
+        }
     }
+    matrix[last * size + closing..last * size + last].copy_from_slice(normal);
     let mut right = vec![Sym::ZERO; size];
-    right[n] = Sym::ONE;
-    let along = |of: &dyn Fn(usize) -> Sym| {
-        graph::directional(momenta, |variable| match variable {
-            Variable::Velocity(i) => of(usize::from(i)),
-            _ => Sym::ZERO,
-        })
-    };
-    let r = Implicit::unknown(size, n);
-    let mut residual = along(&|i| Implicit::unknown(size, i));
-    for (row, &component) in residual.iter_mut().zip(normal) {
-        *row -= component * r;
+    right[last] = Sym::ONE;
+
+    let r = Implicit::unknown(size, last);
+    let (mut residual, mut transposed) = (Vec::with_capacity(size), Vec::with_capacity(size));
+    let mut last_column = Sym::ZERO;
+    for (block, column) in columns.iter().enumerate() {
+        let begin = block * n;
+        let products = inertia.times(|i| Implicit::unknown(size, begin + i));
+        residual.extend(products.iter().zip(column).map(|(&row, &c)| row - c * r));
+        transposed.extend(inertia.times(|i| Implicit::multiplier(begin + i)));
+        for (i, &c) in column.iter().enumerate() {
+            last_column -= c * Implicit::multiplier(begin + i);
+        }
     }
-    let closure: Sym = (0..n).map(|i| normal[i] * Implicit::unknown(size, i)).sum();
+    for (i, &component) in normal.iter().enumerate() {
+        transposed[closing + i] += component * Implicit::multiplier(last);
+    }
+    transposed.push(last_column);
+    let closure: Sym = (0..n)
+        .map(|i| normal[i] * Implicit::unknown(size, closing + i))
+        .sum();
     residual.push(closure - Sym::ONE);
-    let mut transposed = along(&Implicit::multiplier);
-    for (row, &component) in transposed.iter_mut().zip(normal) {
-        *row += component * Implicit::multiplier(n);
-    }
-    let last: Sym = (0..n).map(|i| normal[i] * Implicit::multiplier(i)).sum();
-    transposed.push(-last);
     Implicit::new(matrix, right, &residual, &transposed, inputs)
 }

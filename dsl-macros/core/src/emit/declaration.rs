@@ -1,21 +1,19 @@
 //! The static description of a scene.
 
-use super::Timing;
 use super::kernel::literal;
 use super::plan::{Pattern, Plan};
-use super::readable::formula;
 use super::structure::text;
+use super::{Timing, equations};
 use crate::ast::WrittenUnit;
-use crate::derive::{Equations, InverseInertia, Solution};
-use crate::graph::Sym;
-use crate::scene::CheckedScene;
+use crate::derive::Equations;
+use crate::scene::{CheckedScene, Condition};
 use hangtime_units::Unit;
 use std::fmt::Write;
 
 /// Writes `static DECLARATION`.
 pub(super) fn write(
     scene: &CheckedScene,
-    equations: &Equations,
+    derived: &Equations,
     plan: &Plan,
     timing: &Timing,
     code: &mut String,
@@ -59,29 +57,41 @@ pub(super) fn write(
         }
     }
     code.push_str("], contacts: &[");
-    for (contact, [jacobian, hessian]) in scene.contacts.iter().zip(&plan.contact_patterns) {
+    for (contact, plan) in scene.contacts.iter().zip(&plan.contacts) {
+        let friction = match &plan.friction {
+            None => "None".to_owned(),
+            Some(friction) => format!(
+                "Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {} }})",
+                pattern(&friction.derivatives.jacobian_pattern),
+                pattern(&friction.derivatives.hessian_pattern)
+            ),
+        };
         let _ = write!(
             code,
             "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
-             ::hangtime::model::ImpactLaw::Inelastic, friction: None, custom_direction: {}, held: &[], jacobian: {}, hessian: {}, \
-             documentation: {:?} }},",
+             ::hangtime::model::ImpactLaw::{}, friction: {friction}, custom_direction: {}, held: &{:?}, \
+             jacobian: {}, hessian: {}, documentation: {:?} }},",
             contact.name.text,
-            contact
-                .unit
-                .map_or_else(String::new, |unit| unit.to_string()),
+            inferred(contact.unit),
+            if contact.restitution.is_some() {
+                "Restitution"
+            } else {
+                "Inelastic"
+            },
             contact.along.is_some(),
-            pattern(jacobian),
-            pattern(hessian),
+            contact.held,
+            pattern(&plan.derivatives.jacobian_pattern),
+            pattern(&plan.derivatives.hessian_pattern),
             text(&contact.documentation)
         );
     }
     let _ = write!(
         code,
-        "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: None, \
-         kernels: &[",
+        "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: {}, kernels: &[",
         scene.explicit_time,
         pattern(&plan.free_patterns[0]),
-        pattern(&plan.free_patterns[1])
+        pattern(&plan.free_patterns[1]),
+        optimal_control(scene, plan)
     );
     for kernel in plan.listed() {
         let _ = write!(
@@ -93,7 +103,7 @@ pub(super) fn write(
         );
     }
     code.push_str("], equations: &[");
-    for (left, right) in formulas(scene, equations) {
+    for (left, right) in equations::readable(scene, derived) {
         let _ = write!(
             code,
             "::hangtime::model::Equation {{ left: {left:?}, right: {right:?} }},"
@@ -107,8 +117,55 @@ pub(super) fn write(
     );
 }
 
+fn optimal_control(scene: &CheckedScene, plan: &Plan) -> String {
+    let (Some(task), Some(plan)) = (&scene.optimal_control, &plan.optimal_control) else {
+        return "None".to_owned();
+    };
+    let free_start: Vec<usize> = task.free_start.iter().map(|&(index, _)| index).collect();
+    format!(
+        "Some(::hangtime::model::OptimalControlDeclaration {{ running_cost: {}, final_cost: {}, \
+         constraints: &[{}], goals: &[{}], free_time: {}, free_start: &{free_start:?}, path_jacobian: {}, \
+         path_hessian: {}, terminal_jacobian: {}, terminal_hessian: {} }})",
+        task.running_cost.is_some(),
+        task.final_cost.is_some(),
+        conditions(&task.constraints),
+        conditions(&task.goals),
+        task.free_time,
+        pattern(&plan.path.jacobian_pattern),
+        pattern(&plan.path.hessian_pattern),
+        pattern(&plan.terminal.jacobian_pattern),
+        pattern(&plan.terminal.hessian_pattern)
+    )
+}
+
+fn conditions(conditions: &[Condition]) -> String {
+    let mut code = String::new();
+    for condition in conditions {
+        let _ = write!(
+            code,
+            "::hangtime::model::ConstraintDeclaration {{ name: {:?}, unit: {:?}, relation: \
+             ::hangtime::model::ConstraintRelation::{}, documentation: {:?} }},",
+            condition.name,
+            inferred(condition.unit),
+            if condition.equality {
+                "Zero"
+            } else {
+                "NonNegative"
+            },
+            text(&condition.documentation)
+        );
+    }
+    code
+}
+
 fn unit(written: Option<&WrittenUnit>) -> &str {
     written.map_or("", |unit| unit.text.as_str())
+}
+
+/// A unit that follows from others; empty for pure numbers, as where none is declared.
+fn inferred(unit: Option<Unit>) -> String {
+    unit.filter(|unit| !unit.same_dimension(Unit::ONE))
+        .map_or_else(String::new, |unit| unit.to_string())
 }
 
 /// Masses and moments of inertia, which must be positive.
@@ -126,50 +183,4 @@ fn pattern(pattern: &Pattern) -> String {
         pattern.columns,
         pattern.entries()
     )
-}
-
-/// The derived equations in readable form.
-fn formulas(scene: &CheckedScene, equations: &Equations) -> Vec<(String, String)> {
-    let mut all = Vec::new();
-    let names: Vec<&str> = scene
-        .coordinates
-        .iter()
-        .map(|coordinate| coordinate.name.text.as_str())
-        .collect();
-    let n = names.len();
-    let mut add = |left: String, right: Sym| all.push((left, formula(scene, right)));
-    for i in 0..n {
-        for j in 0..=i {
-            let entry = equations.mass[i * n + j];
-            if !entry.is_structural_zero() {
-                add(format!("M({}, {})", names[i], names[j]), entry);
-            }
-        }
-    }
-    add("kinetic energy".to_owned(), equations.energy[0]);
-    add("potential energy".to_owned(), equations.energy[1]);
-    match &equations.acceleration {
-        Solution::Explicit(solution) => {
-            for (name, &acceleration) in names.iter().zip(&solution.values) {
-                add(format!("{name}''"), acceleration);
-            }
-        }
-        Solution::Implicit(system) => {
-            for (i, &right) in system.right.iter().enumerate() {
-                add(format!("(M q'')({})", names[i]), right);
-            }
-        }
-    }
-    for (contact, derived) in scene.contacts.iter().zip(&equations.contacts) {
-        let contact = &contact.name.text;
-        add(format!("gap({contact})"), derived.rows.values[0]);
-        add(format!("gap({contact})'"), derived.rows.values[1]);
-        if let InverseInertia::Formula(inverse_inertia) = derived.inverse_inertia {
-            add(format!("D({contact})"), inverse_inertia);
-        }
-        for (name, &component) in names.iter().zip(&derived.rows.values[2..]) {
-            add(format!("d({contact}, {name})"), component);
-        }
-    }
-    all
 }

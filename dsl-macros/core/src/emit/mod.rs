@@ -1,6 +1,7 @@
 //! Equations to Rust items: the struct, its parameters, and the implementation of the model trait.
 
 mod declaration;
+mod equations;
 mod kernel;
 mod oracle;
 mod plan;
@@ -12,7 +13,7 @@ pub(crate) use structure::stub;
 use crate::ast::Scene;
 use crate::derive::Equations;
 use crate::scene::CheckedScene;
-use plan::{ContactPlan, Plan};
+use plan::{ContactPlan, FrictionPlan, Plan};
 use proc_macro2::TokenStream;
 use std::fmt::Write;
 use std::time::{Duration, SystemTime};
@@ -92,6 +93,7 @@ fn implementation(scene: &CheckedScene, plan: &Plan, code: &mut String) {
         }
         arms
     };
+    let further = laws(plan) + &optimal_control(plan);
     let _ = write!(
         code,
         "#[automatically_derived] impl ::hangtime::model::Model for {name} {{
@@ -114,6 +116,7 @@ fn implementation(scene: &CheckedScene, plan: &Plan, code: &mut String) {
          {{ {} _ => values.fill(f64::NAN) }} }}
             fn contact_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut \
          [f64]) {{ match contact {{ {} _ => values.fill(f64::NAN) }} }}
+            {further}
             fn boxed(&self) -> ::std::boxed::Box<dyn ::hangtime::model::Model> {{ \
          ::std::boxed::Box::new(::core::clone::Clone::clone(self)) }}
         }}",
@@ -129,7 +132,77 @@ fn implementation(scene: &CheckedScene, plan: &Plan, code: &mut String) {
         plan.energy,
         arms(&|contact| &contact.gap),
         arms(&|contact| &contact.contact),
-        arms(&|contact| &contact.jacobian),
-        arms(&|contact| &contact.hessian),
+        arms(&|contact| &contact.derivatives.jacobian),
+        arms(&|contact| &contact.derivatives.hessian),
     );
+}
+
+/// The methods for restitution and friction, as far as the scene declares them.
+fn laws(plan: &Plan) -> String {
+    let arms = |body: &dyn Fn(&ContactPlan) -> Option<&String>| {
+        let mut arms = String::new();
+        for (i, contact) in plan.contacts.iter().enumerate() {
+            if let Some(body) = body(contact) {
+                let _ = write!(arms, "{i} => {{ {body} }}");
+            }
+        }
+        arms
+    };
+    let mut methods = String::new();
+    let restitution = arms(&|contact| contact.restitution.as_ref());
+    if !restitution.is_empty() {
+        let _ = write!(
+            methods,
+            "fn restitution(&self, contact: usize) -> f64 {{ match contact {{ {restitution} _ => 0.0 }} }}"
+        );
+    }
+    let friction = |body: &dyn Fn(&FrictionPlan) -> &String| {
+        arms(&|contact| contact.friction.as_ref().map(body))
+    };
+    let coefficient = friction(&|friction| &friction.coefficient);
+    if !coefficient.is_empty() {
+        let _ = write!(
+            methods,
+            "fn friction(&self, contact: usize) -> f64 {{ match contact {{ {coefficient} _ => 0.0 }} }}
+            fn tangent(&self, contact: usize, x: &[f64], point: &mut [f64]) {{ match contact {{ {} _ => \
+             point.fill(f64::NAN) }} }}
+            fn tangent_jacobian(&self, contact: usize, x: &[f64], values: &mut [f64]) {{ match contact {{ \
+             {} _ => values.fill(f64::NAN) }} }}
+            fn tangent_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut [f64]) \
+             {{ match contact {{ {} _ => values.fill(f64::NAN) }} }}",
+            friction(&|friction| &friction.tangent),
+            friction(&|friction| &friction.derivatives.jacobian),
+            friction(&|friction| &friction.derivatives.hessian),
+        );
+    }
+    methods
+}
+
+/// The methods for optimal control, as far as the scene declares it.
+fn optimal_control(plan: &Plan) -> String {
+    let mut methods = String::new();
+    let Some(control) = &plan.optimal_control else {
+        return methods;
+    };
+    for (kind, input, plan) in [
+        ("path", 'x', &control.path),
+        ("terminal", 'z', &control.terminal),
+    ] {
+        if let Some([values, jacobian, hessian]) = &plan.bodies {
+            let _ = write!(
+                methods,
+                "fn {kind}_functions(&self, {input}: &[f64], values: &mut [f64]) {{ {values} }}
+                fn {kind}_jacobian(&self, {input}: &[f64], values: &mut [f64]) {{ {jacobian} }}
+                fn {kind}_hessian(&self, {input}: &[f64], multipliers: &[f64], values: &mut [f64]) {{ \
+                 {hessian} }}"
+            );
+        }
+    }
+    if let Some([lower, upper]) = &control.free_start_bounds {
+        let _ = write!(
+            methods,
+            "fn free_start_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {{ {lower}; {upper} }}"
+        );
+    }
+    methods
 }

@@ -1,9 +1,13 @@
 //! Which functions are emitted for a scene, and how the methods of the model trait call them.
 
+mod contact;
+mod optimal_control;
+
+pub(super) use contact::{ContactPlan, FrictionPlan};
+pub(super) use optimal_control::ControlPlan;
+
 use super::kernel::Kernel;
-use crate::derive::{
-    ContactEquations, Equations, Explicit, Implicit, InverseInertia, Solution, Sparse,
-};
+use crate::derive::{Equations, Explicit, Implicit, Solution, Sparse};
 use crate::graph::Sym;
 use crate::scene::CheckedScene;
 use std::fmt::Write;
@@ -41,15 +45,6 @@ fn positions(entries: &[(usize, usize)]) -> String {
     text
 }
 
-/// Bodies of the methods that concern one contact.
-#[derive(Default)]
-pub(super) struct ContactPlan {
-    pub(super) gap: String,
-    pub(super) contact: String,
-    pub(super) jacobian: String,
-    pub(super) hessian: String,
-}
-
 /// All emitted functions and the bodies of the trait's methods.
 pub(super) struct Plan {
     pub(super) kernels: Vec<Kernel>,
@@ -65,7 +60,7 @@ pub(super) struct Plan {
     pub(super) free_hessian: String,
     pub(super) free_patterns: [Pattern; 2],
     pub(super) contacts: Vec<ContactPlan>,
-    pub(super) contact_patterns: Vec<[Pattern; 2]>,
+    pub(super) optimal_control: Option<ControlPlan>,
 }
 
 impl Plan {
@@ -76,18 +71,21 @@ impl Plan {
             kernels: Vec::new(),
             helpers: String::new(),
         };
-        let n = scene.coordinates.len();
         let (acceleration, jacobian, hessian, free_patterns) =
             builder.free(&equations.acceleration);
         let mass_matrix = builder.call("mass_matrix", &equations.mass, "x", "&[]", "m");
         let energy = builder.call("energy", &equations.energy, "x", "&[]", "energy");
-        let mut contacts = Vec::new();
-        let mut contact_patterns = Vec::new();
-        for (declared, contact) in scene.contacts.iter().zip(&equations.contacts) {
-            let (plan, patterns) = builder.contact(&declared.name.text, contact, n);
-            contacts.push(plan);
-            contact_patterns.push(patterns);
-        }
+        let contacts = scene
+            .contacts
+            .iter()
+            .zip(&equations.contacts)
+            .map(|(declared, contact)| builder.contact(declared, contact))
+            .collect();
+        let optimal_control = scene
+            .optimal_control
+            .as_ref()
+            .zip(equations.optimal_control.as_ref())
+            .map(|(declared, derived)| builder.optimal_control(declared, derived));
         let bound = |lower: bool| -> Vec<Sym> {
             let open = if lower {
                 f64::NEG_INFINITY
@@ -129,7 +127,7 @@ impl Plan {
             free_hessian: hessian,
             free_patterns,
             contacts,
-            contact_patterns,
+            optimal_control,
             kernels: builder.kernels,
             helpers: builder.helpers,
         }
@@ -292,127 +290,5 @@ impl Builder<'_> {
             name: name.to_owned(),
             size,
         }
-    }
-
-    fn contact(
-        &mut self,
-        name: &str,
-        contact: &ContactEquations,
-        n: usize,
-    ) -> (ContactPlan, [Pattern; 2]) {
-        let rows = &contact.rows;
-        let gap = self.call(
-            &format!("gap_{name}"),
-            &rows.values[..1],
-            "x",
-            "&[]",
-            "&mut out",
-        );
-        let mut point = vec![rows.values[0], rows.values[1], contact.curvature];
-        point.push(match contact.inverse_inertia {
-            InverseInertia::Formula(inverse_inertia) => inverse_inertia,
-            InverseInertia::Solved => Sym::ZERO,
-        });
-        point.extend(&contact.normal);
-        point.extend(&rows.values[2..]);
-        let length = point.len();
-        let base = self.call(&format!("contact_{name}"), &point, "x", "&[]", "point");
-        let jacobian = self.call(
-            &format!("contact_jacobian_{name}"),
-            &rows.jacobian.values,
-            "x",
-            "&[]",
-            "values",
-        );
-        let patterns = [Pattern::of(&rows.jacobian), Pattern::of(&rows.hessian)];
-        let hessian_name = format!("contact_hessian_{name}");
-        let Some(direction) = &contact.direction else {
-            let hessian = self.call(
-                &hessian_name,
-                &rows.hessian.values,
-                "x",
-                "multipliers",
-                "values",
-            );
-            let contact = match contact.inverse_inertia {
-                InverseInertia::Formula(_) => base,
-                InverseInertia::Solved => format!(
-                    "{base}; let (lu, _) = __motion_solution(self, x); let mut n = [0.0_f64; {n}]; \
-                     n.copy_from_slice(&point[4..{}]); point[3] = lu.solve(&n).iter().zip(&n).map(|(a, \
-                     b)| a * b).sum()",
-                    4 + n
-                ),
-            };
-            return (
-                ContactPlan {
-                    gap,
-                    contact,
-                    jacobian,
-                    hessian,
-                },
-                patterns,
-            );
-        };
-        let system = self.system(&format!("direction_{name}"), direction);
-        let (system, size) = (&system.name, system.size);
-        let first = rows.jacobian.values.len();
-        let solved = direction.jacobian_pattern(n);
-        let mut jacobian_entries = rows.jacobian.entries.clone();
-        jacobian_entries.extend(solved.iter().map(|&(row, column)| (row + 2, column)));
-        let mut hessian_entries = direction.hessian_pattern();
-        hessian_entries.extend(&rows.hessian.entries);
-        hessian_entries.sort_unstable();
-        hessian_entries.dedup();
-        let mut scatter = String::new();
-        for (k, entry) in rows.hessian.entries.iter().enumerate() {
-            if let Ok(place) = hessian_entries.binary_search(entry) {
-                let _ = write!(scatter, "values[{place}] += geometry[{k}];");
-            }
-        }
-        let geometry = self.call(
-            &hessian_name,
-            &rows.hessian.values,
-            "x",
-            "multipliers",
-            "&mut geometry",
-        );
-        let plan = ContactPlan {
-            gap,
-            contact: format!(
-                "{base_call}; let (_, y) = __{system}_solution(self, x); \
-                 point[{length}..].copy_from_slice(&y[{size}..{end}]); point[3] = 1.0 / y[{end}]",
-                base_call = base.replace("point)", &format!("&mut point[..{length}])")),
-                end = size + n,
-            ),
-            jacobian: format!(
-                "{}; let (lu, y) = __{system}_solution(self, x); let a = __{system}_sensitivity(self, x, \
-                 &lu, &y); {PRIVATE}::gather(&a, {}, &mut values[{first}..])",
-                jacobian.replace("values)", &format!("&mut values[..{first}])")),
-                positions(&solved)
-            ),
-            hessian: format!(
-                "let mut lambda = [0.0_f64; {size}]; lambda[..{n}].copy_from_slice(&multipliers[2..]); \
-                 __{system}_second(self, x, &lambda, {}, values); let mut geometry = [0.0_f64; {}]; \
-                 {geometry}; {scatter}",
-                positions(&hessian_entries),
-                rows.hessian.values.len()
-            ),
-        };
-        let inputs = self.inputs;
-        (
-            plan,
-            [
-                Pattern {
-                    rows: 2 + n,
-                    columns: inputs,
-                    entries: jacobian_entries,
-                },
-                Pattern {
-                    rows: inputs,
-                    columns: inputs,
-                    entries: hessian_entries,
-                },
-            ],
-        )
     }
 }

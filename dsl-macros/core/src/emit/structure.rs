@@ -1,8 +1,9 @@
 //! The struct of a scene: its parameters as fields, with defaults and setters.
 
 use super::plan::Plan;
+use super::readable::formula;
 use crate::ast::{Documentation, Name, WrittenUnit};
-use crate::scene::{CheckedScene, Coordinate, Parameter};
+use crate::scene::{CheckedScene, Contact, Coordinate, Parameter};
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 use std::fmt::Write;
@@ -178,13 +179,9 @@ fn scene_documentation(scene: &CheckedScene, plan: &Plan) -> String {
         for contact in &scene.contacts {
             let _ = writeln!(
                 page,
-                "- `{}`: inelastic{}{}",
+                "- `{}`: {}{}",
                 contact.name.text,
-                if contact.along.is_some() {
-                    ", impulse in a direction of its own"
-                } else {
-                    ""
-                },
+                law(scene, contact),
                 sentence(&text(&contact.documentation))
             );
         }
@@ -219,6 +216,25 @@ fn scene_documentation(scene: &CheckedScene, plan: &Plan) -> String {
     }
     page.push_str("```\n");
     page
+}
+
+/// The law of a contact in words.
+fn law(scene: &CheckedScene, contact: &Contact) -> String {
+    let mut text = match contact.restitution {
+        None => "inelastic".to_owned(),
+        Some(coefficient) => format!("restitution {}", formula(scene, coefficient)),
+    };
+    if let Some(friction) = &contact.friction {
+        let _ = write!(text, ", friction {}", formula(scene, friction.coefficient));
+    }
+    if contact.along.is_some() {
+        text.push_str(", impulse in a direction of its own");
+    }
+    for (i, &held) in contact.held.iter().enumerate() {
+        text.push_str(if i == 0 { ", holding " } else { " and " });
+        let _ = write!(text, "`{}`", scene.coordinates[held].name.text);
+    }
+    text
 }
 
 fn quantity_line(what: &str, quantity: &Coordinate) -> String {

@@ -5,7 +5,7 @@ use super::{unexpected, unit};
 use crate::ast::{Expr, Kind, Name, Operator};
 use crate::diagnostics::{Checked, Diagnostics, Place, closest};
 use crate::words;
-use proc_macro2::{Delimiter, Group, Literal, TokenTree};
+use proc_macro2::{Delimiter, Group, Ident, Literal, TokenTree};
 
 /// Deepest tree; deeper ones are refused so that recursion over an expression is safe.
 const DEPTH: usize = 150;
@@ -160,6 +160,28 @@ impl Parser<'_> {
                     place,
                     depth,
                 )?;
+            } else if cursor.at_symbol(".")
+                && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
+                    if group.delimiter() == Delimiter::Parenthesis)
+            {
+                // `a . (b + c)`: the inner product with any vector.
+                let place = cursor.place();
+                cursor.advance();
+                let right = self.primary(cursor)?;
+                let (whole, depth) = (expr.place.to(right.place), expr.depth.max(right.depth));
+                let function = Name {
+                    text: "dot".to_owned(),
+                    ident: Ident::new("dot", place.start),
+                };
+                let arguments = vec![expr, right];
+                expr = self.node(
+                    Kind::Call {
+                        function,
+                        arguments,
+                    },
+                    whole,
+                    depth,
+                )?;
             } else if let Some(group) = cursor.eat_group(Delimiter::Bracket) {
                 let index = self.index(&group)?;
                 let (place, depth) = (expr.place.to(Place::at(group.span_close())), expr.depth);
@@ -233,7 +255,7 @@ impl Parser<'_> {
         }
         if cursor.ident().is_some_and(|ident| {
             let text = ident.to_string();
-            !words::STATEMENTS.contains(&text.as_str())
+            !words::is_keyword(&text)
         }) && let Some(name) = cursor.eat_name()
         {
             return self.name(cursor, name);
@@ -355,7 +377,7 @@ impl Parser<'_> {
         let right = match cursor.peek() {
             Some(TokenTree::Ident(ident)) => {
                 let text = ident.to_string();
-                if words::STATEMENTS.contains(&text.as_str()) || text == "in" {
+                if words::is_keyword(&text) || text == "in" {
                     return Ok(());
                 }
                 match cursor.peek_at(1) {

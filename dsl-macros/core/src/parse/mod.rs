@@ -1,12 +1,14 @@
 //! Tokens to syntax tree. Own code instead of a Rust parser: formulas read as on paper, and every
 //! mistake is reported in the words of the language, all of them in one run.
 
+mod control;
 mod cursor;
 mod expression;
+mod law;
 mod statement;
 mod unit;
 
-pub(crate) use statement::law_of;
+pub(crate) use law::law_of;
 
 use crate::ast::{Documentation, Name, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};

@@ -3,8 +3,8 @@
 
 use super::cursor::Cursor;
 use super::expression::expression;
-use super::{documentation, unexpected, unit};
-use crate::ast::{Assignment, Documentation, Expr, Kind, Name, Quantity, Relation, Statement};
+use super::{control, documentation, law, unexpected, unit};
+use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
 use proc_macro2::{Delimiter, TokenTree};
@@ -41,7 +41,7 @@ fn is_misspelt_block(cursor: &Cursor, word: &str) -> bool {
 }
 
 fn begins_statement(word: &str) -> bool {
-    words::STATEMENTS.contains(&word) && word != "along" && word != "holding"
+    words::STATEMENTS.contains(&word)
 }
 
 fn statement(
@@ -95,25 +95,30 @@ fn statement(
         }
         "forces" => Ok(Statement::Forces(assignments(cursor, &word, diagnostics)?)),
         "surface" => surface(cursor, documentation, diagnostics),
-        "impact" => impact(cursor, diagnostics),
+        "impact" => law::impact(cursor, diagnostics),
         "start" => Ok(Statement::Start(assignments(cursor, &word, diagnostics)?)),
         "horizon" => {
             let value = expression(cursor, diagnostics)?;
             Ok(Statement::Horizon { keyword, value })
         }
-        text if words::NOT_YET.contains(&text) => {
-            let error = diagnostics.syntax(
-                keyword,
-                format!("the statement `{text}` is not available yet; leave it out"),
-            );
-            Err(error)
+        "minimize" => {
+            cursor.eat_symbol("=");
+            let value = expression(cursor, diagnostics)?;
+            Ok(Statement::Minimize { keyword, value })
         }
+        "constraint" => control::constraint(cursor, documentation, diagnostics),
+        "finally" => control::finally(cursor, &word, diagnostics),
+        "free" => control::free(cursor, &word, diagnostics),
         text => {
-            let message = match closest(text, words::STATEMENTS[..12].iter().copied()) {
+            let message = match closest(text, words::STATEMENTS) {
+                _ if words::LAW_PARTS.contains(&text) => format!(
+                    "`{text}` is part of an impact law; write `impact name: ..., {text} ...`, with commas \
+                     between the parts"
+                ),
                 Some(near) => format!("unknown statement `{text}`; did you mean `{near}`?"),
                 None => format!(
                     "unknown statement `{text}`; a statement begins with {}",
-                    list(words::STATEMENTS[..12].iter().copied())
+                    list(words::STATEMENTS)
                 ),
             };
             // What a misspelt block declares is known by name, so that its uses give no messages.
@@ -132,10 +137,14 @@ fn statement(
     }
 }
 
-fn name(cursor: &mut Cursor, what: &str, diagnostics: &mut Diagnostics) -> Checked<Name> {
+pub(super) fn name(
+    cursor: &mut Cursor,
+    what: &str,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Name> {
     if cursor
         .ident()
-        .is_some_and(|ident| words::STATEMENTS.contains(&ident.to_string().as_str()))
+        .is_some_and(|ident| words::is_keyword(&ident.to_string()))
     {
         return Err(diagnostics.report(
             "E11",
@@ -160,7 +169,11 @@ fn equals(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<()> {
     }
 }
 
-fn block(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnostics) -> Checked<Cursor> {
+pub(super) fn block(
+    cursor: &mut Cursor,
+    word: &Name,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Cursor> {
     match cursor.eat_group(Delimiter::Brace) {
         Some(group) => Ok(Cursor::inside(&group)),
         None => Err(unexpected(
@@ -172,7 +185,7 @@ fn block(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnostics) -> Che
 }
 
 /// Entries between commas; a faulty entry is skipped, the others are kept.
-fn entries<T>(
+pub(super) fn entries<T>(
     mut inner: Cursor,
     diagnostics: &mut Diagnostics,
     mut entry: impl FnMut(&mut Cursor, &mut Diagnostics) -> Checked<T>,
@@ -234,26 +247,30 @@ fn bounds_and_value(
     cursor: &mut Cursor,
     diagnostics: &mut Diagnostics,
 ) -> Checked<(Bounds, Option<Expr>)> {
-    let bounds = if cursor.eat_word("in") {
-        let lower = expression(cursor, diagnostics)?;
-        if !cursor.eat_symbol("..=") {
-            return Err(unexpected(
-                cursor,
-                diagnostics,
-                "`..=` between lower and upper bound",
-            ));
-        }
-        let upper = expression(cursor, diagnostics)?;
-        Some((lower, upper))
-    } else {
-        None
-    };
+    let bounds = range(cursor, diagnostics)?;
     let value = if cursor.eat_symbol("=") {
         Some(expression(cursor, diagnostics)?)
     } else {
         None
     };
     Ok((bounds, value))
+}
+
+/// `in lower..=upper`, if it stands there.
+pub(super) fn range(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Bounds> {
+    if !cursor.eat_word("in") {
+        return Ok(None);
+    }
+    let lower = expression(cursor, diagnostics)?;
+    if !cursor.eat_symbol("..=") {
+        return Err(unexpected(
+            cursor,
+            diagnostics,
+            "`..=` between lower and upper bound",
+        ));
+    }
+    let upper = expression(cursor, diagnostics)?;
+    Ok(Some((lower, upper)))
 }
 
 fn assignments(
@@ -263,23 +280,7 @@ fn assignments(
 ) -> Checked<Vec<Assignment>> {
     let inner = block(cursor, word, diagnostics)?;
     Ok(entries(inner, diagnostics, |cursor, diagnostics| {
-        let velocity = cursor.at_word("dot")
-            && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
-                if group.delimiter() == Delimiter::Parenthesis);
-        let target = if velocity {
-            cursor.advance();
-            let group = cursor.eat_group(Delimiter::Parenthesis);
-            let mut inner = group
-                .as_ref()
-                .map_or_else(|| cursor.clone(), Cursor::inside);
-            let target = name(&mut inner, "a coordinate", diagnostics)?;
-            if !inner.is_empty() {
-                return Err(unexpected(&inner, diagnostics, "`)`"));
-            }
-            target
-        } else {
-            name(cursor, "a coordinate", diagnostics)?
-        };
+        let (target, velocity) = target(cursor, diagnostics)?;
         if !cursor.eat_symbol(":") {
             return Err(unexpected(cursor, diagnostics, "`:`"));
         }
@@ -290,6 +291,26 @@ fn assignments(
             value,
         })
     }))
+}
+
+/// `name` or `dot(name)`; whether it is the latter.
+pub(super) fn target(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<(Name, bool)> {
+    let velocity = cursor.at_word("dot")
+        && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
+            if group.delimiter() == Delimiter::Parenthesis);
+    if !velocity {
+        return Ok((name(cursor, "a coordinate", diagnostics)?, false));
+    }
+    cursor.advance();
+    let group = cursor.eat_group(Delimiter::Parenthesis);
+    let mut inner = group
+        .as_ref()
+        .map_or_else(|| cursor.clone(), Cursor::inside);
+    let target = name(&mut inner, "a coordinate", diagnostics)?;
+    if !inner.is_empty() {
+        return Err(unexpected(&inner, diagnostics, "`)`"));
+    }
+    Ok((target, true))
 }
 
 fn function(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {
@@ -385,107 +406,4 @@ fn surface_after_name(
         relation,
         right,
     })
-}
-
-fn impact(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {
-    let mut surfaces = vec![name(cursor, "the name of a surface", diagnostics)?];
-    while cursor.eat_symbol(",") {
-        surfaces.push(name(cursor, "the name of a surface", diagnostics)?);
-    }
-    let statement = law(cursor, surfaces.clone(), diagnostics);
-    if statement.is_err() {
-        for surface in &surfaces {
-            diagnostics.poison(&law_of(&surface.text));
-        }
-    }
-    statement
-}
-
-/// Under which name the law of a surface is marked as faulty.
-pub(crate) fn law_of(surface: &str) -> String {
-    format!("impact {surface}")
-}
-
-fn law(
-    cursor: &mut Cursor,
-    surfaces: Vec<Name>,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Statement> {
-    if !cursor.eat_symbol(":") {
-        return Err(unexpected(cursor, diagnostics, "`:` and an impact law"));
-    }
-    let law_place = cursor.place();
-    match cursor.eat_name() {
-        Some(law) if law.text == "inelastic" => {}
-        Some(law) if law.text == "restitution" => {
-            let coefficient = expression(cursor, diagnostics)?;
-            if let Kind::Negate(_) = coefficient.kind {
-                return Err(restitution_outside(&coefficient, diagnostics));
-            }
-            if let Kind::Number { value, .. } = coefficient.kind
-                && value > 1.0
-            {
-                return Err(restitution_outside(&coefficient, diagnostics));
-            }
-            return Err(diagnostics.syntax(
-                law_place,
-                "the impact law `restitution` is not available yet; write `inelastic`",
-            ));
-        }
-        Some(law) if law.text == "elastic" => {
-            return Err(diagnostics.syntax(
-                law_place,
-                "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`",
-            ));
-        }
-        Some(law) => {
-            return Err(diagnostics.syntax(
-                law_place,
-                format!("unknown impact law `{}`; write `inelastic`", law.text),
-            ));
-        }
-        None => {
-            return Err(unexpected(
-                cursor,
-                diagnostics,
-                "an impact law such as `inelastic`",
-            ));
-        }
-    }
-    let mut along = None;
-    while cursor.eat_symbol(",") {
-        let place = cursor.place();
-        if cursor.eat_word("along") {
-            if along.is_some() {
-                return Err(diagnostics.report(
-                    "E20",
-                    place,
-                    "two impulse directions for one impact law",
-                ));
-            }
-            along = Some(expression(cursor, diagnostics)?);
-        } else if cursor.at_word("holding") || cursor.at_word("friction") {
-            return Err(diagnostics.syntax(
-                place,
-                format!(
-                    "{} is not available yet; an impulse direction can be given by `along (...)`",
-                    cursor.describe()
-                ),
-            ));
-        } else {
-            return Err(unexpected(cursor, diagnostics, "`along (...)`"));
-        }
-    }
-    Ok(Statement::Impact { surfaces, along })
-}
-
-fn restitution_outside(coefficient: &Expr, diagnostics: &mut Diagnostics) -> Reported {
-    diagnostics.report(
-        "E10",
-        coefficient.place,
-        format!(
-            "coefficient of restitution {coefficient} is outside [0, 1]: 0 keeps no normal velocity, 1 \
-             all of it"
-        ),
-    )
 }

@@ -1,15 +1,17 @@
-//! Which contacts are active right after an instant: the impact law, then the complementarity of gaps
-//! and normal contact accelerations, then, where both vanish, of what follows a moment later.
+//! Which contacts are active right after an instant, and which of them stick: the complementarity of gaps and
+//! normal contact accelerations with Coulomb's law; where that is undecided, of what follows a moment later.
 
+use super::contact_problem::ContactProblem;
+use super::contact_state::{ContactState, Direction};
+use super::coulomb::{CoulombSolution, TangentialLaw};
 use super::dop853::Dop853;
-use super::dynamics::{Dynamics, dot, largest};
-use super::lcp::{self, LcpSolution};
-use crate::model::contact_point;
+use super::dynamics::{Dynamics, Switch};
+use super::impact::Undetermined;
 
-/// Normal contact accelerations below this share of the accelerations they balance are compared by
-/// what follows a moment later: event times carry rounding error, and the force its rate times that.
+/// Accelerations below this share of those they balance are compared by what follows a moment later: event
+/// times carry rounding error, and the force its rate times that.
 const BIACTIVE: f64 = 1e-10;
-/// Shares of the step size after which biactive contacts are looked at, with the multiple of the force now
+/// Shares of the step size after which undecided contacts are looked at, with the multiple of the force now
 /// that a force then must exceed: the earliest moment that shows more than rounding error belongs to the
 /// leading derivative. If none does, force or acceleration are constant, and what there is now counts.
 const MOMENTS: [(f64, f64); 7] = [
@@ -23,240 +25,316 @@ const MOMENTS: [(f64, f64); 7] = [
 ];
 /// Forces and accelerations below this share of the terms they are sums of may be rounding error.
 const NOISE: f64 = 1e-13;
-/// Flights lower than this times `max(1, |q|)` are none: a gap is known to about this. It ends the
-/// geometric sequence of impacts of, for example, a rocking block.
-const LOWEST_FLIGHT: f64 = 1e-14;
-/// Two solutions of the impact law are one if their velocities agree to this relative accuracy.
-const SAME: f64 = 1e-8;
+/// Largest number of modes that are compared by what follows a moment later.
+const MOST_MODES: usize = 4096;
 
-/// Why no contact mode could be found.
-#[derive(Debug, Clone)]
-pub(in crate::simulation) struct Undetermined {
-    pub(in crate::simulation) contact: usize,
-    pub(in crate::simulation) message: String,
+/// Choices of a mode before the direction of sliding counts as undetermined; the second is the last in exact
+/// arithmetic.
+const ATTEMPTS: usize = 4;
+
+/// A closed contact at rest in its normal direction, with the states that are possible.
+struct Candidate {
+    contact: usize,
+    /// In order of preference.
+    states: Vec<ContactState>,
+    /// What rounding error may have left of the accelerations that decide.
+    remainder: f64,
+    /// Whether its sliding velocity is zero now.
+    stops: bool,
 }
 
-/// Outcome of the impact law.
-#[derive(Debug, Clone, Default)]
-pub(in crate::simulation) struct Impact {
-    /// Contacts whose gap closed with a velocity, increasing.
-    pub(in crate::simulation) struck: Vec<usize>,
-    /// Closed contacts that are at rest afterwards, or whose next flight is too low to be one,
-    /// increasing.
-    pub(in crate::simulation) resting: Vec<usize>,
-    /// Largest of the impulses `p_i`, in units of a normal velocity.
-    pub(in crate::simulation) impulse: f64,
-}
-
-/// Applies Moreau's impact law to the velocities in `y`: for all closed contacts at once
-/// `0 <= p _|_ v_n + D p >= 0`, `v+ = v- + sum_i d_i p_i`. `closing` counts as closed whatever its gap.
+/// Chooses the contact mode: the active contacts among those closed and at rest, and which of them stick. They
+/// follow from `0 <= r _|_ n' a + curvature + D r >= 0` and Coulomb's law for the rates of the sliding
+/// velocities that are zero; where these are undecided, from the same a moment later. On return the mode of
+/// `dynamics` is the new one, and the state `y` fulfils its constraints.
 ///
-/// Source: Moreau, *Unilateral contact and dry friction in finite freedom dynamics* (1988), with
-/// restitution 0.
-pub(in crate::simulation) fn impact(
+/// `vanished` is a switching function of the mode before that is known to vanish now, whatever rounding error
+/// has left of it; `moment` is a time over which the motion is smooth, such as a step size.
+pub(in crate::simulation) fn change(
     dynamics: &mut Dynamics<'_>,
+    probe: &mut Dop853,
     t: f64,
     y: &mut [f64],
-    closing: Option<usize>,
-) -> Result<Impact, Undetermined> {
-    let n = dynamics.n;
-    let (closed_gap, zero_velocity) = (dynamics.closed_gap(y), dynamics.zero_velocity(y));
-    dynamics.load(t, y);
-    let mut closed = Vec::new();
-    for i in 0..dynamics.contacts {
-        dynamics.evaluate_contact(i);
-        let gap = dynamics.point(i)[contact_point::GAP];
-        if gap <= closed_gap || closing == Some(i) || dynamics.is_active(i) {
-            closed.push(i);
-        }
-    }
-    let mut velocities: Vec<f64> = closed
-        .iter()
-        .map(|&i| dynamics.point(i)[contact_point::NORMAL_VELOCITY])
-        .collect();
-    let mut outcome = Impact {
-        struck: closed
-            .iter()
-            .zip(&velocities)
-            .filter(|&(_, &velocity)| velocity < -zero_velocity)
-            .map(|(&i, _)| i)
-            .collect(),
-        ..Impact::default()
+    resting: &[usize],
+    vanished: Option<Switch>,
+    moment: f64,
+) -> Result<(), Undetermined> {
+    let undetermined = |dynamics: &Dynamics<'_>, message: &str| {
+        Err(Undetermined {
+            contact: dynamics.active.first().copied().unwrap_or_default(),
+            message: message.into(),
+        })
     };
-    if let Some(&contact) = outcome.struck.first() {
-        for velocity in &mut velocities {
-            if velocity.abs() <= zero_velocity {
-                *velocity = 0.0;
-            }
+    for _ in 0..ATTEMPTS {
+        select(dynamics, probe, t, y, resting, vanished, moment)?;
+        if !dynamics.project(t, y) {
+            return undetermined(
+                dynamics,
+                "the state cannot be moved onto the surfaces in contact: their normals are dependent",
+            );
         }
-        let solution = solve(dynamics, &closed, &velocities, "impact")
-            .map_err(|message| Undetermined { contact, message })?;
-        for (&i, p) in closed.iter().zip(&solution.z) {
-            for (v, d) in y[n..2 * n].iter_mut().zip(dynamics.direction(i)) {
-                *v += d * p;
-            }
-        }
-        outcome.impulse = largest(&solution.z);
-        velocities = solution.w;
-    }
-    let lowest_flight = LOWEST_FLIGHT * largest(&y[..n]).max(1.0);
-    dynamics.load(t, y);
-    dynamics.evaluate_free_acceleration();
-    for (i, velocity) in closed.into_iter().zip(velocities) {
-        dynamics.evaluate_contact(i);
-        let (acceleration, _) = dynamics.free_normal_acceleration(i);
-        let room = lowest_flight - dynamics.point(i)[contact_point::GAP];
-        let returns = velocity > 0.0 && velocity * velocity <= -2.0 * acceleration * room;
-        if velocity.abs() <= zero_velocity || returns {
-            outcome.resting.push(i);
+        // What is left of a normal velocity may have had its share in a sliding velocity as small.
+        if !slides_back(dynamics, y) {
+            return Ok(());
         }
     }
-    Ok(outcome)
+    undetermined(
+        dynamics,
+        "the direction of sliding is not determined; start from a slightly different state",
+    )
 }
 
-/// Solves `0 <= z _|_ q + D z >= 0` over `contacts` as last evaluated. Several solutions are accepted if
-/// they give the same change of velocity.
-pub(in crate::simulation) fn solve(
-    dynamics: &Dynamics<'_>,
-    contacts: &[usize],
-    q: &[f64],
-    what: &str,
-) -> Result<LcpSolution, String> {
-    if contacts.len() > lcp::LARGEST {
-        return Err(format!(
-            "{what} at {} closed contacts at once; at most {} can be resolved exactly",
-            contacts.len(),
-            lcp::LARGEST
-        ));
-    }
-    let matrix: Vec<f64> = contacts
-        .iter()
-        .flat_map(|&i| contacts.iter().map(move |&j| (i, j)))
-        .map(|(i, j)| dynamics.coupling(i, j))
-        .collect();
-    let mut found = lcp::solutions(&matrix, q).into_iter();
-    let Some(solution) = found.next() else {
-        return Err(format!(
-            "the {what} has no solution: contact directions push each other into the ground; check \
-             `along` of the impact laws"
-        ));
-    };
-    let change = |solution: &LcpSolution| {
-        let mut change = vec![0.0; dynamics.n];
-        for (&i, z) in contacts.iter().zip(&solution.z) {
-            for (change, d) in change.iter_mut().zip(dynamics.direction(i)) {
-                *change += d * z;
-            }
-        }
-        change
-    };
-    let reference = change(&solution);
-    let tolerance = SAME * largest(&reference).max(largest(q));
-    for other in found {
-        let apart = change(&other)
-            .iter()
-            .zip(&reference)
-            .any(|(a, b)| (a - b).abs() > tolerance);
-        if apart {
-            return Err(format!(
-                "the {what} has several solutions with different velocities; check `along` of the \
-                 impact laws, or start from a slightly different state"
-            ));
-        }
-    }
-    Ok(solution)
+/// Whether a contact slides against the direction of its mode, at the state loaded.
+fn slides_back(dynamics: &mut Dynamics<'_>, y: &[f64]) -> bool {
+    let zero_velocity = dynamics.zero_velocity(y);
+    (0..dynamics.contacts).any(|i| {
+        let ContactState::Slip(direction) = dynamics.state(i) else {
+            return false;
+        };
+        dynamics.evaluate_tangent(i);
+        direction.sign() * dynamics.sliding_velocity(i) < -zero_velocity
+    })
 }
 
-/// Chooses the active contacts among those closed and at rest: those that carry a force in
-/// `0 <= r _|_ n' a + curvature + D r >= 0`; where force and acceleration both vanish, those for which the
-/// same holds a moment later. On return `dynamics.active` is the new mode.
-///
-/// `vanished` is a contact whose force is known to vanish now, whatever rounding error has left of it;
-/// `moment` is a time over which the motion is smooth, such as a step size.
-pub(in crate::simulation) fn select(
+fn select(
     dynamics: &mut Dynamics<'_>,
     probe: &mut Dop853,
     t: f64,
     y: &[f64],
     resting: &[usize],
-    vanished: Option<usize>,
+    vanished: Option<Switch>,
     moment: f64,
 ) -> Result<(), Undetermined> {
-    dynamics.active.clear();
+    let mut mode = vec![ContactState::Open; dynamics.contacts];
+    dynamics.set_mode(&mode);
     let Some(&contact) = resting.first() else {
         return Ok(());
     };
-    dynamics.load(t, y);
-    dynamics.evaluate_free_acceleration();
-    let (mut free, mut scales) = (Vec::with_capacity(resting.len()), Vec::new());
-    for &i in resting {
-        dynamics.evaluate_contact(i);
-        let (acceleration, terms) = dynamics.free_normal_acceleration(i);
-        free.push(acceleration);
-        scales.push(terms);
-    }
-    dynamics.set_force_floors(resting);
-    let solution = solve(dynamics, resting, &free, "balance of contact forces")
+    let candidates = candidates(dynamics, t, y, resting, vanished)
         .map_err(|message| Undetermined { contact, message })?;
-    let (mut pressed, mut biactive, mut remainders) = (Vec::new(), Vec::new(), Vec::new());
-    for (slot, &i) in resting.iter().enumerate() {
-        let (r, w) = (solution.z[slot], solution.w[slot]);
-        let zero = BIACTIVE * scales[slot].max(dynamics.force_floor(i));
-        if r > zero && vanished != Some(i) {
-            pressed.push(i);
-        } else if w <= zero || vanished == Some(i) {
-            biactive.push(i);
-            remainders.push(r.abs().max(w.abs()));
-        }
+    for candidate in &candidates {
+        mode[candidate.contact] = candidate.states[0];
     }
-    if biactive.is_empty() {
-        dynamics.active = pressed;
+    let undecided: Vec<&Candidate> = candidates
+        .iter()
+        .filter(|candidate| candidate.states.len() > 1)
+        .collect();
+    let Some(first) = undecided.first() else {
+        enter(dynamics, &mode, t, y);
         return Ok(());
-    }
-    let mut subsets: Vec<usize> = (0..1 << biactive.len()).collect();
-    subsets.sort_by_key(|subset| usize::MAX - subset.count_ones() as usize);
+    };
     let mut neutral = None;
+    let combinations = combinations(&undecided).ok_or_else(|| Undetermined {
+        contact: first.contact,
+        message: format!(
+            "{} contacts are at the limit of their forces at once, which are too many to compare",
+            undecided.len()
+        ),
+    })?;
     for (share, multiple) in MOMENTS {
         neutral = None;
-        for &subset in &subsets {
-            dynamics.active = pressed.clone();
-            let held = |slot: usize| subset >> slot & 1 == 1;
-            dynamics.active.extend(
-                biactive
-                    .iter()
-                    .enumerate()
-                    .filter(|&(slot, _)| held(slot))
-                    .map(|(_, &i)| i),
-            );
-            dynamics.active.sort_unstable();
-            let noise = remainders.iter().map(|remainder| multiple * remainder);
+        for combination in &combinations {
+            for (candidate, &state) in undecided.iter().zip(combination) {
+                mode[candidate.contact] = state;
+            }
+            enter(dynamics, &mode, t, y);
             match sign_after(
                 dynamics,
                 probe,
-                t,
-                y,
-                biactive.iter().copied().zip(noise),
+                (t, y),
+                &undecided,
                 share * moment,
+                multiple,
             ) {
                 Sign::Positive => return Ok(()),
-                Sign::Zero if neutral.is_none() => neutral = Some(dynamics.active.clone()),
+                Sign::Zero if neutral.is_none() => neutral = Some(dynamics.mode().to_vec()),
                 Sign::Zero | Sign::Negative => {}
             }
         }
     }
     match neutral {
-        Some(active) => {
-            dynamics.active = active;
+        Some(mode) => {
+            dynamics.set_mode(&mode);
             Ok(())
         }
         None => Err(Undetermined {
-            contact: biactive[0],
+            contact: first.contact,
             message:
                 "neither holding nor releasing the contact is consistent a moment later; start \
                       from a slightly different state"
                     .into(),
         }),
     }
+}
+
+/// The resting contacts with the states that the balance of forces leaves open.
+fn candidates(
+    dynamics: &mut Dynamics<'_>,
+    t: f64,
+    y: &[f64],
+    resting: &[usize],
+    vanished: Option<Switch>,
+) -> Result<Vec<Candidate>, String> {
+    let zero_velocity = dynamics.zero_velocity(y);
+    dynamics.load(t, y);
+    dynamics.evaluate_free_acceleration();
+    let (mut normal, mut tangential, mut laws) = (Vec::new(), Vec::new(), Vec::new());
+    let mut scales = Vec::new();
+    for &i in resting {
+        dynamics.evaluate_sides(i);
+        let (acceleration, terms) = dynamics.free_normal_acceleration(i);
+        normal.push(acceleration);
+        if !dynamics.has_friction(i) {
+            tangential.push(0.0);
+            laws.push(TangentialLaw::None);
+            scales.push((terms, 0.0));
+            continue;
+        }
+        let (acceleration, tangential_terms) = dynamics.free_sliding_acceleration(i);
+        tangential.push(acceleration);
+        scales.push((terms, tangential_terms));
+        let mu = dynamics.friction[i];
+        let velocity = dynamics.sliding_velocity(i);
+        let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == i);
+        laws.push(if stops || velocity.abs() <= zero_velocity {
+            TangentialLaw::Coulomb(mu)
+        } else {
+            TangentialLaw::Sliding(mu, Direction::of(velocity))
+        });
+    }
+    dynamics.set_force_floors(resting);
+    let solution = ContactProblem {
+        what: "balance of contact forces",
+        contacts: resting,
+        normal: &normal,
+        tangential: &tangential,
+        laws: &laws,
+    }
+    .solve(dynamics)?;
+    Ok(resting
+        .iter()
+        .enumerate()
+        .map(|(slot, &contact)| {
+            let floor = dynamics.force_floor(contact);
+            let (normal, tangential) = scales[slot];
+            let zeros = (
+                BIACTIVE * normal.max(floor),
+                BIACTIVE * tangential.max(floor),
+            );
+            candidate(contact, laws[slot], &solution, slot, zeros, vanished)
+        })
+        .collect())
+}
+
+/// The states of one contact that the solution leaves open; `zeros` are the normal and tangential
+/// accelerations below which it does not decide.
+fn candidate(
+    contact: usize,
+    law: TangentialLaw,
+    solution: &CoulombSolution,
+    slot: usize,
+    zeros: (f64, f64),
+    vanished: Option<Switch>,
+) -> Candidate {
+    use ContactState::{Frictionless, Open, Slip, Stick};
+    let (r, s) = (solution.p[slot], solution.s[slot]);
+    let (w_n, w_t) = (solution.normal[slot], solution.tangential[slot]);
+    let stops = matches!(law, TangentialLaw::Coulomb(_));
+    let decided = |state| Candidate {
+        contact,
+        states: vec![state],
+        remainder: 0.0,
+        stops,
+    };
+    let releases = vanished == Some(Switch::NormalForce(contact));
+    if r <= zeros.0 || releases {
+        if w_n > zeros.0 && !releases {
+            return decided(Open);
+        }
+        return Candidate {
+            contact,
+            states: match law {
+                TangentialLaw::None => vec![Frictionless, Open],
+                TangentialLaw::Sliding(_, direction) => vec![Slip(direction), Open],
+                TangentialLaw::Coulomb(_) => vec![
+                    Stick,
+                    Slip(Direction::Forward),
+                    Slip(Direction::Backward),
+                    Open,
+                ],
+            },
+            remainder: r.abs().max(w_n.abs()),
+            stops,
+        };
+    }
+    let mu = match law {
+        TangentialLaw::None => return decided(Frictionless),
+        TangentialLaw::Sliding(_, direction) => return decided(Slip(direction)),
+        TangentialLaw::Coulomb(mu) => mu,
+    };
+    let reserve = mu * r - s.abs();
+    let begins = matches!(vanished, Some(Switch::FrictionLimit(other, _)) if other == contact);
+    let direction = match (solution.states[slot], vanished) {
+        (Slip(direction), _) if w_t.abs() > zeros.1 => return decided(Slip(direction)),
+        (Stick, _) if reserve > zeros.1 && !begins => return decided(Stick),
+        (_, Some(Switch::FrictionLimit(other, direction))) if other == contact => direction,
+        (Slip(direction), _) => direction,
+        _ => Direction::of(-s),
+    };
+    Candidate {
+        contact,
+        states: vec![Stick, Slip(direction)],
+        remainder: reserve.abs().max(w_t.abs()),
+        stops,
+    }
+}
+
+/// All choices of one state for each candidate, fewest open contacts first; `None` if there are too many.
+fn combinations(undecided: &[&Candidate]) -> Option<Vec<Vec<ContactState>>> {
+    let mut all = vec![Vec::new()];
+    for candidate in undecided {
+        if all.len() * candidate.states.len() > MOST_MODES {
+            return None;
+        }
+        all = all
+            .into_iter()
+            .flat_map(|states| {
+                candidate.states.iter().map(move |&state| {
+                    let mut longer = states.clone();
+                    longer.push(state);
+                    longer
+                })
+            })
+            .collect();
+    }
+    all.sort_by_key(|states| states.iter().filter(|state| state.is_open()).count());
+    Some(all)
+}
+
+/// Sets the mode, in which contacts that others keep from sliding are held.
+fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) {
+    dynamics.set_mode(mode);
+    if !mode
+        .iter()
+        .any(|state| matches!(state, ContactState::Slip(_)))
+    {
+        return;
+    }
+    let zero_velocity = dynamics.zero_velocity(y);
+    dynamics.load(t, y);
+    for slot in 0..dynamics.active.len() {
+        dynamics.evaluate_sides(dynamics.active[slot]);
+    }
+    let mut held = mode.to_vec();
+    for (i, state) in held.iter_mut().enumerate() {
+        if let ContactState::Slip(direction) = *state
+            && dynamics.sliding_velocity(i).abs() <= zero_velocity
+            && dynamics.holds(i)
+        {
+            *state = ContactState::Held(direction);
+        }
+    }
+    dynamics.set_mode(&held);
 }
 
 /// Sign of the smallest of the forces (of held contacts) and accelerations (of released ones).
@@ -266,15 +344,15 @@ enum Sign {
     Negative,
 }
 
-/// Looks at the biactive contacts, each with what counts as noise, after a time `delta` in the mode
-/// `dynamics.active`.
+/// Looks at undecided contacts after a time `delta` in the mode of `dynamics`; `multiple` of their remainders
+/// count as noise.
 fn sign_after(
     dynamics: &mut Dynamics<'_>,
     probe: &mut Dop853,
-    t: f64,
-    y: &[f64],
-    biactive: impl Iterator<Item = (usize, f64)>,
+    (t, y): (f64, &[f64]),
+    undecided: &[&Candidate],
     delta: f64,
+    multiple: f64,
 ) -> Sign {
     let mut start = y.to_vec();
     if !dynamics.project(t, &mut start) {
@@ -289,15 +367,25 @@ fn sign_after(
     let n = dynamics.n;
     let accelerations = probe.end_slope()[n..2 * n].to_vec();
     let mut sign = Sign::Positive;
-    for (i, noise) in biactive {
-        dynamics.evaluate_contact(i);
-        let curvature = dynamics.point(i)[contact_point::CURVATURE];
-        let value = if dynamics.is_active(i) {
-            dynamics.values[i]
-        } else {
-            curvature + dot(dynamics.normal(i), &accelerations)
+    for candidate in undecided {
+        let i = candidate.contact;
+        dynamics.evaluate_sides(i);
+        let (normal, tangential) = dynamics.contact_accelerations(i, &accelerations);
+        let value = match dynamics.state(i) {
+            ContactState::Open => normal,
+            ContactState::Stick => dynamics.normal_force(i).min(dynamics.friction_reserve(i)),
+            ContactState::Slip(direction) if candidate.stops => {
+                dynamics.normal_force(i).min(direction.sign() * tangential)
+            }
+            ContactState::Slip(_) | ContactState::Frictionless | ContactState::Held(_) => {
+                dynamics.normal_force(i)
+            }
         };
-        let noise = noise.max(NOISE * dynamics.normal_acceleration_scale(i));
+        let mut scale = dynamics.normal_acceleration_scale(i);
+        if dynamics.has_friction(i) {
+            scale = scale.max(dynamics.sliding_acceleration_scale(i));
+        }
+        let noise = (multiple * candidate.remainder).max(NOISE * scale);
         if value < -noise || value.is_nan() {
             return Sign::Negative;
         }

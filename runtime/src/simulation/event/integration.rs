@@ -3,9 +3,13 @@
 use cpu_time::ThreadTime;
 
 use super::EventDriven;
-use super::contact_mode::{self, Undetermined};
-use super::dop853::Dop853;
-use super::dynamics::Dynamics;
+use super::contact_mode;
+use super::contact_problem;
+use super::contact_state::ContactState;
+use super::dop853::{Dop853, System};
+use super::dynamics::{Dynamics, Switch};
+use super::impact::{self, Impact, LowestBounce, Undetermined};
+use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
 use crate::model::{Model, contact_point};
 use crate::simulation::{
@@ -21,6 +25,9 @@ const SAME_INSTANT: f64 = 1e-14;
 /// Steps at the same instant, for each contact, before the contact mode counts as undetermined.
 const REPEATS: usize = 20;
 
+/// Gain of a sliding contact below which steps that shrink to nothing approach a pole of its force.
+const JAMMING: f64 = 1e-2;
+
 /// State of a run.
 pub(super) struct Integration<'a> {
     settings: &'a EventDriven,
@@ -35,6 +42,7 @@ pub(super) struct Integration<'a> {
     start_values: Vec<f64>,
     end_values: Vec<f64>,
     forces: Vec<f64>,
+    friction_forces: Vec<f64>,
     /// Residuals at the end of the last step, which count unless it turns out to contain an event.
     at_end: Residuals,
     output: Vec<f64>,
@@ -42,6 +50,9 @@ pub(super) struct Integration<'a> {
     next_output: usize,
     steps: usize,
     repeats: usize,
+    /// Sign of the determinant of the equations of the mode.
+    orientation: f64,
+    remarks: Remarks,
     result: Simulation,
 }
 
@@ -52,7 +63,7 @@ impl<'a> Integration<'a> {
         problem: &'a InitialValueProblem,
     ) -> Self {
         let dynamics = Dynamics::new(model, settings.auxiliary_acceleration);
-        let (n, contacts) = (dynamics.n, dynamics.contacts);
+        let (n, contacts, functions) = (dynamics.n, dynamics.contacts, dynamics.functions());
         let dimension = 2 * n + 1;
         let mut y = vec![0.0; dimension];
         y[..n].copy_from_slice(&problem.q);
@@ -62,19 +73,22 @@ impl<'a> Integration<'a> {
             problem,
             method: Dop853::new(dimension, 2 * n),
             probe: Dop853::new(dimension, 2 * n),
-            search: EventSearch::new(dimension, contacts),
+            search: EventSearch::new(dimension, functions),
             t: 0.0,
             y,
             h: 0.0,
-            start_values: vec![0.0; contacts],
-            end_values: vec![0.0; contacts],
+            start_values: vec![0.0; functions],
+            end_values: vec![0.0; functions],
             forces: vec![0.0; contacts],
+            friction_forces: vec![0.0; contacts],
             at_end: Residuals::default(),
             output: vec![0.0; dimension],
             slope: vec![0.0; dimension],
             next_output: 1,
             steps: 0,
             repeats: 0,
+            orientation: 1.0,
+            remarks: Remarks::default(),
             result: dynamics.empty_result(),
             dynamics,
         }
@@ -85,6 +99,7 @@ impl<'a> Integration<'a> {
         if let Err(status) = self.integrate(progress) {
             self.result.status = status;
         }
+        self.result.notes = self.remarks.notes(self.dynamics.model.declaration());
         self.result.counts.evaluations = self.dynamics.evaluations;
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             self.result.seconds.total = elapsed.as_secs_f64();
@@ -122,14 +137,15 @@ impl<'a> Integration<'a> {
             let event = match self.find_event(h) {
                 Outcome::Nothing => None,
                 Outcome::Event(event) => Some(event),
-                Outcome::Unresolved(contact) => {
-                    self.shorten(h, contact)?;
+                Outcome::Unresolved(function) => {
+                    self.shorten(h, self.dynamics.switch(function).contact())?;
                     continue;
                 }
             };
             self.result.counts.elements += 1;
             let until = event.map_or(h, |event| event.h);
-            self.guard_progress(event.map(|event| event.contact), until)?;
+            let switch = event.map(|event| self.dynamics.switch(event.function));
+            self.guard_progress(switch.map(Switch::contact), until)?;
             self.write_outputs(h, until);
             match event {
                 Some(event) => {
@@ -139,7 +155,7 @@ impl<'a> Integration<'a> {
                     let measured = self.measure();
                     self.keep(measured);
                     self.record();
-                    self.enter_mode(Some(event.contact), false)?;
+                    self.enter_mode(switch, false)?;
                 }
                 None => {
                     self.t = if lands { limit } else { self.t + h };
@@ -178,6 +194,10 @@ impl<'a> Integration<'a> {
             if self.dynamics.project(self.t + h, self.method.end_mut()) {
                 self.method.finish(&mut self.dynamics, self.t, h);
             } else {
+                error = f64::NAN;
+            }
+            // Beyond a pole of the contact forces lies another motion.
+            if self.dynamics.orientation != self.orientation {
                 error = f64::NAN;
             }
             let mut numbers = self.method.end_slope().iter().chain(&self.dynamics.values);
@@ -247,76 +267,71 @@ impl<'a> Integration<'a> {
         if self.repeats <= REPEATS * (1 + self.dynamics.contacts) {
             return Ok(());
         }
+        if let Some(status) = self.jamming() {
+            return Err(status);
+        }
         Err(SimulationStatus::AmbiguousContact(self.diagnosis(
             contact,
-            format!(
-                "{} changes of the contact mode at one instant",
-                self.repeats
-            ),
+            format!("{} steps at one instant", self.repeats),
         )))
     }
 
     /// Applies the impact law and finds the contact mode right after the present instant, records both
-    /// sides, and prepares the next step. `at_zero` is the contact whose gap or force has just vanished.
+    /// sides, and prepares the next step. `vanished` is the switching function that has just vanished.
     fn enter_mode(
         &mut self,
-        at_zero: Option<usize>,
+        vanished: Option<Switch>,
         at_start: bool,
     ) -> Result<(), SimulationStatus> {
         let n = self.dynamics.n;
         let before = self.y[n..2 * n].to_vec();
-        let previously = self.dynamics.active.clone();
+        let previously = self.dynamics.mode().to_vec();
         let moment = self.h;
-        let (vanished, closing): (Option<usize>, Option<usize>) = match at_zero {
-            Some(contact) if self.dynamics.is_active(contact) => (at_zero, None),
-            _ => (None, at_zero),
-        };
-        let impact = contact_mode::impact(&mut self.dynamics, self.t, &mut self.y, closing)
-            .map_err(|problem| self.undetermined(problem))?;
+        let impact = self.impact(vanished)?;
         if at_start && !impact.struck.is_empty() {
             let after = self.y[n..2 * n].to_vec();
             self.y[n..2 * n].copy_from_slice(&before);
             self.record();
             self.y[n..2 * n].copy_from_slice(&after);
         }
-        self.y[2 * n] += impact.impulse / self.settings.auxiliary_acceleration;
-        contact_mode::select(
+        contact_mode::change(
             &mut self.dynamics,
             &mut self.probe,
             self.t,
-            &self.y,
+            &mut self.y,
             &impact.resting,
             vanished,
             moment,
         )
         .map_err(|problem| self.undetermined(problem))?;
-        if !self.dynamics.project(self.t, &mut self.y) {
-            let contact = self.dynamics.active.first().copied();
-            return Err(SimulationStatus::AmbiguousContact(
-                self.diagnosis(
-                    contact,
-                    "the state cannot be moved onto the surfaces in contact: their normals are \
-                 dependent"
-                        .into(),
-                ),
-            ));
-        }
         self.begin()?;
         self.dynamics.accept_forces();
         self.record();
-        if impact.struck.len() > 1 {
-            self.note(
-                "simultaneous impacts are resolved by Moreau's law, all closed contacts at once",
-            );
-        }
         self.write_events(&before, &previously, &impact.struck, at_start)
+    }
+
+    /// Applies the impact law, and remembers what a user should know of it.
+    fn impact(&mut self, vanished: Option<Switch>) -> Result<Impact, SimulationStatus> {
+        let closing = match vanished {
+            Some(Switch::Gap(contact)) => Some(contact),
+            _ => None,
+        };
+        let lowest = LowestBounce {
+            velocity: self.settings.rest_velocity,
+            height: self.settings.tolerance.powi(2),
+        };
+        let impact = impact::impact(&mut self.dynamics, self.t, &mut self.y, closing, lowest)
+            .map_err(|problem| self.undetermined(problem))?;
+        self.y[2 * self.dynamics.n] += impact.impulse / self.settings.auxiliary_acceleration;
+        self.remarks.add(self.t, &impact);
+        Ok(impact)
     }
 
     /// Lists what happened to each contact, impacts first, and guards against endless switching.
     fn write_events(
         &mut self,
         before: &[f64],
-        previously: &[usize],
+        previously: &[ContactState],
         struck: &[usize],
         at_start: bool,
     ) -> Result<(), SimulationStatus> {
@@ -324,13 +339,21 @@ impl<'a> Integration<'a> {
         for &i in struck {
             self.write_event(EventKind::Impact, i, before);
         }
-        for i in 0..self.dynamics.contacts {
-            let (was, is) = (previously.contains(&i), self.dynamics.is_active(i));
-            if is && !was && !at_start && !struck.contains(&i) {
-                self.write_event(EventKind::Contact, i, before);
-            } else if was && !is {
-                self.write_event(EventKind::LiftOff, i, before);
-            }
+        for (i, &was) in previously.iter().enumerate() {
+            let is = self.dynamics.state(i);
+            let kind = match (was.is_open(), is.is_open()) {
+                (true, true) => continue,
+                (true, false) if at_start || struck.contains(&i) => continue,
+                (true, false) => EventKind::Contact,
+                (false, true) => EventKind::LiftOff,
+                (false, false) => match (was.is_stuck(), is.is_stuck()) {
+                    (false, true) => EventKind::Stick,
+                    (true, false) => EventKind::Slip,
+                    (false, false) if was != is => EventKind::Slip,
+                    _ => continue,
+                },
+            };
+            self.write_event(kind, i, before);
         }
         let contact = self.result.events.get(count).map(|event| event.contact);
         let events = &self.result.events;
@@ -368,6 +391,7 @@ impl<'a> Integration<'a> {
         let measured = self.measure();
         self.keep(measured);
         if self.method.slope().iter().all(|slope| slope.is_finite()) {
+            self.orientation = self.dynamics.orientation;
             Ok(())
         } else {
             Err(self.not_finite())
@@ -376,20 +400,25 @@ impl<'a> Integration<'a> {
 
     /// Forces at the last evaluation, and the residuals there.
     fn measure(&mut self) -> Residuals {
-        self.dynamics.forces(&mut self.forces);
-        let mut residuals = Residuals::default();
-        for i in 0..self.dynamics.contacts {
-            let value = self.dynamics.values[i];
-            residuals.dual = residuals.dual.max(-value);
-            if self.dynamics.is_active(i) {
-                let point = self.dynamics.point(i);
-                let gap = point[contact_point::GAP].abs();
-                residuals.primal = residuals
-                    .primal
-                    .max(gap)
-                    .max(point[contact_point::NORMAL_VELOCITY].abs());
-                residuals.complementarity = residuals.complementarity.max(gap * value.abs());
+        let dynamics = &self.dynamics;
+        dynamics.forces(&mut self.forces);
+        dynamics.friction_forces(&mut self.friction_forces);
+        let mut residuals = Residuals {
+            dual: dynamics.values.iter().fold(0.0, |s, value| s.max(-value)),
+            ..Residuals::default()
+        };
+        for &i in &dynamics.active {
+            let point = dynamics.point(i);
+            let gap = point[contact_point::GAP].abs();
+            residuals.primal = residuals
+                .primal
+                .max(gap)
+                .max(point[contact_point::NORMAL_VELOCITY].abs());
+            if dynamics.state(i).is_stuck() {
+                residuals.primal = residuals.primal.max(dynamics.sliding_velocity(i).abs());
             }
+            let product = gap * dynamics.normal_force(i).abs();
+            residuals.complementarity = residuals.complementarity.max(product);
         }
         residuals
     }
@@ -403,7 +432,8 @@ impl<'a> Integration<'a> {
 
     fn record(&mut self) {
         let n = self.dynamics.n;
-        self.result.trajectory.push(
+        let trajectory = &mut self.result.trajectory;
+        trajectory.push(
             self.t,
             self.y[2 * n],
             &self.y[..n],
@@ -411,6 +441,9 @@ impl<'a> Integration<'a> {
             &self.dynamics.u,
             &self.forces,
         );
+        if self.dynamics.declares_friction {
+            trajectory.friction_force.push(self.friction_forces.clone());
+        }
     }
 
     fn output_time(&self, index: usize) -> f64 {
@@ -437,15 +470,12 @@ impl<'a> Integration<'a> {
             if !self.dynamics.project(time, &mut self.output) {
                 continue;
             }
-            super::dop853::System::derivative(
-                &mut self.dynamics,
-                time,
-                &self.output,
-                &mut self.slope,
-            );
+            self.dynamics
+                .derivative(time, &self.output, &mut self.slope);
             let mut forces = vec![0.0; self.forces.len()];
             self.dynamics.forces(&mut forces);
-            self.result.trajectory.push(
+            let trajectory = &mut self.result.trajectory;
+            trajectory.push(
                 time,
                 self.output[2 * n],
                 &self.output[..n],
@@ -453,12 +483,10 @@ impl<'a> Integration<'a> {
                 &self.dynamics.u,
                 &forces,
             );
-        }
-    }
-
-    fn note(&mut self, text: &str) {
-        if !self.result.notes.iter().any(|note| note == text) {
-            self.result.notes.push(text.into());
+            if self.dynamics.declares_friction {
+                self.dynamics.friction_forces(&mut forces);
+                trajectory.friction_force.push(forces);
+            }
         }
     }
 
@@ -471,11 +499,24 @@ impl<'a> Integration<'a> {
         }
     }
 
+    /// The status where the force of a sliding contact grows beyond all bounds.
+    fn jamming(&mut self) -> Option<SimulationStatus> {
+        self.dynamics.derivative(self.t, &self.y, &mut self.slope);
+        let (contact, gain) = self.dynamics.smallest_gain()?;
+        (gain < JAMMING).then(|| {
+            let message = contact_problem::jammed(&self.dynamics, contact, gain);
+            SimulationStatus::AmbiguousContact(self.diagnosis(Some(contact), message))
+        })
+    }
+
     fn undetermined(&self, problem: Undetermined) -> SimulationStatus {
         SimulationStatus::AmbiguousContact(self.diagnosis(Some(problem.contact), problem.message))
     }
 
-    fn step_failure(&self, error: f64) -> SimulationStatus {
+    fn step_failure(&mut self, error: f64) -> SimulationStatus {
+        if let Some(status) = self.jamming() {
+            return status;
+        }
         if error.is_finite() {
             SimulationStatus::StepFailed(self.diagnosis(
                 self.dynamics.active.first().copied(),

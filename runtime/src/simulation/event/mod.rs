@@ -1,15 +1,19 @@
 //! Event-driven simulation; see [`EventDriven`].
 //!
 //! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
-//! mode, `dop853` integrates it, `search` and `locate` find where the mode ends, `contact_mode` (with `lcp`)
-//! which one follows.
+//! mode, `dop853` integrates it, `search` and `locate` find where the mode ends, `impact` and `contact_mode`
+//! (with `contact_problem` and `coulomb`) what follows.
 
 pub(super) mod contact_mode;
+pub(super) mod contact_problem;
+mod contact_state;
+pub(super) mod coulomb;
 pub(super) mod dop853;
 pub(super) mod dynamics;
+pub(super) mod impact;
 mod integration;
-pub(super) mod lcp;
 mod locate;
+mod remarks;
 mod search;
 mod small_system;
 mod tableau;
@@ -57,6 +61,11 @@ pub struct EventDriven {
     /// Longest step \[s\]; default none, which means a sixteenth of the horizon. Lower it if the ground
     /// has features that are passed faster than that.
     pub max_step: Option<f64>,
+    /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
+    /// ends infinite sequences of bounces, with a note; default none, which means `sqrt(2 a h)` where the
+    /// contact is pressed with the acceleration `a`: bounces lower than `h = max(tolerance^2, 1e-13)` times
+    /// `max(1, |q|)` are left out.
+    pub rest_velocity: Option<f64>,
     /// Largest number of events before the run ends as
     /// [`AmbiguousContact`](super::SimulationStatus::AmbiguousContact); default 10 000.
     pub max_events: usize,
@@ -79,6 +88,7 @@ impl Default for EventDriven {
         Self {
             tolerance: 1e-9,
             max_step: None,
+            rest_velocity: None,
             max_events: 10_000,
             max_steps: 1_000_000,
             output_times: 0,
@@ -104,6 +114,11 @@ impl EventDriven {
             && (max_step <= 0.0 || max_step.is_nan())
         {
             return refuse("longest step", max_step, "s", "above 0");
+        }
+        if let Some(velocity) = self.rest_velocity
+            && (velocity < 0.0 || !velocity.is_finite())
+        {
+            return refuse("rest velocity", velocity, "m/s", "at least 0 and finite");
         }
         if self.auxiliary_acceleration <= 0.0 || !self.auxiliary_acceleration.is_finite() {
             return refuse(
@@ -133,7 +148,6 @@ impl Simulator for EventDriven {
     ) -> Result<Simulation, InputError> {
         self.check()?;
         problem.check(model)?;
-        InitialValueProblem::check_inelastic(model, self.name())?;
         Ok(integration::Integration::new(self, model, problem).run(progress))
     }
 }

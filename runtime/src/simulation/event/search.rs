@@ -1,11 +1,11 @@
 //! The earliest event within a step: found on the continuous extension, confirmed and polished with
 //! true steps of the method.
 
-use super::dop853::{Dop853, System};
+use super::dop853::Dop853;
 use super::dynamics::Dynamics;
 use super::locate::{self, Sample};
 
-/// Crossings of one contact on the continuous extension that true steps may refute before the step counts as
+/// Crossings of one switching function on the continuous extension that true steps may refute before the step counts as
 /// too long.
 const FALSE_ALARMS: usize = 20;
 /// A crossing less deep than this share of the range of values within the step is confirmed by a true
@@ -35,22 +35,22 @@ pub(super) struct Step<'a> {
     pub(super) t: f64,
     pub(super) h: f64,
     pub(super) y: &'a [f64],
-    /// Values of the contacts at its start and its end.
+    /// Values of the switching functions at its start and its end.
     pub(super) start_values: &'a [f64],
     pub(super) end_values: &'a [f64],
 }
 
-/// An event: which contact, and the length of the step that ends there.
+/// An event: which switching function vanishes, and the length of the step that ends there.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
-    pub(super) contact: usize,
+    pub(super) function: usize,
     pub(super) h: f64,
 }
 
 /// A crossing of zero on the continuous extension.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
-    contact: usize,
+    function: usize,
     /// Where the search began; the value there is a true one.
     from: f64,
     left: Sample,
@@ -65,27 +65,27 @@ pub(super) enum Outcome {
     Nothing,
     /// The earliest event.
     Event(Found),
-    /// The continuous extension is too far from the solution to find the events of this contact: the step
+    /// The continuous extension is too far from the solution to find the zeros of this function: the step
     /// is too long.
     Unresolved(usize),
 }
 
 impl EventSearch {
-    pub(super) fn new(dimension: usize, contacts: usize) -> Self {
+    pub(super) fn new(dimension: usize, functions: usize) -> Self {
         Self {
             state: vec![0.0; dimension],
             slope: vec![0.0; dimension],
             end: vec![0.0; dimension],
-            zero: vec![0.0; contacts],
-            false_alarms: vec![0; contacts],
-            from: vec![None; contacts],
+            zero: vec![0.0; functions],
+            false_alarms: vec![0; functions],
+            from: vec![None; functions],
         }
     }
 
     /// Whether the values seen in the stages of the step leave room for an event: the lowest is smaller
     /// than the range they span, so that a dip to zero could hide between them.
     pub(super) fn is_needed(dynamics: &Dynamics<'_>) -> bool {
-        (0..dynamics.contacts).any(|i| may_cross(dynamics, i))
+        (0..dynamics.functions()).any(|i| may_cross(dynamics, i))
     }
 
     /// The earliest event within the step, whose continuous extension is ready. If there is one,
@@ -97,7 +97,7 @@ impl EventSearch {
         method: &mut Dop853,
         step: Step<'_>,
     ) -> Outcome {
-        for i in 0..dynamics.contacts {
+        for i in 0..dynamics.functions() {
             self.from[i] = may_cross(dynamics, i).then_some(Sample {
                 at: 0.0,
                 value: step.start_values[i],
@@ -107,22 +107,22 @@ impl EventSearch {
         self.end.copy_from_slice(method.end());
         self.false_alarms.fill(0);
         while let Some(crossing) = self.first_crossing(dynamics, method, step) {
-            let contact = crossing.contact;
+            let function = crossing.function;
             match self.polish(dynamics, method, step, crossing) {
-                Ok(h) => return Outcome::Event(Found { contact, h }),
+                Ok(h) => return Outcome::Event(Found { function, h }),
                 Err(value) => {
                     let Sample { at, value: wrong } = crossing.right;
-                    self.false_alarms[contact] += 1;
-                    if at >= 1.0 || self.false_alarms[contact] > FALSE_ALARMS {
-                        return Outcome::Unresolved(contact);
+                    self.false_alarms[function] += 1;
+                    if at >= 1.0 || self.false_alarms[function] > FALSE_ALARMS {
+                        return Outcome::Unresolved(function);
                     }
-                    self.from[contact] = Some(Sample { at, value });
+                    self.from[function] = Some(Sample { at, value });
                     // So wrong is the continuous extension here.
-                    self.zero[contact] = self.zero[contact].max(4.0 * (value - wrong));
+                    self.zero[function] = self.zero[function].max(4.0 * (value - wrong));
                 }
             }
         }
-        for i in 0..dynamics.contacts {
+        for i in 0..dynamics.functions() {
             if step.end_values[i] < -self.least_zero(dynamics, step, i) {
                 return Outcome::Unresolved(i);
             }
@@ -131,11 +131,11 @@ impl EventSearch {
         Outcome::Nothing
     }
 
-    /// What counts as zero for the value of a contact if the continuous extension is exact: one that starts
+    /// What counts as zero for the value of a switching function if the continuous extension is exact: one that starts
     /// below zero and grows is no crossing.
-    fn least_zero(&self, dynamics: &Dynamics<'_>, step: Step<'_>, contact: usize) -> f64 {
-        let zero = dynamics.zero_value(contact, step.y);
-        zero.max(-2.0 * step.start_values[contact])
+    fn least_zero(&self, dynamics: &Dynamics<'_>, step: Step<'_>, function: usize) -> f64 {
+        let zero = dynamics.zero_value(function, step.y);
+        zero.max(-2.0 * step.start_values[function])
     }
 
     /// The crossing with the earliest root on the continuous extension.
@@ -146,16 +146,16 @@ impl EventSearch {
         step: Step<'_>,
     ) -> Option<Crossing> {
         let mut earliest: Option<Crossing> = None;
-        for contact in 0..dynamics.contacts {
-            let Some(from) = self.from[contact] else {
+        for function in 0..dynamics.functions() {
+            let Some(from) = self.from[function] else {
                 continue;
             };
-            let zero = self.zero[contact];
-            let mut value = |theta| self.interpolated(dynamics, method, step, contact, theta);
+            let zero = self.zero[function];
+            let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
             let to = match earliest {
                 None => Sample {
                     at: 1.0,
-                    value: step.end_values[contact],
+                    value: step.end_values[function],
                 },
                 Some(Crossing { root, .. }) => Sample {
                     at: root,
@@ -169,7 +169,7 @@ impl EventSearch {
                 let left = locate::positive_before(&mut value, from, left, right);
                 let root = locate::root(&mut value, left, right);
                 earliest = Some(Crossing {
-                    contact,
+                    function,
                     from: from.at,
                     left,
                     right,
@@ -180,49 +180,37 @@ impl EventSearch {
         earliest
     }
 
-    /// Value of a contact on the continuous extension.
+    /// Value of a switching function on the continuous extension.
     fn interpolated(
         &mut self,
         dynamics: &mut Dynamics<'_>,
         method: &Dop853,
         step: Step<'_>,
-        contact: usize,
+        function: usize,
         theta: f64,
     ) -> f64 {
         let t = step.t + theta * step.h;
         method.interpolate(theta, &mut self.state[..2 * dynamics.n]);
-        if dynamics.is_active(contact) {
-            dynamics.derivative(t, &self.state, &mut self.slope);
-            dynamics.values[contact]
-        } else {
-            dynamics.load(t, &self.state);
-            dynamics.gap(contact)
-        }
+        dynamics.switching_value(function, t, &self.state, &mut self.slope)
     }
 
-    /// Value of a contact after a true step of length `h`, which ends in `method.end()`.
+    /// Value of a switching function after a true step of length `h`, which ends in `method.end()`.
     fn stepped(
         &mut self,
         dynamics: &mut Dynamics<'_>,
         method: &mut Dop853,
         step: Step<'_>,
-        contact: usize,
+        function: usize,
         h: f64,
     ) -> f64 {
         method.step(dynamics, step.t, step.y, h);
         if !dynamics.project(step.t + h, method.end_mut()) {
             return f64::NAN;
         }
-        if dynamics.is_active(contact) {
-            dynamics.derivative(step.t + h, method.end(), &mut self.slope);
-            dynamics.values[contact]
-        } else {
-            dynamics.load(step.t + h, method.end());
-            dynamics.gap(contact)
-        }
+        dynamics.switching_value(function, step.t + h, method.end(), &mut self.slope)
     }
 
-    /// Length of the true step at whose end the value of the contact vanishes; if there is none in the
+    /// Length of the true step at whose end the value of the function vanishes; if there is none in the
     /// bracket, the value at its right end.
     fn polish(
         &mut self,
@@ -232,18 +220,18 @@ impl EventSearch {
         crossing: Crossing,
     ) -> Result<f64, f64> {
         let Crossing {
-            contact,
+            function,
             mut from,
             mut left,
             mut right,
             root: mut theta,
         } = crossing;
-        let zero = self.least_zero(dynamics, step, contact);
-        let range = dynamics.highest[contact] - dynamics.lowest[contact];
+        let zero = self.least_zero(dynamics, step, function);
+        let range = dynamics.highest[function] - dynamics.lowest[function];
         let resolution = f64::EPSILON * (step.t.abs() + step.h);
         let sinks = left.value <= 0.0 || (theta - left.at) * step.h <= resolution;
         if right.at < 1.0 && (sinks || -right.value < SHALLOW * range) {
-            let value = self.stepped(dynamics, method, step, contact, right.at * step.h);
+            let value = self.stepped(dynamics, method, step, function, right.at * step.h);
             if value >= -zero {
                 return Err(value);
             }
@@ -255,7 +243,7 @@ impl EventSearch {
             let positive = (0..HALVINGS).find_map(|_| {
                 width *= 0.5;
                 let at = left.at + width;
-                let value = self.stepped(dynamics, method, step, contact, at * step.h);
+                let value = self.stepped(dynamics, method, step, function, at * step.h);
                 if value <= 0.0 {
                     right = Sample { at, value };
                 }
@@ -269,7 +257,7 @@ impl EventSearch {
             theta = left.at;
             slope = (right.value - left.value) / ((right.at - left.at) * step.h);
         } else {
-            let mut value = |theta| self.interpolated(dynamics, method, step, contact, theta);
+            let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
             let around = 1e-3 * (right.at - left.at);
             let (before, after) = ((theta - around).max(0.0), (theta + around).min(1.0));
             slope = (value(after) - value(before)) / ((after - before) * step.h);
@@ -277,7 +265,7 @@ impl EventSearch {
 
         let (mut low, mut high) = (from * step.h, right.at * step.h);
         let mut h = theta * step.h;
-        let mut f = self.stepped(dynamics, method, step, contact, h);
+        let mut f = self.stepped(dynamics, method, step, function, h);
         for iteration in 0..POLISHING {
             if f > 0.0 {
                 low = h;
@@ -293,7 +281,7 @@ impl EventSearch {
             if f == 0.0 || (next - h).abs() <= resolution || high - low <= resolution {
                 break;
             }
-            let f_next = self.stepped(dynamics, method, step, contact, next);
+            let f_next = self.stepped(dynamics, method, step, function, next);
             let secant = (f_next - f) / (next - h);
             if secant < 0.0 {
                 slope = secant;
@@ -304,7 +292,7 @@ impl EventSearch {
     }
 }
 
-fn may_cross(dynamics: &Dynamics<'_>, contact: usize) -> bool {
-    let (lowest, highest) = (dynamics.lowest[contact], dynamics.highest[contact]);
+fn may_cross(dynamics: &Dynamics<'_>, function: usize) -> bool {
+    let (lowest, highest) = (dynamics.lowest[function], dynamics.highest[function]);
     lowest <= highest - lowest || lowest <= 0.0
 }

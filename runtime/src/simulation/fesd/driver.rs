@@ -2,9 +2,10 @@
 
 use super::switch::Detector;
 use super::{Fesd, StepFormulation};
-use crate::fesd::contact_mode::{Contacts, ModeError, Touching};
+use crate::fesd::active_contact::{ActiveContact, force_count};
+use crate::fesd::contacts::{Contacts, ModeError, Touching};
 use crate::fesd::finite_element::{ElementError, FiniteElement, State};
-use crate::model::Model;
+use crate::model::{ImpactLaw, Model};
 use crate::rk::ButcherTableau;
 use crate::simulation::{
     ControlSignal, Counts, Event, InitialValueProblem, ProblemSize, Residuals, Seconds, Simulation,
@@ -17,6 +18,9 @@ use cpu_time::ThreadTime;
 pub(super) const TOUCHING_GAP: f64 = 1e-9;
 /// Normal velocity that counts as zero, relative to the largest velocity.
 const TOUCHING_VELOCITY: f64 = 1e-9;
+/// Sliding velocity that counts as zero, relative to the largest velocity: where it vanishes is located to
+/// rounding error.
+const AT_REST: f64 = 1e-12;
 /// Halvings of the elements of a step before it counts as failed.
 const MAX_HALVINGS: usize = 8;
 /// Switches within a hundredth of the horizon before the contact mode counts as ambiguous.
@@ -67,6 +71,23 @@ impl From<ModeError> for Stop {
     }
 }
 
+/// Bounce cascades of one contact that were ended.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Cascades {
+    pub(super) count: usize,
+    /// Time of the first one \[s\].
+    pub(super) first: f64,
+    /// Largest height that a bounce left out would have reached.
+    pub(super) height: f64,
+}
+
+fn restitution(model: &dyn Model, contact: usize) -> f64 {
+    match model.declaration().contacts[contact].law {
+        ImpactLaw::Inelastic => 0.0,
+        ImpactLaw::Restitution => model.restitution(contact),
+    }
+}
+
 pub(super) struct Driver<'a> {
     pub(super) settings: &'a Fesd,
     pub(super) model: &'a dyn Model,
@@ -83,13 +104,15 @@ pub(super) struct Driver<'a> {
     pub(super) state: State,
     pub(super) segment_start: State,
     pub(super) numerical_time: f64,
-    pub(super) active: Vec<usize>,
+    pub(super) active: Vec<ActiveContact>,
     pub(super) u: Vec<f64>,
     pub(super) x: Vec<f64>,
     pub(super) gaps: Vec<f64>,
     /// Normal velocities of all contacts at the present state.
     pub(super) velocities: Vec<f64>,
-    /// Normal contact accelerations of the active contacts at the present state.
+    /// Sliding velocities of all contacts at the present state, 0 for those without friction.
+    pub(super) sliding: Vec<f64>,
+    /// Forces of the active contacts at the present state: `r` of each, then `s` of those that stick.
     pub(super) forces: Vec<f64>,
     /// Acceleration with contact forces at the present state.
     pub(super) acceleration: Vec<f64>,
@@ -98,6 +121,12 @@ pub(super) struct Driver<'a> {
     /// Element length that the error control proposes.
     pub(super) proposed_length: f64,
     pub(super) force_row: Vec<f64>,
+    /// Whether a contact declares friction.
+    pub(super) rough: bool,
+    /// Coefficients of restitution.
+    pub(super) restitution: Vec<f64>,
+    /// Ends of bounce cascades, one entry a contact.
+    pub(super) cascades: Vec<Cascades>,
     pub(super) events: Vec<Event>,
     pub(super) trajectory: Trajectory,
     pub(super) residuals: Residuals,
@@ -140,11 +169,15 @@ impl<'a> Driver<'a> {
             x: problem.input(model),
             gaps: vec![0.0; contacts],
             velocities: vec![0.0; contacts],
+            sliding: vec![0.0; contacts],
             forces: Vec::with_capacity(contacts),
             acceleration: vec![0.0; declaration.coordinates.len()],
             largest_estimate: 0.0,
             proposed_length: 0.05 * problem.horizon,
             force_row: vec![0.0; contacts],
+            rough: declaration.contacts.iter().any(|c| c.friction.is_some()),
+            restitution: (0..contacts).map(|i| restitution(model, i)).collect(),
+            cascades: vec![Cascades::default(); contacts],
             events: Vec::new(),
             trajectory: Trajectory::default(),
             residuals: Residuals::default(),
@@ -164,6 +197,7 @@ impl<'a> Driver<'a> {
                 self.largest_estimate
             ));
         }
+        self.note_cascades();
         let newton = self.element.counts;
         let other = self.next_element.counts;
         self.counts.newton = newton.iterations + other.iterations;
@@ -370,9 +404,11 @@ impl<'a> Driver<'a> {
 
     pub(super) fn touching(&self) -> Touching {
         let largest = |values: &[f64]| values.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
+        let speed = largest(&self.state.v);
         Touching {
             gap: TOUCHING_GAP * largest(&self.state.q),
-            velocity: TOUCHING_VELOCITY * largest(&self.state.v),
+            velocity: TOUCHING_VELOCITY * speed,
+            sliding: AT_REST * speed,
         }
     }
 
@@ -408,21 +444,37 @@ impl<'a> Driver<'a> {
     /// Contacts and forces at the present state; measures the residuals there.
     pub(super) fn evaluate_state(&mut self) -> Result<(), ModeError> {
         self.write_input();
-        self.contacts.evaluate(&self.x, &self.all_contacts);
-        self.forces.resize(self.active.len(), 0.0);
+        self.contacts.evaluate(&self.x, 0..self.all_contacts.len());
+        self.forces.resize(force_count(&self.active), 0.0);
         self.contacts
-            .contact_accelerations(&self.active, &mut self.forces)?;
+            .contact_forces(&self.active, &mut self.forces)?;
         self.contacts
             .constrained_acceleration(&self.active, &self.forces, &mut self.acceleration);
         for &i in &self.all_contacts {
             self.gaps[i] = self.contacts.gap(i);
             self.velocities[i] = self.contacts.normal_velocity(i);
+            if self.contacts.friction(i) > 0.0 {
+                self.sliding[i] = self.contacts.sliding_velocity(i);
+            }
         }
-        for (&i, &r) in self.active.iter().zip(&self.forces) {
+        let frictions = self.contacts.frictions(&self.active, &self.forces);
+        for ((held, &r), s) in self.active.iter().zip(&self.forces).zip(frictions) {
+            let i = held.contact;
             let (gap, velocity) = (self.gaps[i].abs(), self.velocities[i].abs());
-            self.residuals.primal = self.residuals.primal.max(gap).max(velocity);
-            self.residuals.complementarity = self.residuals.complementarity.max(gap * r.abs());
-            self.residuals.dual = self.residuals.dual.max(-r);
+            let residuals = &mut self.residuals;
+            residuals.primal = residuals.primal.max(gap).max(velocity);
+            residuals.complementarity = residuals.complementarity.max(gap * r.abs());
+            residuals.dual = residuals.dual.max(-r);
+            if self.contacts.friction(i) > 0.0 {
+                let sense = held.tangential.sense();
+                if held.sticks() {
+                    residuals.primal = residuals.primal.max(self.sliding[i].abs());
+                }
+                residuals.dual = residuals
+                    .dual
+                    .max(s.abs() - self.contacts.friction(i) * r)
+                    .max(-sense * self.sliding[i]);
+            }
         }
         for &gap in &self.gaps {
             self.residuals.dual = self.residuals.dual.max(-gap);
@@ -444,8 +496,8 @@ impl<'a> Driver<'a> {
 
     pub(super) fn record(&mut self) {
         self.force_row.fill(0.0);
-        for (&i, &r) in self.active.iter().zip(&self.forces) {
-            self.force_row[i] = self.contacts.force(i, r);
+        for (held, &r) in self.active.iter().zip(&self.forces) {
+            self.force_row[held.contact] = self.contacts.force(held.contact, r);
         }
         self.trajectory.push(
             self.state.time,
@@ -455,19 +507,29 @@ impl<'a> Driver<'a> {
             &self.u,
             &self.force_row,
         );
+        if self.rough {
+            let mut row = vec![0.0; self.all_contacts.len()];
+            let frictions = self.contacts.frictions(&self.active, &self.forces);
+            for (held, s) in self.active.iter().zip(frictions) {
+                row[held.contact] = self.contacts.force(held.contact, s);
+            }
+            self.trajectory.friction_force.push(row);
+        }
     }
 
     /// Size of the step's system: stage unknowns and one length an element.
     fn add_size(&self, elements: usize, switched: bool, size: &mut ProblemSize) {
-        let (n, contacts) = (self.n, self.element.active().len());
         let stages = self.tableau.stages();
         let unknowns = elements * self.element.variables();
-        let block = n + 2 * contacts;
+        let block = self.element.variables() / stages;
+        let cones = (0..self.all_contacts.len()).filter(|&i| self.contacts.friction(i) > 0.0);
+        // One condition on the force or the gap of each contact, one on friction or sliding velocity.
+        let conditions = self.all_contacts.len() + cones.count();
         size.variables += unknowns + elements;
         // Equal lengths but one, which the end of the segment or the switch condition determines.
         size.equalities += unknowns + elements;
-        size.inequalities += elements * stages * self.all_contacts.len();
-        size.complementarities += elements * self.all_contacts.len();
+        size.inequalities += elements * stages * conditions;
+        size.complementarities += elements * conditions;
         size.jacobian_nonzeros +=
             elements * stages * stages * block * block + elements + usize::from(switched);
     }

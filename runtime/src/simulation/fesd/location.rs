@@ -2,7 +2,8 @@
 
 use super::driver::{Driver, Stop, TOUCHING_GAP};
 use super::switch::{ElementStart, Switch, SwitchKind};
-use crate::fesd::contact_mode::Touching;
+use crate::fesd::active_contact::{ActiveContact, Tangential, find, force_count};
+use crate::fesd::contacts::Touching;
 
 /// Rounding error of a gap or a normal velocity, relative to the largest coordinate or velocity.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -12,17 +13,20 @@ const MAX_LOCATIONS: usize = 60;
 impl Driver<'_> {
     pub(super) fn violation(&mut self) -> Result<Option<Switch>, Stop> {
         let largest = |values: &[f64]| values.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
+        let speed = largest(&self.state.v);
         let start = ElementStart {
             x: &self.x,
             gaps: &self.gaps,
             velocities: &self.velocities,
+            sliding: &self.sliding,
             forces: &self.forces,
             rounding: Touching {
                 gap: self.gap_rounding(),
-                velocity: ROUNDING * largest(&self.state.v),
+                velocity: ROUNDING * speed,
+                sliding: ROUNDING * speed,
             },
             touching_gap: TOUCHING_GAP * largest(&self.state.q),
-            speed: largest(&self.state.v),
+            speed,
         };
         self.detector
             .first_violation(&self.element, &mut self.contacts, &start)
@@ -80,7 +84,14 @@ impl Driver<'_> {
     /// A sign condition other than the located one that is violated at the present state.
     pub(super) fn earlier_violation(&self, located: Switch) -> Option<Switch> {
         let other = |kind, contact, slope| {
-            (contact != located.contact).then_some(Switch {
+            let normal = |kind| {
+                matches!(
+                    kind,
+                    SwitchKind::Entry | SwitchKind::Reentry | SwitchKind::Exit
+                )
+            };
+            let same = contact == located.contact && normal(kind) == normal(located.kind);
+            (!same).then_some(Switch {
                 kind,
                 contact,
                 theta: 1.0,
@@ -88,11 +99,12 @@ impl Driver<'_> {
                 slope,
             })
         };
+        let tolerance = self.touching();
         let closed = self
             .all_contacts
             .iter()
-            .filter(|i| !self.active.contains(i))
-            .find(|&&i| self.gaps[i] < -self.touching().gap)
+            .filter(|&&i| find(&self.active, i).is_none())
+            .find(|&&i| self.gaps[i] < -tolerance.gap)
             .and_then(|&i| {
                 other(
                     SwitchKind::Entry,
@@ -100,13 +112,30 @@ impl Driver<'_> {
                     self.contacts.normal_velocity(i).min(-f64::MIN_POSITIVE),
                 )
             });
-        closed.or_else(|| {
-            self.active
-                .iter()
-                .zip(&self.forces)
-                .find(|&(&i, &r)| r < -TOUCHING_GAP * self.contacts.phi_scale(i))
-                .and_then(|(&i, _)| other(SwitchKind::Exit, i, located.slope))
-        })
+        if closed.is_some() {
+            return closed;
+        }
+        let frictions = self.contacts.frictions(&self.active, &self.forces);
+        for ((held, &r), s) in self.active.iter().zip(&self.forces).zip(frictions) {
+            let (i, scale) = (held.contact, TOUCHING_GAP);
+            let found = if r < -scale * self.contacts.phi_scale(i) {
+                other(SwitchKind::Exit, i, located.slope)
+            } else if held.sticks() {
+                let margin = self.contacts.friction(i) * r - s.abs();
+                (margin < -scale * self.contacts.tangential_scale(i))
+                    .then(|| other(SwitchKind::Slipping, i, located.slope))
+                    .flatten()
+            } else {
+                let speed = held.tangential.sense() * self.sliding[i];
+                (speed < -tolerance.velocity)
+                    .then(|| other(SwitchKind::Stopping, i, located.slope))
+                    .flatten()
+            };
+            if found.is_some() {
+                return found;
+            }
+        }
+        None
     }
 
     /// Newton's method with secant slopes on the common element length, kept inside a bracket.
@@ -171,17 +200,34 @@ impl Driver<'_> {
         match switch.kind {
             SwitchKind::Entry => Ok(self.model.gap(switch.contact, &self.x)),
             SwitchKind::Reentry => {
-                self.contacts.evaluate_contacts(&self.x, &[switch.contact]);
+                self.contacts.evaluate_contacts(&self.x, [switch.contact]);
                 let gap = self.contacts.gap(switch.contact);
                 Ok(gap.max(self.contacts.normal_velocity(switch.contact)))
             }
-            SwitchKind::Exit => {
-                self.contacts.evaluate(&self.x, &self.active);
-                self.forces.resize(self.active.len(), 0.0);
+            SwitchKind::Exit | SwitchKind::Slipping => {
+                let held = self.active.iter().map(|held| held.contact);
+                self.contacts.evaluate(&self.x, held);
+                self.forces.resize(force_count(&self.active), 0.0);
                 self.contacts
-                    .contact_accelerations(&self.active, &mut self.forces)?;
-                let slot = self.active.iter().position(|&i| i == switch.contact);
-                Ok(slot.map_or(f64::NAN, |slot| self.forces[slot]))
+                    .contact_forces(&self.active, &mut self.forces)?;
+                let of = |held: &ActiveContact| held.contact == switch.contact;
+                let Some(slot) = self.active.iter().position(of) else {
+                    return Ok(f64::NAN);
+                };
+                let r = self.forces[slot];
+                if switch.kind == SwitchKind::Exit {
+                    return Ok(r);
+                }
+                let s = self
+                    .contacts
+                    .frictions(&self.active, &self.forces)
+                    .nth(slot);
+                Ok(self.contacts.friction(switch.contact) * r - s.map_or(f64::NAN, f64::abs))
+            }
+            SwitchKind::Stopping => {
+                self.contacts.evaluate_contacts(&self.x, [switch.contact]);
+                let sense = find(&self.active, switch.contact).map_or(f64::NAN, Tangential::sense);
+                Ok(sense * self.contacts.sliding_velocity(switch.contact))
             }
         }
     }
@@ -211,11 +257,11 @@ impl Driver<'_> {
 
     /// Gap at the first stage of an element of length `h` from the present state without `contact`.
     pub(super) fn first_gap_after_release(&mut self, contact: usize, h: f64) -> Result<f64, Stop> {
-        let released: Vec<usize> = self
+        let released: Vec<ActiveContact> = self
             .active
             .iter()
             .copied()
-            .filter(|&i| i != contact)
+            .filter(|held| held.contact != contact)
             .collect();
         self.next_element.set_mode(&released);
         self.next_element.solve(&self.state, h, &self.u)?;

@@ -6,14 +6,17 @@
 //!
 //! - a gap closes: `g_i = 0` at the end of the element;
 //! - a contact force vanishes: `r_i = 0` at the end of the element (the *exit condition*; the published
-//!   method lacks it and leaves the take-off undetermined by up to `c_1 h / 2`).
+//!   method lacks it and leaves the take-off undetermined by up to `c_1 h / 2`);
+//! - the friction of a sticking contact reaches its bound: `mu_i r_i - |s_i| = 0`, an exit condition as well;
+//! - a contact that slides comes to rest: `v_t,i = 0`.
 //!
 //! Elements between two switches of one step have equal length (step equilibration, exact). Impacts follow
-//! Moreau's law for all touching contacts at once; in the time-freezing system they take numerical time
-//! only.
+//! Moreau's law for all touching contacts at once, with Newton's restitution and Coulomb friction between
+//! impulses; in the time-freezing system they take numerical time only.
 
 mod diagnosis;
 mod driver;
+mod friction_switch;
 mod location;
 mod mode_change;
 mod program;
@@ -61,6 +64,9 @@ pub struct Fesd {
     /// Acceleration `a_bar` of the auxiliary dynamics [m/s^2 for a gap in metres]. It scales the numerical
     /// time, never the result in physical time. Default 981 (100 times gravity, as in the paper).
     pub auxiliary_acceleration: f64,
+    /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
+    /// ends infinite sequences of bounces, with a note. Default none, which means `1e-6 max(1, |v|)`.
+    pub rest_velocity: Option<f64>,
 }
 
 impl Default for Fesd {
@@ -74,6 +80,7 @@ impl Default for Fesd {
             formulation: StepFormulation::ActiveSet,
             exit_condition: true,
             auxiliary_acceleration: 981.0,
+            rest_velocity: None,
         }
     }
 }
@@ -123,6 +130,13 @@ impl Fesd {
         self
     }
 
+    /// The same settings with another rest velocity.
+    #[must_use]
+    pub fn with_rest_velocity(mut self, rest_velocity: f64) -> Self {
+        self.rest_velocity = Some(rest_velocity);
+        self
+    }
+
     fn tableau(&self) -> Result<ButcherTableau, InputError> {
         let refuse = |what: &str, value: f64, bound: String| {
             Err(InputError::OutOfRange {
@@ -149,6 +163,15 @@ impl Fesd {
                 "finite and above 0 (m/s^2)".into(),
             );
         }
+        if let Some(velocity) = self.rest_velocity
+            && !(0.0..f64::INFINITY).contains(&velocity)
+        {
+            return refuse(
+                "rest velocity",
+                velocity,
+                "at least 0 and finite (m/s)".into(),
+            );
+        }
         match ButcherTableau::new(self.scheme, self.stages) {
             Some(tableau) => Ok(tableau),
             None => refuse(
@@ -173,7 +196,6 @@ impl Simulator for Fesd {
     ) -> Result<Simulation, InputError> {
         let tableau = self.tableau()?;
         problem.check(model)?;
-        InitialValueProblem::check_inelastic(model, self.name())?;
         Ok(driver::Driver::new(self, &tableau, model, problem).run(progress))
     }
 }

@@ -2,10 +2,12 @@
 //!
 //! The switching functions are those of the time-freezing system: an open contact closes when its gap
 //! falls through zero, or, after a release, when `max(g, v_n)` falls below zero (the region `g < 0 < v_n`
-//! still carries the free dynamics); an active one opens when its force does.
+//! still carries the free dynamics); an active one opens when its force does. A sticking contact slips when
+//! its friction reaches the bound `mu r`, and one that slides stops when its sliding velocity vanishes.
 
 use super::driver::Stop;
-use crate::fesd::contact_mode::{Contacts, ModeError, Touching};
+use crate::fesd::active_contact::{find, force_count};
+use crate::fesd::contacts::{Contacts, ModeError, Touching};
 use crate::fesd::finite_element::{ElementError, FiniteElement};
 use crate::model::Model;
 use crate::rk::ButcherTableau;
@@ -16,7 +18,7 @@ const DEEP: f64 = 1e-3;
 const RESOLVED: f64 = 0.05;
 
 /// Relative size of a negative normal contact acceleration that is rounding error.
-const FORCE_TOLERANCE: f64 = 1e-12;
+pub(super) const FORCE_TOLERANCE: f64 = 1e-12;
 
 /// Which sign condition ends the element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,6 +29,10 @@ pub(super) enum SwitchKind {
     Reentry,
     /// The force of an active contact vanishes.
     Exit,
+    /// The friction of a sticking contact reaches its bound.
+    Slipping,
+    /// The sliding velocity of an active contact vanishes.
+    Stopping,
 }
 
 /// A violated sign condition and where the dense output puts its root.
@@ -50,9 +56,11 @@ pub(super) struct ElementStart<'a> {
     pub(super) gaps: &'a [f64],
     /// Normal velocities of all contacts.
     pub(super) velocities: &'a [f64],
-    /// Normal contact accelerations of the active contacts.
+    /// Sliding velocities of all contacts.
+    pub(super) sliding: &'a [f64],
+    /// Forces of the active contacts: `r` of each, then `s` of those that stick.
     pub(super) forces: &'a [f64],
-    /// Rounding errors of a gap and a normal velocity.
+    /// Rounding errors of a gap and of velocities.
     pub(super) rounding: Touching,
     /// Gap within which a contact touches.
     pub(super) touching_gap: f64,
@@ -63,18 +71,21 @@ pub(super) struct ElementStart<'a> {
 /// Checks the sign conditions on a fixed grid of the element's dense output.
 pub(super) struct Detector<'a> {
     model: &'a dyn Model,
-    tableau: &'a ButcherTableau,
+    pub(super) tableau: &'a ButcherTableau,
     /// Sampled places `0 < theta <= 1`.
-    thetas: Vec<f64>,
+    pub(super) thetas: Vec<f64>,
     /// Dense output weights, one row a sample.
     weights: Vec<f64>,
-    scratch: Vec<f64>,
-    x: Vec<f64>,
-    forces: Vec<f64>,
+    pub(super) scratch: Vec<f64>,
+    pub(super) x: Vec<f64>,
+    pub(super) forces: Vec<f64>,
     previous_forces: Vec<f64>,
     /// Gaps at the start and all samples, one row a contact.
     gaps: Vec<f64>,
     open: Vec<usize>,
+    /// Of active contacts with friction at the start and all samples, one row a contact: what the friction of
+    /// a sticking one lacks to its bound, or the sliding velocity in the sense of the slip.
+    pub(super) frictions: Vec<f64>,
 }
 
 impl<'a> Detector<'a> {
@@ -95,10 +106,11 @@ impl<'a> Detector<'a> {
             weights,
             scratch: vec![0.0; stages],
             x: vec![0.0; declaration.inputs()],
-            forces: vec![0.0; contacts],
-            previous_forces: vec![0.0; contacts],
+            forces: vec![0.0; 2 * contacts],
+            previous_forces: vec![0.0; 2 * contacts],
             gaps: vec![0.0; contacts * (samples + 1)],
             open: Vec::with_capacity(contacts),
+            frictions: vec![0.0; contacts * (samples + 1)],
         }
     }
 
@@ -113,7 +125,7 @@ impl<'a> Detector<'a> {
         self.open.clear();
         let row = self.thetas.len() + 1;
         for (i, &gap) in start.gaps.iter().enumerate() {
-            if !active.contains(&i) {
+            if find(active, i).is_none() {
                 self.open.push(i);
                 self.gaps[i * row] = gap;
             }
@@ -121,19 +133,14 @@ impl<'a> Detector<'a> {
         if self.open.is_empty() && active.is_empty() {
             return Ok(None);
         }
-        self.previous_forces[..active.len()].copy_from_slice(start.forces);
+        self.previous_forces[..start.forces.len()].copy_from_slice(start.forces);
+        self.start_frictions(active, contacts, start);
         for k in 0..self.thetas.len() {
             self.interpolate(element, k);
             let mut first = self.first_entry(element, contacts, start, k);
-            // Between its stages an element may leave the domain of the model, or of the mode; a shorter
-            // one will not.
             self.first_exit(element, contacts, k, &mut first)
-                .map_err(|error| match error {
-                    ModeError::NotFinite => Stop::Element(ElementError::NotFinite),
-                    ModeError::Jammed | ModeError::Dependent => {
-                        Stop::Element(ElementError::Singular)
-                    }
-                })?;
+                .map_err(beyond)?;
+            self.first_friction(element, contacts, start, k, &mut first)?;
             if first.is_some() {
                 return Ok(first);
             }
@@ -175,12 +182,12 @@ impl<'a> Detector<'a> {
         let width =
             (self.thetas[k] - if k >= 2 { self.thetas[k - 2] } else { 0.0 }) * element.length();
         suspects.into_iter().any(|(i, a, b, c, least)| {
-            contacts.evaluate_contacts(&self.x, &[i]);
+            contacts.evaluate_contacts(&self.x, [i]);
             let after = contacts.normal_velocity(i);
             let outer = if k >= 2 { self.thetas[k - 2] } else { 0.0 };
             self.tableau.dense_weights(outer, &mut self.scratch);
             element.interpolate(outer, &self.scratch, &mut self.x);
-            contacts.evaluate_contacts(&self.x, &[i]);
+            contacts.evaluate_contacts(&self.x, [i]);
             let before = contacts.normal_velocity(i);
             self.interpolate(element, k);
             let cubic = 0.5 * (a + c) + 0.125 * width * (before - after);
@@ -189,14 +196,14 @@ impl<'a> Detector<'a> {
         })
     }
 
-    fn interpolate(&mut self, element: &FiniteElement<'_>, k: usize) {
+    pub(super) fn interpolate(&mut self, element: &FiniteElement<'_>, k: usize) {
         let stages = self.tableau.stages();
         let weights = &self.weights[k * stages..(k + 1) * stages];
         element.interpolate(self.thetas[k], weights, &mut self.x);
     }
 
     /// Place of the sample before `k`.
-    fn left(&self, k: usize) -> f64 {
+    pub(super) fn left(&self, k: usize) -> f64 {
         if k == 0 { 0.0 } else { self.thetas[k - 1] }
     }
 
@@ -234,7 +241,7 @@ impl<'a> Detector<'a> {
                 continue;
             }
             if gap < -start.rounding.gap {
-                contacts.evaluate_contacts(&self.x, &[i]);
+                contacts.evaluate_contacts(&self.x, [i]);
                 let velocity = contacts.normal_velocity(i);
                 let kind = if !released && before > 0.0 {
                     SwitchKind::Entry
@@ -330,7 +337,7 @@ impl<'a> Detector<'a> {
             return Some((place(k - 1), place(k + 1)));
         }
         if k + 1 == samples && row[k + 1] < row[k] && row[k + 1] < row[k] - row[k + 1] {
-            contacts.evaluate_contacts(&self.x, &[contact]);
+            contacts.evaluate_contacts(&self.x, [contact]);
             if contacts.normal_velocity(contact) > 0.0 {
                 return Some((place(k), place(k + 1)));
             }
@@ -348,10 +355,10 @@ impl<'a> Detector<'a> {
         k: usize,
     ) -> f64 {
         if k == 0 {
-            contacts.evaluate_contacts(start.x, &[contact]);
+            contacts.evaluate_contacts(start.x, [contact]);
         } else {
             self.interpolate(element, k - 1);
-            contacts.evaluate_contacts(&self.x, &[contact]);
+            contacts.evaluate_contacts(&self.x, [contact]);
             self.interpolate(element, k);
         }
         contacts
@@ -361,7 +368,7 @@ impl<'a> Detector<'a> {
     }
 
     /// Linear estimate of a root between samples `k - 1` and `k` from the values there.
-    fn between(
+    pub(super) fn between(
         &self,
         kind: SwitchKind,
         contact: usize,
@@ -393,9 +400,10 @@ impl<'a> Detector<'a> {
         if active.is_empty() {
             return Ok(());
         }
-        contacts.evaluate(&self.x, active);
-        contacts.contact_accelerations(active, &mut self.forces[..active.len()])?;
-        for (slot, &i) in active.iter().enumerate() {
+        contacts.evaluate(&self.x, active.iter().map(|held| held.contact));
+        contacts.contact_forces(active, &mut self.forces[..force_count(active)])?;
+        for (slot, held) in active.iter().enumerate() {
+            let i = held.contact;
             let (before, after) = (self.previous_forces[slot].max(0.0), self.forces[slot]);
             if after < -FORCE_TOLERANCE * contacts.phi_scale(i) {
                 let switch = self.between(SwitchKind::Exit, i, element, k, before, after);
@@ -416,24 +424,13 @@ impl<'a> Detector<'a> {
         upper: f64,
         gap_rounding: f64,
     ) -> Option<Switch> {
-        let (mut a, mut b) = (lower, upper);
-        let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
         let mut value = |theta: f64| {
             self.tableau.dense_weights(theta, &mut self.scratch);
             element.interpolate(theta, &self.scratch, &mut self.x);
             self.model.gap(contact, &self.x)
         };
         let start = value(lower);
-        for _ in 0..60 {
-            let (left, right) = (b - ratio * (b - a), a + ratio * (b - a));
-            if value(left) <= value(right) {
-                b = right;
-            } else {
-                a = left;
-            }
-        }
-        let bottom = 0.5 * (a + b);
-        let depth = value(bottom);
+        let (bottom, depth) = lowest(&mut value, lower, upper);
         if depth >= -gap_rounding {
             return None;
         }
@@ -448,8 +445,36 @@ impl<'a> Detector<'a> {
     }
 }
 
+/// Between its stages an element may leave the domain of the model, or of the mode; a shorter one will not.
+fn beyond(error: ModeError) -> Stop {
+    Stop::Element(match error {
+        ModeError::NotFinite => ElementError::NotFinite,
+        ModeError::Jammed | ModeError::Dependent => ElementError::Singular,
+    })
+}
+
+/// Place and value of the minimum of `value` between `lower` and `upper`, by golden section.
+pub(super) fn lowest(value: &mut dyn FnMut(f64) -> f64, lower: f64, upper: f64) -> (f64, f64) {
+    let (mut a, mut b) = (lower, upper);
+    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    for _ in 0..60 {
+        let (left, right) = (b - ratio * (b - a), a + ratio * (b - a));
+        if value(left) <= value(right) {
+            b = right;
+        } else {
+            a = left;
+        }
+    }
+    let bottom = 0.5 * (a + b);
+    (bottom, value(bottom))
+}
+
 /// Halves an interval 60 times around the root of a `value` that is positive on its left and not on its right.
-fn bisect(value: &mut dyn FnMut(f64) -> f64, mut left: f64, mut right: f64) -> (f64, f64) {
+pub(super) fn bisect(
+    value: &mut dyn FnMut(f64) -> f64,
+    mut left: f64,
+    mut right: f64,
+) -> (f64, f64) {
     for _ in 0..60 {
         let middle = 0.5 * (left + right);
         if value(middle) > 0.0 {
@@ -461,7 +486,7 @@ fn bisect(value: &mut dyn FnMut(f64) -> f64, mut left: f64, mut right: f64) -> (
     (left, right)
 }
 
-fn keep_first(first: &mut Option<Switch>, candidate: Switch) {
+pub(super) fn keep_first(first: &mut Option<Switch>, candidate: Switch) {
     if first.is_none_or(|switch| candidate.theta < switch.theta) {
         *first = Some(candidate);
     }

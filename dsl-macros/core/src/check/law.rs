@@ -1,0 +1,449 @@
+//! Impact laws: what their parts may be, and which surface has which.
+
+use super::Checker;
+use super::rules::is_velocity;
+use crate::ast::{Expr, Law, Name};
+use crate::derive::simplify;
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
+use crate::evaluate::Value;
+use crate::graph::{self, Sym, Variable};
+use crate::parse::law_of;
+use crate::scene::{self, Contact, Friction};
+
+/// The law of one surface.
+#[derive(Clone)]
+pub(super) struct CheckedLaw {
+    surface: Name,
+    restitution: Option<Sym>,
+    friction: Option<CheckedFriction>,
+    along: Option<Vec<Sym>>,
+    held: Vec<usize>,
+}
+
+#[derive(Clone)]
+struct CheckedFriction {
+    coefficient: Sym,
+    sliding: Option<Sym>,
+    place: Place,
+}
+
+/// A surface with its law, before the law is completed from the Lagrangian.
+pub(super) struct Pair {
+    surface: super::Surface,
+    law: CheckedLaw,
+}
+
+impl Checker<'_> {
+    pub(super) fn impact(&mut self, surfaces: &[Name], law: &Law) -> Checked<()> {
+        let before = self.diagnostics.mistakes();
+        let restitution = law
+            .restitution
+            .as_ref()
+            .map(|expr| self.coefficient(expr, "restitution", 1.0));
+        let friction = law
+            .friction
+            .as_ref()
+            .map(|expr| self.coefficient(expr, "friction", f64::INFINITY));
+        let sliding = law.sliding.as_ref().map(|expr| self.sliding(expr));
+        let along = law.along.as_ref().map(|expr| self.direction(expr));
+        let held = self.held(&law.holding);
+        let (Ok(restitution), Ok(friction), Ok(sliding), Ok(along), Ok(held)) = (
+            restitution.transpose(),
+            friction.transpose(),
+            sliding.transpose(),
+            along.transpose(),
+            held,
+        ) else {
+            for surface in surfaces {
+                self.diagnostics.poison(&law_of(&surface.text));
+            }
+            return Err(Reported);
+        };
+        let friction = friction.zip(law.friction.as_ref());
+        for surface in surfaces {
+            if let Some(known) = self
+                .impacts
+                .iter()
+                .find(|known| known.surface.text == surface.text)
+            {
+                let text = known.surface.text.clone();
+                self.diagnostics.report(
+                    "E20",
+                    surface.place(),
+                    format!("surface `{text}` has two impact laws; keep one"),
+                );
+                continue;
+            }
+            self.impacts.push(CheckedLaw {
+                surface: surface.clone(),
+                restitution,
+                friction: friction.map(|(coefficient, expr)| CheckedFriction {
+                    coefficient,
+                    sliding,
+                    place: expr.place,
+                }),
+                along: along.clone(),
+                held: held.clone(),
+            });
+        }
+        if self.diagnostics.mistakes() > before {
+            return Err(Reported);
+        }
+        Ok(())
+    }
+
+    /// E10: a coefficient between 0 and a bound, for the defaults of the parameters.
+    fn coefficient(&mut self, expr: &Expr, of: &str, most: f64) -> Checked<Sym> {
+        let sym = self.scope.scalar(expr, self.diagnostics)?;
+        let sym = self.constant(sym, expr, &format!("the coefficient of {of}"))?;
+        let Some(value) = self.at_default(sym) else {
+            return Ok(sym);
+        };
+        if (0.0..=most).contains(&value) {
+            return Ok(sym);
+        }
+        let shown = match expr.to_string() {
+            text if text == value.to_string() => text,
+            text => format!("{text} = {value}"),
+        };
+        let message = if most.is_finite() {
+            format!(
+                "coefficient of {of} {shown} is outside [0, 1]: 0 keeps no normal velocity, 1 all of it"
+            )
+        } else {
+            format!(
+                "coefficient of {of} {shown} is below 0: the force would drive the sliding instead of \
+                 braking it; change its sign"
+            )
+        };
+        Err(self.diagnostics.report("E10", expr.place, message))
+    }
+
+    /// The sliding velocity, which must be `b(q, t)' v`.
+    fn sliding(&mut self, expr: &Expr) -> Checked<Sym> {
+        let sliding = self.scope.scalar(expr, self.diagnostics)?;
+        if let Some(variable) = graph::variables(&[sliding])
+            .into_iter()
+            .find(|variable| matches!(variable, Variable::Control(_)))
+        {
+            let message = format!(
+                "the sliding velocity depends on {}; it may depend on positions and velocities only",
+                self.in_words(variable)
+            );
+            return Err(self.diagnostics.report("E07", expr.place, message));
+        }
+        let n = self.coordinates.len();
+        let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+        let tangent = graph::gradient(sliding, &velocities);
+        let at_rest = graph::substitute(&[sliding], |variable| {
+            is_velocity(variable).then_some(Sym::ZERO)
+        })[0];
+        let linear = tangent
+            .iter()
+            .all(|&component| !graph::depends_on(simplify(component), is_velocity));
+        if !linear || !simplify(at_rest).is_structural_zero() {
+            return Err(self.diagnostics.report(
+                "E07",
+                expr.place,
+                format!(
+                    "`{expr}` is no sliding velocity: that is a sum of velocities times functions of \
+                     positions, zero at rest, such as `dot(y)`"
+                ),
+            ));
+        }
+        if tangent
+            .iter()
+            .all(|component| component.is_structural_zero())
+        {
+            return Err(self.diagnostics.report(
+                "E07",
+                expr.place,
+                format!("the sliding velocity `{expr}` contains no velocity; write e.g. `dot(y)`"),
+            ));
+        }
+        Ok(sliding)
+    }
+
+    /// Indices of held coordinates, increasing.
+    fn held(&mut self, names: &[Name]) -> Checked<Vec<usize>> {
+        let mut held = Vec::with_capacity(names.len());
+        let mut failed = false;
+        for name in names {
+            match self.coordinate_index(name) {
+                Ok(index) if held.contains(&index) => {
+                    self.diagnostics.report(
+                        "E20",
+                        name.place(),
+                        format!("`{}` is held twice; keep one", name.text),
+                    );
+                    failed = true;
+                }
+                Ok(index) => held.push(index),
+                Err(Reported) => failed = true,
+            }
+        }
+        if failed {
+            return Err(Reported);
+        }
+        held.sort_unstable();
+        Ok(held)
+    }
+
+    /// The impulse direction as velocities in declared units.
+    fn direction(&mut self, expr: &Expr) -> Checked<Vec<Sym>> {
+        let value = self.scope.value(expr, self.diagnostics)?;
+        let n = self.coordinates.len();
+        let components = value.components();
+        if components.len() != n
+            || (matches!(value, Value::Scalar(_)) && n != 1)
+            || matches!(value, Value::Matrix(_))
+        {
+            return Err(self.diagnostics.report(
+                "E02",
+                expr.place,
+                format!(
+                    "the impulse direction has {} component{}; it needs one for each of the {n} \
+                     coordinates, in their order",
+                    components.len(),
+                    if components.len() == 1 { "" } else { "s" },
+                ),
+            ));
+        }
+        if let Some(variable) = graph::variables(components)
+            .into_iter()
+            .find(|variable| matches!(variable, Variable::Velocity(_) | Variable::Control(_)))
+        {
+            return Err(self.diagnostics.report(
+                "E07",
+                expr.place,
+                format!(
+                    "the impulse direction depends on {}; it may depend on positions only",
+                    self.in_words(variable)
+                ),
+            ));
+        }
+        Ok(components
+            .iter()
+            .zip(&self.coordinates)
+            .map(|(component, coordinate)| {
+                component.scaled(1.0 / scene::scale(coordinate.unit.as_ref()))
+            })
+            .collect())
+    }
+}
+
+/// E20: one law for each surface, no law without a surface.
+pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
+    let before = checker.diagnostics.mistakes();
+    let mut laws = std::mem::take(&mut checker.impacts);
+    let surfaces = std::mem::take(&mut checker.surfaces);
+    for law in &laws {
+        let text = &law.surface.text;
+        if surfaces.iter().any(|known| known.name.text == *text)
+            || checker.diagnostics.is_poisoned(text)
+        {
+            continue;
+        }
+        let names = || surfaces.iter().map(|known| known.name.text.as_str());
+        let message = match closest(text, names()) {
+            Some(near) => format!("there is no surface `{text}`; did you mean `{near}`?"),
+            None if surfaces.is_empty() => {
+                format!("there is no surface `{text}`; declare it by `surface {text}: ... >= ...`")
+            }
+            None => format!("there is no surface `{text}` (surfaces: {})", list(names())),
+        };
+        checker
+            .diagnostics
+            .report("E20", law.surface.place(), message);
+    }
+    let mut pairs = Vec::with_capacity(surfaces.len());
+    for surface in surfaces {
+        let text = &surface.name.text;
+        let Some(index) = laws.iter().position(|law| law.surface.text == *text) else {
+            if checker.diagnostics.is_poisoned(&law_of(text)) {
+                continue;
+            }
+            checker.diagnostics.report(
+                "E20",
+                surface.name.place(),
+                format!("surface `{text}` has no impact law; write `impact {text}: inelastic`"),
+            );
+            continue;
+        };
+        let law = laws.swap_remove(index);
+        impulse(
+            &surface,
+            &law,
+            checker.coordinates.len(),
+            checker.diagnostics,
+        );
+        pairs.push(Pair { surface, law });
+    }
+    if checker.diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    Ok(pairs)
+}
+
+/// E09: an impulse changes the normal velocity.
+fn impulse(surface: &super::Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diagnostics) {
+    let normal = normal(surface.gap, n);
+    if let Some(along) = &law.along {
+        let product: Sym = normal.iter().zip(along).map(|(&n, &w)| n * w).sum();
+        if simplify(product).is_structural_zero() {
+            diagnostics.report(
+                "E09",
+                surface.name.place(),
+                format!(
+                    "the impulse direction of `{}` is tangential to the surface, so it cannot stop the \
+                     motion into it; give it a normal component",
+                    surface.name.text
+                ),
+            );
+        }
+    }
+    let moved = normal
+        .iter()
+        .enumerate()
+        .any(|(i, component)| !law.held.contains(&i) && !component.is_structural_zero());
+    if !moved {
+        diagnostics.report(
+            "E09",
+            surface.name.place(),
+            format!(
+                "all coordinates that the gap of `{}` depends on are held, so no impulse can stop the \
+                 motion into it; hold fewer",
+                surface.name.text
+            ),
+        );
+    }
+}
+
+/// Surfaces and laws as contacts, with the sliding velocities that follow from the Lagrangian.
+pub(super) fn contacts(
+    pairs: Vec<Pair>,
+    lagrangian: Sym,
+    checker: &mut Checker<'_>,
+) -> Checked<Vec<Contact>> {
+    let mut contacts = Vec::with_capacity(pairs.len());
+    let mut failed = false;
+    for Pair { surface, law } in pairs {
+        let friction = law
+            .friction
+            .map(|friction| complete(friction, &surface, &law.held, lagrangian, checker))
+            .transpose();
+        let Ok(friction) = friction else {
+            failed = true;
+            continue;
+        };
+        contacts.push(Contact {
+            name: surface.name,
+            documentation: surface.documentation,
+            gap: surface.gap,
+            unit: None,
+            along: law.along,
+            held: law.held,
+            restitution: law.restitution,
+            friction,
+        });
+    }
+    if failed { Err(Reported) } else { Ok(contacts) }
+}
+
+/// Friction with its sliding velocity: the declared one, or for a point mass in a plane the velocity along
+/// the surface, `n_z y' - n_y z'`.
+fn complete(
+    friction: CheckedFriction,
+    surface: &super::Surface,
+    held: &[usize],
+    lagrangian: Sym,
+    checker: &mut Checker<'_>,
+) -> Checked<Friction> {
+    let n = checker.coordinates.len();
+    let sliding = match friction.sliding {
+        Some(sliding) => {
+            braked(sliding, &friction, surface, held, checker)?;
+            sliding
+        }
+        None if held.is_empty() && is_point_mass(lagrangian, n) => {
+            let normal = normal(surface.gap, 2);
+            let velocity = |i| Sym::variable(Variable::Velocity(i));
+            simplify(normal[1] * velocity(0) - normal[0] * velocity(1))
+        }
+        None => {
+            let first = &checker.coordinates[0].name.text;
+            let message = format!(
+                "`friction` of `{0}` needs the sliding velocity, which follows by itself for one point mass \
+                 in two Cartesian coordinates only; add it, scaled like the gap, as in `impact {0}: ..., \
+                 friction {1}, sliding dot({first})`",
+                surface.name.text,
+                checker.shown_coefficient(&friction)
+            );
+            return Err(checker.diagnostics.report("E20", friction.place, message));
+        }
+    };
+    Ok(Friction {
+        coefficient: friction.coefficient,
+        sliding,
+    })
+}
+
+/// E09: a tangential force must be able to change the sliding velocity.
+fn braked(
+    sliding: Sym,
+    friction: &CheckedFriction,
+    surface: &super::Surface,
+    held: &[usize],
+    checker: &mut Checker<'_>,
+) -> Checked<()> {
+    let free = |variable: Variable| match variable {
+        Variable::Velocity(i) => !held.contains(&usize::from(i)),
+        _ => false,
+    };
+    if graph::depends_on(sliding, free) {
+        return Ok(());
+    }
+    Err(checker.diagnostics.report(
+        "E09",
+        friction.place,
+        format!(
+            "all coordinates that the sliding velocity of `{}` depends on are held, so friction cannot \
+             brake it; hold fewer",
+            surface.name.text
+        ),
+    ))
+}
+
+impl Checker<'_> {
+    /// A coefficient for an example in a message.
+    fn shown_coefficient(&self, friction: &CheckedFriction) -> String {
+        match friction.coefficient.node() {
+            graph::Node::Variable(Variable::Parameter(i)) => {
+                self.parameters[usize::from(i)].name.text.clone()
+            }
+            graph::Node::Number(bits) => f64::from_bits(bits).to_string(),
+            _ => "mu".to_owned(),
+        }
+    }
+}
+
+/// Whether the mass matrix is one mass times the identity of two coordinates.
+fn is_point_mass(lagrangian: Sym, n: usize) -> bool {
+    if n != 2 {
+        return false;
+    }
+    let velocities = [Variable::Velocity(0), Variable::Velocity(1)];
+    let momenta = graph::gradient(lagrangian, &velocities);
+    let [first, second] =
+        velocities.map(|velocity| graph::partial(&momenta, velocity).into_iter().map(simplify));
+    let (first, second): (Vec<Sym>, Vec<Sym>) = (first.collect(), second.collect());
+    first[1].is_structural_zero() && second[0].is_structural_zero() && first[0] == second[1]
+}
+
+/// Gradient of a gap with respect to the coordinates.
+pub(crate) fn normal(gap: Sym, coordinates: usize) -> Vec<Sym> {
+    let by: Vec<Variable> = (0..coordinates)
+        .map(|i| Variable::Coordinate(i as u16))
+        .collect();
+    graph::gradient(gap, &by)
+}

@@ -1,0 +1,247 @@
+//! Gap, normal and tangent of a contact, and the directions in which its forces act.
+//!
+//! With `H` the inverse of the mass matrix, or that of the system with the held coordinates locked (zero
+//! in their rows and columns), `n = dg/dq`, `b = d v_t/dv`, `D = n' H n`:
+//!
+//! ```text
+//! d = w / (n' w),   w = H n or declared          e = H b / D
+//! ```
+
+use super::implicit::{self, Implicit};
+use super::ldl::Factorization;
+use super::residual::{self, Bordered};
+use super::{Explicit, Failure, simplify};
+use crate::check::normal;
+use crate::evaluate::velocity_direction;
+use crate::graph::{self, Sym, Variable};
+use crate::scene::{Contact, Friction};
+
+/// What belongs to one contact.
+pub(crate) struct ContactEquations {
+    /// Gap, normal velocity, and if it is a formula, the contact direction.
+    pub(crate) rows: Explicit,
+    pub(crate) curvature: Sym,
+    pub(crate) normal: Vec<Sym>,
+    pub(crate) inverse_inertia: InverseInertia,
+    /// The contact direction, unless it is among the `rows`.
+    pub(crate) direction: Option<Implicit>,
+    pub(crate) friction: Option<FrictionEquations>,
+}
+
+/// `D = n' H n`.
+pub(crate) enum InverseInertia {
+    Formula(Sym),
+    /// From a linear system at run time: with the mass matrix, or with that of the direction.
+    Solved,
+}
+
+/// The tangential side of a contact.
+pub(crate) struct FrictionEquations {
+    /// Sliding velocity, and if it is a formula, the friction direction.
+    pub(crate) rows: Explicit,
+    pub(crate) curvature: Sym,
+    pub(crate) tangent: Vec<Sym>,
+    /// The friction direction, unless it is among the `rows`.
+    pub(crate) direction: Option<Implicit>,
+}
+
+/// `H` by factors.
+pub(super) struct Inertia {
+    n: usize,
+    /// Coordinates that are not locked.
+    free: Vec<usize>,
+    factorization: Factorization,
+}
+
+impl Inertia {
+    /// Of the whole system.
+    pub(super) fn whole(factorization: Factorization, n: usize) -> Self {
+        Self {
+            n,
+            free: (0..n).collect(),
+            factorization,
+        }
+    }
+
+    /// Of the system with some coordinates locked.
+    fn locked(mass: &[Sym], n: usize, held: &[usize]) -> Result<Self, Failure> {
+        let free: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
+        let part: Vec<Sym> = free
+            .iter()
+            .flat_map(|i| free.iter().map(move |j| mass[i * n + j]))
+            .collect();
+        let factorization =
+            Factorization::of(&part, free.len()).map_err(|pivot| Failure::SingularMass {
+                coordinate: free[pivot],
+            })?;
+        Ok(Self {
+            n,
+            free,
+            factorization,
+        })
+    }
+
+    fn solve(&self, right: &[Sym]) -> Vec<Sym> {
+        let part: Vec<Sym> = self.free.iter().map(|&i| right[i]).collect();
+        let mut solution = vec![Sym::ZERO; self.n];
+        for (value, &i) in self.factorization.solve(&part).into_iter().zip(&self.free) {
+            solution[i] = value;
+        }
+        solution
+    }
+}
+
+fn inner(a: &[Sym], b: &[Sym]) -> Sym {
+    simplify(a.iter().zip(b).map(|(&a, &b)| a * b).sum())
+}
+
+/// Gap, normal velocity, curvature and normal.
+fn geometry(contact: &Contact, n: usize) -> (Vec<Sym>, Sym, Vec<Sym>) {
+    let gap = contact.gap;
+    let normal: Vec<Sym> = normal(gap, n).into_iter().map(simplify).collect();
+    let normal_velocity = graph::directional(&[gap], velocity_direction)[0];
+    let curvature = graph::directional(&[normal_velocity], velocity_direction)[0];
+    (
+        vec![gap, simplify(normal_velocity)],
+        simplify(curvature),
+        normal,
+    )
+}
+
+/// Sliding velocity, its curvature and the tangent.
+fn slip(friction: &Friction, n: usize) -> (Sym, Sym, Vec<Sym>) {
+    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+    let sliding = simplify(friction.sliding);
+    let curvature = graph::directional(&[sliding], velocity_direction)[0];
+    let tangent = graph::gradient(sliding, &velocities);
+    (
+        sliding,
+        simplify(curvature),
+        tangent.into_iter().map(simplify).collect(),
+    )
+}
+
+/// `w` divided by a number.
+fn over(w: &[Sym], divisor: Sym) -> Vec<Sym> {
+    let scale = divisor.power(-2);
+    w.iter().map(|&w| simplify(w * scale)).collect()
+}
+
+/// What the directions of all contacts are derived from.
+pub(super) struct Mechanism<'a> {
+    pub(super) mass: &'a [Sym],
+    pub(super) momenta: &'a [Sym],
+    /// The inverse mass matrix by formulas, of few coordinates.
+    pub(super) formulas: Option<&'a Inertia>,
+    /// The mass matrix by factors, unless it is solved with at run time.
+    pub(super) written_out: Option<&'a Factorization>,
+    pub(super) inputs: &'a [Variable],
+}
+
+impl Mechanism<'_> {
+    pub(super) fn contact(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
+        let n = self.momenta.len();
+        let (mut rows, curvature, normal) = geometry(contact, n);
+        let singular = |coordinate| Failure::SingularMass { coordinate };
+        let inertia = implicit::Locked {
+            mass: self.mass,
+            momenta: self.momenta,
+            held: &contact.held,
+        };
+        let (locked, locked_factors) = match (self.formulas, self.written_out) {
+            _ if contact.held.is_empty() => (None, None),
+            (formulas, factors) => (
+                formulas
+                    .map(|_| Inertia::locked(self.mass, n, &contact.held))
+                    .transpose()?,
+                factors
+                    .map(|_| Factorization::stepwise(&inertia.matrix(), n))
+                    .transpose()
+                    .map_err(singular)?,
+            ),
+        };
+        let formulas = locked.as_ref().or(self.formulas);
+        let factors = locked_factors.as_ref().or(self.written_out);
+
+        let inverse = formulas.map(|formulas| formulas.solve(&normal));
+        let divisor = inverse.as_ref().map(|inverse| inner(&normal, inverse));
+        let inverse_inertia = match (divisor, factors) {
+            (Some(formula), _) => InverseInertia::Formula(formula),
+            (None, Some(factors)) => InverseInertia::Formula(
+                Bordered::new(factors, vec![inertia.free_part(&normal)]).inverse_inertia(),
+            ),
+            (None, None) => InverseInertia::Solved,
+        };
+        let friction = contact.friction.as_ref().map(|friction| {
+            let (sliding, curvature, tangent) = slip(friction, n);
+            let formula = formulas
+                .zip(divisor)
+                .map(|(formulas, divisor)| over(&formulas.solve(&tangent), divisor));
+            let columns = [&tangent, &normal].map(|vector| inertia.free_part(vector));
+            let (rows, direction) = self.directed(
+                vec![sliding],
+                formula,
+                || implicit::friction(&inertia, &normal, &tangent, self.inputs),
+                factors.map(|factors| Bordered::new(factors, columns.to_vec())),
+            );
+            FrictionEquations {
+                rows,
+                curvature,
+                tangent,
+                direction,
+            }
+        });
+        let (rows, direction) = match &contact.along {
+            Some(along) => {
+                rows.extend(over(along, inner(&normal, along)));
+                (Explicit::new(rows, self.inputs), None)
+            }
+            None => self.directed(
+                rows,
+                inverse
+                    .zip(divisor)
+                    .map(|(inverse, divisor)| over(&inverse, divisor)),
+                || implicit::direction(&inertia, &normal, self.inputs),
+                factors.map(|factors| Bordered::new(factors, vec![inertia.free_part(&normal)])),
+            ),
+        };
+        Ok(ContactEquations {
+            rows,
+            curvature,
+            inverse_inertia,
+            normal,
+            direction,
+            friction,
+        })
+    }
+
+    /// Some rows followed by a direction: a formula, or the first part of the solution of a system. What
+    /// has no formulas at all is left to be solved at run time.
+    fn directed(
+        &self,
+        rows: Vec<Sym>,
+        formula: Option<Vec<Sym>>,
+        system: impl Fn() -> Implicit,
+        elimination: Option<Bordered<'_>>,
+    ) -> (Explicit, Option<Implicit>) {
+        let Some(elimination) = elimination else {
+            return (Explicit::new(rows, self.inputs), Some(system()));
+        };
+        let written_out = || {
+            let weights: Vec<Sym> = (0..self.momenta.len())
+                .map(|i| Implicit::multiplier(rows.len() + i))
+                .collect();
+            let direction =
+                residual::derivatives(&system(), &elimination, &weights, self.inputs);
+            Explicit::new(rows.clone(), self.inputs).followed_by(direction)
+        };
+        let rows = match formula {
+            Some(direction) => {
+                let values = rows.iter().copied().chain(direction).collect();
+                Explicit::cheapest(values, written_out, self.inputs)
+            }
+            None => written_out(),
+        };
+        (rows, None)
+    }
+}

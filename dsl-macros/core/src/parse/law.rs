@@ -1,0 +1,190 @@
+//! Impact laws: `impact surface, ...: part, part, ...`, the parts in any order.
+
+use super::cursor::Cursor;
+use super::expression::expression;
+use super::statement::name;
+use super::unexpected;
+use crate::ast::{Expr, Law, Name, Statement};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
+use crate::words;
+
+/// Under which name the law of a surface is marked as faulty.
+pub(crate) fn law_of(surface: &str) -> String {
+    format!("impact {surface}")
+}
+
+/// Parses what stands behind the word `impact`.
+pub(super) fn impact(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {
+    let mut surfaces = vec![name(cursor, "the name of a surface", diagnostics)?];
+    while cursor.eat_symbol(",") {
+        surfaces.push(name(cursor, "the name of a surface", diagnostics)?);
+    }
+    match law(cursor, diagnostics) {
+        Ok(law) => Ok(Statement::Impact {
+            surfaces,
+            law: Box::new(law),
+        }),
+        Err(Reported) => {
+            for surface in &surfaces {
+                diagnostics.poison(&law_of(&surface.text));
+            }
+            Err(Reported)
+        }
+    }
+}
+
+/// Parts of a law as they are found, each with the place of its word.
+#[derive(Default)]
+struct Parts {
+    inelastic: Option<Place>,
+    restitution: Option<(Place, Expr)>,
+    friction: Option<(Place, Expr)>,
+    sliding: Option<(Place, Expr)>,
+    along: Option<(Place, Expr)>,
+    holding: Option<(Place, Vec<Name>)>,
+}
+
+fn law(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Law> {
+    if !cursor.eat_symbol(":") {
+        return Err(unexpected(cursor, diagnostics, "`:` and an impact law"));
+    }
+    let begin = cursor.place();
+    let mut parts = Parts::default();
+    loop {
+        parts.read(cursor, diagnostics)?;
+        if !cursor.eat_symbol(",") {
+            break;
+        }
+    }
+    if cursor
+        .ident()
+        .is_some_and(|ident| words::LAW_PARTS.contains(&ident.to_string().as_str()))
+    {
+        let message = format!("a comma is missing before {}", cursor.describe());
+        return Err(diagnostics.syntax(cursor.place(), message));
+    }
+    parts.law(begin, diagnostics)
+}
+
+impl Parts {
+    fn read(&mut self, cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<()> {
+        let place = cursor.place();
+        let Some(word) = cursor.eat_name() else {
+            return Err(unexpected(
+                cursor,
+                diagnostics,
+                "a part of an impact law such as `inelastic`",
+            ));
+        };
+        let new = match word.text.as_str() {
+            "inelastic" => self.inelastic.replace(place).is_none(),
+            "restitution" => value(&mut self.restitution, place, cursor, diagnostics)?,
+            "friction" => value(&mut self.friction, place, cursor, diagnostics)?,
+            "sliding" => value(&mut self.sliding, place, cursor, diagnostics)?,
+            "along" => value(&mut self.along, place, cursor, diagnostics)?,
+            "holding" => {
+                let names = held(cursor, diagnostics)?;
+                self.holding.replace((place, names)).is_none()
+            }
+            "elastic" => {
+                return Err(diagnostics.syntax(
+                    place,
+                    "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`",
+                ));
+            }
+            other => {
+                let help = match closest(other, words::LAW_PARTS) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("the parts are {}", list(words::LAW_PARTS)),
+                };
+                return Err(diagnostics.syntax(
+                    place,
+                    format!("unknown part `{other}` of an impact law; {help}"),
+                ));
+            }
+        };
+        if new {
+            return Ok(());
+        }
+        Err(diagnostics.report(
+            "E20",
+            place,
+            format!("`{}` stands twice in one impact law; keep one", word.text),
+        ))
+    }
+
+    /// The law, if its parts fit together.
+    fn law(self, begin: Place, diagnostics: &mut Diagnostics) -> Checked<Law> {
+        let mut exclude = |place: Place, why: &str| Err(diagnostics.report("E20", place, why));
+        match (self.inelastic, &self.restitution) {
+            (None, None) => exclude(
+                begin,
+                "the impact law says nothing about the normal velocity; add `inelastic` or \
+                 `restitution e`",
+            )?,
+            (Some(place), Some(_)) => exclude(
+                place,
+                "`inelastic` and `restitution` exclude each other: `inelastic` is no rebound at all; keep \
+                 one",
+            )?,
+            _ => {}
+        }
+        if let (Some(_), Some((place, _))) = (&self.along, &self.holding) {
+            exclude(
+                *place,
+                "`along` and `holding` both give the direction of the impulse; keep one",
+            )?;
+        }
+        if let (Some((place, _)), Some(_)) = (&self.along, &self.friction) {
+            exclude(
+                *place,
+                "`along` and `friction` exclude each other: Coulomb's law bounds the tangential part of a \
+                 force whose normal part acts along M^-1 grad gap, and `along` puts another direction in \
+                 its place; leave one out",
+            )?;
+        }
+        if let (None, Some((place, _))) = (&self.friction, &self.sliding) {
+            exclude(
+                *place,
+                "`sliding` gives the velocity that friction brakes, and there is no `friction`; add \
+                 `friction mu` or leave it out",
+            )?;
+        }
+        let expr = |part: Option<(Place, Expr)>| part.map(|(_, expr)| expr);
+        Ok(Law {
+            restitution: expr(self.restitution),
+            friction: expr(self.friction),
+            sliding: expr(self.sliding),
+            along: expr(self.along),
+            holding: self.holding.map(|(_, names)| names).unwrap_or_default(),
+        })
+    }
+}
+
+/// Reads the expression of a part; whether the part is new.
+fn value(
+    slot: &mut Option<(Place, Expr)>,
+    place: Place,
+    cursor: &mut Cursor,
+    diagnostics: &mut Diagnostics,
+) -> Checked<bool> {
+    let expr = expression(cursor, diagnostics)?;
+    Ok(slot.replace((place, expr)).is_none())
+}
+
+/// Names of coordinates; a comma may also begin the next part of the law.
+fn held(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Vec<Name>> {
+    let mut names = vec![name(cursor, "a coordinate", diagnostics)?];
+    loop {
+        let mut ahead = cursor.clone();
+        let more = ahead.eat_symbol(",")
+            && ahead
+                .ident()
+                .is_some_and(|ident| !words::is_keyword(&ident.to_string()));
+        if !more {
+            return Ok(names);
+        }
+        *cursor = ahead;
+        names.push(name(cursor, "a coordinate", diagnostics)?);
+    }
+}

@@ -1,0 +1,163 @@
+"use strict";
+(() => {
+  const data = JSON.parse(document.getElementById("frames").textContent);
+  const element = (id) => document.getElementById(id);
+  const stage = element("stage");
+  const [play, scrub, clock, rate] = ["play", "scrub", "clock", "rate"].map(element);
+  const colours = ["#2f7ed8", "#d9601a", "#2a9d5c", "#9a63d8", "#d6409f", "#0e9aa7"];
+  const grey = "#8a919e";
+  const red = "#c2483d";
+  const first = data.time[0];
+  const last = data.time[data.time.length - 1];
+
+  // From the plane to the drawing: equal scales, the vertical axis upwards.
+  const [left, right, bottom, top] = data.frame;
+  const width = 900;
+  const scale = Math.min(width / (right - left), 560 / (top - bottom));
+  const room = data.largest_force > 0 ? 30 : 0;
+  const height = (top - bottom) * scale + room;
+  const shift = (width - (right - left) * scale) / 2;
+  const x = (y) => shift + (y - left) * scale;
+  const y = (z) => room + (top - z) * scale;
+  const longest = Math.max(40, Math.min(110, 0.4 * height));
+  stage.setAttribute("viewBox", `0 0 ${width} ${height}`);
+
+  const draw = (name, attributes, parent = stage) => {
+    const node = document.createElementNS("http://www.w3.org/2000/svg", name);
+    for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+    parent.append(node);
+    return node;
+  };
+  const points = (list) => list.map(([a, b]) => `${x(a).toFixed(2)},${y(b).toFixed(2)}`).join(" ");
+
+  data.ground.forEach((line) => {
+    const ground = draw("polyline", { points: points(line.points), fill: "none", stroke: grey, "stroke-width": 2.5 });
+    draw("title", {}, ground).textContent = line.name;
+  });
+  const trails = data.bodies.map((name, body) =>
+    draw("polyline", { fill: "none", stroke: colours[body % colours.length], "stroke-width": 1.5, opacity: 0.6 }));
+  const links = data.links.map(() => draw("line", { stroke: grey, "stroke-width": 3 }));
+  const bodies = data.bodies.map((name, body) => {
+    const circle = draw("circle", { r: 8, fill: colours[body % colours.length], "data-body": name });
+    draw("title", {}, circle).textContent = name;
+    return circle;
+  });
+  const arrows = data.contacts.map((name) => {
+    const arrow = draw("path", { fill: "none", stroke: red, "stroke-width": 3, "data-contact": name });
+    draw("title", {}, arrow).textContent = `force of ${name}`;
+    return arrow;
+  });
+
+  const readings = data.readings.map(({ name, unit, values }) => {
+    const row = document.createElement("div");
+    const [term, value] = ["dt", "dd"].map((tag) => document.createElement(tag));
+    term.textContent = name;
+    row.append(term, value);
+    element("readings").append(row);
+    return { value, unit, values };
+  });
+
+  // The last frame at or before a time.
+  const frameAt = (time) => {
+    let [low, high] = [0, data.time.length - 1];
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (data.time[middle] <= time) low = middle;
+      else high = middle - 1;
+    }
+    return low;
+  };
+
+  let now = first;
+  const show = (time) => {
+    now = Math.min(Math.max(time, first), last);
+    const k = frameAt(now);
+    const next = Math.min(k + 1, data.time.length - 1);
+    const share = next > k ? (now - data.time[k]) / (data.time[next] - data.time[k]) : 0;
+    const between = (a, b) => a + share * (b - a);
+    const positions = data.positions[k].map((position, body) =>
+      position.map((value, axis) => between(value, data.positions[next][body][axis])));
+    positions.forEach(([a, b], body) => {
+      bodies[body].setAttribute("cx", x(a));
+      bodies[body].setAttribute("cy", y(b));
+      const trail = data.positions.slice(0, k + 1).map((row) => row[body]);
+      trails[body].setAttribute("points", points([...trail, [a, b]]));
+    });
+    data.links.forEach(([one, other], index) => {
+      const [[x1, y1], [x2, y2]] = [positions[one], positions[other]];
+      const ends = { x1: x(x1), y1: y(y1), x2: x(x2), y2: y(y2) };
+      for (const [key, value] of Object.entries(ends)) links[index].setAttribute(key, value);
+    });
+    data.forces[k].forEach(({ body, force }, contact) => {
+      const [a, b] = positions[body];
+      const length = Math.hypot(...force);
+      if (!(length > 0)) {
+        arrows[contact].setAttribute("d", "");
+        return;
+      }
+      const pixels = (longest * length) / data.largest_force;
+      const [u, v] = [force[0] / length, -force[1] / length];
+      const [x0, y0] = [x(a), y(b)];
+      const [x1, y1] = [x0 + pixels * u, y0 + pixels * v];
+      const head = Math.min(9, pixels / 2);
+      const side = (turn) => `${x1 - head * (u + turn * v)} ${y1 - head * (v - turn * u)}`;
+      arrows[contact].setAttribute("d", `M${x0} ${y0}L${x1} ${y1}M${side(0.6)}L${x1} ${y1}L${side(-0.6)}`);
+    });
+    readings.forEach(({ value, unit, values }) => {
+      const reading = values[k];
+      value.textContent = reading === undefined || reading === null ? "-" : `${reading.toFixed(4)} ${unit}`;
+    });
+    scrub.value = now;
+    clock.value = `${now.toFixed(4)} s of ${last.toFixed(4)} s`;
+  };
+
+  // The rate at which the motion takes about five seconds is chosen first.
+  const rates = [["1/16", 1 / 16], ["1/8", 1 / 8], ["1/4", 1 / 4], ["1/2", 1 / 2], ["1", 1], ["2", 2]];
+  const distance = ([, value]) => Math.abs(Math.log((last - first) / value / 5));
+  const chosen = rates.reduce((best, other) => (distance(other) < distance(best) ? other : best));
+  rates.forEach(([name, value]) => {
+    const option = document.createElement("option");
+    option.value = value;
+    option.textContent = `${name} x`;
+    option.selected = value === chosen[1];
+    rate.append(option);
+  });
+
+  let playing = false;
+  let before = 0;
+  const set = (on) => {
+    playing = on;
+    play.textContent = on ? "pause" : "play";
+  };
+  const step = (instant) => {
+    if (!playing) return;
+    show(now + ((instant - before) / 1000) * Number(rate.value));
+    before = instant;
+    if (now >= last) set(false);
+    else requestAnimationFrame(step);
+  };
+  play.addEventListener("click", () => {
+    set(!playing);
+    if (!playing) return;
+    if (now >= last) show(first);
+    before = performance.now();
+    requestAnimationFrame(step);
+  });
+  scrub.min = first;
+  scrub.max = last;
+  scrub.addEventListener("input", () => {
+    set(false);
+    show(Number(scrub.value));
+  });
+  data.events.forEach(({ time, label }) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = `${label} ${time.toFixed(4)} s`;
+    button.addEventListener("click", () => {
+      set(false);
+      show(time);
+    });
+    element("events").append(button);
+  });
+  show(first);
+})();

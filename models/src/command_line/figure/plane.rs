@@ -1,0 +1,180 @@
+//! Pictures of a motion in a plane.
+
+use hangtime_models::{GroundLine, PublishedPoint};
+use kuva::prelude::{LegendPosition, LinePlot, LineStyle, MarkerShape, Plot, ScatterPlot};
+
+use super::{COLOURS, GREY, SIZE, layout, svg};
+
+/// Free space around the motion, as a share of its larger extent.
+const MARGIN: f64 = 0.06;
+/// What axes, labels and title take of a figure's width and height [px].
+const FRAME: (f64, f64) = (90.0, 140.0);
+/// A motion that is flatter than this has its legend below, where it covers nothing.
+const FLAT: f64 = 0.45;
+/// Legend below a figure: its columns, the height of a row [px], and entries for start, impact and publication.
+const LEGEND_COLUMNS: usize = 3;
+const LEGEND_ROW: f64 = 18.0;
+const OTHER_ENTRIES: usize = 4;
+/// Colours of published positions, of the start and of impacts.
+const PUBLISHED: &str = COLOURS[7];
+const START: &str = COLOURS[2];
+const IMPACT: &str = COLOURS[4];
+
+/// What a picture of a motion in a plane shows.
+pub(crate) struct Motion {
+    /// Title of the figure.
+    pub(crate) title: String,
+    /// Labels of the axes.
+    pub(crate) axes: [&'static str; 2],
+    /// Surfaces.
+    pub(crate) ground: Vec<GroundLine>,
+    /// Path of each body.
+    pub(crate) paths: Vec<Path>,
+    /// Pairs of bodies that are joined by a line.
+    pub(crate) links: &'static [[usize; 2]],
+    /// Where the motion starts, a point for each body.
+    pub(crate) start: Vec<[f64; 2]>,
+    /// Impacts, a point for each.
+    pub(crate) impacts: Vec<[f64; 2]>,
+    /// Published positions.
+    pub(crate) published: Vec<PublishedPoint>,
+    /// What the legend says about the instants of the time lapse.
+    pub(crate) lapse: String,
+}
+
+/// The path of one body.
+pub(crate) struct Path {
+    /// Name of the body.
+    pub(crate) name: &'static str,
+    /// The path.
+    pub(crate) points: Vec<[f64; 2]>,
+    /// Positions at the time-lapse instants.
+    pub(crate) time_lapse: Vec<[f64; 2]>,
+}
+
+fn pairs(points: &[[f64; 2]]) -> Vec<(f64, f64)> {
+    points.iter().map(|&[y, z]| (y, z)).collect()
+}
+
+fn marks(positions: &[[f64; 2]], shape: MarkerShape, colour: &str, size: f64) -> ScatterPlot {
+    ScatterPlot::new()
+        .with_data(pairs(positions))
+        .with_marker(shape)
+        .with_color(colour)
+        .with_size(size)
+}
+
+fn line(points: &[[f64; 2]], colour: &str, width: f64) -> LinePlot {
+    LinePlot::new()
+        .with_data(pairs(points))
+        .with_color(colour)
+        .with_stroke_width(width)
+}
+
+impl Motion {
+    /// The picture, with equal scales on both axes.
+    pub(crate) fn svg(&self) -> String {
+        let mut plots: Vec<Plot> = Vec::new();
+        for (ground, style) in self
+            .ground
+            .iter()
+            .zip([LineStyle::Dashed, LineStyle::Dotted].into_iter().cycle())
+        {
+            let line = line(&ground.points, GREY, 1.5).with_line_style(style);
+            plots.push(line.with_legend(ground.name).into());
+        }
+        for &[one, other] in self.links {
+            let lapses = self.paths[one].time_lapse.iter();
+            for (from, to) in lapses.zip(&self.paths[other].time_lapse) {
+                plots.push(line(&[*from, *to], GREY, 1.2).into());
+            }
+        }
+        for (path, colour) in self.paths.iter().zip(COLOURS) {
+            plots.push(
+                line(&path.points, colour, 2.0)
+                    .with_legend(path.name)
+                    .into(),
+            );
+            let legend = format!("{}{}", path.name, self.lapse);
+            let lapse = marks(&path.time_lapse, MarkerShape::Circle, colour, 3.5);
+            plots.push(lapse.with_legend(legend).into());
+        }
+        plots.extend(self.published_marks());
+        let start = marks(&self.start, MarkerShape::Square, START, 4.5);
+        plots.push(start.with_legend("start").into());
+        if !self.impacts.is_empty() {
+            let impacts = marks(&self.impacts, MarkerShape::Diamond, IMPACT, 5.0);
+            plots.push(impacts.with_legend("impact").into());
+        }
+        let [(left, right), (bottom, top)] = self.frame();
+        let aspect = (top - bottom) / (right - left);
+        let flat = aspect < FLAT;
+        let entries = 2 * self.paths.len() + self.ground.len() + OTHER_ENTRIES;
+        let legend = LEGEND_ROW * entries.div_ceil(LEGEND_COLUMNS) as f64;
+        let height = FRAME.1 + legend + (SIZE.0 - FRAME.0) * aspect;
+        let layout = layout(&plots, &self.title, self.axes[0], self.axes[1])
+            .with_height(if flat { height } else { SIZE.1 })
+            .with_equal_aspect()
+            .with_clamp_axis()
+            .with_x_axis_min(left)
+            .with_x_axis_max(right)
+            .with_y_axis_min(bottom)
+            .with_y_axis_max(top)
+            .with_legend_position(if flat {
+                LegendPosition::OutsideBottomColumns
+            } else {
+                LegendPosition::OutsideRightTop
+            });
+        svg(plots, layout)
+    }
+
+    /// Crosses where the time lapse was published, dots along the published path.
+    fn published_marks(&self) -> Vec<Plot> {
+        let of = |time_lapse: bool| -> Vec<[f64; 2]> {
+            let points = self.published.iter();
+            let kept = points.filter(|point| point.time_lapse == time_lapse);
+            kept.flat_map(|point| point.positions.iter().copied())
+                .collect()
+        };
+        let (lapse, path) = (of(true), of(false));
+        let mut plots: Vec<Plot> = Vec::new();
+        if !path.is_empty() {
+            let dots = marks(&path, MarkerShape::Circle, PUBLISHED, 1.8);
+            plots.push(dots.with_legend("published path").into());
+        }
+        if !lapse.is_empty() {
+            let crosses = marks(&lapse, MarkerShape::Cross, PUBLISHED, 5.0);
+            plots.push(crosses.with_legend("published time lapse").into());
+        }
+        plots
+    }
+
+    /// What the axes show: all that moves and some ground around it.
+    fn frame(&self) -> [(f64, f64); 2] {
+        let paths = self.paths.iter().flat_map(|path| &path.points);
+        let published = self.published.iter().flat_map(|point| &point.positions);
+        let mut frame = [(f64::INFINITY, f64::NEG_INFINITY); 2];
+        for position in paths.chain(published) {
+            for (range, x) in frame.iter_mut().zip(position) {
+                *range = (range.0.min(*x), range.1.max(*x));
+            }
+        }
+        let extent = frame
+            .iter()
+            .map(|range| range.1 - range.0)
+            .fold(0.0, f64::max);
+        // Nothing moved, or nothing is known: a frame that can be drawn all the same.
+        let margin = if extent.is_finite() && extent > 0.0 {
+            MARGIN * extent
+        } else {
+            1.0
+        };
+        frame.map(|(from, to)| {
+            if from <= to {
+                (from - margin, to + margin)
+            } else {
+                (-margin, margin)
+            }
+        })
+    }
+}

@@ -1,0 +1,70 @@
+//! `hangtime reproduce`: the published results beside ours and beside what is known better.
+
+mod case;
+mod column;
+mod optimum;
+mod overview;
+mod simulated;
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use hangtime_models::{PublishedCase, Scene, Task, scenes};
+
+use self::case::{Case, Reproduced};
+use super::Report;
+use super::failure::BadInput;
+use super::output::OutputDirectory;
+use super::page::Page;
+use super::progress::Progress;
+
+/// The page that shows everything.
+const INDEX: &str = "index.html";
+
+pub(super) fn run(out: &Path) -> Result<Report, BadInput> {
+    let directory = OutputDirectory::open(out)?;
+    let cases: Vec<(&'static Scene, &'static PublishedCase)> = scenes()
+        .iter()
+        .flat_map(|scene| scene.published.iter().map(move |case| (scene, case)))
+        .collect();
+    let mut progress = Progress::new("reproduce", cases.len() as f64);
+    let mut reproduced = Vec::with_capacity(cases.len());
+    for (done, (scene, published)) in cases.into_iter().enumerate() {
+        reproduced.push(reproduce(scene, published)?);
+        progress.reach((done + 1) as f64);
+    }
+    drop(progress);
+
+    let mut report = Report {
+        text: overview::text(&reproduced),
+        diagnoses: Vec::new(),
+    };
+    let mut files = overview::figures(&reproduced);
+    let mut sections = vec![overview::section(&reproduced, &files)];
+    for one in reproduced {
+        report.diagnoses.extend(one.diagnoses);
+        files.extend(one.files);
+        sections.push(one.section);
+    }
+    let page = Page {
+        title: "hangtime: published results, reproduced".to_owned(),
+        introduction: overview::INTRODUCTION.to_owned(),
+        sections,
+    };
+    files.push((INDEX.to_owned(), page.html()));
+    directory.write(&files)?;
+    let index = out.join(INDEX);
+    let _ = writeln!(report.text, "\nfigures and data: {}", index.display());
+    Ok(report)
+}
+
+fn reproduce(
+    scene: &'static Scene,
+    published: &'static PublishedCase,
+) -> Result<Reproduced, BadInput> {
+    let case = Case::new(scene, published)?;
+    match published.task {
+        Task::Simulate { horizon } => simulated::reproduce(case, horizon),
+        Task::Optimize => optimum::reproduce(case),
+    }
+}

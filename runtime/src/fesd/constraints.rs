@@ -1,0 +1,172 @@
+//! The velocities that a contact mode holds at zero, and the directions of the forces that hold them.
+
+use super::active_contact::{ActiveContact, force_count};
+use super::contacts::friction_coefficients;
+use crate::model::{Model, contact_point, tangent_point};
+
+/// The constraints of a contact mode at one point: first the normals of the active contacts, then the
+/// tangents of those that stick. Owns the memory for them.
+pub(super) struct Constraints<'a> {
+    model: &'a dyn Model,
+    n: usize,
+    active: Vec<ActiveContact>,
+    friction: Vec<f64>,
+    /// Gaps of the active contacts.
+    pub(super) gaps: Vec<f64>,
+    /// Velocities of all constraints.
+    pub(super) velocities: Vec<f64>,
+    /// Derivatives of the velocities with respect to `v`, one row a constraint: `n_i`, then `b_i`.
+    pub(super) gradients: Vec<f64>,
+    /// Directions of the forces, one row a constraint: `d_i`, or `d_i -+ mu_i e_i` in slip; then `e_i`.
+    pub(super) directions: Vec<f64>,
+    /// Derivatives of the velocities with respect to `q`, one row a constraint.
+    pub(super) turning: Vec<f64>,
+    point: Vec<f64>,
+    tangent: Vec<f64>,
+    contact_jacobian: Vec<f64>,
+    tangent_jacobian: Vec<f64>,
+}
+
+impl<'a> Constraints<'a> {
+    pub(super) fn new(model: &'a dyn Model) -> Self {
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let contacts = declaration.contacts.iter();
+        let largest = |sizes: &mut dyn Iterator<Item = usize>| sizes.max().unwrap_or(0);
+        let tangents = contacts.clone().filter_map(|contact| contact.friction);
+        Self {
+            model,
+            n,
+            active: Vec::new(),
+            friction: friction_coefficients(model),
+            gaps: Vec::new(),
+            velocities: Vec::new(),
+            gradients: Vec::new(),
+            directions: Vec::new(),
+            turning: Vec::new(),
+            point: vec![0.0; contact_point::length(n)],
+            tangent: vec![0.0; tangent_point::length(n)],
+            contact_jacobian: vec![0.0; largest(&mut contacts.map(|c| c.jacobian.entries.len()))],
+            tangent_jacobian: vec![0.0; largest(&mut tangents.map(|t| t.jacobian.entries.len()))],
+        }
+    }
+
+    /// Active contacts.
+    pub(super) fn active(&self) -> &[ActiveContact] {
+        &self.active
+    }
+
+    /// Number of constraints.
+    pub(super) fn count(&self) -> usize {
+        self.velocities.len()
+    }
+
+    /// Changes the contact mode.
+    pub(super) fn set_mode(&mut self, active: &[ActiveContact]) {
+        self.active.clear();
+        self.active.extend_from_slice(active);
+        let count = force_count(active);
+        self.gaps.resize(active.len(), 0.0);
+        self.velocities.resize(count, 0.0);
+        self.gradients.resize(count * self.n, 0.0);
+        self.directions.resize(count * self.n, 0.0);
+        self.turning.resize(count * self.n, 0.0);
+    }
+
+    /// Whether the tangential side of an active contact matters.
+    fn needs_tangent(&self, held: ActiveContact) -> bool {
+        held.sticks() || held.tangential.share() != 0.0
+    }
+
+    /// Ratio `s / r` of an active contact.
+    fn slope(&self, held: ActiveContact) -> f64 {
+        held.tangential.share() * self.friction[held.contact]
+    }
+
+    /// Evaluates gaps, velocities, gradients and directions at the input vector `x`.
+    pub(super) fn evaluate(&mut self, x: &[f64]) {
+        let n = self.n;
+        let mut stuck = self.active.len();
+        for (i, &held) in self.active.iter().enumerate() {
+            self.model.contact(held.contact, x, &mut self.point);
+            self.gaps[i] = self.point[contact_point::GAP];
+            self.velocities[i] = self.point[contact_point::NORMAL_VELOCITY];
+            self.gradients[i * n..(i + 1) * n]
+                .copy_from_slice(&self.point[contact_point::NORMAL..][..n]);
+            let along = &self.point[contact_point::direction(n)..];
+            self.directions[i * n..(i + 1) * n].copy_from_slice(along);
+            if !self.needs_tangent(held) {
+                continue;
+            }
+            self.model.tangent(held.contact, x, &mut self.tangent);
+            let across = &self.tangent[tangent_point::direction(n)..];
+            if held.sticks() {
+                self.velocities[stuck] = self.tangent[tangent_point::SLIDING_VELOCITY];
+                self.gradients[stuck * n..(stuck + 1) * n]
+                    .copy_from_slice(&self.tangent[tangent_point::TANGENT..][..n]);
+                self.directions[stuck * n..(stuck + 1) * n].copy_from_slice(across);
+                stuck += 1;
+            } else {
+                let slope = self.slope(held);
+                for (d, e) in self.directions[i * n..].iter_mut().zip(across) {
+                    *d += slope * e;
+                }
+            }
+        }
+    }
+
+    /// Evaluates everything at `x`, and adds the derivative of the `forces` times their directions with
+    /// respect to `q` to the row-major `by_q`.
+    pub(super) fn differentiate(&mut self, x: &[f64], forces: &[f64], by_q: &mut [f64]) {
+        self.evaluate(x);
+        self.turning.fill(0.0);
+        let n = self.n;
+        let contacts = self.model.declaration().contacts;
+        let mut stuck = self.active.len();
+        for i in 0..self.active.len() {
+            let held = self.active[i];
+            let declaration = &contacts[held.contact];
+            let entries = declaration.jacobian.entries;
+            let values = &mut self.contact_jacobian[..entries.len()];
+            self.model.contact_jacobian(held.contact, x, values);
+            let r = forces[i];
+            for (&(row, column), value) in entries.iter().zip(&*values) {
+                let (row, column) = (row as usize, column as usize);
+                if column >= n {
+                    continue;
+                }
+                match row {
+                    0 => {}
+                    1 => self.turning[i * n + column] = *value,
+                    _ => by_q[(row - 2) * n + column] += r * value,
+                }
+            }
+            if !self.needs_tangent(held) {
+                continue;
+            }
+            let Some(friction) = &declaration.friction else {
+                continue;
+            };
+            let entries = friction.jacobian.entries;
+            let values = &mut self.tangent_jacobian[..entries.len()];
+            self.model.tangent_jacobian(held.contact, x, values);
+            let s = if held.sticks() {
+                forces[stuck]
+            } else {
+                held.tangential.share() * self.friction[held.contact] * r
+            };
+            for (&(row, column), value) in entries.iter().zip(&*values) {
+                let (row, column) = (row as usize, column as usize);
+                if column >= n {
+                    continue;
+                }
+                if row > 0 {
+                    by_q[(row - 1) * n + column] += s * value;
+                } else if held.sticks() {
+                    self.turning[stuck * n + column] = *value;
+                }
+            }
+            stuck += usize::from(held.sticks());
+        }
+    }
+}

@@ -1,0 +1,479 @@
+//! Contacts at a point: gaps, velocities, accelerations, and the forces of a given contact mode.
+//!
+//! A contact mode poses one equation a force: `v_n' = 0` for the normal acceleration `r_i` of an active
+//! contact, which acts along `d_i`, or along `d_i -+ mu_i e_i` while it slips; and `v_t' = 0` for the
+//! friction `s_i` of a sticking contact, which acts along `e_i`.
+
+use super::active_contact::{ActiveContact, Tangential};
+use crate::linalg::{dense, lcp};
+use crate::model::{Model, contact_point, tangent_point};
+
+/// Coupling of the force of a slipping contact to its own normal velocity below which no force holds the
+/// contact: the friction presses as much as the force lifts.
+const JAMMED: f64 = 1e-10;
+
+/// Why a contact mode could not be determined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ModeError {
+    /// The complementarity problem of impulses or accelerations has no solution: jamming.
+    Jammed,
+    /// The normals of the active contacts are dependent.
+    Dependent,
+    /// A model value is infinite or not a number.
+    NotFinite,
+}
+
+impl From<lcp::LcpError> for ModeError {
+    fn from(error: lcp::LcpError) -> Self {
+        match error {
+            lcp::LcpError::Ray => Self::Jammed,
+            lcp::LcpError::NotFinite => Self::NotFinite,
+        }
+    }
+}
+
+/// Tolerances on the gap and the velocities of a contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touching {
+    /// Gap tolerance [unit of the gap].
+    pub(crate) gap: f64,
+    /// Normal velocity tolerance [unit of the gap / s].
+    pub(crate) velocity: f64,
+    /// Sliding velocity tolerance [unit of the gap / s].
+    pub(crate) sliding: f64,
+}
+
+/// One velocity that is held, and the direction of the force that holds it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Line {
+    /// The normal velocity, by a force along `d + slope e`.
+    Normal { contact: usize, slope: f64 },
+    /// The sliding velocity times `sense`, by a force along `sense e`.
+    Tangent { contact: usize, sense: f64 },
+}
+
+impl Line {
+    pub(super) fn contact(self) -> usize {
+        match self {
+            Self::Normal { contact, .. } | Self::Tangent { contact, .. } => contact,
+        }
+    }
+}
+
+/// Evaluates contacts and their forces at a point; owns the memory for it.
+pub(crate) struct Contacts<'a> {
+    pub(super) model: &'a dyn Model,
+    pub(super) n: usize,
+    /// Coefficients of friction, 0 for contacts without friction.
+    friction: Vec<f64>,
+    acceleration: Vec<f64>,
+    points: Vec<f64>,
+    /// Tangential sides; empty if no contact has friction.
+    tangents: Vec<f64>,
+    /// Largest sum of terms of each normal acceleration seen so far: the scale of its rounding error. At one
+    /// instant the terms may cancel inside the model.
+    scales: Vec<f64>,
+    /// The same for the sliding accelerations.
+    tangent_scales: Vec<f64>,
+    lines: Vec<Line>,
+    matrix: Vec<f64>,
+    pivots: Vec<usize>,
+    pub(super) shifted: Vec<f64>,
+    pub(crate) evaluations: usize,
+}
+
+impl<'a> Contacts<'a> {
+    pub(crate) fn new(model: &'a dyn Model) -> Self {
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let contacts = declaration.contacts.len();
+        let friction = friction_coefficients(model);
+        let rough = friction.iter().any(|mu| *mu > 0.0);
+        let tangents = if rough { contacts } else { 0 };
+        Self {
+            model,
+            n,
+            friction,
+            acceleration: vec![0.0; n],
+            points: vec![0.0; contacts * contact_point::length(n)],
+            tangents: vec![0.0; tangents * tangent_point::length(n)],
+            scales: vec![0.0; contacts],
+            tangent_scales: vec![0.0; tangents],
+            lines: Vec::new(),
+            matrix: Vec::new(),
+            pivots: Vec::new(),
+            shifted: vec![0.0; declaration.inputs()],
+            evaluations: 0,
+        }
+    }
+
+    fn point(&self, contact: usize) -> &[f64] {
+        let length = contact_point::length(self.n);
+        &self.points[contact * length..(contact + 1) * length]
+    }
+
+    fn tangent(&self, contact: usize) -> &[f64] {
+        let length = tangent_point::length(self.n);
+        &self.tangents[contact * length..(contact + 1) * length]
+    }
+
+    /// Contact direction `d_i` of the last evaluation.
+    fn direction(&self, contact: usize) -> &[f64] {
+        &self.point(contact)[contact_point::direction(self.n)..]
+    }
+
+    /// Friction direction `e_i` of the last evaluation.
+    fn friction_direction(&self, contact: usize) -> &[f64] {
+        &self.tangent(contact)[tangent_point::direction(self.n)..]
+    }
+
+    /// Coefficient of friction, 0 for a contact without friction.
+    pub(crate) fn friction(&self, contact: usize) -> f64 {
+        self.friction[contact]
+    }
+
+    /// Gap of the last evaluation.
+    pub(crate) fn gap(&self, contact: usize) -> f64 {
+        self.point(contact)[contact_point::GAP]
+    }
+
+    /// Normal velocity of the last evaluation.
+    pub(crate) fn normal_velocity(&self, contact: usize) -> f64 {
+        self.point(contact)[contact_point::NORMAL_VELOCITY]
+    }
+
+    /// Sliding velocity of the last evaluation, for a contact with friction.
+    pub(crate) fn sliding_velocity(&self, contact: usize) -> f64 {
+        self.tangent(contact)[tangent_point::SLIDING_VELOCITY]
+    }
+
+    /// Contact force `lambda_i = r_i / D_i` for a normal contact acceleration, `lambda_t,i = s_i / D_i` for a
+    /// tangential one.
+    pub(crate) fn force(&self, contact: usize, r: f64) -> f64 {
+        r / self.point(contact)[contact_point::INVERSE_INERTIA]
+    }
+
+    /// Evaluates the listed contacts at `x`, without forces.
+    pub(crate) fn evaluate_contacts(
+        &mut self,
+        x: &[f64],
+        contacts: impl IntoIterator<Item = usize>,
+    ) {
+        let length = contact_point::length(self.n);
+        let tangent_length = tangent_point::length(self.n);
+        for i in contacts {
+            self.model
+                .contact(i, x, &mut self.points[i * length..(i + 1) * length]);
+            if self.friction[i] > 0.0 {
+                let tangent = &mut self.tangents[i * tangent_length..(i + 1) * tangent_length];
+                self.model.tangent(i, x, tangent);
+            }
+        }
+        self.evaluations += 1;
+    }
+
+    /// Evaluates the free acceleration and the listed contacts at `x`.
+    pub(crate) fn evaluate(
+        &mut self,
+        x: &[f64],
+        contacts: impl IntoIterator<Item = usize> + Clone,
+    ) {
+        self.model.free_acceleration(x, &mut self.acceleration);
+        self.evaluate_contacts(x, contacts.clone());
+        for i in contacts {
+            let normal = Line::Normal {
+                contact: i,
+                slope: 0.0,
+            };
+            self.scales[i] = self.scales[i].max(self.terms(normal));
+            if self.friction[i] > 0.0 {
+                let terms = self.terms(Line::Tangent {
+                    contact: i,
+                    sense: 1.0,
+                });
+                self.tangent_scales[i] = self.tangent_scales[i].max(terms);
+            }
+        }
+    }
+
+    /// Gradient of the velocity of a line, up to its sign, and the velocity-dependent part of the
+    /// acceleration.
+    fn row(&self, line: Line) -> (&[f64], f64) {
+        match line {
+            Line::Normal { contact, .. } => {
+                let point = self.point(contact);
+                (
+                    &point[contact_point::NORMAL..][..self.n],
+                    point[contact_point::CURVATURE],
+                )
+            }
+            Line::Tangent { contact, .. } => {
+                let tangent = self.tangent(contact);
+                (
+                    &tangent[tangent_point::TANGENT..][..self.n],
+                    tangent[tangent_point::CURVATURE],
+                )
+            }
+        }
+    }
+
+    /// Sum of the sizes of the terms of a line's acceleration.
+    fn terms(&self, line: Line) -> f64 {
+        let (row, curvature) = self.row(line);
+        let terms: f64 = row
+            .iter()
+            .zip(&self.acceleration)
+            .map(|(n, a)| (n * a).abs())
+            .sum();
+        terms + curvature.abs()
+    }
+
+    /// Velocity of a line at the last evaluation.
+    pub(super) fn velocity(&self, line: Line) -> f64 {
+        match line {
+            Line::Normal { contact, .. } => self.normal_velocity(contact),
+            Line::Tangent { contact, sense } => sense * self.sliding_velocity(contact),
+        }
+    }
+
+    /// Acceleration of a line without contact forces at the last evaluation.
+    pub(super) fn free_line_acceleration(&self, line: Line) -> f64 {
+        let (row, curvature) = self.row(line);
+        let sign = match line {
+            Line::Normal { .. } => 1.0,
+            Line::Tangent { sense, .. } => sense,
+        };
+        sign * (dot(row, &self.acceleration) + curvature)
+    }
+
+    /// Normal acceleration of a contact without contact forces at the last evaluation, `phi_i`.
+    pub(crate) fn normal_acceleration(&self, contact: usize) -> f64 {
+        self.free_line_acceleration(Line::Normal {
+            contact,
+            slope: 0.0,
+        })
+    }
+
+    /// Scale of the rounding error of the normal acceleration of a contact.
+    pub(crate) fn phi_scale(&self, contact: usize) -> f64 {
+        self.scales[contact]
+    }
+
+    /// Scale of the rounding error of the acceleration of a line.
+    pub(super) fn scale(&self, line: Line) -> f64 {
+        match line {
+            Line::Normal { contact, .. } => self.scales[contact],
+            Line::Tangent { contact, .. } => self.tangential_scale(contact),
+        }
+    }
+
+    /// Scale of the rounding errors of friction and sliding acceleration.
+    pub(crate) fn tangential_scale(&self, contact: usize) -> f64 {
+        self.tangent_scales[contact] + self.friction[contact] * self.scales[contact]
+    }
+
+    /// Largest scale of the normal accelerations of the listed contacts.
+    pub(crate) fn largest_scale(&self, contacts: &[usize]) -> f64 {
+        contacts
+            .iter()
+            .fold(0.0, |largest, &i| self.scales[i].max(largest))
+    }
+
+    /// Acceleration of line `row` for a unit force on line `column`.
+    pub(super) fn coupling(&self, row: Line, column: Line) -> f64 {
+        let sign = match row {
+            Line::Normal { .. } => 1.0,
+            Line::Tangent { sense, .. } => sense,
+        };
+        let (gradient, _) = self.row(row);
+        let along = match column {
+            Line::Normal {
+                contact,
+                slope: 0.0,
+            } => dot(gradient, self.direction(contact)),
+            Line::Normal { contact, slope } => {
+                dot(gradient, self.direction(contact))
+                    + slope * dot(gradient, self.friction_direction(contact))
+            }
+            Line::Tangent { contact, sense } => {
+                sense * dot(gradient, self.friction_direction(contact))
+            }
+        };
+        sign * along
+    }
+
+    /// Couplings of `lines`, row-major.
+    pub(super) fn couplings(&self, lines: &[Line]) -> Vec<f64> {
+        let mut matrix = Vec::with_capacity(lines.len() * lines.len());
+        for &row in lines {
+            for &column in lines {
+                matrix.push(self.coupling(row, column));
+            }
+        }
+        matrix
+    }
+
+    /// Adds a force of size `value` on `line` to `acceleration`, or an impulse to a velocity.
+    pub(super) fn push(&self, line: Line, value: f64, acceleration: &mut [f64]) {
+        let add = |target: &mut [f64], direction: &[f64], value: f64| {
+            for (component, d) in target.iter_mut().zip(direction) {
+                *component += d * value;
+            }
+        };
+        match line {
+            Line::Normal { contact, slope } => {
+                add(acceleration, self.direction(contact), value);
+                if slope != 0.0 {
+                    add(
+                        acceleration,
+                        self.friction_direction(contact),
+                        slope * value,
+                    );
+                }
+            }
+            Line::Tangent { contact, sense } => add(
+                acceleration,
+                self.friction_direction(contact),
+                sense * value,
+            ),
+        }
+    }
+
+    /// Ratio `s / r` of a contact in the given tangential state; 0 where it sticks.
+    fn slope(&self, active: ActiveContact) -> f64 {
+        active.tangential.share() * self.friction[active.contact]
+    }
+
+    /// The lines that the `active` contacts hold: their normals, then the tangents of those that stick.
+    pub(super) fn lines(&self, active: &[ActiveContact], lines: &mut Vec<Line>) {
+        lines.clear();
+        lines.extend(active.iter().map(|&held| Line::Normal {
+            contact: held.contact,
+            slope: self.slope(held),
+        }));
+        lines.extend(tangents(active));
+    }
+
+    /// Forces of the `active` contacts at the last evaluation, which hold the accelerations of their lines at
+    /// zero: first the normal contact accelerations `r`, then the friction `s` of those that stick.
+    pub(crate) fn contact_forces(
+        &mut self,
+        active: &[ActiveContact],
+        forces: &mut [f64],
+    ) -> Result<(), ModeError> {
+        if let [single] = active
+            && !single.sticks()
+        {
+            let line = Line::Normal {
+                contact: single.contact,
+                slope: 0.0,
+            };
+            forces[0] = -self.free_line_acceleration(line);
+            let slope = self.slope(*single);
+            if slope != 0.0 {
+                let lift = self.lift(single.contact, slope);
+                if lift <= JAMMED {
+                    return Err(ModeError::Jammed);
+                }
+                forces[0] /= lift;
+            }
+            return Ok(());
+        }
+        let mut lines = std::mem::take(&mut self.lines);
+        self.lines(active, &mut lines);
+        self.matrix.clear();
+        for &row in &lines {
+            for &column in &lines {
+                let entry = self.coupling(row, column);
+                self.matrix.push(entry);
+            }
+        }
+        self.pivots.resize(lines.len(), 0);
+        for (value, &line) in forces.iter_mut().zip(&lines) {
+            *value = -self.free_line_acceleration(line);
+        }
+        self.lines = lines;
+        dense::factorize(&mut self.matrix, &mut self.pivots).map_err(|_| ModeError::Dependent)?;
+        dense::solve(&self.matrix, &self.pivots, forces);
+        Ok(())
+    }
+
+    /// Normal acceleration for a unit force of a contact with `s = slope r`; `n' d = 1` by the scaling of the
+    /// contact direction.
+    fn lift(&self, contact: usize, slope: f64) -> f64 {
+        let (normal, _) = self.row(Line::Normal { contact, slope });
+        1.0 + slope * dot(normal, self.friction_direction(contact))
+    }
+
+    /// Normal acceleration for a unit force of a contact that slides in the given sense.
+    pub(crate) fn lift_in_slip(&self, contact: usize, sense: f64) -> f64 {
+        self.lift(contact, -sense * self.friction[contact])
+    }
+
+    /// Acceleration with the `forces` of the `active` contacts at the last evaluation.
+    pub(crate) fn constrained_acceleration(
+        &mut self,
+        active: &[ActiveContact],
+        forces: &[f64],
+        result: &mut [f64],
+    ) {
+        result.copy_from_slice(&self.acceleration);
+        let mut lines = std::mem::take(&mut self.lines);
+        self.lines(active, &mut lines);
+        for (&line, &force) in lines.iter().zip(forces) {
+            self.push(line, force, result);
+        }
+        self.lines = lines;
+    }
+
+    /// Tangential accelerations `s` of the `active` contacts among their `forces`.
+    pub(crate) fn frictions(
+        &self,
+        active: &[ActiveContact],
+        forces: &[f64],
+    ) -> impl Iterator<Item = f64> {
+        let mut stuck = active.len();
+        active.iter().zip(forces).map(move |(&held, &r)| {
+            if held.tangential == Tangential::Sticking {
+                stuck += 1;
+                forces[stuck - 1]
+            } else {
+                self.slope(held) * r
+            }
+        })
+    }
+}
+
+/// Tangents of the contacts that stick.
+fn tangents(active: &[ActiveContact]) -> impl Iterator<Item = Line> {
+    let sticking = active.iter().filter(|held| held.sticks());
+    sticking.map(|held| Line::Tangent {
+        contact: held.contact,
+        sense: 1.0,
+    })
+}
+
+/// The lines that the `active` contacts hold, for forces along the contact directions themselves.
+pub(super) fn unbiased_lines(active: &[ActiveContact]) -> Vec<Line> {
+    let normals = active.iter().map(|held| Line::Normal {
+        contact: held.contact,
+        slope: 0.0,
+    });
+    normals.chain(tangents(active)).collect()
+}
+
+/// Coefficient of friction of each contact, 0 where none is declared.
+pub(crate) fn friction_coefficients(model: &dyn Model) -> Vec<f64> {
+    let contacts = model.declaration().contacts;
+    (0..contacts.len())
+        .map(|i| contacts[i].friction.map_or(0.0, |_| model.friction(i)))
+        .collect()
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+pub(super) fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}

@@ -1,0 +1,174 @@
+//! The judgement of a plan: an independent simulation under its controls.
+
+use super::cuts::excess;
+use super::path::Path;
+use super::search::{Local, Search};
+use super::sequence::Sequence;
+use super::solution::{Size, Solution, Stationarity, Status};
+use crate::nlp;
+use crate::simulation::{
+    EventDriven, EventKind, InputError, Residuals, Simulation, SimulationStatus, Simulator as _,
+};
+
+/// Points of the re-simulation in each interval.
+const OUTPUTS: usize = 10;
+
+impl<'a> Search<'a, '_> {
+    pub(super) fn simulate(&self, path: &Path, tolerance: f64) -> Result<Simulation, InputError> {
+        let problem = self.setting.problem;
+        let start = problem.start_of(self.setting.model, path);
+        let simulator = EventDriven {
+            tolerance,
+            max_step: Some(path.horizon / problem.intervals as f64),
+            output_times: OUTPUTS * problem.intervals,
+            ..EventDriven::default()
+        };
+        let motion = problem.initial_value_problem(&start, path.horizon, path.signal());
+        simulator.simulate(self.setting.model, &motion, &mut |_| {})
+    }
+
+    pub(super) fn read(&self, replay: &Simulation, path: &Path) -> Sequence {
+        let intervals = self.setting.problem.intervals;
+        let forces = replay.trajectory.contact_force.first();
+        let initially = forces.map(|forces| forces.iter().map(|&f| f > 0.0).collect());
+        Sequence::read(
+            initially.unwrap_or_default(),
+            &replay.events,
+            path.horizon / intervals as f64,
+            intervals,
+        )
+    }
+
+    /// A result without a motion.
+    pub(super) fn failed(&mut self) -> Solution {
+        let (status, violations) = self
+            .failure
+            .take()
+            .unwrap_or((nlp::Status::IterationLimit, Vec::new()));
+        let status = match status {
+            nlp::Status::Infeasible => Status::Infeasible,
+            nlp::Status::Interrupted => Status::Interrupted,
+            status => Status::Failed(status),
+        };
+        Solution::without_motion(status, violations, self.counts)
+    }
+
+    /// Re-simulates a motion, with more stages as long as the plan does not agree with the simulation.
+    pub(super) fn refine(
+        &mut self,
+        local: Local<'a>,
+        stationarity: Stationarity,
+    ) -> Result<Solution, InputError> {
+        let (mut sequence, mut path, cuts) = (
+            local.sequence.clone(),
+            local.path.clone(),
+            local.cuts.clone(),
+        );
+        let mut solution = self.finish(local, stationarity)?;
+        let first = self.setting.tableau;
+        for tableau in &self.tableaus[1..] {
+            if self.watch.stopped || solution.status != Status::Unconfirmed {
+                break;
+            }
+            self.setting.tableau = tableau;
+            self.best = None;
+            self.attempt(&sequence, &path, &cuts)?;
+            let Some(better) = self.best.take() else {
+                break;
+            };
+            sequence.clone_from(&better.sequence);
+            path.clone_from(&better.path);
+            solution = self.finish(better, stationarity)?;
+        }
+        self.setting.tableau = first;
+        Ok(solution)
+    }
+
+    /// Re-simulates a motion and compares.
+    fn finish(
+        &mut self,
+        best: Local<'a>,
+        stationarity: Stationarity,
+    ) -> Result<Solution, InputError> {
+        let replay = self.simulate(&best.path, self.settings.resimulation_tolerance)?;
+        let n = self.setting.problem.q.len();
+        let planned = best.path.at(best.path.horizon, true);
+        let reached = replay.trajectory.q.last();
+        let distance = match (&replay.status, reached) {
+            (SimulationStatus::Solved, Some(q)) => q
+                .iter()
+                .zip(&planned[..n])
+                .fold(0.0, |largest: f64, (a, b)| largest.max((a - b).abs())),
+            _ => f64::INFINITY,
+        };
+        let read = self.read(&replay, &best.path);
+        let kinds = |sequence: &Sequence| -> Vec<(usize, bool)> {
+            let switches = sequence.switches.iter();
+            switches.map(|s| (s.contact, s.closes)).collect()
+        };
+        let agrees =
+            distance <= self.settings.largest_distance && kinds(&read) == kinds(&best.sequence);
+        let status = if self.watch.stopped {
+            Status::Interrupted
+        } else if !agrees {
+            Status::Unconfirmed
+        } else if stationarity == Stationarity::None {
+            Status::Uncertified
+        } else {
+            Status::Solved
+        };
+        let complementarity = complementarity(&best);
+        let residuals = Residuals {
+            primal: best.solution.residuals.primal,
+            dual: best.solution.residuals.dual,
+            complementarity,
+        };
+        let size = Size::of(&best.program.program, 0);
+        let planned_events = best.sequence.switches.iter().map(|switch| {
+            let time = switch.time * best.path.horizon / self.setting.problem.intervals as f64;
+            let kind = if switch.closes {
+                EventKind::Impact
+            } else {
+                EventKind::LiftOff
+            };
+            (time, kind, switch.contact)
+        });
+        Ok(Solution {
+            status,
+            objective: best.solution.objective,
+            horizon: best.path.horizon,
+            stationarity,
+            resimulation_error: distance,
+            residuals,
+            planned_events: planned_events.collect(),
+            excess: excess(&best.program, &best.solution.x, self.limits()),
+            controls: best.path.controls,
+            motion: Some(replay),
+            violations: best.solution.violations,
+            size,
+            counts: self.counts,
+            seconds: 0.0,
+            time_freezing: None,
+            optima: Vec::new(),
+        })
+    }
+}
+
+/// Largest `min(g, r)` over all stages and contacts: 0 by construction wherever one of them is fixed.
+fn complementarity(best: &Local) -> f64 {
+    let x = best.program.program.physical(&best.solution.x);
+    let model = best.program.model;
+    let mut input = vec![0.0; model.declaration().inputs()];
+    let mut largest: f64 = 0.0;
+    for phase in &best.program.phases {
+        for stage in &phase.stages {
+            for (slot, &variable) in input.iter_mut().zip(&stage.state) {
+                *slot = x[variable];
+            }
+            for (&contact, &force) in phase.closed.iter().zip(&stage.forces) {
+                largest = largest.max(model.gap(contact, &input).abs().min(x[force].abs()));
+            }
+        }
+    }
+    largest
+}

@@ -1,0 +1,180 @@
+//! The search for contact sequences: contact-implicit programs from coarse to fine.
+
+use super::collocation::Setting;
+use super::contact_implicit::ContactImplicit;
+use super::path::Path;
+use super::search::{Search, refused};
+use super::sequence::Sequence;
+use crate::mpcc::{self, RelaxationRule};
+use crate::nlp;
+use crate::simulation::InputError;
+
+/// Elements an interval of the first programs of the global phase, and the rules that relax them: few elements
+/// and many rules, because the programs differ in the local optima that they end at, and are cheap.
+const COARSE: [(usize, &[RelaxationRule]); 2] = [
+    (
+        1,
+        &[
+            RelaxationRule::Proportional,
+            RelaxationRule::Continuation,
+            RelaxationRule::RollOff,
+        ],
+    ),
+    (2, &[RelaxationRule::RollOff, RelaxationRule::Continuation]),
+];
+/// Last relaxation and first barrier parameter of the first programs.
+const COARSE_RELAXATION: (f64, f64) = (1e-3, 1e-1);
+/// Rules of the refined programs.
+const FINE_RULES: [RelaxationRule; 3] = [
+    RelaxationRule::Proportional,
+    RelaxationRule::RollOff,
+    RelaxationRule::Continuation,
+];
+/// How many of them are tried where the first programs did not agree.
+const FINE_ALTERNATIVES: usize = 2;
+/// Last relaxation and first barrier parameter of the refined programs.
+const FINE_RELAXATION: (f64, f64) = (1e-6, 1e-4);
+/// Relative difference of the objective within which two relaxed motions count as the same.
+const SAME: f64 = 1e-3;
+/// Where in an element of implicit Euler a contact closes, as a share of the element: it says no more.
+const CLOSING: f64 = 0.5;
+/// Gap below which a motion starts on a surface, in its unit.
+const AT_START: f64 = 1e-9;
+/// The same where initial values are free: as far as a relaxed program may hold it off.
+const NEAR_START: f64 = 1e-3;
+
+/// A motion of the global phase.
+pub(super) struct Relaxed {
+    pub(super) objective: f64,
+    pub(super) path: Path,
+    pub(super) sequence: Sequence,
+}
+
+impl Search<'_, '_> {
+    /// The contact-implicit phase: distinct motions, the best first; the guess itself if no program could be solved.
+    pub(super) fn global(&mut self, guess: &Path) -> Result<Vec<Relaxed>, InputError> {
+        let mut coarse: Vec<Relaxed> = Vec::new();
+        let mut unsolved = 0;
+        for (elements, rules) in COARSE {
+            for &rule in rules {
+                if self.watch.stopped {
+                    return Ok(Vec::new());
+                }
+                let found = self.relaxed(guess, elements, rule, COARSE_RELAXATION)?;
+                unsolved += usize::from(found.is_none());
+                insert(&mut coarse, found);
+            }
+        }
+        let mut starts: Vec<Path> = coarse.into_iter().map(|found| found.path).collect();
+        // Programs that fail or end far apart cast doubt on the others.
+        let hard = unsolved > 0;
+        if starts.is_empty() {
+            starts.push(guess.clone());
+        }
+        let mut fine: Vec<Relaxed> = Vec::new();
+        for start in &starts {
+            for (index, &rule) in FINE_RULES.iter().enumerate() {
+                if self.watch.stopped || index >= FINE_ALTERNATIVES && !fine.is_empty() {
+                    break;
+                }
+                let found =
+                    self.relaxed(start, self.settings.refined_elements, rule, FINE_RELAXATION)?;
+                let solved = found.is_some();
+                insert(&mut fine, found);
+                if solved && !hard {
+                    break;
+                }
+            }
+        }
+        if fine.is_empty() {
+            // Too few elements for the motion, perhaps: the next phase starts from the guess.
+            fine.push(Relaxed {
+                objective: f64::INFINITY,
+                path: guess.clone(),
+                sequence: Sequence {
+                    initially: self.closed_at_start(guess),
+                    switches: Vec::new(),
+                },
+            });
+        }
+        Ok(fine)
+    }
+
+    /// One contact-implicit program, relaxed by one rule down to `relaxation.0` from the barrier parameter
+    /// `relaxation.1`.
+    fn relaxed(
+        &mut self,
+        start: &Path,
+        elements: usize,
+        rule: RelaxationRule,
+        relaxation: (f64, f64),
+    ) -> Result<Option<Relaxed>, InputError> {
+        let Setting {
+            model,
+            problem,
+            units,
+            bounds,
+            ..
+        } = self.setting;
+        let mut program = ContactImplicit::new(model, problem, elements, start, units, bounds);
+        let mut settings = mpcc::Settings {
+            rules: vec![rule],
+            crossover: false,
+            final_relaxation: relaxation.0,
+            ..mpcc::Settings::default()
+        };
+        settings.interior_point.initial_barrier_parameter = relaxation.1;
+        settings.interior_point.maximum_iterations = self.settings.maximum_iterations;
+        self.watch
+            .begin("contact-implicit search", &self.counts, None);
+        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info);
+        let solution = mpcc::solve_observed(&mut program.program, &settings, &mut observer)
+            .map_err(|error| refused(&error))?;
+        self.counts.programs += 1;
+        self.counts.global_iterations += solution.iterations;
+        self.counts.factorizations += solution.factorizations;
+        if solution.status == mpcc::Status::Relaxed {
+            let closed = program.closed(&solution.x);
+            let ends: Vec<f64> = (1..=closed.len())
+                .map(|end| end as f64 / elements as f64)
+                .collect();
+            let path = program.path(&solution.x);
+            let initially = self.closed_at_start(&path);
+            return Ok(Some(Relaxed {
+                objective: solution.objective,
+                path,
+                sequence: Sequence::of_elements(initially, &closed, (elements, &ends), CLOSING),
+            }));
+        }
+        let status = match solution.status {
+            mpcc::Status::Failed(status) => status,
+            _ => nlp::Status::Infeasible,
+        };
+        self.failure = Some((status, solution.violations));
+        Ok(None)
+    }
+
+    /// Contacts that a path starts on.
+    pub(super) fn closed_at_start(&self, path: &Path) -> Vec<bool> {
+        let Setting { model, units, .. } = self.setting;
+        let mut input = self.setting.problem.start_of(model, path);
+        input.resize(model.declaration().inputs(), 0.0);
+        let free = self.setting.problem.has_free_start(model);
+        let near = if free { NEAR_START } else { AT_START };
+        (0..model.declaration().contacts.len())
+            .map(|contact| model.gap(contact, &input) <= near * units.gap[contact])
+            .collect()
+    }
+}
+
+/// Adds a motion to those sorted by objective, unless one with the same objective is there.
+fn insert(motions: &mut Vec<Relaxed>, found: Option<Relaxed>) {
+    let Some(found) = found else { return };
+    let objective = found.objective;
+    let tolerance = SAME * objective.abs().max(f64::MIN_POSITIVE);
+    let same = |other: &Relaxed| (other.objective - objective).abs() <= tolerance;
+    if !motions.iter().any(same) {
+        let place = motions.partition_point(|other| other.objective < objective);
+        motions.insert(place, found);
+    }
+}

@@ -1,0 +1,303 @@
+//! The search over contact sequences: attempts, cuts, repair.
+
+use super::collocation::{Collocation, Cut, Setting};
+use super::cuts::{Limits, between_stages};
+use super::global::Relaxed;
+use super::path::Path;
+use super::progress::Watch;
+use super::repair::Pressure;
+use super::sequence::{Sequence, Signature};
+use super::settings::{Formulation, Settings};
+use super::solution::{Counts, Solution, Stationarity, Status, TimeFreezingReport};
+use crate::nlp;
+use crate::rk::ButcherTableau;
+use crate::simulation::{InputError, SimulationStatus};
+
+/// Barrier parameters that a collocation program is started with, in this order.
+const BARRIERS: [f64; 3] = [1e-2, 1e-3, 1e-1];
+/// Barrier parameter after a cut, and those that follow if that fails.
+const BARRIERS_AFTER_CUT: [f64; 3] = [1e-4, 1e-2, 1e-3];
+/// Rounds of cuts of one sequence.
+const ROUNDS: usize = 5;
+/// Relative decrease of the objective that counts as an improvement.
+const IMPROVEMENT: f64 = 1e-9;
+/// Barrier parameters that a neighbouring sequence is started with, and most iterations for it.
+const NEIGHBOUR_BARRIERS: [f64; 2] = [1e-2, 1e-3];
+const NEIGHBOUR_ITERATIONS: usize = 150;
+/// Gap below which a flight counts as touching, relative to the gap margin.
+const TOUCHING: f64 = 0.1;
+/// Most switches of short contacts and flights for which a sequence is tried with them, too.
+const SHORT_SWITCHES: usize = 2;
+
+/// A solved program of a sequence.
+pub(super) struct Local<'a> {
+    pub(super) program: Collocation<'a>,
+    pub(super) solution: nlp::Solution,
+    pub(super) path: Path,
+    pub(super) sequence: Sequence,
+    pub(super) cuts: Vec<Cut>,
+}
+
+/// The search over contact sequences.
+pub(super) struct Search<'a, 's> {
+    pub(super) setting: Setting<'a>,
+    /// Schemes of growing order; the first one serves the search.
+    pub(super) tableaus: &'a [ButcherTableau],
+    pub(super) settings: &'s Settings,
+    pub(super) watch: Watch<'s>,
+    pub(super) counts: Counts,
+    pub(super) time_freezing: Option<TimeFreezingReport>,
+    pub(super) tried: Vec<Signature>,
+    pub(super) best: Option<Local<'a>>,
+    /// Whether a neighbour of the best could not be solved.
+    pub(super) undecided: bool,
+    /// Why the last program failed, and its worst rows.
+    pub(super) failure: Option<(nlp::Status, Vec<nlp::Violation>)>,
+}
+
+impl<'a> Search<'a, '_> {
+    pub(super) fn run(&mut self, guess: &Path) -> Result<Solution, InputError> {
+        let mut found: Vec<(Local<'a>, Stationarity)> = Vec::new();
+        let settings = self.settings;
+        let relaxed = match &settings.formulation {
+            Formulation::Phases => self.global(guess)?,
+            Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
+        };
+        for global in relaxed.into_iter().take(settings.refined_motions) {
+            if self.watch.stopped {
+                break;
+            }
+            self.read_and_attempt(global)?;
+            let stationarity = self.repair()?;
+            if let Some(best) = self.best.take() {
+                let objective = best.solution.objective;
+                let place = found.partition_point(|(l, _)| l.solution.objective < objective);
+                found.insert(place, (best, stationarity));
+            }
+        }
+        // The best that the re-simulation confirms, or else the best.
+        let mut result: Option<Solution> = None;
+        for (local, stationarity) in found {
+            let solution = self.refine(local, stationarity)?;
+            let confirmed = solution.status != Status::Unconfirmed;
+            if confirmed || result.is_none() {
+                result = Some(solution);
+            }
+            if confirmed {
+                break;
+            }
+        }
+        Ok(match result {
+            Some(solution) => solution,
+            None => self.failed(),
+        })
+    }
+
+    /// Attempts the sequences that a relaxed motion suggests. It and the event-driven motion under the same
+    /// controls may disagree where the motion is sensitive, and short contacts may be meant or not: all are
+    /// candidates, the likely ones first.
+    fn read_and_attempt(&mut self, global: Relaxed) -> Result<(), InputError> {
+        let replay = self.simulate(&global.path, self.settings.replay_tolerance)?;
+        let mut candidates = vec![(global.sequence, global.path)];
+        if replay.status == SimulationStatus::Solved {
+            let path = &candidates[0].1;
+            let simulated = Path::of_simulation(
+                self.setting.model,
+                &replay,
+                path.horizon,
+                path.controls.clone(),
+            );
+            candidates.push((self.read(&replay, path), simulated));
+        }
+        let tidied = candidates
+            .iter()
+            .map(|(sequence, path)| (sequence.clone().tidied(), path));
+        let raw = candidates.iter().filter(|(sequence, _)| {
+            let short = sequence.switches.len() - sequence.clone().tidied().switches.len();
+            short <= SHORT_SWITCHES
+        });
+        let raw = raw.map(|(sequence, path)| (sequence.clone(), path));
+        for (sequence, path) in tidied.chain(raw) {
+            let Some(sequence) = sequence.ordered(self.setting.problem.intervals) else {
+                continue;
+            };
+            if !self.watch.stopped && !self.tried.contains(&sequence.signature()) {
+                self.attempt(&sequence, path, &[])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves the program of a sequence with its cuts and keeps it if it is the best; says whether it is.
+    pub(super) fn attempt(
+        &mut self,
+        sequence: &Sequence,
+        guess: &Path,
+        cuts: &[Cut],
+    ) -> Result<bool, InputError> {
+        self.tried.push(sequence.signature());
+        let mut cuts = cuts.to_vec();
+        let mut guess = guess.clone();
+        let mut sequence = sequence.clone();
+        for round in 0..ROUNDS {
+            let barriers = if round > 0 {
+                &BARRIERS_AFTER_CUT[..]
+            } else if self.best.is_some() {
+                &NEIGHBOUR_BARRIERS[..]
+            } else {
+                &BARRIERS[..]
+            };
+            let Some((program, solution)) = self.solve(&sequence, &guess, &cuts, barriers)? else {
+                self.undecided |= !matches!(self.failure, Some((nlp::Status::Infeasible, _)));
+                return Ok(false);
+            };
+            let objective = solution.objective;
+            if let Some(best) = &self.best
+                && objective > best.solution.objective - IMPROVEMENT * objective.abs().max(1.0)
+            {
+                return Ok(false);
+            }
+            let parabolas = self.setting.parabolas;
+            let new = between_stages(&program, &solution.x, parabolas, self.limits());
+            (guess, sequence) = program.result(&solution.x);
+            // What is left after the last round is for the re-simulation to judge.
+            if new.is_empty() || round + 1 == ROUNDS {
+                self.best = Some(Local {
+                    program,
+                    solution,
+                    path: guess,
+                    sequence,
+                    cuts,
+                });
+                return Ok(true);
+            }
+            cuts.extend(new);
+        }
+        Ok(false)
+    }
+
+    /// What the motion has to keep between the stages.
+    pub(super) fn limits(&self) -> Limits<'a> {
+        Limits {
+            gap: TOUCHING * self.settings.gap_margin,
+            margin: self.settings.gap_margin,
+            bound: self.settings.tolerance,
+            bounds: self.setting.bounds,
+            problem: self.setting.problem,
+            places: self.setting.places,
+        }
+    }
+
+    /// Solves one program from the first barrier parameter that works.
+    fn solve(
+        &mut self,
+        sequence: &Sequence,
+        guess: &Path,
+        cuts: &[Cut],
+        barriers: &[f64],
+    ) -> Result<Option<(Collocation<'a>, nlp::Solution)>, InputError> {
+        for &barrier in barriers {
+            let mut program = Collocation::new(self.setting, sequence, guess, cuts);
+            let mut settings = nlp::Settings {
+                tolerance: self.settings.tolerance,
+                constraint_tolerance: self.settings.tolerance,
+                initial_barrier_parameter: barrier,
+                maximum_iterations: self.settings.maximum_iterations,
+                ..nlp::Settings::default()
+            };
+            if self.best.is_some() {
+                // A neighbour starts near its solution, or is not worth much.
+                settings.maximum_iterations = settings.maximum_iterations.min(NEIGHBOUR_ITERATIONS);
+            }
+            let best = self.best.as_ref().map(|best| best.solution.objective);
+            self.watch.begin("collocation", &self.counts, best);
+            let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info);
+            let solution =
+                nlp::solve_from(&mut program.program, &settings, None, Some(&mut observer))
+                    .map_err(|error| refused(&error))?;
+            self.counts.programs += 1;
+            self.counts.iterations += solution.counts.iterations;
+            self.counts.factorizations += solution.counts.factorizations;
+            if matches!(
+                solution.status,
+                nlp::Status::Solved | nlp::Status::Acceptable
+            ) {
+                return Ok(Some((program, solution)));
+            }
+            self.failure = Some((solution.status, solution.violations));
+            if self.watch.stopped {
+                break;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Follows improving neighbours until there is none; says what was proved.
+    fn repair(&mut self) -> Result<Stationarity, InputError> {
+        let intervals = self.setting.problem.intervals;
+        loop {
+            let Some(best) = self.best.take() else {
+                return Ok(Stationarity::None);
+            };
+            let pressure = Pressure {
+                program: &best.program,
+                solution: &best.solution,
+                sequence: &best.sequence,
+                intervals,
+                touching: TOUCHING * self.settings.gap_margin,
+            };
+            let directed = pressure.directed();
+            let neighbours: Vec<Sequence> =
+                directed.into_iter().chain(pressure.insertions()).collect();
+            let shortened = pressure.shortened();
+            let (path, cuts) = (best.path.clone(), best.cuts.clone());
+            self.best = Some(best);
+            let stationarity = if neighbours.is_empty() {
+                Stationarity::S
+            } else {
+                Stationarity::B
+            };
+            let mut improved = false;
+            self.undecided = false;
+            for neighbour in neighbours {
+                if self.tried.contains(&neighbour.signature()) {
+                    continue;
+                }
+                if self.watch.stopped || self.counts.programs >= self.settings.maximum_programs {
+                    return Ok(Stationarity::None);
+                }
+                if self.attempt(&neighbour, &path, &cuts)? {
+                    improved = true;
+                    break;
+                }
+            }
+            let undecided = self.undecided;
+            // No neighbour, but often in another basin: nothing is claimed about it.
+            if !improved
+                && let Some(sequence) = shortened
+                && !self.tried.contains(&sequence.signature())
+                && !self.watch.stopped
+                && self.counts.programs < self.settings.maximum_programs
+            {
+                improved = self.attempt(&sequence, &path, &cuts)?;
+            }
+            if !improved {
+                return Ok(if undecided {
+                    Stationarity::None
+                } else {
+                    stationarity
+                });
+            }
+            self.counts.repairs += 1;
+        }
+    }
+}
+
+/// A refusal of the interior point method: the programs here are built to be accepted, except where the
+/// model's functions are not finite.
+pub(super) fn refused(error: &nlp::InputError) -> InputError {
+    InputError::NotFinite {
+        what: format!("optimal control: {error}; a number there"),
+        value: f64::NAN,
+    }
+}

@@ -1,0 +1,153 @@
+//! The complementarity problem of the closed contacts at one instant: of velocities for an impact, of
+//! accelerations for a balance of forces.
+
+use super::coulomb::{CoulombProblem, CoulombSolution, MOST_DECISIONS, TangentialLaw};
+use super::dynamics::{Dynamics, dot, largest};
+
+/// Two solutions are one if their changes of the velocity agree to this relative accuracy.
+const SAME: f64 = 1e-8;
+
+/// Closed contacts, as last evaluated, with what their normal and sliding velocities (or accelerations) are
+/// without contact forces.
+pub(in crate::simulation) struct ContactProblem<'a> {
+    /// What is solved for, in words.
+    pub(in crate::simulation) what: &'static str,
+    /// The closed contacts.
+    pub(in crate::simulation) contacts: &'a [usize],
+    /// `q_n`, one a contact.
+    pub(in crate::simulation) normal: &'a [f64],
+    /// `q_t`, one a contact; not read for contacts without friction.
+    pub(in crate::simulation) tangential: &'a [f64],
+    /// Tangential law, one a contact.
+    pub(in crate::simulation) laws: &'a [TangentialLaw],
+}
+
+impl ContactProblem<'_> {
+    /// Solves `w = q + A (p, s)` under the laws of normal contact and Coulomb friction, see [`CoulombProblem`].
+    /// Several solutions are accepted if they give the same change of velocity.
+    pub(in crate::simulation) fn solve(
+        &self,
+        dynamics: &Dynamics<'_>,
+    ) -> Result<CoulombSolution, String> {
+        let matrix = self.matrix(dynamics);
+        let problem = CoulombProblem {
+            matrix: &matrix,
+            normal: self.normal,
+            tangential: self.tangential,
+            laws: self.laws,
+        };
+        if problem.decisions() > MOST_DECISIONS {
+            return Err(format!(
+                "{} at {} closed contacts at once; at most {MOST_DECISIONS} can be resolved exactly, and \
+                 one that may stick counts twice",
+                self.what,
+                self.contacts.len(),
+            ));
+        }
+        let mut found = problem.solutions().into_iter();
+        let Some(solution) = found.next() else {
+            return Err(format!(
+                "the {} has no solution: {}",
+                self.what,
+                self.jamming(dynamics).unwrap_or_else(|| {
+                    "contact directions push each other into the ground; check \
+                                        `along` of the impact laws"
+                        .into()
+                })
+            ));
+        };
+        let reference = self.change(dynamics, &solution);
+        let tolerance = SAME
+            * largest(&reference)
+                .max(largest(self.normal))
+                .max(largest(self.tangential));
+        for other in found {
+            let apart = self
+                .change(dynamics, &other)
+                .iter()
+                .zip(&reference)
+                .any(|(a, b)| (a - b).abs() > tolerance);
+            if apart {
+                return Err(format!(
+                    "the {} has several solutions with different velocities: {}",
+                    self.what,
+                    self.jamming(dynamics).unwrap_or_else(|| {
+                        "check `along` of the impact laws, or start from a \
+                                            slightly different state"
+                            .into()
+                    })
+                ));
+            }
+        }
+        Ok(solution)
+    }
+
+    /// `A = (n, b)' (d, e)`, row-major; entries of contacts without friction are 0.
+    fn matrix(&self, dynamics: &Dynamics<'_>) -> Vec<f64> {
+        let m = self.contacts.len();
+        let mut matrix = vec![0.0; 4 * m * m];
+        for (row, &i) in self.contacts.iter().enumerate() {
+            for (column, &j) in self.contacts.iter().enumerate() {
+                let mut set = |row: usize, column: usize, covector: &[f64], direction: &[f64]| {
+                    matrix[2 * m * row + column] = dot(covector, direction);
+                };
+                set(row, column, dynamics.normal(i), dynamics.direction(j));
+                if dynamics.has_friction(j) {
+                    let e = dynamics.friction_direction(j);
+                    set(row, m + column, dynamics.normal(i), e);
+                }
+                if dynamics.has_friction(i) {
+                    let b = dynamics.tangent(i);
+                    set(m + row, column, b, dynamics.direction(j));
+                    if dynamics.has_friction(j) {
+                        set(m + row, m + column, b, dynamics.friction_direction(j));
+                    }
+                }
+            }
+        }
+        matrix
+    }
+
+    /// `sum_i d_i p_i + e_i s_i`.
+    pub(in crate::simulation) fn change(
+        &self,
+        dynamics: &Dynamics<'_>,
+        solution: &CoulombSolution,
+    ) -> Vec<f64> {
+        let mut change = vec![0.0; dynamics.n];
+        for (slot, &i) in self.contacts.iter().enumerate() {
+            for (change, d) in change.iter_mut().zip(dynamics.direction(i)) {
+                *change += d * solution.p[slot];
+            }
+            if solution.s[slot] == 0.0 {
+                continue;
+            }
+            for (change, e) in change.iter_mut().zip(dynamics.friction_direction(i)) {
+                *change += e * solution.s[slot];
+            }
+        }
+        change
+    }
+
+    /// Says which contact friction pushes into the ground, if there is one.
+    fn jamming(&self, dynamics: &Dynamics<'_>) -> Option<String> {
+        self.contacts.iter().zip(self.laws).find_map(|(&i, &law)| {
+            let gain = match law {
+                TangentialLaw::None => return None,
+                TangentialLaw::Coulomb(mu) => dynamics.gain(i, mu).min(dynamics.gain(i, -mu)),
+                TangentialLaw::Sliding(mu, direction) => dynamics.gain(i, -direction.sign() * mu),
+            };
+            (gain <= 0.0).then(|| jammed(dynamics, i, gain))
+        })
+    }
+}
+
+/// Painleve's paradox in words: a contact whose [gain](Dynamics::gain) is zero or less.
+pub(in crate::simulation) fn jammed(dynamics: &Dynamics<'_>, contact: usize, gain: f64) -> String {
+    format!(
+        "friction {} of `{}` pushes it into the ground as much as its force lifts it, 1 - mu |n'e| = {gain:.1e} \
+         (Painleve); lower the friction or change the geometry",
+        dynamics.friction[contact],
+        dynamics.model.declaration().contacts[contact].name,
+    )
+}

@@ -1,0 +1,60 @@
+//! What a single contact does between two events.
+
+/// Sign of a sliding velocity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::simulation) enum Direction {
+    Forward,
+    Backward,
+}
+
+impl Direction {
+    pub(in crate::simulation) fn of(velocity: f64) -> Self {
+        if velocity < 0.0 {
+            Self::Backward
+        } else {
+            Self::Forward
+        }
+    }
+
+    pub(in crate::simulation) fn sign(self) -> f64 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Backward => -1.0,
+        }
+    }
+}
+
+/// State of a contact in a contact mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::simulation) enum ContactState {
+    /// Carries no force.
+    Open,
+    /// Carries a normal force, and has no friction.
+    Frictionless,
+    /// Carries a normal force and the tangential force that keeps its sliding velocity zero.
+    Stick,
+    /// Slides, and carries the tangential force `s = -mu r` or `+mu r` against it.
+    Slip(Direction),
+    /// Carries the tangential force of sliding, but other contacts keep its sliding velocity zero: how they
+    /// share the load is not determined, and does not matter for the motion.
+    Held(Direction),
+}
+
+impl ContactState {
+    pub(in crate::simulation) fn is_open(self) -> bool {
+        self == Self::Open
+    }
+
+    /// Whether the sliding velocity is zero throughout.
+    pub(in crate::simulation) fn is_stuck(self) -> bool {
+        matches!(self, Self::Stick | Self::Held(_))
+    }
+
+    /// `s / r` of a contact whose tangential force follows from the normal one; 0 for the others.
+    pub(in crate::simulation) fn force_ratio(self, mu: f64) -> f64 {
+        match self {
+            Self::Slip(direction) | Self::Held(direction) => -direction.sign() * mu,
+            Self::Open | Self::Frictionless | Self::Stick => 0.0,
+        }
+    }
+}

@@ -1,0 +1,413 @@
+//! The constrained dynamics of one contact mode: accelerations, contact forces, switching functions, speed of
+//! numerical time, projection onto the surfaces in contact.
+
+mod motion;
+mod switch;
+
+pub(in crate::simulation) use switch::Switch;
+
+use super::contact_state::ContactState;
+use crate::model::{Model, contact_point, tangent_point};
+use crate::simulation::{
+    ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation, SimulationStatus,
+    Trajectory,
+};
+
+/// Dynamics of a model with a set of active contacts `I`, of which `J` stick:
+///
+/// ```text
+/// v' = a + sum_I d_i r_i + sum_I e_i s_i        s_i = -mu r_i or +mu r_i where contact i slips, 0 without friction
+/// n_i' v' + curvature = 0  for i in I,          b_i' v' + curvature = 0  for i in J
+/// ```
+///
+/// a linear system for the normal contact accelerations `r_i`, `i` in `I`, and the tangential ones `s_i`, `i`
+/// in `J`.
+///
+/// The state is `y = (q, v, numerical time)`. The switching functions are numbered: one for each contact, then
+/// two for each contact with friction.
+pub(in crate::simulation) struct Dynamics<'a> {
+    pub(in crate::simulation) model: &'a dyn Model,
+    /// Number of coordinates.
+    pub(in crate::simulation) n: usize,
+    /// Number of contacts.
+    pub(in crate::simulation) contacts: usize,
+    /// Active contacts, increasing: those that are not open.
+    pub(in crate::simulation) active: Vec<usize>,
+    /// Controls that hold now.
+    pub(in crate::simulation) u: Vec<f64>,
+    /// Switching functions at the last evaluation.
+    pub(in crate::simulation) values: Vec<f64>,
+    /// Smallest of `values` since [`sample_from`](Self::sample_from).
+    pub(in crate::simulation) lowest: Vec<f64>,
+    /// Largest of `values` since [`sample_from`](Self::sample_from).
+    pub(in crate::simulation) highest: Vec<f64>,
+    /// Whether a contact declares friction, if only with the coefficient 0.
+    pub(in crate::simulation) declares_friction: bool,
+    /// Coefficients of restitution.
+    pub(in crate::simulation) restitution: Vec<f64>,
+    /// Coefficients of friction.
+    pub(in crate::simulation) friction: Vec<f64>,
+    /// Evaluations so far.
+    pub(in crate::simulation) evaluations: usize,
+    /// Sign of the determinant of the equations for the contact accelerations at the last evaluation. While it
+    /// stays, none of them has passed through infinity.
+    pub(in crate::simulation) orientation: f64,
+    /// Contacts with friction, increasing.
+    frictional: Vec<usize>,
+    /// State of each contact.
+    mode: Vec<ContactState>,
+    /// Contacts that stick, increasing.
+    sticking: Vec<usize>,
+    /// Normal and tangential contact accelerations at the last evaluation.
+    r: Vec<f64>,
+    s: Vec<f64>,
+    /// Sizes of the terms that a switching function balances if it is a force,
+    /// `|curvature| + sum_k |n_k a_k| + sum_j |D_ij r_j|` for a normal one: rounding error is a share of it.
+    force_scale: Vec<f64>,
+    /// Accelerations that are nothing to a contact: `sqrt(D_i a'M a)`, the largest normal acceleration that
+    /// forces of the size of those present could give, at the last change of the mode.
+    force_floor: Vec<f64>,
+    auxiliary_acceleration: f64,
+    explicit_time: bool,
+    x: Vec<f64>,
+    acceleration: Vec<f64>,
+    points: Vec<f64>,
+    tangents: Vec<f64>,
+    /// `d_i`, or `d_i - mu e_i` and `d_i + mu e_i` for a contact that slips.
+    columns: Vec<f64>,
+    mass: Vec<f64>,
+    matrix: Vec<f64>,
+    right: Vec<f64>,
+}
+
+impl<'a> Dynamics<'a> {
+    pub(in crate::simulation) fn new(model: &'a dyn Model, auxiliary_acceleration: f64) -> Self {
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let contacts = declaration.contacts.len();
+        let friction: Vec<f64> = (0..contacts)
+            .map(|i| {
+                declaration.contacts[i]
+                    .friction
+                    .map_or(0.0, |_| model.friction(i))
+            })
+            .collect();
+        let frictional: Vec<usize> = (0..contacts).filter(|&i| friction[i] > 0.0).collect();
+        let functions = contacts + 2 * frictional.len();
+        let rows = contacts + frictional.len();
+        Self {
+            model,
+            n,
+            contacts,
+            active: Vec::with_capacity(contacts),
+            u: vec![0.0; declaration.controls.len()],
+            values: vec![0.0; functions],
+            lowest: vec![0.0; functions],
+            highest: vec![0.0; functions],
+            declares_friction: declaration.contacts.iter().any(|c| c.friction.is_some()),
+            restitution: (0..contacts).map(|i| model.restitution(i)).collect(),
+            friction,
+            evaluations: 0,
+            orientation: 1.0,
+            sticking: Vec::with_capacity(frictional.len()),
+            frictional,
+            mode: vec![ContactState::Open; contacts],
+            r: vec![0.0; contacts],
+            s: vec![0.0; contacts],
+            force_scale: vec![0.0; functions],
+            force_floor: vec![0.0; functions],
+            auxiliary_acceleration,
+            explicit_time: declaration.explicit_time,
+            x: vec![0.0; declaration.inputs()],
+            acceleration: vec![0.0; n],
+            points: vec![0.0; contacts * contact_point::length(n)],
+            tangents: vec![0.0; contacts * tangent_point::length(n)],
+            columns: vec![0.0; contacts * n],
+            mass: vec![0.0; n * n],
+            matrix: vec![0.0; rows * rows],
+            right: vec![0.0; rows],
+        }
+    }
+
+    /// A result without events and trajectory.
+    pub(in crate::simulation) fn empty_result(&self) -> Simulation {
+        Simulation {
+            status: SimulationStatus::Solved,
+            events: Vec::new(),
+            trajectory: Trajectory::default(),
+            residuals: Residuals::default(),
+            size: ProblemSize {
+                variables: 2 * self.n,
+                equalities: 2 * self.n,
+                complementarities: self.contacts,
+                ..ProblemSize::default()
+            },
+            counts: Counts::default(),
+            seconds: Seconds::default(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// Sets the controls that hold right after `t`.
+    pub(in crate::simulation) fn set_controls(&mut self, signal: &ControlSignal, t: f64) {
+        signal.write(t, &mut self.u);
+        let n = self.n;
+        self.x[2 * n..2 * n + self.u.len()].copy_from_slice(&self.u);
+    }
+
+    /// Writes the state into the input vector that the model's kernels read.
+    pub(in crate::simulation) fn load(&mut self, t: f64, y: &[f64]) {
+        let n = self.n;
+        self.x[..2 * n].copy_from_slice(&y[..2 * n]);
+        if self.explicit_time
+            && let Some(last) = self.x.last_mut()
+        {
+            *last = t;
+        }
+    }
+
+    /// Evaluates one contact at the state loaded.
+    pub(in crate::simulation) fn evaluate_contact(&mut self, contact: usize) {
+        let length = contact_point::length(self.n);
+        let point = &mut self.points[contact * length..(contact + 1) * length];
+        self.model.contact(contact, &self.x, point);
+    }
+
+    /// The contact as last evaluated, laid out as in [`contact_point`].
+    pub(in crate::simulation) fn point(&self, contact: usize) -> &[f64] {
+        let length = contact_point::length(self.n);
+        &self.points[contact * length..(contact + 1) * length]
+    }
+
+    /// Contact normal as last evaluated.
+    pub(in crate::simulation) fn normal(&self, contact: usize) -> &[f64] {
+        &self.point(contact)[contact_point::NORMAL..][..self.n]
+    }
+
+    /// Contact direction as last evaluated.
+    pub(in crate::simulation) fn direction(&self, contact: usize) -> &[f64] {
+        &self.point(contact)[contact_point::direction(self.n)..][..self.n]
+    }
+
+    /// Evaluates the tangential side of one contact with friction at the state loaded.
+    pub(in crate::simulation) fn evaluate_tangent(&mut self, contact: usize) {
+        let length = tangent_point::length(self.n);
+        let point = &mut self.tangents[contact * length..(contact + 1) * length];
+        self.model.tangent(contact, &self.x, point);
+    }
+
+    /// Evaluates one contact, and its tangential side if it has friction, at the state loaded.
+    pub(in crate::simulation) fn evaluate_sides(&mut self, contact: usize) {
+        self.evaluate_contact(contact);
+        if self.has_friction(contact) {
+            self.evaluate_tangent(contact);
+        }
+    }
+
+    /// The tangential side as last evaluated, laid out as in [`tangent_point`].
+    fn tangent_point(&self, contact: usize) -> &[f64] {
+        let length = tangent_point::length(self.n);
+        &self.tangents[contact * length..(contact + 1) * length]
+    }
+
+    /// Sliding velocity as last evaluated.
+    pub(in crate::simulation) fn sliding_velocity(&self, contact: usize) -> f64 {
+        self.tangent_point(contact)[tangent_point::SLIDING_VELOCITY]
+    }
+
+    /// Tangent `b` as last evaluated.
+    pub(in crate::simulation) fn tangent(&self, contact: usize) -> &[f64] {
+        &self.tangent_point(contact)[tangent_point::TANGENT..][..self.n]
+    }
+
+    /// Friction direction `e` as last evaluated.
+    pub(in crate::simulation) fn friction_direction(&self, contact: usize) -> &[f64] {
+        &self.tangent_point(contact)[tangent_point::direction(self.n)..][..self.n]
+    }
+
+    /// Whether a contact has a coefficient of friction above zero.
+    pub(in crate::simulation) fn has_friction(&self, contact: usize) -> bool {
+        self.friction[contact] > 0.0
+    }
+
+    /// `n' (d + ratio e)` as last evaluated: the normal acceleration for one unit of a contact's `r` if its
+    /// tangential force is `ratio` times as large. Not above zero, friction jams the contact.
+    pub(in crate::simulation) fn gain(&self, contact: usize, ratio: f64) -> f64 {
+        let normal = self.normal(contact);
+        dot(normal, self.direction(contact)) + ratio * dot(normal, self.friction_direction(contact))
+    }
+
+    /// The sliding contact with the smallest [`gain`](Self::gain), and that.
+    pub(in crate::simulation) fn smallest_gain(&self) -> Option<(usize, f64)> {
+        self.active
+            .iter()
+            .filter(|&&i| matches!(self.mode[i], ContactState::Slip(_)))
+            .map(|&i| (i, self.gain(i, self.mode[i].force_ratio(self.friction[i]))))
+            .min_by(|(_, a), (_, b)| a.total_cmp(b))
+    }
+
+    /// State of a contact in the present mode.
+    pub(in crate::simulation) fn state(&self, contact: usize) -> ContactState {
+        self.mode[contact]
+    }
+
+    /// States of all contacts.
+    pub(in crate::simulation) fn mode(&self) -> &[ContactState] {
+        &self.mode
+    }
+
+    /// Changes the contact mode.
+    pub(in crate::simulation) fn set_mode(&mut self, mode: &[ContactState]) {
+        self.mode.copy_from_slice(mode);
+        self.active.clear();
+        self.sticking.clear();
+        for (i, state) in mode.iter().enumerate() {
+            if !state.is_open() {
+                self.active.push(i);
+            }
+            if *state == ContactState::Stick {
+                self.sticking.push(i);
+            }
+        }
+    }
+
+    /// Gap at the state loaded.
+    pub(in crate::simulation) fn gap(&self, contact: usize) -> f64 {
+        self.model.gap(contact, &self.x)
+    }
+
+    /// Evaluates the acceleration without contact at the state loaded.
+    pub(in crate::simulation) fn evaluate_free_acceleration(&mut self) {
+        self.evaluations += 1;
+        self.model
+            .free_acceleration(&self.x, &mut self.acceleration);
+    }
+
+    /// Acceleration without contact as last evaluated.
+    pub(in crate::simulation) fn free_acceleration(&self) -> &[f64] {
+        &self.acceleration
+    }
+
+    /// Normal acceleration of contact `i` without contact forces, `n' a + curvature`, and the sum of
+    /// the absolute values of its terms.
+    pub(in crate::simulation) fn free_normal_acceleration(&self, contact: usize) -> (f64, f64) {
+        let curvature = self.point(contact)[contact_point::CURVATURE];
+        along(self.normal(contact), &self.acceleration, curvature)
+    }
+
+    /// Rate of the sliding velocity of contact `i` without contact forces, `b' a + curvature`, and the sum of
+    /// the absolute values of its terms.
+    pub(in crate::simulation) fn free_sliding_acceleration(&self, contact: usize) -> (f64, f64) {
+        let curvature = self.tangent_point(contact)[tangent_point::CURVATURE];
+        along(self.tangent(contact), &self.acceleration, curvature)
+    }
+
+    /// Normal acceleration and rate of the sliding velocity with the accelerations `a`; the latter is 0
+    /// without friction.
+    pub(in crate::simulation) fn contact_accelerations(
+        &self,
+        contact: usize,
+        a: &[f64],
+    ) -> (f64, f64) {
+        let normal = self.point(contact)[contact_point::CURVATURE] + dot(self.normal(contact), a);
+        if !self.has_friction(contact) {
+            return (normal, 0.0);
+        }
+        let curvature = self.tangent_point(contact)[tangent_point::CURVATURE];
+        (normal, curvature + dot(self.tangent(contact), a))
+    }
+
+    /// Sizes of the terms of the normal acceleration with contact forces of any contact as last
+    /// evaluated: `|curvature| + sum_k |n_k| (|a_k| + sum_j |d_jk r_j| + |e_jk s_j|)`, or the floor if that is
+    /// larger.
+    pub(in crate::simulation) fn normal_acceleration_scale(&self, contact: usize) -> f64 {
+        let curvature = self.point(contact)[contact_point::CURVATURE];
+        self.acceleration_scale(self.normal(contact), curvature)
+            .max(self.force_floor[contact])
+    }
+
+    /// The same for the rate of the sliding velocity.
+    pub(in crate::simulation) fn sliding_acceleration_scale(&self, contact: usize) -> f64 {
+        let curvature = self.tangent_point(contact)[tangent_point::CURVATURE];
+        self.acceleration_scale(self.tangent(contact), curvature)
+            .max(self.force_floor[contact])
+    }
+
+    fn acceleration_scale(&self, covector: &[f64], curvature: f64) -> f64 {
+        covector
+            .iter()
+            .enumerate()
+            .fold(curvature.abs(), |sum, (k, component)| {
+                let forces: f64 = self
+                    .active
+                    .iter()
+                    .map(|&j| {
+                        let normal = (self.direction(j)[k] * self.r[j]).abs();
+                        if self.s[j] == 0.0 {
+                            return normal;
+                        }
+                        normal + (self.friction_direction(j)[k] * self.s[j]).abs()
+                    })
+                    .sum();
+                sum + component.abs() * (self.acceleration[k].abs() + forces)
+            })
+    }
+
+    /// Kinetic energy of the velocities in `y`, `v' M v / 2`, with the mass matrix at the state last loaded.
+    pub(in crate::simulation) fn kinetic_energy(&mut self, y: &[f64]) -> f64 {
+        self.model.mass_matrix(&self.x, &mut self.mass);
+        let v = &y[self.n..2 * self.n];
+        let momentum = self.mass.chunks_exact(self.n.max(1)).map(|row| dot(row, v));
+        0.5 * momentum.zip(v).map(|(p, v)| p * v).sum::<f64>()
+    }
+
+    /// Whether a contact belongs to the present mode.
+    pub(in crate::simulation) fn is_active(&self, contact: usize) -> bool {
+        self.active.contains(&contact)
+    }
+
+    /// Normal contact forces at the last evaluation, `lambda_i = r_i / D_i`, 0 for open contacts.
+    pub(in crate::simulation) fn forces(&self, out: &mut [f64]) {
+        self.divide_by_inertia(&self.r, out);
+    }
+
+    /// Tangential contact forces at the last evaluation, `s_i / D_i`, 0 for open contacts.
+    pub(in crate::simulation) fn friction_forces(&self, out: &mut [f64]) {
+        self.divide_by_inertia(&self.s, out);
+    }
+
+    fn divide_by_inertia(&self, accelerations: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for &i in &self.active {
+            out[i] = accelerations[i] / self.point(i)[contact_point::INVERSE_INERTIA];
+        }
+    }
+
+    /// Normal contact acceleration of an active contact at the last evaluation.
+    pub(in crate::simulation) fn normal_force(&self, contact: usize) -> f64 {
+        self.r[contact]
+    }
+
+    /// What a contact that sticks at the last evaluation has left before it slips, `mu r - |s|`.
+    pub(in crate::simulation) fn friction_reserve(&self, contact: usize) -> f64 {
+        self.friction[contact] * self.r[contact] - self.s[contact].abs()
+    }
+}
+
+/// `covector' a + curvature`, and the sum of the absolute values of its terms.
+fn along(covector: &[f64], a: &[f64], curvature: f64) -> (f64, f64) {
+    covector
+        .iter()
+        .zip(a)
+        .fold((curvature, curvature.abs()), |(sum, scale), (n, a)| {
+            (sum + n * a, scale + (n * a).abs())
+        })
+}
+
+pub(in crate::simulation) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+pub(in crate::simulation) fn largest(a: &[f64]) -> f64 {
+    a.iter().fold(0.0, |s, a| s.max(a.abs()))
+}

@@ -1,0 +1,242 @@
+//! The impact law, for all closed contacts at once, and the end of sequences of bounces.
+
+use super::contact_problem::ContactProblem;
+use super::coulomb::TangentialLaw;
+use super::dop853::System;
+use super::dynamics::{Dynamics, dot, largest};
+use crate::model::contact_point;
+
+/// Flights lower than this times `max(1, |q|)` are none: a gap is known to about this. It ends the
+/// geometric sequence of impacts of, for example, a rocking block.
+const LOWEST_FLIGHT: f64 = 1e-14;
+/// Bounces lower than this times `max(1, |q|)` are left out: ten times the lowest flight.
+const LOWEST_BOUNCE: f64 = 1e-13;
+/// Kinetic energies are compared to this relative accuracy.
+const SAME_ENERGY: f64 = 1e-12;
+
+/// Why no contact mode could be found.
+#[derive(Debug, Clone)]
+pub(in crate::simulation) struct Undetermined {
+    pub(in crate::simulation) contact: usize,
+    pub(in crate::simulation) message: String,
+}
+
+/// Which bounces are left out.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::simulation) struct LowestBounce {
+    /// Normal velocity below which a contact no longer bounces; by default that of a bounce as high as
+    /// `height`.
+    pub(in crate::simulation) velocity: Option<f64>,
+    /// Height relative to `max(1, |q|)`.
+    pub(in crate::simulation) height: f64,
+}
+
+/// A bounce that was left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::simulation) struct EndOfBounces {
+    pub(in crate::simulation) contact: usize,
+    /// Normal velocity before the impact, not negative.
+    pub(in crate::simulation) speed: f64,
+    /// How high the bounce would have been; infinite if nothing pulls the contact back.
+    pub(in crate::simulation) height: f64,
+}
+
+/// Outcome of the impact law.
+#[derive(Debug, Clone, Default)]
+pub(in crate::simulation) struct Impact {
+    /// Contacts whose gap closed with a velocity, increasing.
+    pub(in crate::simulation) struck: Vec<usize>,
+    /// Closed contacts that are at rest afterwards, or whose next flight is too low to be one,
+    /// increasing.
+    pub(in crate::simulation) resting: Vec<usize>,
+    /// Largest of the impulses `p_i`, in units of a normal velocity.
+    pub(in crate::simulation) impulse: f64,
+    /// Contacts with restitution that were struck and stay.
+    pub(in crate::simulation) ended: Vec<EndOfBounces>,
+    /// Kinetic energy before and after, if the law has raised it.
+    pub(in crate::simulation) energy_gain: Option<(f64, f64)>,
+}
+
+/// Applies the impact law to the velocities in `y`, for all closed contacts at once:
+///
+/// ```text
+/// v+ = v- + sum_i d_i p_i + e_i s_i
+/// 0 <= p_i  _|_  v_n,i+ + e_i min(v_n,i-, 0) >= 0          e_i: coefficient of restitution
+/// |s_i| <= mu_i p_i,   s_i v_t,i+ = -mu_i p_i |v_t,i+|
+/// ```
+///
+/// `closing` counts as closed whatever its gap.
+///
+/// Source: Moreau, *Unilateral contact and dry friction in finite freedom dynamics* (1988); restitution in
+/// the normal direction alone, as Newton's law.
+pub(in crate::simulation) fn impact(
+    dynamics: &mut Dynamics<'_>,
+    t: f64,
+    y: &mut [f64],
+    closing: Option<usize>,
+    lowest: LowestBounce,
+) -> Result<Impact, Undetermined> {
+    let n = dynamics.n;
+    let zero_velocity = dynamics.zero_velocity(y);
+    let closed = closed_contacts(dynamics, t, y, closing);
+    let mut velocities: Vec<f64> = closed
+        .iter()
+        .map(|&i| dynamics.point(i)[contact_point::NORMAL_VELOCITY])
+        .collect();
+    let mut outcome = Impact {
+        struck: closed
+            .iter()
+            .zip(&velocities)
+            .filter(|&(_, &velocity)| velocity < -zero_velocity)
+            .map(|(&i, _)| i)
+            .collect(),
+        ..Impact::default()
+    };
+    if let Some(&contact) = outcome.struck.first() {
+        for velocity in &mut velocities {
+            if velocity.abs() <= zero_velocity {
+                *velocity = 0.0;
+            }
+        }
+        outcome.ended = ended_bounces(dynamics, t, y, &outcome.struck, lowest);
+        let bounces = |&(&i, &velocity): &(&usize, &f64)| {
+            velocity < 0.0 && outcome.ended.iter().all(|end| end.contact != i)
+        };
+        // Velocities that the law sends back, `-e v_n-`.
+        let returned: Vec<f64> = closed
+            .iter()
+            .zip(&velocities)
+            .map(|pair| {
+                if bounces(&pair) {
+                    -dynamics.restitution[*pair.0] * pair.1
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let normal: Vec<f64> = velocities
+            .iter()
+            .zip(&returned)
+            .map(|(velocity, returned)| velocity - returned)
+            .collect();
+        let (mut laws, mut tangential) = (Vec::new(), Vec::new());
+        for &i in &closed {
+            if dynamics.has_friction(i) {
+                let velocity = dynamics.sliding_velocity(i);
+                laws.push(TangentialLaw::Coulomb(dynamics.friction[i]));
+                tangential.push(if velocity.abs() <= zero_velocity {
+                    0.0
+                } else {
+                    velocity
+                });
+            } else {
+                laws.push(TangentialLaw::None);
+                tangential.push(0.0);
+            }
+        }
+        let problem = ContactProblem {
+            what: "impact",
+            contacts: &closed,
+            normal: &normal,
+            tangential: &tangential,
+            laws: &laws,
+        };
+        let solution = problem
+            .solve(dynamics)
+            .map_err(|message| Undetermined { contact, message })?;
+        let elastic = returned.iter().any(|&velocity| velocity > 0.0);
+        let before = if elastic {
+            dynamics.kinetic_energy(y)
+        } else {
+            0.0
+        };
+        let change = problem.change(dynamics, &solution);
+        for (v, change) in y[n..2 * n].iter_mut().zip(change) {
+            *v += change;
+        }
+        if elastic {
+            let after = dynamics.kinetic_energy(y);
+            outcome.energy_gain = (after > before * (1.0 + SAME_ENERGY)).then_some((before, after));
+        }
+        outcome.impulse = largest(&solution.p);
+        velocities = solution
+            .normal
+            .iter()
+            .zip(&returned)
+            .map(|(velocity, returned)| velocity + returned)
+            .collect();
+    }
+    let lowest_flight = LOWEST_FLIGHT * largest(&y[..n]).max(1.0);
+    dynamics.load(t, y);
+    dynamics.evaluate_free_acceleration();
+    for (i, velocity) in closed.into_iter().zip(velocities) {
+        dynamics.evaluate_contact(i);
+        let (acceleration, _) = dynamics.free_normal_acceleration(i);
+        let room = lowest_flight - dynamics.point(i)[contact_point::GAP];
+        let returns = velocity > 0.0 && velocity * velocity <= -2.0 * acceleration * room;
+        if velocity.abs() <= zero_velocity || returns {
+            outcome.resting.push(i);
+        }
+    }
+    Ok(outcome)
+}
+
+/// Contacts that are closed, evaluated.
+fn closed_contacts(
+    dynamics: &mut Dynamics<'_>,
+    t: f64,
+    y: &[f64],
+    closing: Option<usize>,
+) -> Vec<usize> {
+    let closed_gap = dynamics.closed_gap(y);
+    dynamics.load(t, y);
+    let mut closed = Vec::new();
+    for i in 0..dynamics.contacts {
+        dynamics.evaluate_sides(i);
+        let gap = dynamics.point(i)[contact_point::GAP];
+        if gap <= closed_gap || closing == Some(i) || dynamics.is_active(i) {
+            closed.push(i);
+        }
+    }
+    closed
+}
+
+/// Struck contacts with restitution whose bounces have become too low. How high the next one would be depends
+/// on what presses the contact in the present mode.
+fn ended_bounces(
+    dynamics: &mut Dynamics<'_>,
+    t: f64,
+    y: &[f64],
+    struck: &[usize],
+    lowest: LowestBounce,
+) -> Vec<EndOfBounces> {
+    if struck.iter().all(|&i| dynamics.restitution[i] == 0.0) {
+        return Vec::new();
+    }
+    let n = dynamics.n;
+    let mut slope = vec![0.0; y.len()];
+    dynamics.derivative(t, y, &mut slope);
+    let height = lowest.height.max(LOWEST_BOUNCE) * largest(&y[..n]).max(1.0);
+    struck
+        .iter()
+        .filter_map(|&i| {
+            let e = dynamics.restitution[i];
+            let point = dynamics.point(i);
+            let speed = -point[contact_point::NORMAL_VELOCITY];
+            let press =
+                -(point[contact_point::CURVATURE] + dot(dynamics.normal(i), &slope[n..2 * n]));
+            let last = lowest
+                .velocity
+                .unwrap_or_else(|| (2.0 * press.max(0.0) * height).sqrt());
+            (e > 0.0 && speed <= last).then(|| EndOfBounces {
+                contact: i,
+                speed,
+                height: if press > 0.0 {
+                    (e * speed).powi(2) / (2.0 * press)
+                } else {
+                    f64::INFINITY
+                },
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,99 @@
+//! What a user should know of the impacts of a run.
+
+use super::impact::{EndOfBounces, Impact};
+use crate::model::Declaration;
+
+/// Collected remarks; they do not grow with the number of events.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Remarks {
+    simultaneous: bool,
+    /// One a contact.
+    ends: Vec<Ends>,
+    /// The first impact that raised the kinetic energy: time, contact, energy before and after; and how many
+    /// did.
+    gain: Option<(f64, usize, (f64, f64))>,
+    gains: usize,
+}
+
+/// The bounces of one contact that were left out.
+#[derive(Debug, Clone)]
+struct Ends {
+    contact: usize,
+    time: f64,
+    speed: f64,
+    /// Highest of the bounces left out.
+    height: f64,
+    count: usize,
+}
+
+impl Remarks {
+    /// Remembers what an impact at `time` has to say.
+    pub(super) fn add(&mut self, time: f64, impact: &Impact) {
+        self.simultaneous |= impact.struck.len() > 1;
+        for &EndOfBounces {
+            contact,
+            speed,
+            height,
+        } in &impact.ended
+        {
+            match self.ends.iter_mut().find(|end| end.contact == contact) {
+                Some(end) => {
+                    end.height = end.height.max(height);
+                    end.count += 1;
+                }
+                None => self.ends.push(Ends {
+                    contact,
+                    time,
+                    speed,
+                    height,
+                    count: 1,
+                }),
+            }
+        }
+        if let (Some(energies), Some(&contact)) = (impact.energy_gain, impact.struck.first()) {
+            self.gain.get_or_insert((time, contact, energies));
+            self.gains += 1;
+        }
+    }
+
+    /// The remarks, one line each.
+    pub(super) fn notes(&self, declaration: &Declaration) -> Vec<String> {
+        let mut notes = Vec::new();
+        let contact = |i: usize| &declaration.contacts[i];
+        if self.simultaneous {
+            notes.push(
+                "simultaneous impacts are resolved by Moreau's law, all closed contacts at once"
+                    .into(),
+            );
+        }
+        for end in &self.ends {
+            let (name, unit) = (contact(end.contact).name, contact(end.contact).unit);
+            let height = if end.height.is_finite() {
+                format!(
+                    ", which leaves out bounces up to {:.1e} {unit} high",
+                    end.height
+                )
+            } else {
+                String::new()
+            };
+            let more = match end.count {
+                1 => String::new(),
+                count => format!("; so it does {} more times", count - 1),
+            };
+            notes.push(format!(
+                "`{name}` stops bouncing at {:.6} s, where it is struck with {:.1e} {unit}/s{height}{more}",
+                end.time, end.speed
+            ));
+        }
+        if let Some((time, i, (before, after))) = self.gain {
+            notes.push(format!(
+                "{} impacts raise the kinetic energy, the first of `{}` at {time:.6} s from {before:.6e} to \
+                 {after:.6e}: restitution in the normal direction alone does so where friction or several \
+                 contacts couple; lower the restitution",
+                self.gains,
+                contact(i).name
+            ));
+        }
+        notes
+    }
+}
