@@ -484,6 +484,20 @@ fn bad_input_is_refused_in_one_line_and_leaves_no_file() {
             &["simulate", "ski-jump", "--set", "m=1", "--set", "m=2"],
         ),
         ("write NAME=VALUE", &["simulate", "ski-jump", "--set", "m"]),
+        ("write NAME=VALUE", &["simulate", "ski-jump", "--set", "m="]),
+        (
+            "parameter `speed` [km/h]: `kg` cannot be converted to `km/h`: they measure different \
+             things; leave the unit out, or write one that converts to km/h",
+            &["simulate", "pump-track", "--set", "speed=15kg"],
+        ),
+        (
+            "has no form `law=other`; choose one of: law=paper, law=holding",
+            &["simulate", "pump-track", "--set", "law=other"],
+        ),
+        (
+            "unknown scene `Ski-Jump`; did you mean `ski-jump`?",
+            &["simulate", "Ski-Jump"],
+        ),
         (
             "start inside the ground (E08): gap `slope`",
             &["simulate", "ski-jump", "--set", "start_y=40"],
@@ -684,6 +698,6 @@ fn solve_that_is_refused_says_why_in_one_line() {
     let refusal = refused(&["solve", "pump-track", "--stages", "12"]);
     assert_eq!(
         refusal,
-        "scene `pump-track`: Runge-Kutta stages = 12 : must be in 2..=9"
+        "scene `pump-track`: Runge-Kutta stages = 12: must be in 2..=9"
     );
 }
