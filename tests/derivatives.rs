@@ -116,7 +116,7 @@ hangtime::model! {
 oracle!(SkiJump);
 oracle!(DoublePendulum);
 oracle!(Functions);
-oracle!(PumpTrack, pump_direction);
+oracle!(PumpTrack, along pump_direction);
 impl support::Oracle for Chain {
     fn lagrangian_of<D: DualNum<Primitive = f64> + Copy>(&self, q: &[D], v: &[D], t: D) -> D {
         self.lagrangian(q, v, t)

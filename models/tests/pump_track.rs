@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use hangtime::model::Model;
-use hangtime::ocp::{self, Problem, Settings, Solution, Stationarity, Status};
+use hangtime::ocp::{
+    self, Formulation, Problem, Settings, Solution, Stationarity, Status, TimeFreezingSettings,
+};
 use hangtime::simulation::{
     EventDriven, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
 };
@@ -212,4 +214,17 @@ fn fastest_ride_with_the_link_held_at_impacts_is_the_best_known_one() {
     let solution = solve(&PumpTrackHolding::default(), 30);
     check_solution(&solution);
     assert!(solution.horizon <= 1.42910, "{}", solution.horizon);
+}
+
+#[test]
+fn time_freezing_formulation_at_15_km_per_h_ends_at_the_optimum_of_the_phases() {
+    let mut settings = Settings::default();
+    settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
+    let model = PumpTrack::default();
+    let solution = ocp::solve(&model, &problem(&model, 30), &settings, &mut |_| true).unwrap();
+    check_solution(&solution);
+    assert!((solution.horizon - 1.413_768_9).abs() < 1e-6);
+    let report = solution.time_freezing.unwrap();
+    // The relaxation ends at products of 1e-6, the solver's own tolerance on top.
+    assert!(report.complementarity < 1.1e-6 && report.primal < 1e-6);
 }

@@ -4,8 +4,8 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{
-    self, Component, Goal, Guess, Horizon, Objective, Problem, Settings, Solution, Stationarity,
-    Status,
+    self, Component, Formulation, Goal, Guess, Horizon, Objective, Problem, Settings, Solution,
+    Stationarity, Status, TimeFreezingSettings,
 };
 use hangtime::simulation::EventKind;
 
@@ -315,4 +315,81 @@ fn observer_that_stops_early_gets_no_motion_and_late_the_best_so_far() {
     assert_eq!(late.status, Status::Interrupted);
     assert_eq!(Some(late.objective), seen.last().unwrap().1);
     assert!(late.motion.is_some() && late.resimulation_error < 1e-6);
+}
+
+fn hop_problem(hopper: &Hopper) -> Problem {
+    let goal = Goal {
+        component: Component::Coordinate(0),
+        value: 0.3,
+    };
+    Problem {
+        horizon: Horizon::Fixed(2.0 * INTERVAL),
+        ..Problem::of(hopper, Objective::effort(), vec![goal], 2)
+    }
+}
+
+#[test]
+fn time_freezing_formulation_polished_finds_both_local_optima_of_the_hopping_mass() {
+    let hopper = Hopper::default();
+    let mut settings = Settings::default();
+    settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
+    settings.starts = 4;
+    let problem = hop_problem(&hopper);
+    let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    // Without landing, 3 u_1 + u_2 = 8 (0.1 + g / 2): the least effort is a tenth of its square.
+    let flight = INTERVAL * (0.8_f64 + 4.0 * GRAVITY).powi(2) / 10.0;
+    let both = [brute_force(0.3), flight];
+    assert!(
+        (solution.objective - both[0]).abs() < 1e-6,
+        "{:?}",
+        solution.optima
+    );
+    for optimum in &solution.optima {
+        let known = both
+            .iter()
+            .any(|best| (optimum.objective - best).abs() < 1e-6);
+        assert!(known, "{optimum:?} is none of {both:?}");
+    }
+    let report = solution.time_freezing.unwrap();
+    assert!(report.complementarity < 1.1e-6 && report.primal < 1e-6);
+    assert!(report.size.complementarities > 0 && report.iterations > 0);
+    settings.starts = 1;
+    settings.guess = Guess::Rest;
+    let error = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap_err();
+    insta::assert_snapshot!(error, @"guess Rest of the time-freezing formulation is not supported; choose `Straight` or `Ride`");
+}
+
+#[test]
+fn several_starts_report_their_distinct_optima_and_do_not_depend_on_threads() {
+    let hopper = Hopper::default();
+    let mut settings = Settings::default();
+    settings.starts = 4;
+    let problem = hop_problem(&hopper);
+    let solve = || ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
+    let solution = solve();
+    assert_eq!(solution.status, Status::Solved);
+    assert!((solution.objective - brute_force(0.3)).abs() < 1e-6);
+    // Every start that was confirmed is counted once.
+    let optima = solution.optima.iter();
+    let mut starts: Vec<usize> = optima.flat_map(|o| o.starts.clone()).collect();
+    starts.sort_unstable();
+    assert_eq!(starts, [0, 1, 2, 3]);
+    assert_eq!(solution.optima[0].objective, solution.objective);
+    let again = solve();
+    assert_eq!(again.objective, solution.objective);
+    assert_eq!(again.optima, solution.optima);
+    // A stop reaches all of them.
+    let mut calls = 0;
+    let stopped = ocp::solve(&hopper, &problem, &settings, &mut |_| {
+        calls += 1;
+        false
+    });
+    assert_eq!(stopped.unwrap().status, Status::Interrupted);
+    assert_eq!(calls, 1);
 }

@@ -1,7 +1,7 @@
 //! An independent route to everything that a declaration derives: the generic Lagrangian at run time,
 //! dual numbers of dual numbers, and elimination.
 
-use hangtime::model::{Model, SparsityPattern, contact_point};
+use hangtime::model::{Model, SparsityPattern, contact_point, tangent_point};
 use num_dual::{Dual, Dual64, DualNum, HyperDual, HyperDual64};
 
 /// The generic functions that a declaration emits beside the derived ones.
@@ -26,12 +26,22 @@ pub(crate) trait Oracle: Model + Sized {
     ) -> Option<Vec<D>> {
         None
     }
+    /// The sliding velocity of a contact, if it has friction.
+    fn sliding_of<D: DualNum<Primitive = f64> + Copy>(
+        &self,
+        _contact: usize,
+        _q: &[D],
+        _v: &[D],
+        _t: D,
+    ) -> Option<D> {
+        None
+    }
 }
 
 /// Implements [`Oracle`] by the emitted methods.
 #[macro_export]
 macro_rules! oracle {
-    ($scene:ty $(, $along:expr)?) => {
+    ($scene:ty $(, along $along:expr)? $(, sliding $sliding:expr)?) => {
         impl $crate::support::Oracle for $scene {
             fn lagrangian_of<D: num_dual::DualNum<Primitive = f64> + Copy>(
                 &self, q: &[D], v: &[D], t: D,
@@ -52,6 +62,11 @@ macro_rules! oracle {
                 &self, _contact: usize, q: &[D],
             ) -> Option<Vec<D>> {
                 Some($along(self, q))
+            })?
+            $(fn sliding_of<D: num_dual::DualNum<Primitive = f64> + Copy>(
+                &self, contact: usize, q: &[D], v: &[D], t: D,
+            ) -> Option<D> {
+                $sliding(self, contact, q, v, t)
             })?
         }
     };
@@ -156,6 +171,48 @@ fn solve<D: DualNum<Primitive = f64> + Copy>(
     b
 }
 
+/// Gradient of a gap.
+fn normal<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
+    model: &M,
+    contact: usize,
+    x: &[D],
+) -> Vec<D> {
+    let (q, _, _, t) = split(model, x);
+    (0..q.len())
+        .map(|i| {
+            let mut q: Vec<Dual<D>> = q.iter().map(|&q| Dual::from_re(q)).collect();
+            q[i].eps = D::from(1.0);
+            model.gap_of(contact, &q, Dual::from_re(t)).eps
+        })
+        .collect()
+}
+
+/// `H b`, with the inverse inertia of the system whose held coordinates are locked.
+fn mobility<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
+    model: &M,
+    contact: usize,
+    x: &[D],
+    mut b: Vec<D>,
+) -> Vec<D> {
+    let mut m = mass(model, x);
+    let n = m.len();
+    for &held in model.declaration().contacts[contact].held {
+        for i in 0..n {
+            m[held][i] = D::from(0.0);
+            m[i][held] = D::from(0.0);
+        }
+        m[held][held] = D::from(1.0);
+        b[held] = D::from(0.0);
+    }
+    solve(m, b, n)
+}
+
+fn inner<D: DualNum<Primitive = f64> + Copy>(a: &[D], b: &[D]) -> D {
+    a.iter()
+        .zip(b)
+        .fold(D::from(0.0), |sum, (&a, &b)| sum + a * b)
+}
+
 /// Rows `(g, v_n, d)` of a contact.
 pub(crate) fn contact_rows<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
     model: &M,
@@ -163,25 +220,55 @@ pub(crate) fn contact_rows<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
     x: &[D],
 ) -> Vec<D> {
     let (q, v, _, t) = split(model, x);
-    let n = q.len();
     let moving: Vec<Dual<D>> = q.iter().zip(v).map(|(&q, &v)| Dual::new(q, v)).collect();
     let motion = model.gap_of(contact, &moving, Dual::new(t, D::from(1.0)));
-    let normal: Vec<D> = (0..n)
-        .map(|i| {
-            let mut q: Vec<Dual<D>> = q.iter().map(|&q| Dual::from_re(q)).collect();
-            q[i].eps = D::from(1.0);
-            model.gap_of(contact, &q, Dual::from_re(t)).eps
-        })
-        .collect();
+    let normal = normal(model, contact, x);
     let w = model
         .along_of(contact, q)
-        .unwrap_or_else(|| solve(mass(model, x), normal.clone(), n));
-    let product = normal
-        .iter()
-        .zip(&w)
-        .fold(D::from(0.0), |sum, (&n, &w)| sum + n * w);
+        .unwrap_or_else(|| mobility(model, contact, x, normal.clone()));
+    let product = inner(&normal, &w);
     let mut rows = vec![motion.re, motion.eps];
     rows.extend(w.iter().map(|&w| w / product));
+    rows
+}
+
+/// Sliding velocity and its derivatives by the velocities, for a contact with friction.
+fn slip<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
+    model: &M,
+    contact: usize,
+    x: &[D],
+) -> (D, Vec<D>) {
+    let (q, v, _, t) = split(model, x);
+    let sliding = |q: &[Dual<D>], v: &[Dual<D>], t| {
+        model
+            .sliding_of(contact, q, v, t)
+            .expect("the oracle knows the sliding velocity")
+    };
+    let q: Vec<Dual<D>> = q.iter().map(|&q| Dual::from_re(q)).collect();
+    let v: Vec<Dual<D>> = v.iter().map(|&v| Dual::from_re(v)).collect();
+    let t = Dual::from_re(t);
+    let tangent = (0..v.len())
+        .map(|i| {
+            let mut v = v.clone();
+            v[i].eps = D::from(1.0);
+            sliding(&q, &v, t).eps
+        })
+        .collect();
+    (sliding(&q, &v, t).re, tangent)
+}
+
+/// Rows `(v_t, e)` of a contact with friction.
+fn tangent_rows<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
+    model: &M,
+    contact: usize,
+    x: &[D],
+) -> Vec<D> {
+    let (velocity, tangent) = slip(model, contact, x);
+    let normal = normal(model, contact, x);
+    let inverse_inertia = inner(&normal, &mobility(model, contact, x, normal.clone()));
+    let mut rows = vec![velocity];
+    let e = mobility(model, contact, x, tangent);
+    rows.extend(e.iter().map(|&e| e / inverse_inertia));
     rows
 }
 
@@ -303,8 +390,56 @@ pub(crate) fn compare<M: Oracle>(model: &M, x: &[f64], weights: &[f64]) -> Resul
             &weights[..2 + n],
             |x| contact_rows(model, i, x),
         )?;
+        check_friction(model, i, x, weights)?;
     }
     Ok(())
+}
+
+/// The tangential side of a contact, if it has friction.
+fn check_friction<M: Oracle>(
+    model: &M,
+    contact: usize,
+    x: &[f64],
+    weights: &[f64],
+) -> Result<(), String> {
+    let declaration = model.declaration();
+    let n = declaration.coordinates.len();
+    let Some(friction) = &declaration.contacts[contact].friction else {
+        return Ok(());
+    };
+    let mut point = vec![f64::NAN; tangent_point::length(n)];
+    model.tangent(contact, x, &mut point);
+    let mut rows = vec![point[tangent_point::SLIDING_VELOCITY]];
+    rows.extend(&point[tangent_point::direction(n)..]);
+    agree("tangent", &rows, &tangent_rows(model, contact, x))?;
+    let (_, tangent) = slip(model, contact, x);
+    agree("b", &point[tangent_point::TANGENT..][..n], &tangent)?;
+    // v_t' = b' v' + curvature along a motion whose velocities do not change.
+    let (q, v, _, t) = split(model, x);
+    let moving: Vec<Dual64> = q.iter().zip(v).map(|(&q, &v)| Dual64::new(q, v)).collect();
+    let constant: Vec<Dual64> = v.iter().map(|&v| Dual64::from_re(v)).collect();
+    let rate = model.sliding_of(contact, &moving, &constant, Dual64::new(t, 1.0));
+    agree(
+        "tangent curvature",
+        &[point[tangent_point::CURVATURE]],
+        &[rate.map_or(f64::NAN, |rate| rate.eps)],
+    )?;
+    let mut values = vec![f64::NAN; friction.jacobian.entries.len()];
+    model.tangent_jacobian(contact, x, &mut values);
+    check_first("tangent jacobian", &friction.jacobian, &values, x, |x| {
+        tangent_rows(model, contact, x)
+    })?;
+    let mut values = vec![f64::NAN; friction.hessian.entries.len()];
+    let weights = &weights[..1 + n];
+    model.tangent_hessian(contact, x, weights, &mut values);
+    check_second(
+        "tangent hessian",
+        &friction.hessian,
+        &values,
+        x,
+        weights,
+        |x| tangent_rows(model, contact, x),
+    )
 }
 
 /// Normal, curvature and inverse inertia of a contact.
@@ -316,13 +451,7 @@ fn check_point<M: Oracle>(
 ) -> Result<(), String> {
     let (q, v, _, t) = split(model, x);
     let n = q.len();
-    let normal: Vec<f64> = (0..n)
-        .map(|i| {
-            let mut q: Vec<Dual64> = q.iter().map(|&q| Dual64::from_re(q)).collect();
-            q[i].eps = 1.0;
-            model.gap_of(contact, &q, Dual64::from_re(t)).eps
-        })
-        .collect();
+    let normal = normal(model, contact, x);
     agree("normal", &point[contact_point::NORMAL..][..n], &normal)?;
     let moving: Vec<HyperDual64> = q
         .iter()
@@ -332,8 +461,7 @@ fn check_point<M: Oracle>(
     let second = model
         .gap_of(contact, &moving, HyperDual64::new(t, 1.0, 1.0, 0.0))
         .eps1eps2;
-    let inverse = solve(mass(model, x), normal.clone(), n);
-    let inertia: f64 = normal.iter().zip(&inverse).map(|(n, w)| n * w).sum();
+    let inertia = inner(&normal, &mobility(model, contact, x, normal.clone()));
     agree(
         "curvature and inverse inertia",
         &[

@@ -114,6 +114,29 @@ texts! {
     // E10, E11, E12, E13
     restitution_above_one: beside "surface wall: y >= 0 impact wall: restitution 1.5" =>
         "E10: coefficient of restitution 1.5 is outside [0, 1]: 0 keeps no normal velocity, 1 all of it";
+    restitution_above_one_by_its_default: messages
+        "S { parameters { m: kg = 1, e = 1.2 } coordinates { y: m } lagrangian m/2*dot(y)^2 surface wall: y >= 0 impact wall: restitution 1 - e/10, friction -e, sliding dot(y) }" =>
+        "E10: coefficient of friction -e = -1.2 is below 0: the force would drive the sliding instead of braking it; change its sign";
+    restitution_that_changes: beside "surface wall: y >= 0 impact wall: restitution z/y" =>
+        "the coefficient of restitution depends on the coordinate `y`; it may depend on parameters only";
+    coefficients_with_units: beside "surface wall: y >= 0 impact wall: restitution 0.5 [m], friction m/80 [s]" =>
+        "E03: units differ: `0.5 [m]` is in m, where a pure number is needed (a coefficient of restitution is a ratio)",
+        "E03: units differ: `m/80 [s]` is in N s/m, where a pure number is needed (a coefficient of friction is a ratio)";
+    sliding_velocity_without_time: beside "surface wall: y >= 0 impact wall: inelastic, friction 0.3, sliding dot(z)/1 [m]" =>
+        "E03: units differ: `dot(z)/1 [m]` is in 1/s, where m/s is needed (the sliding velocity of `wall` has the unit of its gap over s)";
+    sliding_velocity_that_is_none: beside "surface wall: y >= 0 surface top: z <= 1 [m] impact wall: inelastic, friction 0.3, sliding dot(z) + 1 [m/s] impact top: inelastic, friction 0.3, sliding z/1 [s]" =>
+        "E07: `dot(z) + 1 [m/s]` is no sliding velocity: that is a sum of velocities times functions of positions, zero at rest, such as `dot(y)`",
+        "E07: `z/1 [s]` is no sliding velocity: that is a sum of velocities times functions of positions, zero at rest, such as `dot(y)`";
+    friction_beyond_a_point_mass: messages
+        "S { parameters { m: kg = 1, mu = 0.3 } coordinates { y: m, z: m, s: m } lagrangian m/2*|dot((y, z, s))|^2 surface wall: y >= 0 impact wall: inelastic, friction mu }" =>
+        "E20: `friction` of `wall` needs the sliding velocity, which follows by itself for one point mass in two Cartesian coordinates only; add it, scaled like the gap, as in `impact wall: ..., friction mu, sliding dot(y)`";
+    everything_held: beside "surface wall: y >= 0 impact wall: inelastic, holding y" =>
+        "E09: all coordinates that the gap of `wall` depends on are held, so no impulse can stop the motion into it; hold fewer";
+    sliding_held: beside "surface wall: y >= 0 impact wall: inelastic, holding z, friction 0.1, sliding dot(z)" =>
+        "E09: all coordinates that the sliding velocity of `wall` depends on are held, so friction cannot brake it; hold fewer";
+    holding_something_else: beside "surface wall: y >= 0 impact wall: inelastic, holding m, w" =>
+        "E01: `m` is not a coordinate (coordinates: `y`, `z`)",
+        "E01: `w` is not declared (coordinates: `y`, `z`)";
     reserved_names: messages "S { parameters { t: s = 3, clock = 1, type = 1, let = 2 } coordinates { y } lagrangian dot(y)^2 }" =>
         "E11: `let` is a word of the language; choose another name",
         "E11: `t` is reserved for the physical time; choose another name",
@@ -145,6 +168,28 @@ texts! {
         "E20: surface `wall` has no impact law; write `impact wall: inelastic`";
     two_laws: beside "surface wall: y >= 0 impact wall: inelastic impact wall: inelastic" =>
         "E20: surface `wall` has two impact laws; keep one";
+
+    parts_of_a_law_that_exclude_each_other: beside
+        "surface a: y >= 0 surface b: y <= 1 [m] surface c: z >= 0 impact a: inelastic, restitution 0.5 impact b: inelastic, along (1, 0), holding z impact c: inelastic, along (0, 1), friction 0.3" =>
+        "E20: `inelastic` and `restitution` exclude each other: `inelastic` is no rebound at all; keep one",
+        "E20: `along` and `holding` both give the direction of the impulse; keep one",
+        "E20: `along` and `friction` exclude each other: Coulomb's law bounds the tangential part of a force whose normal part acts along M^-1 grad gap, and `along` puts another direction in its place; leave one out";
+    parts_of_a_law_that_are_missing: beside
+        "surface a: y >= 0 surface b: z >= 0 impact a: friction 0.3 impact b: inelastic, sliding dot(z)" =>
+        "E20: the impact law says nothing about the normal velocity; add `inelastic` or `restitution e`",
+        "E20: `sliding` gives the velocity that friction brakes, and there is no `friction`; add `friction mu` or leave it out";
+    part_of_a_law_twice: beside "surface a: y >= 0 impact a: friction 0.3, inelastic, friction 0.2" =>
+        "E20: `friction` stands twice in one impact law; keep one";
+    unknown_part_of_a_law: beside "surface a: y >= 0 impact a: inelastic, fricton 0.3" =>
+        "unknown part `fricton` of an impact law; did you mean `friction`?";
+    law_that_is_called_otherwise: beside "surface a: y >= 0 impact a: elastic" =>
+        "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`";
+    part_without_comma: beside "surface a: y >= 0 impact a: inelastic friction 0.3" =>
+        "a comma is missing before `friction`";
+    friction_as_a_statement: beside "surface a: y >= 0 impact a: inelastic friction a: 0.3" =>
+        "a comma is missing before `friction`";
+    friction_far_from_its_law: beside "surface a: y >= 0 impact a: inelastic horizon 3 [s]; friction a: 0.3" =>
+        "`friction` is part of an impact law; write `impact name: ..., friction ...`, with commas between the parts";
 
     // Functions
     function_of_itself: messages "S { coordinates { y } fn f(x) = 1 + f(x) lagrangian f(1)*dot(y)^2 }" =>

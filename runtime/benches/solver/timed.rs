@@ -1,16 +1,9 @@
 //! A problem that measures the time of its evaluations.
 
+use cpu_time::ThreadTime;
 use hangtime::nlp::NlpProblem;
 
-/// CPU time of this thread in seconds, where the system tells it.
-pub(crate) fn cpu_seconds() -> f64 {
-    std::fs::read_to_string("/proc/thread-self/schedstat")
-        .ok()
-        .and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok())
-        .map_or(f64::NAN, |nanoseconds| 1e-9 * nanoseconds)
-}
-
-/// Wraps a problem; `seconds` adds up the wall-clock time of its evaluations.
+/// Wraps a problem; `seconds` adds up the CPU time of its evaluations.
 pub(crate) struct Timed<P> {
     problem: P,
     pub(crate) seconds: f64,
@@ -25,7 +18,7 @@ impl<P> Timed<P> {
     }
 
     fn measure<R>(&mut self, evaluate: impl FnOnce(&mut P) -> R) -> R {
-        let start = std::time::Instant::now();
+        let start = ThreadTime::now();
         let result = evaluate(&mut self.problem);
         self.seconds += start.elapsed().as_secs_f64();
         result

@@ -1,12 +1,19 @@
 //! What a contact that carries a force does along its tangent.
 
 /// State of a sustained contact along its tangent.
+///
+/// Where several contacts hold the same sliding velocity only one of them sticks; the forces of the others
+/// follow from their states, since the laws do not determine how the contacts share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Tangential {
-    /// The contact has no friction.
-    Frictionless,
+    /// No tangential force: the contact has no friction, or needs none beside other contacts.
+    Idle,
     /// The sliding velocity is held at zero by a force inside the friction cone.
     Sticking,
+    /// At rest with full friction `s = -mu r`, beside other contacts that stick.
+    BoundForward,
+    /// At rest with full friction `s = mu r`, beside other contacts that stick.
+    BoundBackward,
     /// Slides with `v_t > 0`, or is about to: `s = -mu r`.
     Forward,
     /// Slides with `v_t < 0`, or is about to: `s = mu r`.
@@ -23,12 +30,30 @@ impl Tangential {
         }
     }
 
+    /// Rest with full friction against sliding in the direction of the sign of `value`.
+    pub(crate) fn bound(value: f64) -> Self {
+        if value >= 0.0 {
+            Self::BoundForward
+        } else {
+            Self::BoundBackward
+        }
+    }
+
     /// Sign of the sliding velocity: 1, -1, or 0 where there is none.
     pub(crate) fn sense(self) -> f64 {
         match self {
             Self::Forward => 1.0,
             Self::Backward => -1.0,
-            Self::Frictionless | Self::Sticking => 0.0,
+            _ => 0.0,
+        }
+    }
+
+    /// Ratio `s / (mu r)`, 0 where it is not fixed.
+    pub(crate) fn share(self) -> f64 {
+        match self {
+            Self::Forward | Self::BoundForward => -1.0,
+            Self::Backward | Self::BoundBackward => 1.0,
+            Self::Idle | Self::Sticking => 0.0,
         }
     }
 }

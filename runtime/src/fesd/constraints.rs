@@ -75,12 +75,12 @@ impl<'a> Constraints<'a> {
 
     /// Whether the tangential side of an active contact matters.
     fn needs_tangent(&self, held: ActiveContact) -> bool {
-        held.sticks() || held.tangential.sense() != 0.0
+        held.sticks() || held.tangential.share() != 0.0
     }
 
     /// Ratio `s / r` of an active contact.
     fn slope(&self, held: ActiveContact) -> f64 {
-        -held.tangential.sense() * self.friction[held.contact]
+        held.tangential.share() * self.friction[held.contact]
     }
 
     /// Evaluates gaps, velocities, gradients and directions at the input vector `x`.
@@ -153,7 +153,7 @@ impl<'a> Constraints<'a> {
             let s = if held.sticks() {
                 forces[stuck]
             } else {
-                -held.tangential.sense() * self.friction[held.contact] * r
+                held.tangential.share() * self.friction[held.contact] * r
             };
             for (&(row, column), value) in entries.iter().zip(&*values) {
                 let (row, column) = (row as usize, column as usize);

@@ -9,7 +9,7 @@
 use super::active_contact::{ActiveContact, Tangential, find};
 use super::contacts::{Contacts, Line, ModeError, dot, norm};
 use super::coulomb::{self, Cone};
-use crate::linalg::dense;
+use super::sharing::Share;
 
 /// Relative size below which an acceleration or a jerk counts as zero when the mode is chosen.
 const BIACTIVE: f64 = 1e-8;
@@ -63,7 +63,7 @@ impl Contacts<'_> {
                     &forces,
                 )
         };
-        let (mut strict, mut undecided) = (Vec::new(), Vec::new());
+        let (mut strict, mut undecided, mut shares) = (Vec::new(), Vec::new(), Vec::new());
         for (k, &contact) in touching.iter().enumerate() {
             let zero = BIACTIVE * self.phi_scale(contact);
             let cone = cones.iter().position(|cone| cone.normal == k);
@@ -72,14 +72,21 @@ impl Contacts<'_> {
                 let tangential = match tangent {
                     None => self.sliding_state(contact),
                     Some(tangent) => {
-                        let margin = self.friction(contact) * forces[k] - forces[tangent].abs();
+                        let friction = forces[tangent];
                         let zero = BIACTIVE * self.tangential_scale(contact);
+                        let margin = self.friction(contact) * forces[k] - friction.abs();
+                        let margin = if margin > zero { margin } else { 0.0 };
+                        shares.push(Share {
+                            contact,
+                            friction,
+                            margin,
+                        });
                         let slip = total(tangent);
-                        if margin <= zero && slip.abs() <= zero {
-                            let sense = -forces[tangent].signum();
+                        if margin == 0.0 && slip.abs() <= zero {
+                            let sense = -friction.signum();
                             undecided.push(Undecided::Edge { contact, sense });
                             Tangential::slip(sense)
-                        } else if margin > zero {
+                        } else if margin > 0.0 {
                             Tangential::Sticking
                         } else {
                             Tangential::slip(slip)
@@ -102,11 +109,33 @@ impl Contacts<'_> {
                 undecided.push(Undecided::Normal { contact, sense });
             }
         }
+        self.share_friction(&mut strict, &shares)?;
+        self.bind_edges(&mut strict, &mut undecided)?;
         if !undecided.is_empty() {
             self.select_by_jerk(x, active, &mut strict, &undecided)?;
+            self.share_friction(&mut strict, &shares)?;
         }
         strict.sort_unstable_by_key(|held| held.contact);
         active.clone_from(&strict);
+        Ok(())
+    }
+
+    /// Contacts on the edge of their cone whose sliding velocity the others hold need no decision.
+    fn bind_edges(
+        &self,
+        active: &mut [ActiveContact],
+        undecided: &mut Vec<Undecided>,
+    ) -> Result<(), ModeError> {
+        for k in (0..undecided.len()).rev() {
+            if let Undecided::Edge { contact, sense } = undecided[k]
+                && !self.is_independent(active, contact)?
+            {
+                undecided.remove(k);
+                for held in active.iter_mut().filter(|held| held.contact == contact) {
+                    held.tangential = Tangential::bound(sense);
+                }
+            }
+        }
         Ok(())
     }
 
@@ -115,7 +144,7 @@ impl Contacts<'_> {
         if self.friction(contact) > 0.0 {
             Tangential::slip(self.sliding_velocity(contact))
         } else {
-            Tangential::Frictionless
+            Tangential::Idle
         }
     }
 
@@ -176,7 +205,7 @@ impl Contacts<'_> {
                         None if self.friction(contact) > 0.0 => {
                             Tangential::slip(sense.unwrap_or(0.0))
                         }
-                        None => Tangential::Frictionless,
+                        None => Tangential::Idle,
                         Some(tangent) => {
                             let margin = self.friction(contact) * rates[k] - rates[tangent].abs();
                             let slip = total(tangent);
@@ -223,30 +252,6 @@ impl Contacts<'_> {
         }
         lines.extend(tangents);
         (lines, cones)
-    }
-
-    /// Couplings of `lines` while the `held` ones keep their velocity: `D_UU - D_UH D_HH^-1 D_HU`.
-    fn reduced_couplings(&self, held: &[Line], lines: &[Line]) -> Result<Vec<f64>, ModeError> {
-        let mut matrix = self.couplings(lines);
-        if held.is_empty() {
-            return Ok(matrix);
-        }
-        let mut factors = self.couplings(held);
-        let mut pivots = vec![0; held.len()];
-        dense::factorize(&mut factors, &mut pivots).map_err(|_| ModeError::Dependent)?;
-        for (column, &j) in lines.iter().enumerate() {
-            let mut response: Vec<f64> = held.iter().map(|&h| self.coupling(h, j)).collect();
-            dense::solve(&factors, &pivots, &mut response);
-            for (row, &i) in lines.iter().enumerate() {
-                let through: f64 = held
-                    .iter()
-                    .zip(&response)
-                    .map(|(&h, value)| self.coupling(i, h) * value)
-                    .sum();
-                matrix[row * lines.len() + column] -= through;
-            }
-        }
-        Ok(matrix)
     }
 
     /// Accelerations of `lines` a time `step` along the motion, with the `active` contacts, whose lines are

@@ -340,8 +340,8 @@ impl<'a> Contacts<'a> {
     }
 
     /// Ratio `s / r` of a contact in the given tangential state; 0 where it sticks.
-    pub(super) fn slope(&self, active: ActiveContact) -> f64 {
-        -active.tangential.sense() * self.friction[active.contact]
+    fn slope(&self, active: ActiveContact) -> f64 {
+        active.tangential.share() * self.friction[active.contact]
     }
 
     /// The lines that the `active` contacts hold: their normals, then the tangents of those that stick.
@@ -351,15 +351,7 @@ impl<'a> Contacts<'a> {
             contact: held.contact,
             slope: self.slope(held),
         }));
-        lines.extend(
-            active
-                .iter()
-                .filter(|held| held.sticks())
-                .map(|held| Line::Tangent {
-                    contact: held.contact,
-                    sense: 1.0,
-                }),
-        );
+        lines.extend(tangents(active));
     }
 
     /// Forces of the `active` contacts at the last evaluation, which hold the accelerations of their lines at
@@ -379,13 +371,11 @@ impl<'a> Contacts<'a> {
             forces[0] = -self.free_line_acceleration(line);
             let slope = self.slope(*single);
             if slope != 0.0 {
-                // n' d = 1 by the scaling of the contact direction
-                let (normal, _) = self.row(line);
-                let hold = 1.0 + slope * dot(normal, self.friction_direction(single.contact));
-                if hold <= JAMMED {
+                let lift = self.lift(single.contact, slope);
+                if lift <= JAMMED {
                     return Err(ModeError::Jammed);
                 }
-                forces[0] /= hold;
+                forces[0] /= lift;
             }
             return Ok(());
         }
@@ -406,6 +396,18 @@ impl<'a> Contacts<'a> {
         dense::factorize(&mut self.matrix, &mut self.pivots).map_err(|_| ModeError::Dependent)?;
         dense::solve(&self.matrix, &self.pivots, forces);
         Ok(())
+    }
+
+    /// Normal acceleration for a unit force of a contact with `s = slope r`; `n' d = 1` by the scaling of the
+    /// contact direction.
+    fn lift(&self, contact: usize, slope: f64) -> f64 {
+        let (normal, _) = self.row(Line::Normal { contact, slope });
+        1.0 + slope * dot(normal, self.friction_direction(contact))
+    }
+
+    /// Normal acceleration for a unit force of a contact that slides in the given sense.
+    pub(crate) fn lift_in_slip(&self, contact: usize, sense: f64) -> f64 {
+        self.lift(contact, -sense * self.friction[contact])
     }
 
     /// Acceleration with the `forces` of the `active` contacts at the last evaluation.
@@ -440,6 +442,24 @@ impl<'a> Contacts<'a> {
             }
         })
     }
+}
+
+/// Tangents of the contacts that stick.
+fn tangents(active: &[ActiveContact]) -> impl Iterator<Item = Line> {
+    let sticking = active.iter().filter(|held| held.sticks());
+    sticking.map(|held| Line::Tangent {
+        contact: held.contact,
+        sense: 1.0,
+    })
+}
+
+/// The lines that the `active` contacts hold, for forces along the contact directions themselves.
+pub(super) fn unbiased_lines(active: &[ActiveContact]) -> Vec<Line> {
+    let normals = active.iter().map(|held| Line::Normal {
+        contact: held.contact,
+        slope: 0.0,
+    });
+    normals.chain(tangents(active)).collect()
 }
 
 /// Coefficient of friction of each contact, 0 where none is declared.

@@ -61,29 +61,10 @@ impl Contacts<'_> {
         Ok(())
     }
 
-    /// Removes the normal velocities of the `active` contacts at the last evaluation from `v`, and sliding
-    /// velocities up to `sliding`, along their directions.
-    pub(crate) fn hold(
-        &mut self,
-        active: &[ActiveContact],
-        sliding: f64,
-        v: &mut [f64],
-    ) -> Result<(), ModeError> {
-        let (normal, sense) = (
-            |contact| Line::Normal {
-                contact,
-                slope: 0.0,
-            },
-            1.0,
-        );
-        let mut lines: Vec<Line> = active.iter().map(|held| normal(held.contact)).collect();
-        lines.extend(
-            active
-                .iter()
-                .map(|held| held.contact)
-                .filter(|&i| self.friction(i) > 0.0 && self.sliding_velocity(i).abs() <= sliding)
-                .map(|contact| Line::Tangent { contact, sense }),
-        );
+    /// Removes the normal velocities of the `active` contacts at the last evaluation, and the sliding
+    /// velocities of those that stick, from `v`, along their directions.
+    pub(crate) fn hold(&self, active: &[ActiveContact], v: &mut [f64]) -> Result<(), ModeError> {
+        let lines = super::contacts::unbiased_lines(active);
         let mut factors = self.couplings(&lines);
         let mut pivots = vec![0; lines.len()];
         let mut impulses: Vec<f64> = lines.iter().map(|&line| self.velocity(line)).collect();

@@ -16,4 +16,5 @@ pub(crate) mod contacts;
 mod coulomb;
 pub(crate) mod finite_element;
 mod impact;
+mod sharing;
 pub(crate) mod transcription;

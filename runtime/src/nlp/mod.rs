@@ -30,6 +30,7 @@ mod barrier;
 mod barrier_problem;
 mod derivative_check;
 mod driver;
+mod elements;
 mod error;
 mod filter;
 mod formulation;
@@ -55,8 +56,11 @@ mod step;
 
 pub use derivative_check::{DerivativeEntry, DerivativeReport, check_derivatives};
 pub use driver::{WarmStart, solve, solve_from};
+pub use elements::{Element, ElementProblem, ElementProblemBuilder, Target};
 pub use error::InputError;
 pub use info::IterationInfo;
+/// The number type that [`Element::evaluate`] is generic over.
+pub use num_dual::DualNum;
 pub(crate) use pattern::Pattern;
 pub use problem::NlpProblem;
 pub use settings::{LinearSolver, Settings};

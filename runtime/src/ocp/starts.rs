@@ -46,7 +46,8 @@ pub(super) fn solve(
     let optima = optima(&solutions);
     let seconds = solutions.iter().map(|solution| solution.seconds).sum();
     let best = solutions.into_iter().reduce(|best, other| {
-        if rank(&other) < rank(&best) {
+        let (a, b) = (rank(&other), rank(&best));
+        if a.0 < b.0 || a.0 == b.0 && a.1 < b.1 {
             other
         } else {
             best
@@ -115,7 +116,9 @@ fn rank(solution: &Solution) -> (usize, f64) {
 /// The distinct local optima, the best first.
 fn optima(solutions: &[Solution]) -> Vec<Optimum> {
     let mut optima: Vec<Optimum> = Vec::new();
-    for (start, solution) in solutions.iter().enumerate() {
+    let mut sorted: Vec<(usize, &Solution)> = solutions.iter().enumerate().collect();
+    sorted.sort_by(|a, b| rank(a.1).1.total_cmp(&rank(b.1).1));
+    for (start, solution) in sorted {
         if solution.motion.is_none() || solution.status == Status::Unconfirmed {
             continue;
         }
@@ -126,6 +129,7 @@ fn optima(solutions: &[Solution]) -> Vec<Optimum> {
         };
         if let Some(known) = optima.iter_mut().find(same) {
             known.starts.push(start);
+            known.starts.sort_unstable();
             continue;
         }
         optima.push(Optimum {
@@ -137,6 +141,5 @@ fn optima(solutions: &[Solution]) -> Vec<Optimum> {
             starts: vec![start],
         });
     }
-    optima.sort_by(|a, b| a.objective.total_cmp(&b.objective));
     optima
 }

@@ -32,6 +32,10 @@ pub struct TimeFreezingSettings {
     /// the goals; default false. Good where the motion that is looked for touches and leaves surfaces much
     /// as it does without control. Without goals it is always so.
     pub simulated_guess: bool,
+    /// Largest product of a pair, and optimality error, at which [`solve`](super::solve) takes the program for
+    /// solved before it polishes the motion; default 1e-6, in (0, 1). Below that the iterations double without
+    /// another contact sequence.
+    pub complementarity: f64,
 }
 
 impl Default for TimeFreezingSettings {
@@ -42,6 +46,7 @@ impl Default for TimeFreezingSettings {
             elements: 3,
             auxiliary_acceleration: 20.0,
             simulated_guess: false,
+            complementarity: 1e-6,
         }
     }
 }
@@ -103,6 +108,10 @@ impl<'a> TimeFreezing<'a> {
         };
         if settings.elements == 0 {
             return refuse("finite elements of an interval", 0.0, "at least 1".into());
+        }
+        let complementarity = settings.complementarity;
+        if !(complementarity > 0.0 && complementarity < 1.0) {
+            return refuse("complementarity", complementarity, "in (0, 1)".into());
         }
         let a_bar = settings.auxiliary_acceleration;
         if !(a_bar > 0.0 && a_bar.is_finite()) {

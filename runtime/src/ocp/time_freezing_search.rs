@@ -34,8 +34,10 @@ impl Search<'_, '_> {
         let mut program = TimeFreezing::new(model, problem, &settings)?;
         let mut relaxation = mpcc::Settings {
             crossover: false,
+            final_relaxation: settings.complementarity,
             ..mpcc::Settings::default()
         };
+        relaxation.interior_point.tolerance = settings.complementarity;
         relaxation.interior_point.maximum_iterations =
             self.settings.maximum_iterations.max(ITERATIONS);
         self.watch

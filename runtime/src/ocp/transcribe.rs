@@ -7,7 +7,8 @@ use super::path::Path;
 use super::program::Program;
 use super::sequence::{Place, Sequence, Switch};
 
-/// Least distance of a guessed switch from the ends of its interval, relative to its length.
+/// Least distance of a guessed switch from the ends of its interval and from other switches, relative to the length
+/// of the interval.
 const GUESS_MARGIN: f64 = 0.02;
 
 /// Shortest phase relative to its interval: in a phase of no length the contact forces are undetermined.
@@ -101,10 +102,14 @@ impl Builder<'_, '_> {
         let inside: Vec<(usize, &Switch)> = here(Place::Inside).collect();
         let length = self.guess.horizon / self.setting.problem.intervals as f64;
         let count = inside.len() + 1;
-        let mut ends: Vec<f64> = inside
-            .iter()
-            .map(|(_, s)| (s.time - interval as f64).clamp(GUESS_MARGIN, 1.0 - GUESS_MARGIN))
-            .collect();
+        let margin = GUESS_MARGIN.min(0.5 / count as f64);
+        let mut ends: Vec<f64> = Vec::with_capacity(count);
+        for (p, (_, switch)) in inside.iter().enumerate() {
+            let before = ends.last().copied().unwrap_or(0.0);
+            let least = before + margin;
+            let most = 1.0 - (count - 1 - p) as f64 * margin;
+            ends.push((switch.time - interval as f64).max(least).min(most));
+        }
         ends.push(1.0);
         let durations: Vec<usize> = if count == 1 {
             Vec::new()

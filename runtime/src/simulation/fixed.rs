@@ -202,24 +202,16 @@ impl<'a> FixedRun<'a> {
         let impact = impact::impact(&mut self.dynamics, t, &mut self.y, None, lowest)
             .map_err(|problem| self.undetermined(t, problem))?;
         self.y[2 * n] += impact.impulse / self.settings.auxiliary_acceleration;
-        contact_mode::select(
+        contact_mode::change(
             &mut self.dynamics,
             &mut self.probe,
             t,
-            &self.y,
+            &mut self.y,
             &impact.resting,
             None,
             h,
         )
         .map_err(|problem| self.undetermined(t, problem))?;
-        if !self.dynamics.project(t, &mut self.y) {
-            let contact = self.dynamics.active.first().copied();
-            return Err(SimulationStatus::AmbiguousContact(self.diagnosis(
-                t,
-                contact,
-                "the normals of the surfaces in contact are dependent".into(),
-            )));
-        }
         for i in 0..self.dynamics.contacts {
             let (was, is) = (previously.contains(&i), self.dynamics.is_active(i));
             let kind = if impact.struck.contains(&i) {

@@ -267,3 +267,65 @@ pub const FIFTY_METRES: SkiJumpGold = SkiJumpGold {
         ),
     ],
 };
+
+/// A block on an incline in the certified solution `friction_block` (closed form, 20 digits).
+pub struct BlockGold {
+    pub slope_degrees: f64,
+    pub mu: f64,
+    pub speed: f64,
+    pub stop: (f64, f64),
+    pub stop_position: [f64; 2],
+    /// Friction force per mass along the slope while it slides, and while it sticks.
+    pub force: (f64, f64),
+    pub dissipated: f64,
+    /// Time, way, speed.
+    pub states: [(f64, f64, f64); 4],
+}
+
+pub const BLOCKS: [BlockGold; 3] = [
+    BlockGold {
+        slope_degrees: 15.0,
+        mu: 0.5,
+        speed: 3.0,
+        stop: (1.3643487114989732, 2.04652306724846),
+        stop_position: [1.976789484751607, -0.5296791460455282],
+        force: (-4.73786617794788, -2.5390148324557287),
+        dissipated: 9.696152422706632,
+        states: [
+            (0.5, 1.225143581813481, 1.9005743272539244),
+            (1.0, 1.9005743272539244, 0.8011486545078488),
+            (2.0, 2.04652306724846, 0.0),
+            (3.0, 2.04652306724846, 0.0),
+        ],
+    },
+    BlockGold {
+        slope_degrees: 25.0,
+        mu: 0.6,
+        speed: 2.0,
+        stop: (1.6825917146443121, 1.6825917146443121),
+        stop_position: [1.524945973385489, -0.7110939856622822],
+        force: (-5.3345276344977215, -4.145885147676261),
+        dissipated: 8.975831999346989,
+        states: [
+            (0.5, 0.8514196891473175, 1.4056787565892699),
+            (1.0, 1.4056787565892699, 0.8113575131785398),
+            (2.0, 1.6825917146443121, 0.0),
+            (3.0, 1.6825917146443121, 0.0),
+        ],
+    },
+    BlockGold {
+        slope_degrees: 0.0,
+        mu: 0.3,
+        speed: 2.0,
+        stop: (0.6795786612300374, 0.6795786612300374),
+        stop_position: [0.6795786612300374, 0.0],
+        force: (-2.943, 0.0),
+        dissipated: 2.0,
+        states: [
+            (0.5, 0.632125, 0.5285),
+            (1.0, 0.6795786612300374, 0.0),
+            (2.0, 0.6795786612300374, 0.0),
+            (3.0, 0.6795786612300374, 0.0),
+        ],
+    },
+];

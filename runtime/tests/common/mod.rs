@@ -9,6 +9,7 @@
 
 pub mod event;
 pub mod gold;
+pub mod laws;
 pub mod scene;
 pub mod scenes;
 

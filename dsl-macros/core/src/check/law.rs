@@ -151,7 +151,10 @@ impl Checker<'_> {
                 ),
             ));
         }
-        if tangent.iter().all(|component| component.is_structural_zero()) {
+        if tangent
+            .iter()
+            .all(|component| component.is_structural_zero())
+        {
             return Err(self.diagnostics.report(
                 "E07",
                 expr.place,
@@ -265,7 +268,12 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
             continue;
         };
         let law = laws.swap_remove(index);
-        impulse(&surface, &law, checker.coordinates.len(), checker.diagnostics);
+        impulse(
+            &surface,
+            &law,
+            checker.coordinates.len(),
+            checker.diagnostics,
+        );
         pairs.push(Pair { surface, law });
     }
     if checker.diagnostics.mistakes() > before {

@@ -232,7 +232,8 @@ impl Checker<'_> {
         rules::missing_statements(&declared.name, &mut checker);
         let laws = law::of_surfaces(&mut checker);
         let start = checker.start_values();
-        let (Some((lagrangian, place)), Ok(laws), Ok(start)) = (checker.lagrangian, laws, start) else {
+        let (Some((lagrangian, place)), Ok(laws), Ok(start)) = (checker.lagrangian, laws, start)
+        else {
             return Err(Reported);
         };
         // Missing inertia and unused names are most often consequences of other mistakes.

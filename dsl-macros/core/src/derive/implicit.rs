@@ -194,7 +194,13 @@ impl Locked<'_> {
 
     /// A vector with zeros for the held coordinates.
     fn free_part(&self, vector: &[Sym]) -> Vec<Sym> {
-        let component = |(i, &component)| if self.is_held(i) { Sym::ZERO } else { component };
+        let component = |(i, &component)| {
+            if self.is_held(i) {
+                Sym::ZERO
+            } else {
+                component
+            }
+        };
         vector.iter().enumerate().map(component).collect()
     }
 }

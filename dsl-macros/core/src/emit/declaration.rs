@@ -1,9 +1,9 @@
 //! The static description of a scene.
 
-use super::{Timing, equations};
 use super::kernel::literal;
 use super::plan::{Pattern, Plan};
 use super::structure::text;
+use super::{Timing, equations};
 use crate::ast::WrittenUnit;
 use crate::derive::Equations;
 use crate::scene::CheckedScene;

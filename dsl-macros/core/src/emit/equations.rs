@@ -114,26 +114,26 @@ impl List<'_> {
     /// `(q, v, t)' = f_free` between impacts.
     fn free_dynamics(&mut self, equations: &Equations) {
         let rates = self.names.iter().map(|name| format!("{name}'"));
-        let accelerations: Vec<String> = match &equations.acceleration {
-            Solution::Explicit(solution) => solution
-                .values
-                .iter()
-                .map(|&acceleration| formula(self.scene, acceleration))
-                .collect(),
-            Solution::Implicit(_) => Vec::new(),
+        let formulas = match &equations.acceleration {
+            Solution::Explicit(solution) => self.short(&solution.values, &[]),
+            Solution::Implicit(_) => None,
         };
-        let length: usize = accelerations.iter().map(String::len).sum();
-        let accelerations = if accelerations.is_empty() || length > LONGEST {
-            self.names.iter().map(|name| format!("{name}''")).collect()
-        } else {
-            accelerations
-        };
-        let components: Vec<String> = rates
-            .chain(accelerations)
-            .chain(["1".to_owned()])
-            .collect();
+        let accelerations =
+            formulas.unwrap_or_else(|| self.names.iter().map(|name| format!("{name}''")).collect());
+        let components: Vec<String> = rates.chain(accelerations).chain(["1".to_owned()]).collect();
         let right = format!("({})", components.join(", "));
         self.all.push(("f_free".to_owned(), right));
+    }
+
+    /// The components of a vector, if they are short enough to be written into one line.
+    fn short(&self, vector: &[Sym], names: &[String]) -> Option<Vec<String>> {
+        let components: Vec<String> = vector
+            .iter()
+            .map(|&component| formula_with(self.scene, component, names))
+            .collect();
+        let length: usize = components.iter().map(String::len).sum();
+        let complete = components.iter().all(|text| !text.ends_with("operations)"));
+        (complete && length <= LONGEST).then_some(components)
     }
 
     /// The auxiliary dynamics of time-freezing, `(q, v, t)' = f_aux` while the clock stands still, and
@@ -159,15 +159,28 @@ impl List<'_> {
         match (&contact.friction, &derived.friction) {
             (Some(friction), Some(tangent)) => {
                 let tangential = tangent.rows.values.get(1..).filter(|e| !e.is_empty());
-                for (region, sign) in [("slip > 0", -1.0), ("slip < 0", 1.0)] {
+                let coupling = match tangential {
+                    Some(e) => product(&derived.normal, e),
+                    None => Sym::ONE,
+                };
+                let coupled = elastic && !coupling.is_structural_zero();
+                for (region, sign, shown) in [("slip > 0", -1.0, '-'), ("slip < 0", 1.0, '+')] {
                     let mu = friction.coefficient.scaled(sign);
-                    let direction = normal
-                        .zip(tangential)
-                        .map(|(d, e)| oblique(d, e, mu, elastic.then_some(&derived.normal)));
-                    let sign = if sign < 0.0 { '-' } else { '+' };
-                    let mut words = format!("(d({name}) {sign} friction({name})*e({name}))");
-                    if elastic {
-                        words += &format!("/(1 {sign} friction({name})*n'e({name}))");
+                    // So that the normal velocity is that of spring and damper.
+                    let scale = if elastic {
+                        simplify(Sym::ONE + mu * coupling).power(-2)
+                    } else {
+                        Sym::ONE
+                    };
+                    let direction: Option<Vec<Sym>> = normal.zip(tangential).map(|(d, e)| {
+                        let pairs = d.iter().zip(e);
+                        pairs
+                            .map(|(&d, &e)| simplify((d + mu * e) * scale))
+                            .collect()
+                    });
+                    let mut words = format!("(d({name}) {shown} friction({name})*e({name}))");
+                    if coupled {
+                        words += &format!("/(1 {shown} friction({name})*n'e({name}))");
                     }
                     let field = self.field(name, direction.as_deref(), &words, elastic);
                     self.all.push((format!("f_aux({name}, {region})"), field));
@@ -184,7 +197,7 @@ impl List<'_> {
     }
 
     /// Rates of coordinates, velocities and clock for a direction of the impulse, which is called `words`
-    /// if there is no formula for it.
+    /// where there is no formula for it, or a long one.
     fn field(
         &self,
         contact: &str,
@@ -192,13 +205,8 @@ impl List<'_> {
         words: &str,
         elastic: bool,
     ) -> String {
-        let names = [
-            "a_n".to_owned(),
-            "k_n".to_owned(),
-            "c_n".to_owned(),
-            format!("gap({contact})"),
-            format!("gap({contact})'"),
-        ];
+        let gap = format!("gap({contact})");
+        let names = ["a_n", "k_n", "c_n", gap.as_str(), &format!("{gap}'")].map(str::to_owned);
         let [a_n, k_n, c_n, gap, rate] =
             [0, 1, 2, 3, 4].map(|i| Sym::variable(Variable::Argument(i)));
         let (moving, force) = if elastic {
@@ -206,21 +214,20 @@ impl List<'_> {
         } else {
             (Sym::ZERO, a_n)
         };
-        let show = |factor: Sym, component: Sym| {
-            formula_with(self.scene, simplify(component * factor), &names)
+        let written = direction.and_then(|direction| {
+            let along = |factor: Sym| direction.iter().map(move |&d| simplify(factor * d));
+            let components: Vec<Sym> = along(moving).chain(along(force)).collect();
+            self.short(&components, &names)
+        });
+        if let Some(components) = written {
+            return format!("({}, 0)", components.join(", "));
+        }
+        let along = |factor: Sym| match formula_with(self.scene, factor, &names) {
+            zero if zero == "0" => zero,
+            sum if sum.contains(' ') => format!("({sum})*{words}"),
+            single => format!("{single}*{words}"),
         };
-        let Some(direction) = direction else {
-            let rate = |factor: Sym| match show(factor, Sym::ONE).as_str() {
-                "0" => "0".to_owned(),
-                long if long.contains(' ') => format!("{words}*({long})"),
-                short => format!("{words}*{short}"),
-            };
-            return format!("({}, {}, 0)", rate(moving), rate(force));
-        };
-        let mut components: Vec<String> = direction.iter().map(|&d| show(moving, d)).collect();
-        components.extend(direction.iter().map(|&d| show(force, d)));
-        components.push("0".to_owned());
-        format!("({})", components.join(", "))
+        format!("({}, {}, 0)", along(moving), along(force))
     }
 
     /// `c_n = 2 |ln e| sqrt(k_n / (pi^2 + ln^2 e))`: the half oscillation of a linear spring and damper
@@ -245,18 +252,6 @@ impl List<'_> {
     }
 }
 
-/// `d + mu e`, and for an elastic law with normal `n` divided by `1 + mu n'e`, so that the normal velocity
-/// is that of spring and damper.
-fn oblique(d: &[Sym], e: &[Sym], mu: Sym, normal: Option<&Vec<Sym>>) -> Vec<Sym> {
-    let coupling: Sym = normal
-        .into_iter()
-        .flatten()
-        .zip(e)
-        .map(|(&n, &e)| n * e)
-        .sum();
-    let scale = simplify(Sym::ONE + mu * coupling).power(-2);
-    d.iter()
-        .zip(e)
-        .map(|(&d, &e)| simplify((d + mu * e) * scale))
-        .collect()
+fn product(a: &[Sym], b: &[Sym]) -> Sym {
+    simplify(a.iter().zip(b).map(|(&a, &b)| a * b).sum())
 }

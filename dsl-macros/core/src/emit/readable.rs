@@ -29,6 +29,21 @@ pub(crate) fn formula_with(scene: &CheckedScene, sym: Sym, names: &[String]) -> 
     }
 }
 
+/// A constant without the roundings of its last digit: 0.4^2 is 0.16.
+fn number(value: f64) -> String {
+    let short = format!("{value:.14e}").parse().unwrap_or(value);
+    let shown = if (short - value).abs() <= 4.0 * f64::EPSILON * value.abs() {
+        short
+    } else {
+        value
+    };
+    if shown != 0.0 && shown.abs() < 1e-4 {
+        format!("{shown:e}")
+    } else {
+        shown.to_string()
+    }
+}
+
 struct TooLong;
 
 struct Printer<'a> {
@@ -52,9 +67,9 @@ impl Printer<'_> {
             Node::Number(bits) => {
                 let value = f64::from_bits(bits);
                 if value < 0.0 && outer > SUM {
-                    self.push(&format!("({value})"))
+                    self.push(&format!("({})", number(value)))
                 } else {
-                    self.push(&value.to_string())
+                    self.push(&number(value))
                 }
             }
             Node::Variable(variable) => {
@@ -145,11 +160,16 @@ impl Printer<'_> {
                     self.push("-")?;
                 }
             } else {
-                self.push(&coefficient.to_string())?;
+                self.push(&number(coefficient))?;
                 first = false;
             }
         }
-        for &(base, halves) in factors.iter().filter(|&&(_, halves)| halves > 0) {
+        // What has a name for this formula only stands first.
+        let (named, others): (Vec<_>, Vec<_>) = factors
+            .iter()
+            .filter(|&&(_, halves)| halves > 0)
+            .partition(|(base, _)| matches!(base.node(), Node::Variable(Variable::Argument(_))));
+        for &(base, halves) in named.into_iter().chain(others) {
             if !first {
                 self.push("*")?;
             }
@@ -171,7 +191,7 @@ impl Printer<'_> {
                 self.push("(")?;
             }
             if let Some(divisor) = divisor {
-                self.push(&divisor.to_string())?;
+                self.push(&number(divisor))?;
             }
             for (i, &(base, halves)) in below.iter().enumerate() {
                 if i > 0 || divisor.is_some() {

@@ -5,7 +5,7 @@ use super::expression::expression;
 use super::statement::name;
 use super::unexpected;
 use crate::ast::{Expr, Law, Name, Statement};
-use crate::diagnostics::{Checked, Diagnostics, Place, Reported, list};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
 
 /// Under which name the law of a surface is marked as faulty.
@@ -57,8 +57,8 @@ fn law(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Law> {
         .ident()
         .is_some_and(|ident| words::LAW_PARTS.contains(&ident.to_string().as_str()))
     {
-        let expected = format!("`,` before {}", cursor.describe());
-        return Err(unexpected(cursor, diagnostics, &expected));
+        let message = format!("a comma is missing before {}", cursor.describe());
+        return Err(diagnostics.syntax(cursor.place(), message));
     }
     parts.law(begin, diagnostics)
 }
@@ -90,12 +90,13 @@ impl Parts {
                 ));
             }
             other => {
+                let help = match closest(other, words::LAW_PARTS) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("the parts are {}", list(words::LAW_PARTS)),
+                };
                 return Err(diagnostics.syntax(
                     place,
-                    format!(
-                        "unknown part `{other}` of an impact law; the parts are {}",
-                        list(words::LAW_PARTS)
-                    ),
+                    format!("unknown part `{other}` of an impact law; {help}"),
                 ));
             }
         };

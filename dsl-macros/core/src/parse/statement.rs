@@ -136,7 +136,11 @@ fn statement(
     }
 }
 
-pub(super) fn name(cursor: &mut Cursor, what: &str, diagnostics: &mut Diagnostics) -> Checked<Name> {
+pub(super) fn name(
+    cursor: &mut Cursor,
+    what: &str,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Name> {
     if cursor
         .ident()
         .is_some_and(|ident| words::is_keyword(&ident.to_string()))

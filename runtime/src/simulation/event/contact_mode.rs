@@ -28,6 +28,10 @@ const NOISE: f64 = 1e-13;
 /// Largest number of modes that are compared by what follows a moment later.
 const MOST_MODES: usize = 4096;
 
+/// Choices of a mode before the direction of sliding counts as undetermined; the second is the last in exact
+/// arithmetic.
+const ATTEMPTS: usize = 4;
+
 /// A closed contact at rest in its normal direction, with the states that are possible.
 struct Candidate {
     contact: usize,
@@ -42,11 +46,57 @@ struct Candidate {
 /// Chooses the contact mode: the active contacts among those closed and at rest, and which of them stick. They
 /// follow from `0 <= r _|_ n' a + curvature + D r >= 0` and Coulomb's law for the rates of the sliding
 /// velocities that are zero; where these are undecided, from the same a moment later. On return the mode of
-/// `dynamics` is the new one.
+/// `dynamics` is the new one, and the state `y` fulfils its constraints.
 ///
 /// `vanished` is a switching function of the mode before that is known to vanish now, whatever rounding error
 /// has left of it; `moment` is a time over which the motion is smooth, such as a step size.
-pub(in crate::simulation) fn select(
+pub(in crate::simulation) fn change(
+    dynamics: &mut Dynamics<'_>,
+    probe: &mut Dop853,
+    t: f64,
+    y: &mut [f64],
+    resting: &[usize],
+    vanished: Option<Switch>,
+    moment: f64,
+) -> Result<(), Undetermined> {
+    let undetermined = |dynamics: &Dynamics<'_>, message: &str| {
+        Err(Undetermined {
+            contact: dynamics.active.first().copied().unwrap_or_default(),
+            message: message.into(),
+        })
+    };
+    for _ in 0..ATTEMPTS {
+        select(dynamics, probe, t, y, resting, vanished, moment)?;
+        if !dynamics.project(t, y) {
+            return undetermined(
+                dynamics,
+                "the state cannot be moved onto the surfaces in contact: their normals are dependent",
+            );
+        }
+        // What is left of a normal velocity may have had its share in a sliding velocity as small.
+        if !slides_back(dynamics, y) {
+            return Ok(());
+        }
+    }
+    undetermined(
+        dynamics,
+        "the direction of sliding is not determined; start from a slightly different state",
+    )
+}
+
+/// Whether a contact slides against the direction of its mode, at the state loaded.
+fn slides_back(dynamics: &mut Dynamics<'_>, y: &[f64]) -> bool {
+    let zero_velocity = dynamics.zero_velocity(y);
+    (0..dynamics.contacts).any(|i| {
+        let ContactState::Slip(direction) = dynamics.state(i) else {
+            return false;
+        };
+        dynamics.evaluate_tangent(i);
+        direction.sign() * dynamics.sliding_velocity(i) < -zero_velocity
+    })
+}
+
+fn select(
     dynamics: &mut Dynamics<'_>,
     probe: &mut Dop853,
     t: f64,

@@ -285,27 +285,16 @@ impl<'a> Integration<'a> {
             self.record();
             self.y[n..2 * n].copy_from_slice(&after);
         }
-        contact_mode::select(
+        contact_mode::change(
             &mut self.dynamics,
             &mut self.probe,
             self.t,
-            &self.y,
+            &mut self.y,
             &impact.resting,
             vanished,
             moment,
         )
         .map_err(|problem| self.undetermined(problem))?;
-        if !self.dynamics.project(self.t, &mut self.y) {
-            let contact = self.dynamics.active.first().copied();
-            return Err(SimulationStatus::AmbiguousContact(
-                self.diagnosis(
-                    contact,
-                    "the state cannot be moved onto the surfaces in contact: their normals are \
-                 dependent"
-                        .into(),
-                ),
-            ));
-        }
         self.begin()?;
         self.dynamics.accept_forces();
         self.record();

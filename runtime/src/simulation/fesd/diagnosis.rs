@@ -26,6 +26,31 @@ impl Driver<'_> {
         }
     }
 
+    /// Why no force satisfies the contact law: friction that presses more than the contact force lifts, or
+    /// else the directions.
+    fn jamming(&self) -> String {
+        let gap = self.touching().gap;
+        let pressed = self
+            .all_contacts
+            .iter()
+            .filter(|&&i| self.contacts.friction(i) > 0.0 && self.contacts.gap(i).abs() <= gap)
+            .flat_map(|&i| [(i, 1.0), (i, -1.0)])
+            .map(|(i, sense)| (i, sense, self.contacts.lift_in_slip(i, sense)))
+            .min_by(|a, b| a.2.total_cmp(&b.2));
+        match pressed {
+            Some((i, sense, lift)) if lift <= 0.0 => format!(
+                "no impulse or force satisfies the contact law (jamming): when `{}` slides {} its friction \
+                 presses more than the contact force lifts (1 -+ mu n'e = {lift:.3} <= 0, Painleve's \
+                 paradox); lower the friction or keep away from this position",
+                self.model.declaration().contacts[i].name,
+                if sense > 0.0 { "forward" } else { "backward" },
+            ),
+            _ => "no impulse or force satisfies the contact law (jamming); look at the impulse \
+                  direction of the contacts that touch"
+                .into(),
+        }
+    }
+
     pub(super) fn stopped(&self, step: usize, stop: &Stop) -> SimulationStatus {
         let names: Vec<&str> = self
             .active
@@ -54,10 +79,7 @@ impl Driver<'_> {
             Stop::Mode(ModeError::Jammed) => SimulationStatus::AmbiguousContact(self.diagnosis(
                 step,
                 contact,
-                describe(
-                    "no impulse or force satisfies the contact law (jamming); look at the impulse \
-                     direction of the contacts that touch",
-                ),
+                describe(&self.jamming()),
             )),
             Stop::Mode(ModeError::Dependent) => SimulationStatus::AmbiguousContact(self.diagnosis(
                 step,

@@ -91,6 +91,9 @@ impl Detector<'_> {
                 }
                 continue;
             }
+            if held.tangential.sense() == 0.0 {
+                continue;
+            }
             let rounding = start.rounding.sliding;
             let moved = row[..=k].iter().any(|speed| *speed > rounding);
             let found = if value < -rounding && moved {

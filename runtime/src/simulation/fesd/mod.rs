@@ -64,9 +64,9 @@ pub struct Fesd {
     /// Acceleration `a_bar` of the auxiliary dynamics [m/s^2 for a gap in metres]. It scales the numerical
     /// time, never the result in physical time. Default 981 (100 times gravity, as in the paper).
     pub auxiliary_acceleration: f64,
-    /// Normal velocity below which an impact takes no restitution, relative to the largest velocity or
-    /// 1 m/s: bounces that follow each other ever faster end there, with a note. Default 1e-6.
-    pub rest_velocity: f64,
+    /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
+    /// ends infinite sequences of bounces, with a note. Default none, which means `1e-6 max(1, |v|)`.
+    pub rest_velocity: Option<f64>,
 }
 
 impl Default for Fesd {
@@ -80,7 +80,7 @@ impl Default for Fesd {
             formulation: StepFormulation::ActiveSet,
             exit_condition: true,
             auxiliary_acceleration: 981.0,
-            rest_velocity: 1e-6,
+            rest_velocity: None,
         }
     }
 }
@@ -133,7 +133,7 @@ impl Fesd {
     /// The same settings with another rest velocity.
     #[must_use]
     pub fn with_rest_velocity(mut self, rest_velocity: f64) -> Self {
-        self.rest_velocity = rest_velocity;
+        self.rest_velocity = Some(rest_velocity);
         self
     }
 
@@ -163,11 +163,13 @@ impl Fesd {
                 "finite and above 0 (m/s^2)".into(),
             );
         }
-        if !(0.0..1.0).contains(&self.rest_velocity) {
+        if let Some(velocity) = self.rest_velocity
+            && !(0.0..f64::INFINITY).contains(&velocity)
+        {
             return refuse(
                 "rest velocity",
-                self.rest_velocity,
-                "at least 0 and below 1, relative to the largest velocity".into(),
+                velocity,
+                "at least 0 and finite (m/s)".into(),
             );
         }
         match ButcherTableau::new(self.scheme, self.stages) {

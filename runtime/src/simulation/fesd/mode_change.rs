@@ -2,10 +2,13 @@
 
 use super::driver::Driver;
 use super::switch::{Switch, SwitchKind};
-use crate::fesd::active_contact::{Tangential, find};
+use crate::fesd::active_contact::find;
 use crate::fesd::contacts::ModeError;
 use crate::simulation::{Event, EventKind};
 use crate::time_freezing::clock;
+
+/// Rest velocity where none is set, relative to the largest velocity.
+const REST: f64 = 1e-6;
 
 impl Driver<'_> {
     /// Carries out a located switch at the present state.
@@ -79,23 +82,22 @@ impl Driver<'_> {
         if !self.active.is_empty() {
             let active = self.active.iter().map(|held| held.contact);
             self.contacts.evaluate_contacts(&self.x, active);
-            self.contacts
-                .hold(&self.active, tolerance.sliding, &mut self.state.v)?;
+            self.contacts.hold(&self.active, &mut self.state.v)?;
+        }
+        // A contact that already carried a force takes part in the impact without one of its own.
+        for &i in &closing {
+            self.push_event(EventKind::Impact, i, v_before.clone());
         }
         for i in self.all_contacts.clone() {
-            // A contact that already carried a force takes part in the impact without one of its own.
             let struck = closing.contains(&i);
             let (before, after) = (find(&previous, i), find(&self.active, i));
-            if struck {
-                self.push_event(EventKind::Impact, i, v_before.clone());
-            }
             match (before, after) {
                 (Some(_), None) => self.push_event(EventKind::LiftOff, i, v_before.clone()),
                 (None, Some(_)) if !struck && self.state.time > 0.0 => {
                     self.push_event(EventKind::Contact, i, v_before.clone());
                 }
-                (Some(before), Some(after)) if before != after => {
-                    let kind = if after == Tangential::Sticking {
+                (Some(before), Some(after)) if before.sense() != after.sense() => {
+                    let kind = if after.sense() == 0.0 {
                         EventKind::Stick
                     } else {
                         EventKind::Slip
@@ -119,7 +121,7 @@ impl Driver<'_> {
         slow: f64,
     ) -> Result<Vec<(usize, f64)>, ModeError> {
         let largest = self.state.v.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
-        let rest = self.settings.rest_velocity * largest;
+        let rest = self.settings.rest_velocity.unwrap_or(REST * largest);
         let mut ended = Vec::new();
         let mut restitution = vec![0.0; touching.len()];
         for (e, &i) in restitution.iter_mut().zip(touching) {
@@ -164,16 +166,15 @@ impl Driver<'_> {
         let contacts = self.model.declaration().contacts;
         for (cascades, contact) in self.cascades.clone().iter().zip(contacts) {
             if cascades.count > 0 {
+                let times = if cascades.count == 1 {
+                    "once"
+                } else {
+                    "repeatedly"
+                };
                 self.note(&format!(
-                    "bounces of `{}` end in contact once they are slower than the rest velocity \
-                     ({:e} of the largest velocity): {} times, first at t = {} s; the height left out is \
-                     at most {:.1e} {}",
-                    contact.name,
-                    self.settings.rest_velocity,
-                    cascades.count,
-                    cascades.first,
-                    cascades.height,
-                    contact.unit
+                    "bounces of `{}` slower than the rest velocity end in contact: {times}, first at t = {} s; \
+                     a bounce left out is at most {:.1e} {} high",
+                    contact.name, cascades.first, cascades.height, contact.unit
                 ));
             }
         }

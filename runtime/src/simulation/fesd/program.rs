@@ -147,7 +147,7 @@ impl Driver<'_> {
                 .filter(|&i| phases[i] == Phase::Contact)
                 .map(|contact| ActiveContact {
                     contact,
-                    tangential: Tangential::Frictionless,
+                    tangential: Tangential::Idle,
                 })
                 .collect();
             self.evaluate_state()?;

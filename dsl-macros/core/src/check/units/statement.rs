@@ -200,7 +200,10 @@ impl Walk<'_> {
     }
 
     fn law(&mut self, surfaces: &[Name], law: &Law) -> Checked<()> {
-        for (coefficient, of) in [(&law.restitution, "restitution"), (&law.friction, "friction")] {
+        for (coefficient, of) in [
+            (&law.restitution, "restitution"),
+            (&law.friction, "friction"),
+        ] {
             let Some(expr) = coefficient else { continue };
             let Ok(own) = self.scalar(expr) else { continue };
             let reason = format!("a coefficient of {of} is a ratio");

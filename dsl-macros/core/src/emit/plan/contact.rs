@@ -59,7 +59,10 @@ impl Builder<'_> {
         let derivatives = self.derivatives(
             &format!("contact_{{}}_{name}"),
             rows,
-            contact.direction.as_ref().map(|solved| (system.as_str(), solved)),
+            contact
+                .direction
+                .as_ref()
+                .map(|solved| (system.as_str(), solved)),
         );
         let contact_body = match (&contact.direction, &contact.inverse_inertia) {
             (None, InverseInertia::Formula(_)) => base,
@@ -109,7 +112,10 @@ impl Builder<'_> {
         let derivatives = self.derivatives(
             &format!("tangent_{{}}_{name}"),
             rows,
-            friction.direction.as_ref().map(|solved| (system.as_str(), solved)),
+            friction
+                .direction
+                .as_ref()
+                .map(|solved| (system.as_str(), solved)),
         );
         let tangent = match &friction.direction {
             None => base,
@@ -156,7 +162,13 @@ impl Builder<'_> {
         let first = rows.jacobian.values.len();
         let Some((system, solved)) = solved else {
             return Derivatives {
-                jacobian: self.call(&jacobian_kernel, &rows.jacobian.values, "x", "&[]", "values"),
+                jacobian: self.call(
+                    &jacobian_kernel,
+                    &rows.jacobian.values,
+                    "x",
+                    "&[]",
+                    "values",
+                ),
                 hessian: self.call(
                     &hessian_kernel,
                     &rows.hessian.values,
@@ -180,7 +192,11 @@ impl Builder<'_> {
         let size = self.system(system, solved).size;
         let solved_entries = solved.jacobian_pattern(n);
         let mut jacobian_entries = rows.jacobian.entries.clone();
-        jacobian_entries.extend(solved_entries.iter().map(|&(row, column)| (row + formulas, column)));
+        jacobian_entries.extend(
+            solved_entries
+                .iter()
+                .map(|&(row, column)| (row + formulas, column)),
+        );
         let mut hessian_entries = solved.hessian_pattern();
         hessian_entries.extend(&rows.hessian.entries);
         hessian_entries.sort_unstable();

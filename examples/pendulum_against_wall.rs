@@ -1,0 +1,48 @@
+//! A pendulum swings against a wall below its pivot.
+
+use std::error::Error;
+
+use hangtime::simulation::{EventKind, Fesd, InitialValueProblem, Simulation, Simulator};
+
+hangtime::model! {
+    /// A mathematical pendulum with a wall on one side.
+    pub PendulumAgainstWall {
+        parameters {
+            m: kg = 1, l: m = 1, g: m/s^2 = 9.81,
+            /// Coefficient of restitution.
+            e = 0.6,
+            /// Angle at the start, from below.
+            release: deg = 80,
+        }
+        coordinates { phi }
+        let bob = (l*sin(phi), -l*cos(phi))
+        lagrangian m/2*|dot(bob)|^2 - m*g*bob.z
+        surface wall: bob.y >= 0
+        impact wall: restitution e
+        start { phi: release }
+        horizon 4 [s]
+    }
+}
+
+/// Simulates over the declared horizon.
+pub fn simulate(model: &PendulumAgainstWall) -> Result<Simulation, Box<dyn Error>> {
+    let problem = InitialValueProblem::of(model, None)?;
+    Ok(Fesd::default().simulate(model, &problem, &mut |_| {})?)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let model = PendulumAgainstWall::default();
+    let simulation = simulate(&model)?;
+    for event in simulation
+        .events
+        .iter()
+        .filter(|event| event.kind == EventKind::Impact)
+    {
+        println!(
+            "{:.9} s: the wall turns {:.6} rad/s into {:.6} rad/s",
+            event.time, event.v_before[0], event.v_after[0]
+        );
+    }
+    println!("{}", simulation.status.name());
+    Ok(())
+}

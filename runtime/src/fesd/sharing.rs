@@ -1,0 +1,111 @@
+//! How contacts share friction where several of them hold the same sliding velocity: the feet of a box, or a
+//! block in a corner. The motion is unique, the shares are not; those of the complementarity problem are
+//! kept, with one sticking contact for each independent sliding velocity.
+
+use super::active_contact::{ActiveContact, Tangential};
+use super::contacts::{Contacts, Line, ModeError, unbiased_lines};
+use crate::linalg::dense;
+
+/// Share of its own coupling that a line keeps while the others are held, below which it depends on them.
+const DEPENDENT: f64 = 1e-10;
+
+/// Friction of a contact as the complementarity problem gave it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Share {
+    pub(super) contact: usize,
+    pub(super) friction: f64,
+    /// `mu r - |s|`, 0 on the edge of the cone.
+    pub(super) margin: f64,
+}
+
+impl Contacts<'_> {
+    /// Lets only independent contacts of `active` stick, those farthest from the edge of their cone first;
+    /// the others keep the force that `shares` says.
+    pub(super) fn share_friction(
+        &self,
+        active: &mut [ActiveContact],
+        shares: &[Share],
+    ) -> Result<(), ModeError> {
+        let share = |contact: usize| {
+            shares
+                .iter()
+                .find(|share| share.contact == contact)
+                .copied()
+                .unwrap_or(Share {
+                    contact,
+                    friction: 0.0,
+                    margin: f64::INFINITY,
+                })
+        };
+        let mut sticking: Vec<usize> = (0..active.len()).filter(|&k| active[k].sticks()).collect();
+        if sticking.is_empty() {
+            return Ok(());
+        }
+        sticking.sort_by(|&a, &b| {
+            let margin = |k: usize| share(active[k].contact).margin;
+            margin(b).total_cmp(&margin(a))
+        });
+        for &k in &sticking {
+            active[k].tangential = Tangential::Idle;
+        }
+        for k in sticking {
+            let Share {
+                contact,
+                friction,
+                margin,
+            } = share(active[k].contact);
+            active[k].tangential = if self.is_independent(active, contact)? {
+                Tangential::Sticking
+            } else if margin > 0.0 {
+                Tangential::Idle
+            } else {
+                Tangential::bound(-friction)
+            };
+        }
+        Ok(())
+    }
+
+    /// Whether the sliding velocity of `contact` is free while the `active` contacts hold theirs.
+    pub(super) fn is_independent(
+        &self,
+        active: &[ActiveContact],
+        contact: usize,
+    ) -> Result<bool, ModeError> {
+        let lines = unbiased_lines(active);
+        let tangent = Line::Tangent {
+            contact,
+            sense: 1.0,
+        };
+        let own = self.coupling(tangent, tangent);
+        let free = self.reduced_couplings(&lines, &[tangent])?;
+        Ok(free[0] > DEPENDENT * own)
+    }
+
+    /// Couplings of `lines` while the `held` ones keep their velocity: `D_UU - D_UH D_HH^-1 D_HU`.
+    pub(super) fn reduced_couplings(
+        &self,
+        held: &[Line],
+        lines: &[Line],
+    ) -> Result<Vec<f64>, ModeError> {
+        let mut matrix = self.couplings(lines);
+        if held.is_empty() {
+            return Ok(matrix);
+        }
+        let mut factors = self.couplings(held);
+        let mut pivots = vec![0; held.len()];
+        dense::factorize(&mut factors, &mut pivots).map_err(|_| ModeError::Dependent)?;
+        for (column, &j) in lines.iter().enumerate() {
+            let mut response: Vec<f64> = held.iter().map(|&h| self.coupling(h, j)).collect();
+            dense::solve(&factors, &pivots, &mut response);
+            for (row, &i) in lines.iter().enumerate() {
+                let through: f64 = held
+                    .iter()
+                    .zip(&response)
+                    .map(|(&h, value)| self.coupling(i, h) * value)
+                    .sum();
+                matrix[row * lines.len() + column] -= through;
+            }
+        }
+        Ok(matrix)
+    }
+}
