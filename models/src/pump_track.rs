@@ -19,7 +19,7 @@ use hangtime::model::Model;
 use hangtime::ocp::{Component, Goal, Objective, Problem};
 
 use crate::published;
-use crate::scene::{GroundLine, OptimalControl, Plane, Scene, Variant};
+use crate::scene::{GroundLine, OptimalControl, Plane, Scene, Variant, parameter};
 
 hangtime::model! {
     /// A bike and its rider, two point masses on a massless link, on a wavy track; the track pushes
@@ -154,12 +154,7 @@ const POINTS: usize = 200;
 
 /// Height of the track above its lowest point at `y` [m].
 fn track(model: &dyn Model, y: f64) -> f64 {
-    let value = |name: &str| {
-        let parameters = model.declaration().parameters;
-        let index = parameters.iter().position(|known| known.name == name);
-        index.map_or(f64::NAN, |index| model.parameter(index))
-    };
-    value("a") * (1.0 - (value("k") * y).cos())
+    parameter(model, "a") * (1.0 - (parameter(model, "k") * y).cos())
 }
 
 /// Bike and rider.

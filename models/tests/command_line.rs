@@ -342,6 +342,47 @@ fn simulate_with_out_writes_data_and_a_picture_and_nothing_else() {
 }
 
 #[test]
+fn simulate_scene_with_friction_tells_when_it_sticks_and_gives_the_friction_force() {
+    let scratch = Scratch::new("incline");
+    let document = json(&["simulate", "incline", "--json", "--out", scratch.text()]);
+    let event = &document["events"][0];
+    assert_eq!(event["kind"], "stick");
+    // v / (g (mu cos a - sin a)) with the defaults of the scene.
+    let (sin, cos) = 15.0_f64.to_radians().sin_cos();
+    let stop = 3.0 / (9.81 * (0.5 * cos - sin));
+    // The acceleration is constant, and so the collocation exact up to rounding.
+    assert!((event["time"].as_f64().unwrap() - stop).abs() < 1e-10);
+    let forces = document["trajectory"]["friction_force"].as_array().unwrap();
+    let times = document["trajectory"]["time"].as_array().unwrap();
+    assert_eq!(forces.len(), times.len());
+    // At rest the force carries the block: m g sin a up the incline.
+    let last = forces.last().unwrap()[0].as_f64().unwrap();
+    assert!((last.abs() - 2.0 * 9.81 * sin).abs() < 1e-9, "{last}");
+    let csv = scratch.read("incline-trajectory.csv");
+    assert!(
+        csv.lines()
+            .next()
+            .unwrap()
+            .ends_with("contact force ramp,friction force ramp")
+    );
+    assert_page_shows_its_result(&scratch, "incline");
+    let without = json(&["simulate", "ski-jump", "--json"]);
+    assert!(without["trajectory"].get("friction_force").is_none());
+}
+
+#[test]
+fn simulate_every_scene_with_its_defaults_reaches_the_horizon() {
+    for scene in json(&["list", "--json"])["scenes"].as_array().unwrap() {
+        let name = scene["name"].as_str().unwrap();
+        let scratch = Scratch::new(name);
+        let document = json(&["simulate", name, "--json", "--out", scratch.text()]);
+        assert_eq!(document["status"], "solved", "{name}");
+        assert_eq!(document["final"]["time"], document["horizon"], "{name}");
+        assert_page_shows_its_result(&scratch, name);
+    }
+}
+
+#[test]
 fn explain_shows_equations_patterns_and_counts() {
     let text = solved(&["explain", "ski-jump"]);
     for words in [

@@ -23,9 +23,8 @@ pub(super) struct Grid {
 }
 
 /// The lines of a chart. With fewer stages the phases confirm no plan on coarse grids.
-pub(super) const GRIDS: [Grid; 4] = [
+pub(super) const GRIDS: [Grid; 3] = [
     phases(4),
-    phases(5),
     phases(6),
     Grid {
         time_freezing: true,
@@ -38,7 +37,7 @@ const fn phases(stages: usize) -> Grid {
     Grid {
         time_freezing: false,
         stages,
-        intervals: &[10, 15, 20, 30, 40, 60, 80],
+        intervals: &[10, 15, 20, 30, 40, 60],
     }
 }
 
