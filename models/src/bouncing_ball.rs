@@ -52,6 +52,5 @@ pub(crate) const SCENE: Scene = Scene {
         positions: |_, q| vec![[q[0], q[1]]],
         ground: heights,
     }),
-    optimal_control: None,
     published: &[],
 };

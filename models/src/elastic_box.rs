@@ -54,7 +54,6 @@ pub(crate) const SCENE: Scene = Scene {
         positions: |_, q| vec![[q[0], q[1]]],
         ground: sides,
     }),
-    optimal_control: None,
     published: &[],
 };
 

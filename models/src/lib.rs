@@ -19,7 +19,7 @@ pub use published::{
     PublishedPoint, Quantity, Reference, Task,
 };
 pub use pump_track::{PumpTrack, PumpTrackHolding};
-pub use scene::{GroundLine, OptimalControl, Plane, Scene, Variant};
+pub use scene::{GroundLine, Plane, Scene, Variant};
 pub use ski_jump::SkiJump;
 
 /// All shipped scenes, in the order in which they are listed.

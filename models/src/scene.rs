@@ -1,7 +1,6 @@
 //! What the list of scenes knows about each one.
 
 use hangtime::model::Model;
-use hangtime::ocp::Problem;
 
 use crate::published::PublishedCase;
 
@@ -16,19 +15,8 @@ pub struct Scene {
     pub variants: &'static [Variant],
     /// How to draw the scene, if it moves in a plane.
     pub plane: Option<Plane>,
-    /// The optimal control problem of the scene, if it has one.
-    pub optimal_control: Option<OptimalControl>,
     /// Published results that the scene reproduces.
     pub published: &'static [PublishedCase],
-}
-
-/// What is to be optimized in a scene.
-#[derive(Debug, Clone, Copy)]
-pub struct OptimalControl {
-    /// Control intervals, unless others are asked for.
-    pub intervals: usize,
-    /// The problem with a number of control intervals.
-    pub problem: fn(model: &dyn Model, intervals: usize) -> Problem,
 }
 
 /// One form of a scene: a model of its own, chosen by settings that are words instead of numbers.

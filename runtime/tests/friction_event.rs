@@ -4,7 +4,7 @@ mod common;
 
 use common::event::{accurate, run, sequence};
 use common::gold;
-use common::laws::{Belt, Disc, Ground, Rod, Room, Table};
+use common::laws::{Belt, Bowl, Disc, Ground, Rod, Room, Table};
 use common::scenes::GRAVITY;
 use common::{check_energy, distance, energies, index_at, last, start};
 use hangtime::simulation::{
@@ -146,6 +146,66 @@ fn block_at_the_angle_of_friction_rests_or_keeps_its_speed() {
         // The forces balance to rounding error, which acts for 5 s.
         assert!(distance(last(&simulation.trajectory).1, &v) < 1e-13);
     }
+}
+
+#[test]
+fn block_in_a_bowl_slides_turns_and_stops_as_in_the_closed_form() {
+    // In a round bowl at the angle a from its bottom, with w = a'^2 and radius 1, sliding to growing a:
+    // w' = -2 mu w - 2 g (sin a + mu cos a), linear in w.
+    let mu = 0.08;
+    let model = Bowl { friction: mu }.model();
+    let after = |w: f64, from: f64, to: f64, sign: f64| {
+        // Sliding to falling a is the mirror image.
+        let (from, to) = (sign * from, sign * to);
+        let particular = |a: f64| {
+            2.0 * GRAVITY * ((1.0 - 2.0 * mu * mu) * a.cos() - 3.0 * mu * a.sin())
+                / (1.0 + 4.0 * mu * mu)
+        };
+        (w - particular(from)) * (-2.0 * mu * (to - from)).exp() + particular(to)
+    };
+    let (from, speed): (f64, f64) = (-1.2, 1.0);
+    let problem = start(
+        &[from.sin(), -from.cos()],
+        &[speed * from.cos(), speed * from.sin()],
+        12.0,
+    );
+    let simulation = run(&accurate(), &model, &problem);
+    assert_eq!(simulation.status, SimulationStatus::Solved);
+    let (mut angle, mut w, mut sign) = (from, speed * speed, 1.0);
+    for (k, event) in simulation.events.iter().enumerate() {
+        // The next turn, by bisection of w > 0.
+        let (mut low, mut high) = (angle + sign * 1e-3, sign * 1.5);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if after(w, angle, middle, sign) > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        (angle, w) = (low, 0.0);
+        // Some hundred steps of error 1e-13.
+        assert!(
+            distance(&event.q, &[angle.sin(), -angle.cos()]) < 1e-11,
+            "{k}"
+        );
+        let stops = angle.tan().abs() < mu;
+        assert_eq!(
+            event.kind,
+            if stops {
+                EventKind::Stick
+            } else {
+                EventKind::Slip
+            }
+        );
+        assert_eq!(stops, k + 1 == simulation.events.len());
+        sign = -sign;
+    }
+    assert!(simulation.events.len() >= 5);
+    // At rest the ground carries the weight along the slope.
+    let force = simulation.trajectory.friction_force.last().unwrap()[0];
+    assert!((force - GRAVITY * angle.sin()).abs() < 1e-10);
+    assert!(simulation.residuals.primal < 1e-13);
 }
 
 #[test]

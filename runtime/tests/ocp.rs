@@ -112,7 +112,7 @@ fn hop(goal: f64) -> Solution {
     };
     let problem = Problem {
         horizon: Horizon::Fixed(2.0 * INTERVAL),
-        ..Problem::of(&hopper, Objective::effort(), vec![goal], 2)
+        ..Problem::new(&hopper, Objective::effort(), vec![goal], 2)
     };
     ocp::solve(&hopper, &problem, &Settings::default(), &mut |_| true).unwrap()
 }
@@ -201,7 +201,7 @@ fn bounds_of_a_coordinate_that_is_no_parabola_hold_at_all_times() {
     };
     let problem = Problem {
         horizon: Horizon::Fixed(2.0),
-        ..Problem::of(&spring, fastest, vec![middle], 8)
+        ..Problem::new(&spring, fastest, vec![middle], 8)
     };
     let solution = ocp::solve(&spring, &problem, &Settings::default(), &mut |_| true).unwrap();
     assert_eq!(
@@ -227,7 +227,7 @@ fn bounds_of_a_coordinate_that_is_no_parabola_hold_at_all_times() {
 #[test]
 fn problem_with_wrong_input_is_refused_in_one_line() {
     let hopper = Hopper::default();
-    let problem = Problem::of(&hopper, Objective::time(), Vec::new(), 3);
+    let problem = Problem::new(&hopper, Objective::time(), Vec::new(), 3);
     let refuse = |problem: &Problem| {
         let error = ocp::solve(&hopper, problem, &Settings::default(), &mut |_| true);
         error.unwrap_err().to_string()
@@ -266,7 +266,7 @@ fn every_guess_of_the_hopping_mass_ends_at_the_same_optimum() {
     };
     let problem = Problem {
         horizon: Horizon::Fixed(2.0 * INTERVAL),
-        ..Problem::of(&hopper, Objective::effort(), vec![goal], 2)
+        ..Problem::new(&hopper, Objective::effort(), vec![goal], 2)
     };
     let best = brute_force(0.3);
     for guess in [
@@ -293,7 +293,7 @@ fn observer_that_stops_early_gets_no_motion_and_late_the_best_so_far() {
     };
     let problem = Problem {
         horizon: Horizon::Fixed(2.0 * INTERVAL),
-        ..Problem::of(&hopper, Objective::effort(), vec![goal], 2)
+        ..Problem::new(&hopper, Objective::effort(), vec![goal], 2)
     };
     let run = |calls: usize| {
         let mut seen = Vec::new();
@@ -324,7 +324,7 @@ fn hop_problem(hopper: &Hopper) -> Problem {
     };
     Problem {
         horizon: Horizon::Fixed(2.0 * INTERVAL),
-        ..Problem::of(hopper, Objective::effort(), vec![goal], 2)
+        ..Problem::new(hopper, Objective::effort(), vec![goal], 2)
     }
 }
 

@@ -218,7 +218,6 @@ mod tests {
             },
         ],
         plane: None,
-        optimal_control: None,
         published: &[],
     };
 

@@ -1,10 +1,10 @@
 //! Times and counts of the solvers.
 //!
 //! ```text
-//! cargo bench -p hangtime --bench solver -- [nlp [NAME]|text DIRECTORY|scaling|mpcc]
+//! cargo bench -p hangtime --bench solver -- [nlp [NAME [TIMES]]|text DIRECTORY|scaling|mpcc]
 //! ```
 //!
-//! `nlp` solves the nonlinear programs, or one of them; `text` writes them as text after checking that the text says
+//! `nlp` solves the nonlinear programs, or one of them, the given number of times; `text` writes them as text after checking that the text says
 //! the same. `compare_ipopt.py` beside this file calls both and solves the same programs by IPOPT in the same run.
 
 #[path = "../../tests/solver_support/mod.rs"]
@@ -27,12 +27,14 @@ fn main() {
         .collect();
     let word = |k: usize| arguments.get(k).map(String::as_str);
     match word(0) {
-        Some("nlp") => nonlinear_programs(word(1)),
+        Some("nlp") => {
+            nonlinear_programs(word(1), word(2).and_then(|k| k.parse().ok()).unwrap_or(5))
+        }
         Some("text") => write_texts(word(1).unwrap_or(".")),
         Some("scaling") => scaling(),
         Some("mpcc") => complementarity_problems(),
         _ => {
-            nonlinear_programs(None);
+            nonlinear_programs(None, 5);
             scaling();
             complementarity_problems();
         }
@@ -82,20 +84,18 @@ fn run(stated: Stated, times: usize, linear_solver: LinearSolver) {
     }
 }
 
-fn nonlinear_programs(only: Option<&str>) {
+fn nonlinear_programs(only: Option<&str>, times: usize) {
     println!("{HEADING}");
-    for make in problems::problems() {
-        for linear_solver in [LinearSolver::Pivoting, LinearSolver::Static] {
-            let stated = make();
-            if only.is_none_or(|name| name == stated.name) {
-                run(stated, 5, linear_solver);
-            }
+    for (name, make) in problems::problems() {
+        if only.is_none_or(|only| only == name) {
+            run(make(), times, LinearSolver::Pivoting);
+            run(make(), times, LinearSolver::Static);
         }
     }
 }
 
 fn write_texts(directory: &str) {
-    for make in problems::problems() {
+    for (_, make) in problems::problems() {
         let mut stated = make();
         let mut read = solver_support::read_problems(&stated.text).remove(0);
         agreement::assert_same(&mut stated.problem, &mut read);

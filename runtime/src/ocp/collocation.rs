@@ -26,6 +26,7 @@ use super::path::{Path, Units};
 use super::problem::Problem;
 use super::program::Program;
 use super::sequence::Sequence;
+use super::settings::{BoundsAt, PathPoints};
 use crate::model::{Model, contact_point};
 use crate::rk::ButcherTableau;
 
@@ -36,6 +37,8 @@ pub(super) enum CutKind {
     Gap(usize, f64),
     /// The coordinate stays within its bounds.
     Bounds(usize),
+    /// The path constraint holds.
+    Path(usize),
     /// The normal acceleration of a contact right after the start of the phase is at least 0.
     Departure(usize),
 }
@@ -102,6 +105,14 @@ pub(super) struct Setting<'a> {
     pub(super) bounds: (&'a [f64], &'a [f64]),
     /// Whether each coordinate is a parabola on each interval.
     pub(super) parabolas: &'a [bool],
+    pub(super) places: Places,
+}
+
+/// Where bounds of coordinates and path constraints are imposed.
+#[derive(Clone, Copy)]
+pub(super) struct Places {
+    pub(super) bounds: BoundsAt,
+    pub(super) path: PathPoints,
 }
 
 /// Which coordinates are parabolas while the controls are constant: their acceleration is affine in the
@@ -231,11 +242,5 @@ impl Collocation<'_> {
             }
         }
         (path, sequence)
-    }
-
-    /// Component `k` of the state inside a phase, at the share `theta` of its length.
-    pub(super) fn dense(&self, states: &[Vec<f64>], theta: f64, k: usize) -> f64 {
-        let weights = lagrange(self.tableau, theta, false);
-        states.iter().zip(weights).map(|(x, w)| w * x[k]).sum()
     }
 }

@@ -1,5 +1,6 @@
 //! The judgement of a plan: an independent simulation under its controls.
 
+use super::cuts::excess;
 use super::path::Path;
 use super::search::{Local, Search};
 use super::sequence::Sequence;
@@ -15,13 +16,14 @@ const OUTPUTS: usize = 10;
 impl<'a> Search<'a, '_> {
     pub(super) fn simulate(&self, path: &Path, tolerance: f64) -> Result<Simulation, InputError> {
         let problem = self.setting.problem;
+        let start = problem.start_of(self.setting.model, path);
         let simulator = EventDriven {
             tolerance,
             max_step: Some(path.horizon / problem.intervals as f64),
             output_times: OUTPUTS * problem.intervals,
             ..EventDriven::default()
         };
-        let motion = problem.initial_value_problem(path.horizon, path.signal());
+        let motion = problem.initial_value_problem(&start, path.horizon, path.signal());
         simulator.simulate(self.setting.model, &motion, &mut |_| {})
     }
 
@@ -139,6 +141,7 @@ impl<'a> Search<'a, '_> {
             resimulation_error: distance,
             residuals,
             planned_events: planned_events.collect(),
+            excess: excess(&best.program, &best.solution.x, self.limits()),
             controls: best.path.controls,
             motion: Some(replay),
             violations: best.solution.violations,

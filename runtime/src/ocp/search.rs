@@ -157,13 +157,8 @@ impl<'a> Search<'a, '_> {
             {
                 return Ok(false);
             }
-            let limits = Limits {
-                gap: TOUCHING * self.settings.gap_margin,
-                margin: self.settings.gap_margin,
-                bound: self.settings.tolerance,
-                bounds: self.setting.bounds,
-            };
-            let new = between_stages(&program, &solution.x, self.setting.parabolas, limits);
+            let parabolas = self.setting.parabolas;
+            let new = between_stages(&program, &solution.x, parabolas, self.limits());
             (guess, sequence) = program.result(&solution.x);
             // What is left after the last round is for the re-simulation to judge.
             if new.is_empty() || round + 1 == ROUNDS {
@@ -179,6 +174,18 @@ impl<'a> Search<'a, '_> {
             cuts.extend(new);
         }
         Ok(false)
+    }
+
+    /// What the motion has to keep between the stages.
+    pub(super) fn limits(&self) -> Limits<'a> {
+        Limits {
+            gap: TOUCHING * self.settings.gap_margin,
+            margin: self.settings.gap_margin,
+            bound: self.settings.tolerance,
+            bounds: self.setting.bounds,
+            problem: self.setting.problem,
+            places: self.setting.places,
+        }
     }
 
     /// Solves one program from the first barrier parameter that works.

@@ -32,6 +32,30 @@ pub enum Formulation {
     TimeFreezing(TimeFreezingSettings),
 }
 
+/// Where the bounds of coordinates hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BoundsAt {
+    /// At all times.
+    #[default]
+    AllTimes,
+    /// At the ends of the control intervals and at contact switches only; in between they may be violated, see
+    /// [`Solution::excess`](super::Solution::excess). Path constraints are not checked in between, either.
+    Nodes,
+}
+
+/// Where path constraints are imposed. Between these places they are checked, and imposed where they are violated,
+/// unless bounds are asked for at the nodes only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PathPoints {
+    /// At the ends of the finite elements.
+    Ends,
+    /// At all stages; for Radau IIA, the end of an element is one.
+    #[default]
+    Stages,
+    /// At all stages and at the starts of the elements, right after the impacts.
+    Both,
+}
+
 /// Settings of the optimal control solver; change fields of [`Settings::default`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -47,6 +71,10 @@ pub struct Settings {
     /// Radau IIA stages of a phase; default 4, in `2..=9`. Order `2 n - 1`. More are taken where the re-simulation
     /// does not confirm a plan.
     pub stages: usize,
+    /// Where the bounds of coordinates hold; default at all times.
+    pub bounds: BoundsAt,
+    /// Where path constraints are imposed; default at all stages.
+    pub path_points: PathPoints,
     /// Tolerance of the collocation programs; default 1e-9, in (0, 1).
     pub tolerance: f64,
     /// Gap that a flight keeps where it would otherwise graze the surface \[unit of the gap\]; default
@@ -76,6 +104,8 @@ impl Default for Settings {
             guess: Guess::default(),
             starts: 1,
             stages: 4,
+            bounds: BoundsAt::default(),
+            path_points: PathPoints::default(),
             tolerance: 1e-9,
             gap_margin: 1e-5,
             refined_motions: 2,

@@ -159,6 +159,17 @@ pub struct Counts {
     pub repairs: usize,
 }
 
+/// A violation between the places where a condition is imposed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Excess {
+    /// Name of the coordinate or path constraint.
+    pub name: String,
+    /// By how much it leaves its bounds, in its unit.
+    pub amount: f64,
+    /// When \[s\].
+    pub time: f64,
+}
+
 /// Result of a run.
 #[derive(Debug, Clone)]
 pub struct Solution {
@@ -177,6 +188,9 @@ pub struct Solution {
     pub residuals: Residuals,
     /// (time \[s\], kind, contact) of the switches of the plan; a closing counts as an impact.
     pub planned_events: Vec<(f64, EventKind, usize)>,
+    /// Largest violation of a bound of a coordinate or of a path constraint along the whole plan, if there is any;
+    /// of the order of the tolerance unless bounds are asked for at the nodes only.
+    pub excess: Option<Excess>,
     /// Controls of each interval, all of equal length.
     pub controls: Vec<Vec<f64>>,
     /// The event-driven re-simulation of the plan's controls; absent without a plan.
@@ -213,6 +227,7 @@ impl Solution {
                 complementarity: f64::NAN,
             },
             planned_events: Vec::new(),
+            excess: None,
             controls: Vec::new(),
             motion: None,
             violations,

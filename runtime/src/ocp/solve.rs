@@ -2,7 +2,7 @@
 
 use cpu_time::ThreadTime;
 
-use super::collocation::{Setting, parabolas};
+use super::collocation::{Places, Setting, parabolas};
 use super::path::{Path, Units};
 use super::problem::{Problem, bounds};
 use super::progress::{Observer, Watch};
@@ -54,8 +54,7 @@ pub(super) fn solve_once(
     let Some(tableau) = tableaus.first() else {
         return Err(settings.refuse_stages());
     };
-    let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
-    let parabolas = parabolas(model, &start);
+    let parabolas = parabolas(model, &problem.start());
     let setting = Setting {
         model,
         problem,
@@ -63,6 +62,10 @@ pub(super) fn solve_once(
         units: &units,
         bounds,
         parabolas: &parabolas,
+        places: Places {
+            bounds: settings.bounds,
+            path: settings.path_points,
+        },
     };
     let mut search = Search {
         setting,

@@ -194,7 +194,10 @@ impl Checker<'_> {
         let value = self.scope.value(expr, self.diagnostics)?;
         let n = self.coordinates.len();
         let components = value.components();
-        if components.len() != n || (matches!(value, Value::Scalar(_)) && n != 1) {
+        if components.len() != n
+            || (matches!(value, Value::Scalar(_)) && n != 1)
+            || matches!(value, Value::Matrix(_))
+        {
             return Err(self.diagnostics.report(
                 "E02",
                 expr.place,

@@ -18,15 +18,22 @@ use std::collections::{HashMap, HashSet};
 /// Most calls inside each other; the evaluation before this one refuses more.
 const MOST_CALLS: usize = 100;
 
-/// Units of the gaps of all surfaces, by name, as far as they are known.
-/// Statements at the positions `skip` failed before and are passed over.
-pub(super) fn gaps(
+/// Units of gaps and of the functions of conditions, as far as they are known.
+#[derive(Default)]
+pub(super) struct Inferred {
+    pub(super) gaps: HashMap<String, Unit>,
+    pub(super) constraints: Vec<Option<Unit>>,
+    pub(super) goals: Vec<Option<Unit>>,
+}
+
+/// Checks and infers units. Statements at the positions `skip` failed before and are passed over.
+pub(super) fn inferred(
     scene: &Scene,
     skip: &HashSet<usize>,
     diagnostics: &mut Diagnostics,
-) -> HashMap<String, Unit> {
+) -> Inferred {
     if !declares_units(scene) {
-        return HashMap::new();
+        return Inferred::default();
     }
     let mut unifier = Unifier::default();
     let energy = unifier.unknown("lagrangian");
@@ -41,6 +48,8 @@ pub(super) fn gaps(
         energy,
         gaps: Vec::new(),
         sliding: Vec::new(),
+        constraints: Vec::new(),
+        goals: Vec::new(),
     };
     walk.declare(scene);
     for (index, statement) in scene.statements.iter().enumerate() {
@@ -51,10 +60,27 @@ pub(super) fn gaps(
         let _: Checked<()> = walk.statement(statement);
     }
     walk.sliding_velocities();
-    let Walk { unifier, gaps, .. } = walk;
-    gaps.into_iter()
-        .filter_map(|(name, dimension)| Some((name, unifier.known(&dimension)?)))
-        .collect()
+    let Walk {
+        unifier,
+        gaps,
+        constraints,
+        goals,
+        ..
+    } = walk;
+    let known = |conditions: Vec<Dimension>| {
+        let dimensions = conditions.iter();
+        dimensions
+            .map(|dimension| unifier.known(dimension))
+            .collect()
+    };
+    Inferred {
+        constraints: known(constraints),
+        goals: known(goals),
+        gaps: gaps
+            .into_iter()
+            .filter_map(|(name, dimension)| Some((name, unifier.known(&dimension)?)))
+            .collect(),
+    }
 }
 
 fn declares_units(scene: &Scene) -> bool {
@@ -102,6 +128,8 @@ struct Walk<'a> {
     gaps: Vec<(String, Dimension)>,
     /// Sliding velocities with the surfaces that they belong to.
     sliding: Vec<(Vec<Name>, Expr, Dimension)>,
+    constraints: Vec<Dimension>,
+    goals: Vec<Dimension>,
 }
 
 impl Walk<'_> {
@@ -273,7 +301,9 @@ impl Walk<'_> {
         match self.values.get(&name.text) {
             Some(units) => units.clone(),
             None if name.text == "pi" => Units::Scalar(Dimension::one()),
-            None if name.text == "t" => Units::Scalar(Dimension::second()),
+            None if name.text == "t" || name.text == words::FINAL_TIME => {
+                Units::Scalar(Dimension::second())
+            }
             // Its own declaration has been reported.
             None => Units::Scalar(self.unifier.unknown(&name.text)),
         }
@@ -340,6 +370,10 @@ impl Walk<'_> {
             ("dot", [argument]) => {
                 let units = self.units(argument)?;
                 Ok(units.map(|own| own.over(&Dimension::second())))
+            }
+            (words::INTEGRAL, [argument]) => {
+                let own = self.scalar(argument)?;
+                Ok(Units::Scalar(own.times(&Dimension::second())))
             }
             ("dot", [left, right]) => {
                 let (own, its) = (self.units(left)?, self.units(right)?);

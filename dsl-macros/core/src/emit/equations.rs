@@ -1,9 +1,12 @@
 //! The derived equations as a person would write them.
 
 use super::readable::{formula, formula_with};
-use crate::derive::{ContactEquations, Equations, InverseInertia, Solution, simplify};
-use crate::graph::{Function, Sym, Variable};
-use crate::scene::{CheckedScene, Contact};
+use crate::derive::{
+    ContactEquations, ControlEquations, Equations, InverseInertia, Solution, simplify,
+};
+use crate::graph::{self, Function, Sym, Variable};
+use crate::scene::{CheckedScene, Condition, Contact, OptimalControl};
+use crate::words;
 
 /// Longest vector that is written out; a longer one is given by the names of its components.
 const LONGEST: usize = 240;
@@ -17,6 +20,7 @@ pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<(Stri
             .iter()
             .map(|coordinate| coordinate.name.text.as_str())
             .collect(),
+        readable: equations.readable,
         all: Vec::new(),
     };
     list.motion(equations);
@@ -29,6 +33,9 @@ pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<(Stri
     for (contact, derived) in scene.contacts.iter().zip(&equations.contacts) {
         list.auxiliary_dynamics(contact, derived);
     }
+    if let (Some(task), Some(derived)) = (&scene.optimal_control, &equations.optimal_control) {
+        list.optimal_control(task, derived);
+    }
     list.all
 }
 
@@ -36,6 +43,8 @@ struct List<'a> {
     scene: &'a CheckedScene,
     /// Names of the coordinates.
     names: Vec<&'a str>,
+    /// Whether accelerations and directions are formulas that a person can read.
+    readable: bool,
     all: Vec<(String, String)>,
 }
 
@@ -43,6 +52,11 @@ impl List<'_> {
     fn add(&mut self, left: String, right: Sym) {
         let right = formula(self.scene, right);
         self.all.push((left, right));
+    }
+
+    /// The components of a direction, if they can be read.
+    fn components<'b>(&self, direction: &'b [Sym]) -> &'b [Sym] {
+        if self.readable { direction } else { &[] }
     }
 
     fn motion(&mut self, equations: &Equations) {
@@ -59,14 +73,14 @@ impl List<'_> {
         self.add("kinetic energy".to_owned(), equations.energy[0]);
         self.add("potential energy".to_owned(), equations.energy[1]);
         match &equations.acceleration {
-            Solution::Explicit(solution) => {
+            Solution::Explicit(solution) if self.readable => {
                 for (name, &acceleration) in names.iter().zip(&solution.values) {
                     self.add(format!("{name}''"), acceleration);
                 }
             }
-            Solution::Implicit(system) => {
-                for (i, &right) in system.right.iter().enumerate() {
-                    self.add(format!("(M q'')({})", names[i]), right);
+            _ => {
+                for (name, &right) in names.iter().zip(&equations.right) {
+                    self.add(format!("(M q'')({name})"), right);
                 }
             }
         }
@@ -76,17 +90,40 @@ impl List<'_> {
         let name = &contact.name.text;
         self.add(format!("gap({name})"), derived.rows.values[0]);
         self.add(format!("gap({name})'"), derived.rows.values[1]);
-        if let InverseInertia::Formula(inverse_inertia) = derived.inverse_inertia {
+        if let InverseInertia::Formula(inverse_inertia) = derived.inverse_inertia
+            && self.readable
+        {
             self.add(format!("D({name})"), inverse_inertia);
         }
-        self.direction("d", "n = grad gap", contact, &derived.rows.values[2..]);
+        self.direction("d", "n = grad gap", contact, self.components(&derived.rows.values[2..]));
         if let Some(coefficient) = contact.restitution {
             self.add(format!("restitution({name})"), coefficient);
         }
         if let (Some(friction), Some(derived)) = (&contact.friction, &derived.friction) {
             self.add(format!("friction({name})"), friction.coefficient);
             self.add(format!("slip({name})"), derived.rows.values[0]);
-            self.direction("e", "b = d slip/dv", contact, &derived.rows.values[1..]);
+            self.direction("e", "b = d slip/dv", contact, self.components(&derived.rows.values[1..]));
+        }
+    }
+
+    /// Costs and the functions of conditions.
+    fn optimal_control(&mut self, task: &OptimalControl, derived: &ControlEquations) {
+        let path = names(
+            "running cost",
+            task.running_cost,
+            "constraint",
+            &task.constraints,
+        );
+        for (name, &function) in path.into_iter().zip(&derived.path.values) {
+            self.add(name, function);
+        }
+        let terminal = names("final cost", task.final_cost, "goal", &task.goals);
+        for (name, function) in terminal.into_iter().zip(&derived.terminal.values) {
+            let named = graph::substitute(&[*function], |variable| {
+                (variable == Variable::Time).then(|| Sym::variable(Variable::Argument(0)))
+            });
+            let right = formula_with(self.scene, named[0], &[words::FINAL_TIME.to_owned()]);
+            self.all.push((name, right));
         }
     }
 
@@ -115,8 +152,8 @@ impl List<'_> {
     fn free_dynamics(&mut self, equations: &Equations) {
         let rates = self.names.iter().map(|name| format!("{name}'"));
         let formulas = match &equations.acceleration {
-            Solution::Explicit(solution) => self.short(&solution.values, &[]),
-            Solution::Implicit(_) => None,
+            Solution::Explicit(solution) if self.readable => self.short(&solution.values, &[]),
+            _ => None,
         };
         let accelerations =
             formulas.unwrap_or_else(|| self.names.iter().map(|name| format!("{name}''")).collect());
@@ -155,10 +192,10 @@ impl List<'_> {
             format!("gap({name}) < 0 and gap({name})' < 0")
         };
         self.all.push((format!("frozen({name})"), frozen));
-        let normal = derived.rows.values.get(2..).filter(|d| !d.is_empty());
+        let normal = Some(self.components(&derived.rows.values[2..])).filter(|d| !d.is_empty());
         match (&contact.friction, &derived.friction) {
             (Some(friction), Some(tangent)) => {
-                let tangential = tangent.rows.values.get(1..).filter(|e| !e.is_empty());
+                let tangential = Some(self.components(&tangent.rows.values[1..])).filter(|e| !e.is_empty());
                 let coupling = match tangential {
                     Some(e) => product(&derived.normal, e),
                     None => Sym::ONE,
@@ -250,6 +287,17 @@ impl List<'_> {
         let right = formula_with(self.scene, right, &names);
         self.all.push((format!("c_n({contact})"), right));
     }
+}
+
+/// What the functions of optimal control are called.
+fn names(cost: &str, has: Option<Sym>, kind: &str, conditions: &[Condition]) -> Vec<String> {
+    let conditions = conditions
+        .iter()
+        .map(|condition| format!("{kind}({})", condition.name));
+    has.map(|_| cost.to_owned())
+        .into_iter()
+        .chain(conditions)
+        .collect()
 }
 
 fn product(a: &[Sym], b: &[Sym]) -> Sym {

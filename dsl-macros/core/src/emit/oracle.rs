@@ -66,7 +66,7 @@ pub(super) fn write(declared: &Scene, checked: &CheckedScene) -> Option<(String,
                 ..
             } => {
                 let sides = match relation {
-                    Relation::AtLeast => (left.clone(), right.clone()),
+                    Relation::AtLeast | Relation::Equal => (left.clone(), right.clone()),
                     Relation::AtMost => (right.clone(), left.clone()),
                 };
                 gaps.insert(name.text.clone(), sides);

@@ -1,6 +1,6 @@
 //! The accuracy of the solver against its CPU time, over formulations, stages and intervals.
 
-use hangtime::ocp::{self, Formulation, Settings, TimeFreezingSettings};
+use hangtime::ocp::{self, Formulation, Problem, Settings, TimeFreezingSettings};
 
 use super::super::failure::BadInput;
 use super::super::figure::{Curve, log_log};
@@ -80,17 +80,17 @@ struct Run {
 
 /// Solves on every grid; `None` for a scene without an objective.
 pub(super) fn chart(chosen: &ChosenScene, grids: &[Grid]) -> Result<Option<Chart>, BadInput> {
-    let Some(declared) = chosen.scene.optimal_control else {
-        return Ok(None);
-    };
     let model = chosen.model.as_ref();
+    if model.declaration().optimal_control.is_none() {
+        return Ok(None);
+    }
     let name = chosen.scene.name;
     let total: usize = grids.iter().map(|grid| grid.intervals.len()).sum();
     let mut progress = Progress::new(&format!("{name}, solver"), total as f64);
     let mut runs: Vec<Run> = Vec::with_capacity(total);
     for (line, grid) in grids.iter().enumerate() {
         for &intervals in grid.intervals {
-            let problem = (declared.problem)(model, intervals);
+            let problem = Problem::of(model, intervals);
             let solution = ocp::solve(model, &problem, &grid.settings(), &mut |_| true)
                 .map_err(|error| chosen.refuse(&error))?;
             runs.push(Run {

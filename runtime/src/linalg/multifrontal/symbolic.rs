@@ -1,5 +1,7 @@
 //! Elimination tree, supernodes and row structures.
 
+use std::ops::Range;
+
 use faer::Side;
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -9,46 +11,59 @@ use faer::sparse::linalg::cholesky::{
 
 use crate::linalg::{FactorizationError, SymmetricPattern};
 
-/// A node of the assembly tree.
+/// A node of the assembly tree. Everything about its front is known in advance as long as no column was postponed to
+/// it; then the front's rows are its columns followed by the rows below, increasing.
 #[derive(Debug, Clone)]
-pub(crate) struct Supernode {
-    /// Its columns, in elimination order.
-    pub(crate) first: usize,
-    pub(crate) end: usize,
-    /// Rows below the columns, increasing.
-    pub(crate) rows: Vec<usize>,
+pub(crate) struct Node {
+    /// Number of its columns.
+    pub(crate) columns: usize,
+    /// Range of the front's rows in [`Symbolic::rows`].
+    pub(crate) rows: Range<usize>,
+    /// Range of its entries in [`Symbolic::entries`].
+    pub(crate) entries: Range<usize>,
+    /// Start in [`Symbolic::parent_places`] of the places of the rows below in the parent's front.
+    pub(crate) parent_places: usize,
     /// Number of children; in postorder they are the last that many open nodes.
     pub(crate) children: usize,
     pub(crate) is_root: bool,
 }
 
-/// An entry of the pattern in the permuted matrix, row >= column. Half the width of `usize` keeps the scans
-/// over all entries short.
+/// An entry of the pattern in the permuted matrix, row >= column. Half the width of `usize` keeps the scans over all
+/// entries short.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Entry {
     /// Position in the value array of the pattern.
     pub(crate) position: u32,
     pub(crate) row: u32,
     pub(crate) column: u32,
+    /// Place in the panel of its node's front.
+    pub(crate) place: u32,
 }
 
 /// Everything that depends on the pattern alone.
 #[derive(Debug, Clone)]
 pub(crate) struct Symbolic {
     /// `permutation[new] = old`.
-    pub(crate) permutation: Vec<usize>,
-    pub(crate) nodes: Vec<Supernode>,
-    /// Entries of the pattern by the column that is eliminated first, with the start of each column.
+    pub(crate) permutation: Vec<u32>,
+    pub(crate) nodes: Vec<Node>,
+    /// Rows of all fronts, node after node.
+    pub(crate) rows: Vec<u32>,
+    pub(crate) parent_places: Vec<u32>,
+    /// Entries of the pattern by the node that eliminates them.
     pub(crate) entries: Vec<Entry>,
-    pub(crate) entry_starts: Vec<usize>,
+    /// Index in `entries` of each diagonal entry, by old row.
+    pub(crate) diagonal: Vec<u32>,
 }
 
 const NONE: usize = usize::MAX;
 
+/// Most columns of a node that is still merged with its parent.
+const LARGEST: usize = 64;
+
 impl Symbolic {
     pub(crate) fn new(pattern: &SymmetricPattern) -> Result<Self, FactorizationError> {
         let n = pattern.dimension();
-        if u32::try_from(pattern.stored()).is_err() {
+        if u32::try_from(pattern.stored().max(n)).is_err() {
             return Err(FactorizationError::Analysis(n));
         }
         let lower = SymbolicSparseColMatRef::new_checked(
@@ -82,50 +97,137 @@ impl Symbolic {
         for (new, &old) in post.iter().enumerate() {
             position[old] = new;
         }
-        let permutation: Vec<usize> = post.iter().map(|&j| order[j]).collect();
-        let parent: Vec<usize> = post
-            .iter()
-            .map(|&j| match parent[j] {
-                NONE => NONE,
-                p => position[p],
-            })
-            .collect();
-        let structure = |j: usize| -> Vec<usize> {
-            let mut rows: Vec<usize> = column(post[j])[1..].iter().map(|&i| position[i]).collect();
+        let permutation: Vec<u32> = post.iter().map(|&j| order[j] as u32).collect();
+        let structure = |j: usize, rows: &mut Vec<u32>| {
+            let below = column(post[j]).get(1..).unwrap_or_default();
+            rows.clear();
+            rows.extend(below.iter().map(|&i| position[i] as u32));
             rows.sort_unstable();
-            rows
         };
-        let nodes = supernodes(n, &parent, &structure);
+        let (supernodes, rows) = supernodes(n, &structure);
 
-        let mut inverse = vec![0; n];
+        let mut inverse = vec![0_u32; n];
         for (new, &old) in permutation.iter().enumerate() {
-            inverse[old] = new;
+            inverse[old as usize] = new as u32;
         }
-        let mut entries = Vec::with_capacity(pattern.stored());
-        for j in 0..n {
-            for k in pattern.column_pointers()[j]..pattern.column_pointers()[j + 1] {
-                let (a, b) = (inverse[pattern.row_indices()[k]], inverse[j]);
-                entries.push(Entry {
-                    position: k as u32,
-                    row: a.max(b) as u32,
-                    column: a.min(b) as u32,
-                });
+        let mut symbolic = Self {
+            permutation,
+            nodes: Vec::with_capacity(supernodes.len()),
+            rows,
+            parent_places: Vec::new(),
+            entries: Vec::with_capacity(pattern.stored()),
+            diagonal: vec![0; n],
+        };
+        symbolic.add_nodes(n, &supernodes);
+        let panel = |node: &Node| node.columns.saturating_mul(node.rows.len());
+        if u32::try_from(symbolic.nodes.iter().map(panel).max().unwrap_or(0)).is_err() {
+            return Err(FactorizationError::Analysis(n));
+        }
+        symbolic.add_entries(pattern, &inverse, &supernodes);
+        Ok(symbolic)
+    }
+
+    /// Nodes, with the places of their rows in their parents' fronts.
+    fn add_nodes(&mut self, n: usize, supernodes: &[Supernode]) {
+        let owner = owners(n, supernodes);
+        let mut start = 0;
+        for supernode in supernodes {
+            let columns = supernode.end - supernode.first;
+            let end = start + columns + supernode.below;
+            self.nodes.push(Node {
+                columns,
+                rows: start..end,
+                entries: 0..0,
+                parent_places: 0,
+                children: 0,
+                is_root: supernode.below == 0,
+            });
+            start = end;
+        }
+        for k in 0..self.nodes.len() {
+            self.nodes[k].parent_places = self.parent_places.len();
+            let rows = &self.rows[self.nodes[k].rows.clone()];
+            let below = &rows[self.nodes[k].columns..];
+            let Some(&first) = below.first() else {
+                continue;
+            };
+            let parent = owner[first as usize] as usize;
+            self.nodes[parent].children += 1;
+            let above = &self.rows[self.nodes[parent].rows.clone()];
+            let mut place = 0;
+            for &row in below {
+                // both lists increase, and the parent's holds every row of the child's
+                while above[place] != row {
+                    place += 1;
+                }
+                self.parent_places.push(place as u32);
             }
         }
-        entries.sort_unstable_by_key(|entry| (entry.column, entry.row));
-        let mut entry_starts = vec![0; n + 1];
-        for entry in &entries {
-            entry_starts[entry.column as usize + 1] += 1;
-        }
+    }
+
+    /// Entries by node, with their places in the panels.
+    fn add_entries(
+        &mut self,
+        pattern: &SymmetricPattern,
+        inverse: &[u32],
+        supernodes: &[Supernode],
+    ) {
+        let n = inverse.len();
+        let owner = owners(n, supernodes);
+        // counting sort by node, then by column and row within the node
+        let mut starts = vec![0_usize; supernodes.len() + 1];
+        let place_of = |j: usize, k: usize| {
+            let (a, b) = (inverse[pattern.row_indices()[k]], inverse[j]);
+            (a.max(b), a.min(b))
+        };
+        let columns = pattern.column_pointers();
         for j in 0..n {
-            entry_starts[j + 1] += entry_starts[j];
+            for k in columns[j]..columns[j + 1] {
+                starts[owner[place_of(j, k).1 as usize] as usize + 1] += 1;
+            }
         }
-        Ok(Self {
-            permutation,
-            nodes,
-            entries,
-            entry_starts,
-        })
+        for node in 0..supernodes.len() {
+            starts[node + 1] += starts[node];
+            self.nodes[node].entries = starts[node]..starts[node + 1];
+        }
+        let blank = Entry {
+            position: 0,
+            row: 0,
+            column: 0,
+            place: 0,
+        };
+        self.entries.resize(pattern.stored(), blank);
+        for j in 0..n {
+            for k in columns[j]..columns[j + 1] {
+                let (row, column) = place_of(j, k);
+                let next = &mut starts[owner[column as usize] as usize];
+                self.entries[*next] = Entry {
+                    position: k as u32,
+                    row,
+                    column,
+                    place: 0,
+                };
+                *next += 1;
+            }
+        }
+        let mut local = vec![0_u32; n];
+        for (node, supernode) in self.nodes.iter().zip(supernodes) {
+            let rows = &self.rows[node.rows.clone()];
+            for (place, &row) in rows.iter().enumerate() {
+                local[row as usize] = place as u32;
+            }
+            let entries = &mut self.entries[node.entries.clone()];
+            for entry in entries.iter_mut() {
+                let column = entry.column - supernode.first as u32;
+                entry.place = column * rows.len() as u32 + local[entry.row as usize];
+            }
+            entries.sort_unstable_by_key(|entry| entry.place);
+        }
+        for (index, entry) in self.entries.iter().enumerate() {
+            if entry.row == entry.column {
+                self.diagonal[self.permutation[entry.row as usize] as usize] = index as u32;
+            }
+        }
     }
 }
 
@@ -173,53 +275,60 @@ fn merges(child_columns: usize, child_rows: usize, columns: usize, rows: usize) 
         || zeros * 20 < (columns + child_columns) * (columns + rows)
 }
 
-/// Fundamental supernodes, then merged with their parents where [`merges`] says so.
-fn supernodes(
-    n: usize,
-    parent: &[usize],
-    structure: &dyn Fn(usize) -> Vec<usize>,
-) -> Vec<Supernode> {
+/// Columns `first..end` of the permuted matrix with the number of rows below them.
+#[derive(Debug, Clone, Copy)]
+struct Supernode {
+    first: usize,
+    end: usize,
+    below: usize,
+}
+
+/// Columns merged with their parents where [`merges`] says so, and the rows of each: its columns, then those below.
+fn supernodes(n: usize, structure: &dyn Fn(usize, &mut Vec<u32>)) -> (Vec<Supernode>, Vec<u32>) {
     let mut nodes: Vec<Supernode> = Vec::new();
-    // nodes whose parent column has not come yet, as a stack; postorder keeps children on top
-    for (j, &above) in parent.iter().enumerate() {
-        let rows = structure(j);
-        let mut node = Supernode {
-            first: j,
-            end: j + 1,
-            rows,
-            children: 0,
-            is_root: above == NONE,
-        };
+    // rows below the nodes found so far, one list after the other
+    let mut below: Vec<u32> = Vec::new();
+    let mut rows = Vec::new();
+    for j in 0..n {
+        structure(j, &mut rows);
+        let mut first = j;
         // the last node is a child of j exactly if its first row below is j
-        if let Some(last) = nodes.last()
-            && last.rows.first() == Some(&j)
-            && last.end == j
-        {
+        if let Some(&last) = nodes.last() {
+            let start = below.len() - last.below;
             let columns = last.end - last.first;
-            let own_rows = node.rows.len();
-            if merges(columns, last.rows.len(), 1, own_rows) && columns < 64 {
-                node.first = last.first;
+            if below.get(start) == Some(&(j as u32))
+                && columns < LARGEST
+                && merges(columns, last.below, 1, rows.len())
+            {
+                first = last.first;
+                below.truncate(start);
                 nodes.pop();
             }
         }
-        nodes.push(node);
+        below.extend_from_slice(&rows);
+        nodes.push(Supernode {
+            first,
+            end: j + 1,
+            below: rows.len(),
+        });
     }
-    count_children(&mut nodes, n);
-    nodes
+    let mut all = Vec::with_capacity(n + below.len());
+    let mut start = 0;
+    for node in &nodes {
+        all.extend((node.first..node.end).map(|j| j as u32));
+        all.extend_from_slice(&below[start..start + node.below]);
+        start += node.below;
+    }
+    (nodes, all)
 }
 
-fn count_children(nodes: &mut [Supernode], n: usize) {
+/// The node that eliminates each column.
+fn owners(n: usize, nodes: &[Supernode]) -> Vec<u32> {
     let mut owner = vec![0; n];
     for (k, node) in nodes.iter().enumerate() {
-        owner[node.first..node.end].fill(k);
+        owner[node.first..node.end].fill(k as u32);
     }
-    let parents: Vec<Option<usize>> = nodes
-        .iter()
-        .map(|node| node.rows.first().map(|&row| owner[row]))
-        .collect();
-    for parent in parents.into_iter().flatten() {
-        nodes[parent].children += 1;
-    }
+    owner
 }
 
 #[cfg(test)]
@@ -246,6 +355,7 @@ mod tests {
         let (pattern, _) = SymmetricPattern::new(6, &entries).unwrap();
         let symbolic = Symbolic::new(&pattern).unwrap();
         assert_eq!(symbolic.nodes.len(), 1);
-        assert!(symbolic.nodes[0].rows.is_empty());
+        assert_eq!(symbolic.nodes[0].columns, 6);
+        assert_eq!(symbolic.rows, [0, 1, 2, 3, 4, 5]);
     }
 }

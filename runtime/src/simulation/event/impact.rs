@@ -9,8 +9,8 @@ use crate::model::contact_point;
 /// Flights lower than this times `max(1, |q|)` are none: a gap is known to about this. It ends the
 /// geometric sequence of impacts of, for example, a rocking block.
 const LOWEST_FLIGHT: f64 = 1e-14;
-/// Bounces lower than this times `max(1, |q|)` cannot be told from a closed gap.
-const LOWEST_BOUNCE: f64 = 1e-11;
+/// Bounces lower than this times `max(1, |q|)` are left out: ten times the lowest flight.
+const LOWEST_BOUNCE: f64 = 1e-13;
 /// Kinetic energies are compared to this relative accuracy.
 const SAME_ENERGY: f64 = 1e-12;
 

@@ -62,8 +62,9 @@ pub struct EventDriven {
     /// has features that are passed faster than that.
     pub max_step: Option<f64>,
     /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
-    /// ends infinite sequences of bounces; default none, which means that bounces lower than
-    /// `tolerance max(1, |q|)` are left out (but none higher than `1e-11 max(1, |q|)` for smaller tolerances).
+    /// ends infinite sequences of bounces, with a note; default none, which means `sqrt(2 a h)` where the
+    /// contact is pressed with the acceleration `a`: bounces lower than `h = max(tolerance^2, 1e-13)` times
+    /// `max(1, |q|)` are left out.
     pub rest_velocity: Option<f64>,
     /// Largest number of events before the run ends as
     /// [`AmbiguousContact`](super::SimulationStatus::AmbiguousContact); default 10 000.
