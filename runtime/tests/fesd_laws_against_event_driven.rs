@@ -9,8 +9,8 @@ use fesd_scenes::{Body, Ground, Point, Shape};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
-    ControlSignal, EventDriven, EventKind, Fesd, InitialValueProblem, Simulation, SimulationStatus,
-    Simulator,
+    ControlSignal, Event, EventDriven, EventKind, Fesd, InitialValueProblem, Simulation,
+    SimulationStatus, Simulator,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -32,6 +32,18 @@ fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProbl
     simulator
         .simulate(model, problem, &mut |_| {})
         .expect("the problem is accepted")
+}
+
+/// Number of events before those that follow each other ever faster: where an infinite sequence of impacts
+/// without restitution ends depends on the rounding of a gap.
+fn distinct_events(simulation: &Simulation) -> usize {
+    let crowded = |pair: &[Event]| {
+        let elapsed = pair[1].time - pair[0].time;
+        elapsed > 1e-12 && elapsed < 1e-4
+    };
+    let events = &simulation.events;
+    let first = events.windows(2).position(crowded);
+    first.map_or(events.len(), |first| first + 1)
 }
 
 /// Same events at the same times and the same end, up to `tolerance` relative to the growth of small
@@ -60,8 +72,13 @@ fn agree(
         let events = simulation.events.iter();
         events.map(|event| (event.kind, event.contact)).collect()
     };
-    prop_assert_eq!(list(&fesd), list(&event));
-    for (a, b) in fesd.events.iter().zip(&event.events) {
+    let (listed, expected) = (list(&fesd), list(&event));
+    let distinct = distinct_events(&fesd).min(distinct_events(&event));
+    prop_assert_eq!(&listed[..distinct], &expected[..distinct]);
+    if distinct == listed.len() {
+        prop_assert_eq!(distinct, expected.len());
+    }
+    for (a, b) in fesd.events[..distinct].iter().zip(&event.events) {
         let difference = (a.time - b.time).abs();
         prop_assert!(difference <= tolerance, "{:?} {:e}", a.kind, difference);
     }
@@ -75,7 +92,10 @@ fn agree(
     );
     // Signs along the run: penetration, adhesion, friction beyond its bound.
     prop_assert!(fesd.residuals.dual <= 1e-9, "{:?}", fesd.residuals);
-    check_energy(model, &fesd, 1e-13)
+    if matches!(problem.controls, ControlSignal::Zero) {
+        check_energy(model, &fesd, 1e-13)?;
+    }
+    Ok(())
 }
 
 fn ground() -> impl Strategy<Value = Ground> {
@@ -159,6 +179,7 @@ proptest! {
             restitution: 0.0,
         };
         let q = [0.0, f64::max(front, rear) * phi.abs().sin() + above, phi];
-        agree(&body.model(), &start(&q, &[along, 0.0, spin], 0.3), 1e-9)?;
+        // The last impacts of a rocking bar are left out, at speeds of about 1e-7.
+        agree(&body.model(), &start(&q, &[along, 0.0, spin], 0.3), 1e-8)?;
     }
 }

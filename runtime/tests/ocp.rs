@@ -236,7 +236,7 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
         intervals: 0,
         ..problem.clone()
     };
-    insta::assert_snapshot!(refuse(&no_intervals), @"number of control intervals = 0 : must be in 1..=10000");
+    insta::assert_snapshot!(refuse(&no_intervals), @"number of control intervals = 0: must be in 1..=10000");
     let far = Problem {
         goals: vec![Goal {
             component: Component::Velocity(7),
@@ -244,7 +244,7 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
         }],
         ..problem.clone()
     };
-    insta::assert_snapshot!(refuse(&far), @"index of a coordinate in objective or goal = 7 : must be below 1, the number of coordinates");
+    insta::assert_snapshot!(refuse(&far), @"index of a coordinate in objective or goal = 7: must be below 1, the number of coordinates");
     let falling = Problem {
         q: vec![0.0],
         v: vec![-1.0],
@@ -254,7 +254,7 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
     let mut settings = Settings::default();
     settings.stages = 1;
     let error = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap_err();
-    insta::assert_snapshot!(error, @"Runge-Kutta stages = 1 : must be in 2..=9");
+    insta::assert_snapshot!(error, @"Runge-Kutta stages = 1: must be in 2..=9");
 }
 
 #[test]

@@ -50,6 +50,16 @@ pub(crate) const INTEGRAL: &str = "integral";
 /// The final time in an objective or a terminal condition.
 pub(crate) const FINAL_TIME: &str = "time";
 
+/// Functions that make matrices; their names may be taken by declarations.
+pub(crate) const MATRIX_FUNCTIONS: [&str; 6] = [
+    "rotation",
+    "rotation_x",
+    "rotation_y",
+    "rotation_z",
+    "transpose",
+    "diagonal",
+];
+
 /// Functions with a kink or a jump, which dynamics must not have.
 pub(crate) const NONSMOOTH: [&str; 10] = [
     "abs",

@@ -408,6 +408,9 @@ struct TrajectoryEntry<'a> {
     v: &'a [Vec<f64>],
     u: &'a [Vec<f64>],
     contact_force: &'a [Vec<f64>],
+    /// Only for scenes with friction.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    friction_force: &'a [Vec<f64>],
 }
 
 impl<'a> TrajectoryEntry<'a> {
@@ -424,7 +427,8 @@ impl<'a> TrajectoryEntry<'a> {
                         &trajectory.u[k],
                         &trajectory.contact_force[k],
                     ]
-                    .iter()
+                    .into_iter()
+                    .chain(trajectory.friction_force.get(k))
                     .all(|row| finite(row))
             })
             .count();
@@ -435,6 +439,7 @@ impl<'a> TrajectoryEntry<'a> {
             v: &trajectory.v[..rows],
             u: &trajectory.u[..rows],
             contact_force: &trajectory.contact_force[..rows],
+            friction_force: trajectory.friction_force.get(..rows).unwrap_or_default(),
         }
     }
 

@@ -3,6 +3,4 @@
 
 mod heaviside;
 
-pub(crate) use heaviside::{
-    ALPHA, BETA, HeavisideSystem, LAMBDA_MINUS, LAMBDA_PLUS, P, PER_CONTACT, W,
-};
+pub(crate) use heaviside::{Group, HeavisideSystem};

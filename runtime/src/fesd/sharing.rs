@@ -65,6 +65,14 @@ impl Contacts<'_> {
         Ok(())
     }
 
+    /// Lets only independent contacts of `active` stick; the others carry no friction.
+    pub(crate) fn drop_dependent_sticks(
+        &self,
+        active: &mut [ActiveContact],
+    ) -> Result<(), ModeError> {
+        self.share_friction(active, &[])
+    }
+
     /// Whether the sliding velocity of `contact` is free while the `active` contacts hold theirs.
     pub(super) fn is_independent(
         &self,

@@ -1,6 +1,7 @@
 //! Fields and switching functions of the time-freezing system at a point, with derivatives.
 
-use crate::model::{Model, contact_point};
+use crate::fesd::contacts::friction_coefficients;
+use crate::model::{FrictionDeclaration, ImpactLaw, Model, contact_point, tangent_point};
 
 /// The time-freezing system of a scene, with the memory for one evaluation.
 pub(crate) struct TimeFreezingSystem<'a> {
@@ -17,6 +18,14 @@ pub(crate) struct TimeFreezingSystem<'a> {
     contact_jacobians: Vec<Vec<f64>>,
     /// Values of the Hessian of the weighted rows of each contact.
     pub(crate) contact_hessians: Vec<Vec<f64>>,
+    /// Coefficients of friction, 0 for contacts without friction.
+    friction: Vec<f64>,
+    /// Coefficients of restitution, 0 for contacts that do not bounce.
+    restitution: Vec<f64>,
+    tangents: Vec<f64>,
+    tangent_jacobians: Vec<Vec<f64>>,
+    /// Values of the Hessian of the weighted tangential rows of each contact.
+    pub(crate) tangent_hessians: Vec<Vec<f64>>,
     weights: Vec<f64>,
 }
 
@@ -25,6 +34,16 @@ impl<'a> TimeFreezingSystem<'a> {
         let declaration = model.declaration();
         let n = declaration.coordinates.len();
         let contacts = declaration.contacts;
+        let restitution = |i: usize| match contacts[i].law {
+            ImpactLaw::Inelastic => 0.0,
+            ImpactLaw::Restitution => model.restitution(i),
+        };
+        let tangential = |pattern: fn(&FrictionDeclaration) -> usize| {
+            let sides = contacts.iter().map(|contact| contact.friction.as_ref());
+            sides
+                .map(|side| vec![0.0; side.map_or(0, pattern)])
+                .collect()
+        };
         Self {
             model,
             auxiliary_acceleration,
@@ -40,8 +59,31 @@ impl<'a> TimeFreezingSystem<'a> {
                 .iter()
                 .map(|contact| vec![0.0; contact.hessian.entries.len()])
                 .collect(),
+            friction: friction_coefficients(model),
+            restitution: (0..contacts.len()).map(restitution).collect(),
+            tangents: vec![0.0; contacts.len() * tangent_point::length(n)],
+            tangent_jacobians: tangential(|side| side.jacobian.entries.len()),
+            tangent_hessians: tangential(|side| side.hessian.entries.len()),
             weights: vec![0.0; 2 + n],
         }
+    }
+
+    /// The same system in which the contacts in `resting` do not bounce.
+    pub(crate) fn without_bounces(mut self, resting: &[usize]) -> Self {
+        for &i in resting {
+            self.restitution[i] = 0.0;
+        }
+        self
+    }
+
+    /// Coefficient of friction, 0 for a contact without friction.
+    pub(crate) fn friction(&self, contact: usize) -> f64 {
+        self.friction[contact]
+    }
+
+    /// Coefficient of restitution, 0 for a contact that does not bounce.
+    pub(crate) fn restitution(&self, contact: usize) -> f64 {
+        self.restitution[contact]
     }
 
     /// Number of coordinates.
@@ -75,6 +117,36 @@ impl<'a> TimeFreezingSystem<'a> {
             * self.point(contact)[contact_point::direction(self.coordinates()) + k]
     }
 
+    fn tangent(&self, contact: usize) -> &[f64] {
+        let length = tangent_point::length(self.coordinates());
+        &self.tangents[contact * length..(contact + 1) * length]
+    }
+
+    /// Sliding velocity of the last evaluation, for a contact with friction.
+    pub(crate) fn sliding_velocity(&self, contact: usize) -> f64 {
+        self.tangent(contact)[tangent_point::SLIDING_VELOCITY]
+    }
+
+    /// Auxiliary friction `a_bar mu_i e_i` in direction `k` at the last evaluation.
+    pub(crate) fn auxiliary_friction(&self, contact: usize, k: usize) -> f64 {
+        self.auxiliary_acceleration
+            * self.friction[contact]
+            * self.tangent(contact)[tangent_point::direction(self.coordinates()) + k]
+    }
+
+    /// Entries (row, column, value) of the Jacobian of `(v_t, e)` of one contact with friction.
+    pub(crate) fn tangent_jacobian(
+        &self,
+        contact: usize,
+    ) -> impl Iterator<Item = (usize, usize, f64)> {
+        let declaration = &self.model.declaration().contacts[contact];
+        let entries = declaration.friction.map_or(&[][..], |f| f.jacobian.entries);
+        entries
+            .iter()
+            .zip(&self.tangent_jacobians[contact])
+            .map(|(&(row, column), &value)| (row as usize, column as usize, value))
+    }
+
     /// Entries (row, column, value) of the Jacobian of `(g, v_n, d)` of one contact.
     pub(crate) fn contact_jacobian(
         &self,
@@ -94,6 +166,12 @@ impl<'a> TimeFreezingSystem<'a> {
         for (contact, point) in self.points.chunks_exact_mut(length).enumerate() {
             self.model.contact(contact, x, point);
         }
+        let length = tangent_point::length(self.coordinates());
+        for (contact, tangent) in self.tangents.chunks_exact_mut(length).enumerate() {
+            if self.friction[contact] > 0.0 {
+                self.model.tangent(contact, x, tangent);
+            }
+        }
     }
 
     /// Evaluates the first derivatives at `x`.
@@ -101,6 +179,11 @@ impl<'a> TimeFreezingSystem<'a> {
         self.model.free_jacobian(x, &mut self.acceleration_jacobian);
         for (contact, values) in self.contact_jacobians.iter_mut().enumerate() {
             self.model.contact_jacobian(contact, x, values);
+        }
+        for (contact, values) in self.tangent_jacobians.iter_mut().enumerate() {
+            if self.friction[contact] > 0.0 {
+                self.model.tangent_jacobian(contact, x, values);
+            }
         }
     }
 
@@ -128,5 +211,24 @@ impl<'a> TimeFreezingSystem<'a> {
             &self.weights,
             &mut self.contact_hessians[contact],
         );
+    }
+
+    /// Hessian values of `velocity v_t + direction' e` of one contact with friction at `x`.
+    pub(crate) fn evaluate_tangent_hessian(
+        &mut self,
+        contact: usize,
+        x: &[f64],
+        velocity: f64,
+        direction: impl Iterator<Item = f64>,
+    ) {
+        let length = 1 + self.acceleration.len();
+        let weights = &mut self.weights[..length];
+        weights[0] = velocity;
+        for (weight, value) in weights[1..].iter_mut().zip(direction) {
+            *weight = value;
+        }
+        let values = &mut self.tangent_hessians[contact];
+        self.model.tangent_hessian(contact, x, weights, values);
+        self.weights[0] = 0.0;
     }
 }

@@ -1,13 +1,16 @@
 //! The declaration as a whole: names in force, every expression evaluated, the rules of the language.
 
+mod dependence;
 mod law;
 mod names;
 mod optimal_control;
 mod rules;
+mod start;
 mod units;
 mod values;
 
 pub(crate) use law::normal;
+pub(crate) use start::at_start;
 
 use crate::ast::{Assignment, Documentation, Expr, Name, Relation, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
@@ -248,6 +251,7 @@ impl Checker<'_> {
         }
         rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)?;
         let mut contacts = law::contacts(laws, lagrangian, &mut checker)?;
+        dependence::gaps(&contacts, &mut checker);
         rules::unused(&mut checker);
         for contact in &mut contacts {
             contact.unit = units.gaps.get(&contact.name.text).copied();

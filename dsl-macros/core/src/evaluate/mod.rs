@@ -1,12 +1,14 @@
 //! Expressions of the syntax tree to nodes of the graph.
 
 mod algebra;
+mod matrix;
 
 use crate::ast::{Expr, Kind, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::graph::{self, Function, Function2, Sym, Variable};
 use crate::words;
 use algebra::{binary, cross_product, inner_product, map, not_a_vector};
+pub(crate) use matrix::Matrix;
 use std::collections::{BTreeMap, HashSet};
 use std::rc::Rc;
 
@@ -22,6 +24,7 @@ const DEPTH: usize = 800;
 pub(crate) enum Value {
     Scalar(Sym),
     Vector(Rc<[Sym]>),
+    Matrix(Matrix),
 }
 
 impl Value {
@@ -29,6 +32,27 @@ impl Value {
         match self {
             Self::Scalar(sym) => std::slice::from_ref(sym),
             Self::Vector(components) => components,
+            Self::Matrix(matrix) => &matrix.entries,
+        }
+    }
+
+    /// The same shape with other components.
+    fn with_components(&self, components: Vec<Sym>) -> Self {
+        match self {
+            Self::Scalar(sym) => Self::Scalar(components.first().copied().unwrap_or(*sym)),
+            Self::Vector(_) => Self::Vector(components.into()),
+            Self::Matrix(matrix) => Self::Matrix(Matrix::new(components, matrix.columns)),
+        }
+    }
+
+    /// Its shape in words.
+    fn describe(&self) -> String {
+        match self {
+            Self::Scalar(_) => "a number".to_owned(),
+            Self::Vector(components) => format!("a vector with {} components", components.len()),
+            Self::Matrix(matrix) => {
+                format!("a {} by {} matrix", matrix.rows(), matrix.columns)
+            }
         }
     }
 }
@@ -136,18 +160,26 @@ impl Scope {
             } => self.derivative(function, *order, argument, diagnostics),
             Kind::Norm(inner) => self.norm(inner, diagnostics),
             Kind::Vector(items) => {
-                let mut components = Vec::with_capacity(items.len());
+                let mut values: Vec<Value> = Vec::with_capacity(items.len());
                 let mut failed = false;
                 for item in items {
-                    match self.scalar(item, diagnostics) {
-                        Ok(component) => components.push(component),
+                    // The first item decides between a vector and the rows of a matrix.
+                    let rows = matches!(values.first(), Some(Value::Vector(_)));
+                    let value = self.value(item, diagnostics).and_then(|value| {
+                        if rows || values.is_empty() && matches!(value, Value::Vector(_)) {
+                            return Ok(value);
+                        }
+                        Ok(Value::Scalar(number(item, &value, diagnostics)?))
+                    });
+                    match value {
+                        Ok(value) => values.push(value),
                         Err(Reported) => failed = true,
                     }
                 }
                 if failed {
                     return Err(Reported);
                 }
-                Ok(Value::Vector(components.into()))
+                matrix::stacked(items, values, diagnostics)
             }
             Kind::Component { vector, name } => self.component(vector, name, diagnostics),
             Kind::Index { vector, index } => {
@@ -163,7 +195,17 @@ impl Scope {
                             components.len()
                         ),
                     )),
-                    (Value::Scalar(_), _) => Err(not_a_vector(vector, diagnostics)),
+                    (Value::Matrix(matrix), _) => matrix.row(*index).ok_or_else(|| {
+                        diagnostics.report(
+                            "E02",
+                            expr.place,
+                            format!(
+                                "`{vector}` has {} rows, counted from 0; there is no [{index}]",
+                                matrix.rows()
+                            ),
+                        )
+                    }),
+                    (Value::Scalar(_), _) => Err(not_a_vector(vector, &value, diagnostics)),
                 }
             }
         }
@@ -171,26 +213,8 @@ impl Scope {
 
     /// Evaluates an expression that must be a number.
     pub(crate) fn scalar(&mut self, expr: &Expr, diagnostics: &mut Diagnostics) -> Checked<Sym> {
-        match self.value(expr, diagnostics)? {
-            Value::Scalar(sym) => {
-                if sym.as_number().is_some_and(|value| !value.is_finite()) {
-                    return Err(diagnostics.syntax(
-                        expr.place,
-                        format!("`{expr}` has no finite value; check divisions by zero and roots"),
-                    ));
-                }
-                Ok(sym)
-            }
-            Value::Vector(components) => Err(diagnostics.report(
-                "E02",
-                expr.place,
-                format!(
-                    "`{expr}` is a vector with {} components where a number is needed; take a \
-                     component, `|...|^2` or `dot(a, b)`",
-                    components.len()
-                ),
-            )),
-        }
+        let value = self.value(expr, diagnostics)?;
+        number(expr, &value, diagnostics)
     }
 
     fn name(&mut self, name: &Name, diagnostics: &mut Diagnostics) -> Checked<Value> {
@@ -238,6 +262,7 @@ impl Scope {
         }
         if words::FUNCTIONS.contains(&text.as_str())
             || words::SPECIAL_FUNCTIONS.contains(&text.as_str())
+            || words::MATRIX_FUNCTIONS.contains(&text.as_str())
         {
             return diagnostics.report(
                 "E02",
@@ -276,7 +301,7 @@ impl Scope {
     ) -> Checked<Value> {
         let value = self.value(vector, diagnostics)?;
         let Value::Vector(components) = &value else {
-            return Err(not_a_vector(vector, diagnostics));
+            return Err(not_a_vector(vector, &value, diagnostics));
         };
         let names: &[&str] = match components.len() {
             2 => &["y", "z"],
@@ -324,6 +349,11 @@ impl Scope {
                 let square: Sym = components.iter().map(|component| component.square()).sum();
                 Ok(Value::Scalar(square.power(1)))
             }
+            Value::Matrix(_) => Err(diagnostics.report(
+                "E02",
+                inner.place,
+                format!("`{inner}` is a matrix; only vectors have a length"),
+            )),
         }
     }
 
@@ -354,10 +384,7 @@ impl Scope {
         }
         let components =
             graph::substitute(&components, |other| (other == place_holder).then_some(at));
-        Ok(match value {
-            Value::Scalar(_) => Value::Scalar(components[0]),
-            Value::Vector(_) => Value::Vector(components.into()),
-        })
+        Ok(value.with_components(components))
     }
 
     fn call(
@@ -400,6 +427,13 @@ impl Scope {
                 ),
             ));
         }
+        if words::MATRIX_FUNCTIONS.contains(&text) {
+            let mut values = Vec::with_capacity(arguments.len());
+            for argument in arguments {
+                values.push((argument, self.value(argument, diagnostics)?));
+            }
+            return matrix::call(function, &values, diagnostics);
+        }
         let wanted = match text {
             "dot" if arguments.len() == 2 => 2,
             "atan2" | "cross" => 2,
@@ -412,6 +446,7 @@ impl Scope {
         if !known {
             let mut functions: Vec<&str> = words::FUNCTIONS.to_vec();
             functions.extend(words::SPECIAL_FUNCTIONS);
+            functions.extend(words::MATRIX_FUNCTIONS);
             functions.extend(
                 self.names
                     .iter()
@@ -574,10 +609,39 @@ impl Scope {
             });
         }
         let rates = graph::directional(value.components(), velocity_direction);
-        Ok(match value {
-            Value::Scalar(_) => Value::Scalar(rates[0]),
-            Value::Vector(_) => Value::Vector(rates.into()),
-        })
+        Ok(value.with_components(rates))
+    }
+}
+
+/// A value that must be a number.
+fn number(expr: &Expr, value: &Value, diagnostics: &mut Diagnostics) -> Checked<Sym> {
+    match value {
+        Value::Scalar(sym) => {
+            if sym.as_number().is_some_and(|value| !value.is_finite()) {
+                return Err(diagnostics.syntax(
+                    expr.place,
+                    format!("`{expr}` has no finite value; check divisions by zero and roots"),
+                ));
+            }
+            Ok(*sym)
+        }
+        Value::Vector(_) => Err(diagnostics.report(
+            "E02",
+            expr.place,
+            format!(
+                "`{expr}` is {} where a number is needed; take a component, `|...|^2` or `dot(a, b)`",
+                value.describe()
+            ),
+        )),
+        Value::Matrix(_) => Err(diagnostics.report(
+            "E02",
+            expr.place,
+            format!(
+                "`{expr}` is {} where a number is needed; take an entry, as in `[0][1]`, or write \
+                 `dot(v, m*v)`",
+                value.describe()
+            ),
+        )),
     }
 }
 

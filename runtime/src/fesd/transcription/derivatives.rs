@@ -106,11 +106,11 @@ impl Transcription<'_> {
             self.local = local;
             self.rows = values;
         }
-        for contact in 0..self.dcs.contacts() {
+        for group in 0..self.groups.len() {
             for sum in 0..SUMS {
-                let row = self.elements[e].sum_rows + SUMS * contact + sum;
-                add(row, self.elements[e].sums + SUMS * contact + sum, 1.0);
-                for variable in self.sum_variables(e, contact, sum) {
+                let row = self.elements[e].sum_rows + SUMS * group + sum;
+                add(row, self.elements[e].sums + SUMS * group + sum, 1.0);
+                for variable in self.sum_variables(e, group, sum) {
                     add(row, variable, -1.0);
                 }
             }

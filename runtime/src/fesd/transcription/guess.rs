@@ -1,7 +1,6 @@
 //! The starting point of the solver, from the task alone.
 
 use super::{Guess, SUMS, Transcription};
-use crate::dcs::{ALPHA, BETA, PER_CONTACT};
 
 /// Explicit Euler steps of a simulated guess in an interval without contact.
 const STEPS: usize = 200;
@@ -13,7 +12,7 @@ const STEADY: usize = 5;
 struct Sampled {
     /// Numerical length of the interval.
     length: f64,
-    /// `(q, v, t)` and then the step functions of the following step, at each instant.
+    /// `(q, v, t, G)` and then the shares of the groups during the following step, at each instant.
     points: Vec<Vec<f64>>,
 }
 
@@ -95,10 +94,10 @@ impl Transcription<'_> {
             }
         }
         let count = self.task.elements;
-        let plain = self.dcs.time() + 1;
+        let states = self.dcs.states();
         let ends: Vec<Vec<f64>> = intervals
             .iter()
-            .map(|sampled| sampled.ends(count, plain))
+            .map(|sampled| sampled.ends(count, states))
             .collect();
         for e in 0..self.elements.len() {
             let ends = &ends[e / count];
@@ -111,8 +110,8 @@ impl Transcription<'_> {
                 let c = self.tableau.c().get(b).copied().unwrap_or(1.0);
                 let share = start + c * width;
                 let window = width / self.tableau.stages() as f64;
-                let point = intervals[e / count].at(share, window, plain);
-                self.set_local(&point[..plain], &point[plain..]);
+                let point = intervals[e / count].at(share, window, states);
+                self.set_local(&point[..states], &point[states..]);
                 for k in 0..self.local.len() {
                     if let Some(variable) = self.elements[e].blocks[b].variables[k] {
                         guess[variable] = self.local[k] / self.unit(k);
@@ -121,57 +120,42 @@ impl Transcription<'_> {
             }
         }
         for e in 0..self.elements.len() {
-            for contact in 0..self.dcs.contacts() {
+            for group in 0..self.groups.len() {
                 for sum in 0..SUMS {
-                    let place = self.elements[e].sums + SUMS * contact + sum;
-                    guess[place] = self.sum(&guess, e, contact, sum);
+                    let place = self.elements[e].sums + SUMS * group + sum;
+                    guess[place] = self.sum(&guess, e, group, sum);
                 }
             }
         }
         self.guess = guess;
     }
 
-    /// Local vector for `(q, v, t)` and step functions; the other algebraic variables follow.
-    fn set_local(&mut self, y: &[f64], alpha: &[f64]) {
+    /// Local vector for states and shares of the groups. Lifted gaps are those of the coordinates, where
+    /// they do not move alone.
+    fn set_local(&mut self, y: &[f64], shares: &[f64]) {
         let states = self.dcs.states();
         self.local.fill(0.0);
-        self.local[..y.len()].copy_from_slice(y);
+        self.local[..states].copy_from_slice(y);
         for (k, &control) in self.task.controls.values().iter().enumerate() {
             self.local[states + k] = control;
         }
-        for (contact, &alpha) in alpha.iter().enumerate() {
-            let place = self.dcs.algebraic(contact, ALPHA);
-            self.local[place] = alpha;
-            let place = self.dcs.algebraic(contact, BETA);
-            self.local[place] = 1.0 - alpha;
-        }
-        self.dcs.set_products(&mut self.local);
         self.dcs.rows(&self.local, &mut self.rows);
-        for (contact, &alpha) in alpha.iter().enumerate() {
-            let gap = self.dcs.system.gap(contact);
-            let velocity = self.dcs.system.normal_velocity(contact);
-            let margin = gap.max(velocity);
-            let z = [
-                alpha,
-                1.0 - alpha,
-                margin.max(0.0),
-                (-margin).max(0.0),
-                (velocity - gap).max(0.0),
-                (gap - velocity).max(0.0),
-            ];
-            let first = self.dcs.algebraic(contact, ALPHA);
-            self.local[first..first + PER_CONTACT].copy_from_slice(&z);
-            let place = self.dcs.lifted_gap(contact);
-            self.local[place] = gap;
+        for contact in 0..self.dcs.contacts() {
+            if !self.dcs.bounces(contact) {
+                let place = self.dcs.lifted_gap(contact);
+                self.local[place] = self.dcs.system.gap(contact);
+            }
         }
+        self.dcs.complete(&mut self.local, shares);
+        self.dcs.rows(&self.local, &mut self.rows);
     }
 
     /// The guessed motion of each interval.
     fn sample(&mut self) -> Vec<Sampled> {
-        let contacts = self.dcs.contacts();
-        let plain = self.dcs.time() + 1;
+        let (groups, contacts) = (self.groups.len(), self.dcs.contacts());
+        let states = self.dcs.states();
         let duration = self.task.horizon / self.task.intervals as f64;
-        let mut y = self.start[..plain].to_vec();
+        let mut y = self.start.clone();
         (0..self.task.intervals)
             .map(|k| match self.task.guess.clone() {
                 Guess::Line(velocity) => {
@@ -184,7 +168,9 @@ impl Transcription<'_> {
                         }
                         point.extend(&velocity);
                         point.push(self.start[2 * n] + elapsed);
-                        point.resize(plain + contacts, 0.5);
+                        // a gap that moves in jumps alone stays where it is
+                        point.extend(&self.start[states - contacts..]);
+                        point.resize(states + groups, 0.5);
                         point
                     };
                     Sampled {
@@ -203,25 +189,20 @@ impl Transcription<'_> {
         let end = y[time] + duration;
         let step = duration / STEPS as f64;
         let most = (self.speed_bound * STEPS as f64) as usize;
-        let free = vec![1.0; self.dcs.contacts()];
         let mut points = Vec::new();
         loop {
-            self.set_local(y, &free);
-            let alpha: Vec<f64> = (0..self.dcs.contacts())
-                .map(|contact| {
-                    let gap = self.dcs.system.gap(contact);
-                    let margin = gap.max(self.dcs.system.normal_velocity(contact));
-                    f64::from(u8::from(margin > 0.0))
-                })
-                .collect();
+            let open = vec![1.0; self.groups.len()];
+            self.set_local(y, &open);
+            y.copy_from_slice(&self.local[..y.len()]);
+            let shares = self.dcs.shares(&self.local);
             let mut point = y.to_vec();
-            point.extend(&alpha);
+            point.extend(&shares);
             points.push(point);
             if points.len() > most || points.len() > 1 && y[time] >= end - 0.5 * step {
                 let length = step * (points.len() - 1) as f64;
                 return Sampled { length, points };
             }
-            self.set_local(y, &alpha);
+            self.set_local(y, &shares);
             for (value, rate) in y.iter_mut().zip(&self.rows) {
                 *value += step * rate;
             }

@@ -10,10 +10,12 @@
 //! 0 <= sum_m alpha_m  _|_  ln_0 + sum_m ln_m >= 0
 //! 0 <= sum_m beta_m   _|_  lp_0 + sum_m lp_m >= 0      (cross complementarity, a contact)
 //! 0 <= p_m _|_ w_m >= 0                                (a stage and contact)
+//! 0 <= c+_m _|_ c-_m >= 0                              (a stage and friction)
 //! sum_e h_e = 1,  t at the end of interval k = t_0 + (k+1) T / N
 //! ```
 //!
-//! The multipliers with index 0 are those at the end of the element before; they put switches on element
+//! and the same sums for the weights by which friction and restitution split a jump (see the step form). The
+//! multipliers with index 0 are those at the end of the element before; they put switches on element
 //! boundaries. Schemes without a stage at the end carry `lp, ln, p, w` there as boundary variables. The
 //! objective contains `3e-4 sum_e (h_e / h_0 - 1)^2`, the mean step equilibration: lengths that no switch
 //! determines stay equal. Sources: Nurkanovic et al., Numerische Mathematik 2024; Nurkanovic, Pozharskiy,
@@ -27,7 +29,7 @@ mod task;
 
 pub(crate) use task::{Controls, Guess, Task, Weights};
 
-use crate::dcs::{ALPHA, BETA, HeavisideSystem, LAMBDA_MINUS, LAMBDA_PLUS, P, PER_CONTACT, W};
+use crate::dcs::{Group, HeavisideSystem};
 use crate::fesd::finite_element::State;
 use crate::nlp::Pattern;
 use crate::rk::ButcherTableau;
@@ -40,7 +42,7 @@ const SHORTEST: f64 = 1e-3;
 const EQUILIBRATION: f64 = 3e-4;
 /// Default bound of the numerical time relative to the physical time.
 const SPEED_OF_TIME: f64 = 25.0;
-/// Cross complementarity sums of one contact and element.
+/// Cross complementarity sums of one group and element.
 const SUMS: usize = 4;
 
 /// A point at which the step form is evaluated: a Runge-Kutta stage, or the end of an element.
@@ -61,7 +63,7 @@ struct Element {
     blocks: Vec<Block>,
     /// First of the collocation constraints, one group of the length of `y` a block.
     collocation_rows: usize,
-    /// First sum variable, `SUMS` a contact: alpha, ln, beta, lp.
+    /// First sum variable, `SUMS` a group: for a contact alpha, ln, beta, lp.
     sums: usize,
     /// First constraint that defines the sums.
     sum_rows: usize,
@@ -95,8 +97,10 @@ pub(crate) struct Transcription<'a> {
     /// First constraint of the goals.
     goal_rows: usize,
     speed_bound: f64,
-    /// Multipliers `(lp, ln)` of each contact at the start.
-    start_multipliers: Vec<(f64, f64)>,
+    /// What is cross-complementary.
+    groups: Vec<Group>,
+    /// Values of the variables of each group at the start; only the multipliers count.
+    start_values: Vec<[f64; SUMS]>,
     pairs: Vec<(usize, usize)>,
     jacobian: Pattern,
     hessian: Pattern,
@@ -115,19 +119,27 @@ impl<'a> Transcription<'a> {
         local[..y.len()].copy_from_slice(&y);
         let controls = dcs.states()..dcs.states() + dcs.controls();
         local[controls].copy_from_slice(task.controls.values());
-        let mut rows = vec![0.0; dcs.states() + dcs.algebraic_equations()];
-        dcs.rows(&local, &mut rows);
+        let rows = vec![0.0; dcs.states() + dcs.algebraic_equations()];
+        dcs.shares(&local);
         let duration = task.horizon / task.intervals as f64;
         let mut speed_bound = SPEED_OF_TIME;
-        let mut start_multipliers = Vec::new();
         for contact in 0..dcs.contacts() {
-            let (gap, velocity) = (dcs.system.gap(contact), dcs.system.normal_velocity(contact));
-            let speed = velocity.abs() / dcs.system.auxiliary_acceleration;
+            let velocity = dcs.system.normal_velocity(contact);
+            // A bounce falls at the rate a_bar and rises at e^2 a_bar, to the speed e |v_n|.
+            let e = dcs.system.restitution(contact);
+            let rise = if e > 0.0 { 1.0 / e } else { 0.0 };
+            let speed = velocity.abs() * (1.0 + rise) / dcs.system.auxiliary_acceleration;
             speed_bound = speed_bound.max(2.0 + 2.0 * speed / duration);
-            let margin = gap.max(velocity);
-            y[dcs.lifted_gap(contact)] = gap;
-            start_multipliers.push((margin.max(0.0), (-margin).max(0.0)));
+            y[dcs.lifted_gap(contact)] = dcs.system.gap(contact);
         }
+        local[..y.len()].copy_from_slice(&y);
+        let shares = dcs.shares(&local);
+        dcs.complete(&mut local, &shares);
+        let groups = dcs.groups();
+        let start_values = groups
+            .iter()
+            .map(|group| group.places.map(|place| local[place]))
+            .collect();
         let mut problem = Self {
             start: y,
             control_units: task.controls.units(),
@@ -138,7 +150,8 @@ impl<'a> Transcription<'a> {
             horizon: None,
             goal_rows: 0,
             speed_bound,
-            start_multipliers,
+            groups,
+            start_values,
             pairs: Vec::new(),
             jacobian: Pattern::default(),
             hessian: Pattern::default(),
@@ -206,19 +219,10 @@ impl<'a> Transcription<'a> {
             {
                 *slot = Some(control);
             }
-            for contact in 0..self.dcs.contacts() {
-                for offset in 0..PER_CONTACT {
-                    if !(boundary && matches!(offset, ALPHA | BETA)) {
-                        variables[self.dcs.algebraic(contact, offset)] = Some(self.take(1));
-                    }
-                }
-            }
-            if !boundary {
-                for slot in &mut variables[states + self.dcs.controls()..] {
-                    slot.get_or_insert_with(|| {
-                        self.variables += 1;
-                        self.variables - 1
-                    });
+            for place in self.dcs.first_algebraic()..self.dcs.local_variables() {
+                let switching = place < self.dcs.first_product() && self.dcs.is_switching(place);
+                if !boundary || switching {
+                    variables[place] = Some(self.take(1));
                 }
             }
             blocks.push(Block {
@@ -227,24 +231,24 @@ impl<'a> Transcription<'a> {
                 boundary,
             });
             row += if boundary {
-                2 * self.dcs.contacts()
+                self.dcs.switching_rows()
             } else {
                 self.dcs.algebraic_equations()
             };
         }
-        let sums = self.take(SUMS * self.dcs.contacts());
+        let sums = self.take(SUMS * self.groups.len());
         for block in &blocks {
-            for contact in 0..self.dcs.contacts() {
-                let place = |offset| block.variables[self.dcs.algebraic(contact, offset)];
-                self.pairs.extend(place(P).zip(place(W)));
+            for (first, second) in self.dcs.stage_pairs() {
+                let pair = block.variables[first].zip(block.variables[second]);
+                self.pairs.extend(pair);
             }
         }
-        for contact in 0..self.dcs.contacts() {
-            let first = sums + SUMS * contact;
+        for group in 0..self.groups.len() {
+            let first = sums + SUMS * group;
             self.pairs.push((first, first + 1));
             self.pairs.push((first + 2, first + 3));
         }
-        self.constraints = row + SUMS * self.dcs.contacts();
+        self.constraints = row + SUMS * self.groups.len();
         self.elements.push(Element {
             interval,
             length,
@@ -310,19 +314,13 @@ impl<'a> Transcription<'a> {
         if !block.boundary {
             return Some(block.algebraic_rows + row);
         }
-        let (contact, which) = (row / 3, row % 3);
-        (contact < self.dcs.contacts() && which > 0)
-            .then(|| block.algebraic_rows + 2 * contact + which - 1)
-    }
-
-    /// Algebraic variable that sum `sum` adds up.
-    fn summed(sum: usize) -> usize {
-        [ALPHA, LAMBDA_MINUS, BETA, LAMBDA_PLUS][sum]
+        let row = self.dcs.switching_row(row)?;
+        Some(block.algebraic_rows + row)
     }
 
     /// Variables of a cross complementarity sum.
-    fn sum_variables(&self, e: usize, contact: usize, sum: usize) -> Vec<usize> {
-        let place = self.dcs.algebraic(contact, Self::summed(sum));
+    fn sum_variables(&self, e: usize, group: usize, sum: usize) -> Vec<usize> {
+        let place = self.groups[group].places[sum];
         let mut variables: Vec<usize> = self.elements[e]
             .blocks
             .iter()
@@ -338,13 +336,13 @@ impl<'a> Transcription<'a> {
     }
 
     /// Value of a cross complementarity sum.
-    fn sum(&self, x: &[f64], e: usize, contact: usize, sum: usize) -> f64 {
-        let at_start = match (e, sum) {
-            (0, 1) => self.start_multipliers[contact].1,
-            (0, 3) => self.start_multipliers[contact].0,
-            _ => 0.0,
+    fn sum(&self, x: &[f64], e: usize, group: usize, sum: usize) -> f64 {
+        let at_start = if e == 0 && sum % 2 == 1 {
+            self.start_values[group][sum]
+        } else {
+            0.0
         };
-        let variables = self.sum_variables(e, contact, sum);
+        let variables = self.sum_variables(e, group, sum);
         at_start + variables.iter().map(|&variable| x[variable]).sum::<f64>()
     }
 
@@ -398,6 +396,15 @@ impl<'a> Transcription<'a> {
     pub(crate) fn mean_alpha(&self, x: &[f64], e: usize, contact: usize) -> f64 {
         x[self.elements[e].sums + SUMS * contact] / self.tableau.stages() as f64
     }
+
+    /// Share of the friction of `contact` in element `e` that opposes forward sliding: 1 where it slides
+    /// forward, 0 backward, between where it sticks; `None` without friction or without a force.
+    pub(crate) fn slip_share(&self, x: &[f64], e: usize, contact: usize) -> Option<f64> {
+        let first = self.elements[e].sums + SUMS * self.dcs.slip_group(contact)?;
+        let (forward, backward) = (x[first], x[first + 2]);
+        let force = forward + backward;
+        (force > 0.0).then(|| forward / force)
+    }
 }
 
 #[cfg(test)]
@@ -423,7 +430,22 @@ mod tests {
         }
     }
 
-    fn worst_derivative(tableau: &ButcherTableau, bead: &Bead, free: bool) -> f64 {
+    crate::model! {
+        /// The same bead, which rubs on the floor, and bounces off the wall and rubs on it.
+        RoughBead {
+            parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5, c: kg/s = 0.3 }
+            coordinates { y: m, z: m }
+            controls { u: N }
+            lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+            forces { y: u - c*dot(y) }
+            surface floor: z - sin(k*y)/(4*k) >= 0
+            surface wall: 1[m] - y - k*z^2/8 >= 0
+            impact floor: inelastic, friction 0.4, sliding dot(y) + cos(k*y)/4*dot(z)
+            impact wall: restitution 0.6, friction 0.2, sliding dot(z) - k*z/4*dot(y)
+        }
+    }
+
+    fn worst_derivative(tableau: &ButcherTableau, bead: &dyn Model, free: bool) -> f64 {
         let system = TimeFreezingSystem::new(bead, 50.0);
         let start = State {
             time: 0.3,
@@ -461,15 +483,40 @@ mod tests {
 
     #[test]
     fn derivatives_agree_with_differences_for_both_kinds_of_schemes() {
-        let bead = Bead::default();
-        assert_eq!(bead.declaration().contacts.len(), 2);
+        let (bead, rough) = (Bead::default(), RoughBead::default());
+        let beads: [&dyn Model; 2] = [&bead, &rough];
         for scheme in [Scheme::RadauIia, Scheme::GaussLegendre] {
             let tableau = ButcherTableau::new(scheme, 2).expect("two stages");
-            for free in [false, true] {
+            for (bead, free) in beads.into_iter().flat_map(|b| [(b, false), (b, true)]) {
                 // Central differences of functions of size 100 with steps of 6e-6.
-                let worst = worst_derivative(&tableau, &bead, free);
+                let worst = worst_derivative(&tableau, bead, free);
                 assert!(worst < 1e-6, "{scheme:?}: {worst:e}");
             }
         }
+    }
+
+    #[test]
+    fn laws_add_unknowns_to_the_contacts_that_have_them_only() {
+        let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
+        let sizes = |model: &dyn Model| {
+            let start = State {
+                time: 0.0,
+                q: vec![0.2, 0.4],
+                v: vec![1.5, -0.7],
+            };
+            let task = Task::step(&start, &[0.8], 0.25, 3);
+            let system = TimeFreezingSystem::new(model, 50.0);
+            let program = Transcription::new(HeavisideSystem::new(system), &tableau, task);
+            (program.variables, program.constraints, program.pairs.len())
+        };
+        let (plain, rough) = (sizes(&Bead::default()), sizes(&RoughBead::default()));
+        // An element and stage: 7 states, 12 step variables, one product; an element: its length, 8 sums.
+        assert_eq!(plain.0, 3 * (2 * 20 + 9) + 1);
+        assert_eq!(plain.2, 3 * (2 * 2 + 4));
+        // Two frictions add 4 unknowns, 2 rows and a pair a stage, a restitution 2 unknowns and a row; each of
+        // the three adds 4 sums and 2 pairs an element.
+        assert_eq!(rough.0 - plain.0, 3 * (2 * 10 + 12));
+        assert_eq!(rough.1 - plain.1, 3 * (2 * 5 + 12));
+        assert_eq!(rough.2 - plain.2, 3 * (2 * 2 + 6));
     }
 }

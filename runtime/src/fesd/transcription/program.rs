@@ -1,7 +1,6 @@
 //! The program as the solver sees it.
 
 use super::{Controls, EQUILIBRATION, Element, Interval, SHORTEST, SUMS, Transcription};
-use crate::dcs::PER_CONTACT;
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
 
@@ -60,17 +59,14 @@ impl NlpProblem for Transcription<'_> {
             lower[element.length] = SHORTEST * self.nominal();
             upper[element.length] = 1.0;
             for block in &element.blocks {
-                for contact in 0..self.dcs.contacts() {
-                    for offset in 0..PER_CONTACT {
-                        let place = self.dcs.algebraic(contact, offset);
-                        if let Some(variable) = block.variables[place] {
-                            // alpha + beta = 1 bounds both from above
-                            lower[variable] = 0.0;
-                        }
+                for place in self.dcs.first_algebraic()..self.dcs.first_product() {
+                    if let Some(variable) = block.variables[place] {
+                        // alpha + beta = 1 bounds both from above, and with them their parts
+                        lower[variable] = 0.0;
                     }
                 }
             }
-            lower[element.sums..element.sums + SUMS * self.dcs.contacts()].fill(0.0);
+            lower[element.sums..element.sums + SUMS * self.groups.len()].fill(0.0);
             let (from, to) = &self.task.coordinate_bounds;
             for k in 0..from.len() {
                 if let Some(variable) = self.end_state(e)[k] {
@@ -172,11 +168,10 @@ impl NlpProblem for Transcription<'_> {
                 self.local = local;
                 self.rows = values;
             }
-            for contact in 0..self.dcs.contacts() {
+            for group in 0..self.groups.len() {
                 for sum in 0..SUMS {
-                    c[self.elements[e].sum_rows + SUMS * contact + sum] = x
-                        [self.elements[e].sums + SUMS * contact + sum]
-                        - self.sum(x, e, contact, sum);
+                    c[self.elements[e].sum_rows + SUMS * group + sum] =
+                        x[self.elements[e].sums + SUMS * group + sum] - self.sum(x, e, group, sum);
                 }
             }
         }

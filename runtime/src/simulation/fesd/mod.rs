@@ -196,9 +196,6 @@ impl Simulator for Fesd {
     ) -> Result<Simulation, InputError> {
         let tableau = self.tableau()?;
         problem.check(model)?;
-        if self.formulation == StepFormulation::TimeFreezing {
-            InitialValueProblem::check_inelastic(model, "fesd in its time-freezing formulation")?;
-        }
         Ok(driver::Driver::new(self, &tableau, model, problem).run(progress))
     }
 }

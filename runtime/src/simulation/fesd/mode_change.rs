@@ -2,13 +2,24 @@
 
 use super::driver::Driver;
 use super::switch::{Switch, SwitchKind};
-use crate::fesd::active_contact::find;
+use crate::fesd::active_contact::{Tangential, find};
 use crate::fesd::contacts::ModeError;
 use crate::simulation::{Event, EventKind};
 use crate::time_freezing::clock;
 
 /// Rest velocity where none is set, relative to the largest velocity.
 const REST: f64 = 1e-6;
+
+/// What the change of a tangential state is called.
+pub(super) fn sliding_event(before: Tangential, after: Tangential) -> Option<EventKind> {
+    if before.sense() == after.sense() {
+        None
+    } else if after.sense() == 0.0 {
+        Some(EventKind::Stick)
+    } else {
+        Some(EventKind::Slip)
+    }
+}
 
 impl Driver<'_> {
     /// Carries out a located switch at the present state.
@@ -96,19 +107,22 @@ impl Driver<'_> {
                 (None, Some(_)) if !struck && self.state.time > 0.0 => {
                     self.push_event(EventKind::Contact, i, v_before.clone());
                 }
-                (Some(before), Some(after)) if before.sense() != after.sense() => {
-                    let kind = if after.sense() == 0.0 {
-                        EventKind::Stick
-                    } else {
-                        EventKind::Slip
-                    };
-                    self.push_event(kind, i, v_before.clone());
+                (Some(before), Some(after)) => {
+                    if let Some(kind) = sliding_event(before, after) {
+                        self.push_event(kind, i, v_before.clone());
+                    }
                 }
                 _ => {}
             }
         }
         self.element.set_mode(&self.active);
         self.evaluate_state()
+    }
+
+    /// Rest velocity at the present state.
+    pub(super) fn rest_velocity(&self) -> f64 {
+        let largest = self.state.v.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
+        self.settings.rest_velocity.unwrap_or(REST * largest)
     }
 
     /// The velocity jump of an impact of the `closing` contacts in which all `touching` ones take part.
@@ -120,8 +134,7 @@ impl Driver<'_> {
         closing: &[usize],
         slow: f64,
     ) -> Result<Vec<(usize, f64)>, ModeError> {
-        let largest = self.state.v.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
-        let rest = self.settings.rest_velocity.unwrap_or(REST * largest);
+        let rest = self.rest_velocity();
         let mut ended = Vec::new();
         let mut restitution = vec![0.0; touching.len()];
         for (e, &i) in restitution.iter_mut().zip(touching) {
@@ -145,7 +158,7 @@ impl Driver<'_> {
 
     /// Remembers the bounces that the contacts in `ended`, which came with the given speeds and stay, did not
     /// carry out.
-    fn end_cascades(&mut self, ended: &[(usize, f64)]) {
+    pub(super) fn end_cascades(&mut self, ended: &[(usize, f64)]) {
         for &(i, speed) in ended {
             if find(&self.active, i).is_none() {
                 continue;

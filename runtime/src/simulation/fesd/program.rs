@@ -5,16 +5,19 @@
 //! impact is known to the length of an element.
 
 use super::driver::{Driver, Stop};
+use super::mode_change::sliding_event;
 use crate::dcs::HeavisideSystem;
 use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::finite_element::State;
 use crate::fesd::transcription::{Task, Transcription};
 use crate::mpcc;
-use crate::simulation::{EventKind, InitialValueProblem};
+use crate::simulation::EventKind;
 use crate::time_freezing::TimeFreezingSystem;
 
 /// Finite elements that one switch with an impact needs: before, jump, after.
 const ELEMENTS: usize = 3;
+/// The same for a bounce: before, fall, rise, after.
+const BOUNCE_ELEMENTS: usize = 4;
 /// Numbers of elements that are tried in turn; another number often solves a step that one does not.
 const ATTEMPTS: usize = 3;
 /// Acceleration of the auxiliary dynamics here, of the order of contact accelerations: the step functions
@@ -50,17 +53,95 @@ impl Phase {
     }
 }
 
+/// Tangential state for the share of friction that opposes forward sliding.
+fn tangential(share: Option<f64>) -> Tangential {
+    match share {
+        None => Tangential::Idle,
+        Some(share) if share >= 1.0 - BETWEEN => Tangential::Forward,
+        Some(share) if share <= BETWEEN => Tangential::Backward,
+        Some(_) => Tangential::Sticking,
+    }
+}
+
 impl Driver<'_> {
     /// Advances to `end` by one complementarity problem.
     pub(super) fn solve_program(&mut self, end: f64) -> Result<(), Stop> {
-        if InitialValueProblem::check_inelastic(self.model, "").is_err() {
+        // Contacts that rest do not bounce; nor do impacts below the rest velocity, which a second run finds.
+        let resting: Vec<usize> = self.active.iter().map(|held| held.contact).collect();
+        let elastic = |i: &usize| self.restitution[*i] > 0.0 && !resting.contains(i);
+        if self.all_contacts.iter().any(elastic) {
+            if self.try_program(end, &resting, BOUNCE_ELEMENTS)? {
+                return Ok(());
+            }
+            let everything = self.all_contacts.clone();
+            if self.try_program(end, &everything, ELEMENTS)? {
+                return Ok(());
+            }
             return Err(Stop::Program(
-                "Newton's method did not solve the step; take more steps",
+                "neither Newton's method nor the interior point method solved the step; if bounces \
+                 follow each other faster than the steps, raise the rest velocity",
             ));
         }
-        let fewest = self.settings.elements.max(ELEMENTS);
+        if self.try_program(end, &resting, ELEMENTS)? {
+            return Ok(());
+        }
+        Err(Stop::Program(
+            "neither Newton's method nor the interior point method solved the step",
+        ))
+    }
+
+    /// Bounces that the program leaves out, with the speed at which each contact comes: impacts of the contacts
+    /// in `resting`, and sustained contact of the others, which the equations admit but no bounce leads to.
+    fn bounces_left_out(
+        &mut self,
+        program: &Transcription<'_>,
+        x: &[f64],
+        resting: &[usize],
+    ) -> Vec<(usize, f64)> {
+        let start = self.state.clone();
+        let mut ended = Vec::new();
+        for i in self.all_contacts.clone() {
+            if self.restitution[i] == 0.0 {
+                continue;
+            }
+            let phase = |e: usize| Phase::of(program.mean_alpha(x, e, i));
+            for e in 0..program.elements() {
+                if !resting.contains(&i) {
+                    if phase(e) == Phase::Contact {
+                        ended.push((i, f64::INFINITY));
+                    }
+                    continue;
+                }
+                let closed = if e == 0 {
+                    find(&self.active, i).is_some()
+                } else {
+                    phase(e - 1) != Phase::Free
+                };
+                if closed || phase(e) == Phase::Free {
+                    continue;
+                }
+                if e > 0 {
+                    self.state = program.state(x, e - 1);
+                }
+                self.write_input();
+                self.contacts.evaluate_contacts(&self.x, [i]);
+                ended.push((i, -self.contacts.normal_velocity(i)));
+                self.state.copy_from(&start);
+            }
+        }
+        self.write_input();
+        ended
+    }
+
+    /// Advances to `end` by one complementarity problem in which the contacts in `resting` do not bounce, on
+    /// `fewest` elements or a few more; false if it was not solved, or leaves out a bounce.
+    fn try_program(&mut self, end: f64, resting: &[usize], fewest: usize) -> Result<bool, Stop> {
+        // A jump that begins to stick has one switch more.
+        let fewest = fewest + usize::from(self.rough);
+        let fewest = self.settings.elements.max(fewest);
         for elements in fewest..fewest + ATTEMPTS {
-            let system = TimeFreezingSystem::new(self.model, AUXILIARY_ACCELERATION);
+            let system = TimeFreezingSystem::new(self.model, AUXILIARY_ACCELERATION)
+                .without_bounces(resting);
             let mut program = Transcription::new(
                 HeavisideSystem::new(system),
                 self.tableau,
@@ -76,13 +157,20 @@ impl Driver<'_> {
             self.counts.fallbacks += 1;
             // The step is a root of its equations: feasibility decides, optimality only chooses lengths.
             let residuals = solution.residuals;
-            if residuals.primal.max(residuals.complementarity) <= ACCEPTED {
-                return self.take(&program, &solution);
+            if residuals.primal.max(residuals.complementarity) > ACCEPTED {
+                continue;
+            }
+            let ended = self.bounces_left_out(&program, &solution.x, resting);
+            let rest = self.rest_velocity();
+            if ended.iter().all(|&(_, speed)| speed <= rest) {
+                self.take(&program, &solution)?;
+                // The clock of the program ends there up to its residual.
+                self.state.time = end;
+                self.end_cascades(&ended);
+                return Ok(true);
             }
         }
-        Err(Stop::Program(
-            "neither Newton's method nor the interior point method solved the step",
-        ))
+        Ok(false)
     }
 
     /// Makes a solved program part of the trajectory.
@@ -117,6 +205,7 @@ impl Driver<'_> {
             .collect();
         let mut jump_start: Option<State> = None;
         for e in 0..program.elements() {
+            let sliding = self.active.clone();
             let after = program.state(x, e);
             self.state.copy_from(&after);
             // Jumps and the slowing down by contact are inversely proportional to the acceleration.
@@ -131,10 +220,10 @@ impl Driver<'_> {
                         jump_start.get_or_insert_with(|| before.clone());
                     }
                     (Phase::Contact, Phase::Free) => {
-                        self.push_event(EventKind::LiftOff, i, before.v.clone());
+                        self.push_event_at(&before, EventKind::LiftOff, i, before.v.clone());
                     }
                     (Phase::Free, Phase::Contact) => {
-                        self.push_event(EventKind::Contact, i, before.v.clone());
+                        self.push_event_at(&before, EventKind::Contact, i, before.v.clone());
                     }
                     _ => {}
                 }
@@ -147,9 +236,20 @@ impl Driver<'_> {
                 .filter(|&i| phases[i] == Phase::Contact)
                 .map(|contact| ActiveContact {
                     contact,
-                    tangential: Tangential::Idle,
+                    tangential: tangential(program.slip_share(x, e, contact)),
                 })
                 .collect();
+            self.write_input();
+            self.contacts
+                .evaluate_contacts(&self.x, 0..self.all_contacts.len());
+            self.contacts.drop_dependent_sticks(&mut self.active)?;
+            for held in self.active.clone() {
+                let earlier = find(&sliding, held.contact);
+                let kind = earlier.and_then(|earlier| sliding_event(earlier, held.tangential));
+                if let Some(kind) = kind {
+                    self.push_event_at(&before, kind, held.contact, before.v.clone());
+                }
+            }
             self.evaluate_state()?;
             self.record();
             before.copy_from(&after);
@@ -172,8 +272,19 @@ impl Driver<'_> {
         let Some(begin) = start.take() else {
             return;
         };
-        let present = std::mem::replace(&mut self.state, after.clone());
-        self.push_event(EventKind::Impact, contact, begin.v);
+        self.push_event_at(after, EventKind::Impact, contact, begin.v);
+    }
+
+    /// Records an event at `state`, the boundary of two elements.
+    fn push_event_at(
+        &mut self,
+        state: &State,
+        kind: EventKind,
+        contact: usize,
+        v_before: Vec<f64>,
+    ) {
+        let present = std::mem::replace(&mut self.state, state.clone());
+        self.push_event(kind, contact, v_before);
         self.state = present;
     }
 }

@@ -1,0 +1,314 @@
+//! Where the variables and rows of the step form stand.
+
+use super::HeavisideSystem;
+
+/// Algebraic variables of one contact.
+const PER_CONTACT: usize = 6;
+/// Offsets of the algebraic variables of one contact.
+pub(crate) const ALPHA: usize = 0;
+pub(super) const BETA: usize = 1;
+pub(crate) const LAMBDA_PLUS: usize = 2;
+pub(super) const LAMBDA_MINUS: usize = 3;
+pub(super) const P: usize = 4;
+pub(super) const W: usize = 5;
+
+/// Algebraic variables of one friction, and their offsets.
+const PER_FRICTION: usize = 4;
+pub(super) const SLIP_PLUS: usize = 0;
+pub(super) const SLIP_MINUS: usize = 1;
+pub(super) const C_PLUS: usize = 2;
+pub(super) const C_MINUS: usize = 3;
+
+/// Algebraic variables of one restitution, and their offsets.
+const PER_RESTITUTION: usize = 2;
+pub(super) const FALL: usize = 0;
+pub(super) const RISE: usize = 1;
+
+/// Two pairs of variables of a stage, `(first, against first, second, against second)`: over a finite element
+/// the sum of a weight is complementary to the sum of the multiplier against it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Group {
+    /// Places in `xi`: weight, multiplier, weight, multiplier.
+    pub(crate) places: [usize; 4],
+}
+
+impl HeavisideSystem<'_> {
+    /// Length of `y = (q, v, t, G)`.
+    pub(crate) fn states(&self) -> usize {
+        2 * self.n + 1 + self.contacts
+    }
+
+    /// Number of controls.
+    pub(crate) fn controls(&self) -> usize {
+        self.controls
+    }
+
+    /// Number of contacts.
+    pub(crate) fn contacts(&self) -> usize {
+        self.contacts
+    }
+
+    /// Length of `z`.
+    fn algebraics(&self) -> usize {
+        self.first_product() - self.first_algebraic() + self.contacts.saturating_sub(1)
+    }
+
+    /// Number of algebraic equations.
+    pub(crate) fn algebraic_equations(&self) -> usize {
+        self.product_row(2) - self.states() + self.contacts.saturating_sub(1)
+    }
+
+    /// Length of the local vector `xi`.
+    pub(crate) fn local_variables(&self) -> usize {
+        self.first_algebraic() + self.algebraics()
+    }
+
+    /// Place in `xi` of the first algebraic variable.
+    pub(crate) fn first_algebraic(&self) -> usize {
+        self.states() + self.controls
+    }
+
+    /// Place in `xi` of algebraic variable `offset` of `contact`.
+    pub(crate) fn algebraic(&self, contact: usize, offset: usize) -> usize {
+        self.first_algebraic() + PER_CONTACT * contact + offset
+    }
+
+    /// Place in `xi` of variable `offset` of friction `r`.
+    pub(super) fn friction_place(&self, r: usize, offset: usize) -> usize {
+        self.algebraic(self.contacts, 0) + PER_FRICTION * r + offset
+    }
+
+    /// Place in `xi` of variable `offset` of restitution `j`.
+    pub(super) fn rebound_place(&self, j: usize, offset: usize) -> usize {
+        self.friction_place(self.rough.len(), 0) + PER_RESTITUTION * j + offset
+    }
+
+    /// Place in `xi` of the first lifted product. What comes before it is not negative.
+    pub(crate) fn first_product(&self) -> usize {
+        self.rebound_place(self.elastic.len(), 0)
+    }
+
+    /// Index of the restitution of `contact`, if it bounces.
+    pub(super) fn rebound(&self, contact: usize) -> Option<usize> {
+        self.elastic.iter().position(|&i| i == contact)
+    }
+
+    /// Whether the lifted gap of `contact` moves during its jumps.
+    pub(crate) fn bounces(&self, contact: usize) -> bool {
+        self.rebound(contact).is_some()
+    }
+
+    /// Place in `xi` of the physical time.
+    pub(crate) fn time(&self) -> usize {
+        2 * self.n
+    }
+
+    /// Place in `xi` of the lifted gap of `contact`.
+    pub(crate) fn lifted_gap(&self, contact: usize) -> usize {
+        2 * self.n + 1 + contact
+    }
+
+    /// Place in `xi` of the product of the first `count >= 1` step functions.
+    pub(super) fn product(&self, count: usize) -> usize {
+        if count == 1 {
+            self.algebraic(0, ALPHA)
+        } else {
+            self.first_product() + count - 2
+        }
+    }
+
+    /// Place in `xi` of `theta`, unless there is no contact and `theta = 1`.
+    pub(super) fn theta(&self) -> Option<usize> {
+        (self.contacts > 0).then(|| self.product(self.contacts))
+    }
+
+    /// First of the three rows of `contact`.
+    pub(super) fn contact_row(&self, contact: usize) -> usize {
+        self.states() + 3 * contact
+    }
+
+    /// First of the two rows of friction `r`.
+    pub(super) fn friction_row(&self, r: usize) -> usize {
+        self.contact_row(self.contacts) + 2 * r
+    }
+
+    /// Row of restitution `j`.
+    pub(super) fn rebound_row(&self, j: usize) -> usize {
+        self.friction_row(self.rough.len()) + j
+    }
+
+    /// Row of the product of the first `count >= 2` step functions.
+    pub(super) fn product_row(&self, count: usize) -> usize {
+        self.rebound_row(self.elastic.len()) + count - 2
+    }
+
+    /// Terms (place, factor) of the weight with which a contact presses.
+    pub(super) fn pressing(&self, contact: usize) -> [Option<(usize, f64)>; 2] {
+        match self.rebound(contact) {
+            None => [Some((self.algebraic(contact, BETA), 1.0)), None],
+            Some(j) => {
+                let e = self.system.restitution(contact);
+                [
+                    Some((self.rebound_place(j, FALL), 1.0)),
+                    Some((self.rebound_place(j, RISE), e * e)),
+                ]
+            }
+        }
+    }
+
+    /// What is cross-complementary over an element: first the step functions of the contacts, then the signs
+    /// of sliding velocities, then those of normal velocities in bounces.
+    pub(crate) fn groups(&self) -> Vec<Group> {
+        let contact = |i: usize| Group {
+            places: [ALPHA, LAMBDA_MINUS, BETA, LAMBDA_PLUS].map(|o| self.algebraic(i, o)),
+        };
+        let friction = |r: usize| Group {
+            places: [SLIP_PLUS, C_MINUS, SLIP_MINUS, C_PLUS].map(|o| self.friction_place(r, o)),
+        };
+        let rebound = |j: usize| Group {
+            places: [
+                self.rebound_place(j, FALL),
+                self.algebraic(self.elastic[j], P),
+                self.rebound_place(j, RISE),
+                self.algebraic(self.elastic[j], W),
+            ],
+        };
+        let contacts = (0..self.contacts).map(contact);
+        let frictions = (0..self.rough.len()).map(friction);
+        let rebounds = (0..self.elastic.len()).map(rebound);
+        contacts.chain(frictions).chain(rebounds).collect()
+    }
+
+    /// Places of the variables that are complementary in each stage.
+    pub(crate) fn stage_pairs(&self) -> Vec<(usize, usize)> {
+        let contacts = (0..self.contacts).map(|i| (self.algebraic(i, P), self.algebraic(i, W)));
+        let frictions = (0..self.rough.len()).map(|r| {
+            (
+                self.friction_place(r, C_PLUS),
+                self.friction_place(r, C_MINUS),
+            )
+        });
+        contacts.chain(frictions).collect()
+    }
+
+    /// Whether the variable at `place` belongs to the switching functions alone, which the end of an element
+    /// without a stage there has too.
+    pub(crate) fn is_switching(&self, place: usize) -> bool {
+        let first = self.first_algebraic();
+        let (friction, rebound) = (self.friction_place(0, 0), self.rebound_place(0, 0));
+        if place < friction {
+            (place - first) % PER_CONTACT >= LAMBDA_PLUS
+        } else if place < rebound {
+            (place - friction) % PER_FRICTION >= C_PLUS
+        } else {
+            false
+        }
+    }
+
+    /// Number of the rows that define switching functions.
+    pub(crate) fn switching_rows(&self) -> usize {
+        2 * self.contacts + self.rough.len()
+    }
+
+    /// Number of an algebraic row, counted after the states, among those that define switching functions.
+    pub(crate) fn switching_row(&self, row: usize) -> Option<usize> {
+        let contacts = 3 * self.contacts;
+        if row < contacts {
+            (row % 3 > 0).then(|| 2 * (row / 3) + row % 3 - 1)
+        } else if row < contacts + 2 * self.rough.len() {
+            let row = row - contacts;
+            (row % 2 == 1).then(|| 2 * self.contacts + row / 2)
+        } else {
+            None
+        }
+    }
+
+    /// Sets all algebraic variables in `xi` from the shares of the groups: `alpha` of each contact, the part
+    /// of its friction that opposes forward sliding, the part of its jump that falls. Leaves what
+    /// [`rows`](Self::rows) evaluated at `xi`.
+    pub(crate) fn complete(&mut self, xi: &mut [f64], shares: &[f64]) {
+        let mut rows = vec![0.0; self.states() + self.algebraic_equations()];
+        self.rows(xi, &mut rows);
+        let parts = |value: f64| (value.max(0.0), (-value).max(0.0));
+        let rebounds = self.contacts + self.rough.len();
+        for contact in 0..self.contacts {
+            let velocity = self.system.normal_velocity(contact);
+            let gap = xi[self.lifted_gap(contact)];
+            let bounces = self.rebound(contact);
+            let margin = if bounces.is_some() {
+                gap
+            } else {
+                gap.max(velocity)
+            };
+            let (plus, minus) = parts(margin);
+            let (p, w) = parts(if bounces.is_some() {
+                velocity
+            } else {
+                velocity - gap
+            });
+            let alpha = shares[contact];
+            let first = self.algebraic(contact, ALPHA);
+            xi[first..first + PER_CONTACT].copy_from_slice(&[
+                alpha,
+                1.0 - alpha,
+                plus,
+                minus,
+                p,
+                w,
+            ]);
+            if let Some(j) = bounces {
+                let fall = shares[rebounds + j] * (1.0 - alpha);
+                xi[self.rebound_place(j, FALL)] = fall;
+                xi[self.rebound_place(j, RISE)] = 1.0 - alpha - fall;
+            }
+        }
+        for r in 0..self.rough.len() {
+            let contact = self.rough[r];
+            let pressure = self.pressure(xi, contact);
+            let slip = shares[self.contacts + r] * pressure;
+            let (plus, minus) = parts(self.system.sliding_velocity(contact));
+            let first = self.friction_place(r, SLIP_PLUS);
+            xi[first..first + PER_FRICTION].copy_from_slice(&[slip, pressure - slip, plus, minus]);
+        }
+        for count in 2..=self.contacts {
+            xi[self.product(count)] =
+                xi[self.product(count - 1)] * xi[self.algebraic(count - 1, ALPHA)];
+        }
+        self.rows(xi, &mut rows);
+    }
+
+    /// Shares of the groups as the signs at `xi` demand them; 0.5 where a weight is zero.
+    pub(crate) fn shares(&mut self, xi: &[f64]) -> Vec<f64> {
+        self.write_input(xi);
+        self.system.evaluate(&self.input);
+        let step = |value: f64| if value > 0.0 { 1.0 } else { 0.0 };
+        let margin = |contact: usize| {
+            let gap = xi[self.lifted_gap(contact)];
+            if self.bounces(contact) {
+                gap
+            } else {
+                gap.max(self.system.normal_velocity(contact))
+            }
+        };
+        let alphas: Vec<f64> = (0..self.contacts).map(|i| step(margin(i))).collect();
+        let where_closed = |contact: usize, share: f64| {
+            if alphas[contact] == 1.0 { 0.5 } else { share }
+        };
+        let frictions = self
+            .rough
+            .iter()
+            .map(|&i| where_closed(i, step(self.system.sliding_velocity(i))));
+        let rebounds = self
+            .elastic
+            .iter()
+            .map(|&i| where_closed(i, step(-self.system.normal_velocity(i))));
+        let others: Vec<f64> = frictions.chain(rebounds).collect();
+        alphas.into_iter().chain(others).collect()
+    }
+
+    /// Number of the group of the friction of `contact`, if it has any.
+    pub(crate) fn slip_group(&self, contact: usize) -> Option<usize> {
+        let friction = self.rough.iter().position(|&i| i == contact);
+        friction.map(|r| self.contacts + r)
+    }
+}
