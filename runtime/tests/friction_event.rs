@@ -4,7 +4,7 @@ mod common;
 
 use common::event::{accurate, run, sequence};
 use common::gold;
-use common::laws::{Belt, Bowl, Disc, Ground, Rod, Room, Table};
+use common::laws::{Belt, Bowl, CrankBrake, Disc, Ground, Rod, Room, Table};
 use common::scenes::GRAVITY;
 use common::{check_energy, distance, energies, index_at, last, start};
 use hangtime::simulation::{
@@ -511,6 +511,72 @@ fn sliding_table_stops_on_both_feet_at_once() {
     let (q, v) = last(&simulation.trajectory);
     assert!((q[0] - 2.0 / (mu * GRAVITY)).abs() < 1e-13);
     assert!(distance(v, &[0.0; 3]) < 1e-14);
+}
+
+#[test]
+fn brake_turns_round_at_the_dead_points_of_its_crank() {
+    // The brake's velocity vanishes with its lever arm: friction cannot hold it, and turns round with it.
+    let mu = 0.1;
+    let model = CrankBrake { friction: mu }.model();
+    let simulation = run(&accurate(), &model, &start(&[0.0; 2], &[4.0, 0.0], 10.0));
+    assert_eq!(simulation.status, SimulationStatus::Solved);
+    // v^2 = 16 - 2 mu g int |cos y| dy: 1 to the first dead point, 2 from each to the next.
+    let (stop, turns) = simulation.events.split_last().unwrap();
+    for (k, event) in turns.iter().enumerate() {
+        let (y, v) = (event.q[0], event.v_after[0]);
+        assert_eq!(event.kind, EventKind::Slip);
+        assert!((y - (k as f64 + 0.5) * std::f64::consts::PI).abs() < 1e-11);
+        let lost = 2.0 * mu * GRAVITY * (2.0 * k as f64 + 1.0);
+        assert!((v * v - (16.0 - lost)).abs() < 1e-11);
+    }
+    let way = 16.0 / (2.0 * mu * GRAVITY);
+    assert_eq!(turns.len() as f64, ((way + 1.0) / 2.0).floor());
+    assert_eq!(stop.kind, EventKind::Stick);
+    // In the last half turn |sin| goes from -1 to what is left.
+    let left = way - (2.0 * turns.len() as f64 - 1.0) - 1.0;
+    assert!(
+        (stop.q[0].sin().abs() - left.abs()).abs() < 1e-10,
+        "{stop:?} {left}"
+    );
+}
+
+#[test]
+fn rod_whose_force_grows_without_bound_ends_with_the_paradox_by_name() {
+    // Slides towards the angle at which 1 - mu |n'e| vanishes; its force passes 1e5 N on the way there.
+    let (mu, angle, spin): (f64, f64, f64) = (1.9169, 2.5735, -2.2747);
+    let model = Rod {
+        restitution: 0.0,
+        friction: mu,
+    }
+    .model();
+    let v = [7.1806 - angle.sin() * spin, angle.cos() * spin, spin];
+    let mut times = Vec::new();
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        let simulator = EventDriven {
+            tolerance,
+            ..EventDriven::default()
+        };
+        let problem = start(&[0.0, angle.sin(), angle], &v, 1.0);
+        let simulation = run(&simulator, &model, &problem);
+        let SimulationStatus::AmbiguousContact(diagnosis) = &simulation.status else {
+            panic!("{:?}", simulation.status);
+        };
+        assert!(diagnosis.message.contains("`tip`"), "{}", diagnosis.message);
+        assert!(
+            diagnosis.message.contains("Painleve"),
+            "{}",
+            diagnosis.message
+        );
+        assert!(simulation.events.is_empty());
+        let force = simulation.trajectory.contact_force.last().unwrap()[0];
+        assert!(force > 1e5, "{force}");
+        times.push(diagnosis.time);
+    }
+    // The time of the pole is that of the motion, whatever the steps: errors of 1e-6 and below.
+    assert!(
+        (times[0] - times[2]).abs() < 1e-5 && (times[1] - times[2]).abs() < 1e-8,
+        "{times:?}"
+    );
 }
 
 #[test]

@@ -278,6 +278,7 @@ fn every_guess_of_the_hopping_mass_ends_at_the_same_optimum() {
         let mut settings = Settings::default();
         settings.guess = guess;
         let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
+        let guess = &settings.guess;
         assert_eq!(solution.status, Status::Solved, "{guess:?}");
         assert!((solution.objective - best).abs() < 1e-6, "{guess:?}");
     }
@@ -362,7 +363,7 @@ fn time_freezing_formulation_polished_finds_both_local_optima_of_the_hopping_mas
     settings.starts = 1;
     settings.guess = Guess::Rest;
     let error = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap_err();
-    insta::assert_snapshot!(error, @"guess Rest of the time-freezing formulation is not supported; choose `Straight` or `Ride`");
+    insta::assert_snapshot!(error, @"guess Rest of the time-freezing formulation is not supported; choose `Straight`, `Ride` or `Previous`");
 }
 
 #[test]

@@ -108,7 +108,12 @@ impl SolverSettings {
     /// The settings of a solve with `intervals` control intervals.
     pub(crate) fn new(settings: &Settings, intervals: usize) -> Self {
         let (name, scheme, stages, elements) = match &settings.formulation {
-            Formulation::Phases => ("phases", Scheme::RadauIia, settings.stages, 1),
+            Formulation::Phases => (
+                "phases",
+                Scheme::RadauIia,
+                settings.stages,
+                settings.elements,
+            ),
             Formulation::TimeFreezing(grid) => {
                 ("time-freezing", grid.scheme, grid.stages, grid.elements)
             }

@@ -95,6 +95,7 @@ fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
                 ));
             }
             settings.stages = arguments.stages.unwrap_or(settings.stages);
+            settings.elements = arguments.elements.unwrap_or(settings.elements);
         }
         SolveFormulation::TimeFreezing => {
             let mut freezing = TimeFreezingSettings::default();

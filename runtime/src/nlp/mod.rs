@@ -26,6 +26,7 @@
 //! iterations on some problems; bounds are not relaxed by default; a solution whose multipliers are huge is called
 //! [`Status::Degenerate`], not solved.
 
+mod adaptive_barrier;
 mod barrier;
 mod barrier_problem;
 mod derivative_check;
@@ -42,17 +43,20 @@ mod kkt_system;
 mod line_search;
 mod pattern;
 mod problem;
+mod quality_function;
 mod rescue;
 mod residuals;
 mod restoration;
 mod scaling;
 mod second_order_correction;
 mod settings;
+mod soft_restoration;
 mod solution;
 mod solver;
 mod statistics;
 mod status;
 mod step;
+mod watchdog;
 
 pub use derivative_check::{DerivativeEntry, DerivativeReport, check_derivatives};
 pub use driver::{WarmStart, solve, solve_from};
@@ -63,7 +67,7 @@ pub use info::IterationInfo;
 pub use num_dual::DualNum;
 pub(crate) use pattern::Pattern;
 pub use problem::NlpProblem;
-pub use settings::{LinearSolver, Settings};
+pub use settings::{BarrierStrategy, LinearSolver, Settings};
 pub use solution::{Counts, Residuals, Solution, Violation};
 pub use solver::Observer;
 pub use statistics::ProblemStatistics;

@@ -1,7 +1,7 @@
 //! The phase that finds the digits: collocation of high order with a given contact sequence.
 //!
-//! One Radau IIA element a phase (a part of a control interval between two switches), of length `h`,
-//! with the closed contacts `A`:
+//! A phase is a part of a control interval between two switches. On each of its Radau IIA elements (one, unless the
+//! grid is refined), of length `h`, with the closed contacts `A`:
 //!
 //! ```text
 //! sum_j C_mj Q_j = h V_m + sum_A d_i eta_i      g_i(Q_m) = 0,  v_n,i(Q_m, V_m) = 0,  r_i >= 0     i in A
@@ -64,10 +64,10 @@ pub(super) struct Stage {
     pub(super) gap_rows: Vec<usize>,
 }
 
-/// One phase and where its unknowns are.
+/// One element of a phase and where its unknowns are.
 pub(super) struct Phase {
     pub(super) interval: usize,
-    /// Index in its interval, and the number of phases there.
+    /// Index in its interval, and the number of elements there.
     pub(super) index: (usize, usize),
     pub(super) closed: Vec<usize>,
     /// State `(q, v)` at the start, after any jump.

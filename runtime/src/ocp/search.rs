@@ -7,7 +7,7 @@ use super::path::Path;
 use super::progress::Watch;
 use super::repair::Pressure;
 use super::sequence::{Sequence, Signature};
-use super::settings::{Formulation, Settings};
+use super::settings::{Formulation, Guess, Settings};
 use super::solution::{Counts, Solution, Stationarity, Status, TimeFreezingReport};
 use crate::nlp;
 use crate::rk::ButcherTableau;
@@ -43,6 +43,8 @@ pub(super) struct Search<'a, 's> {
     pub(super) setting: Setting<'a>,
     /// Schemes of growing order; the first one serves the search.
     pub(super) tableaus: &'a [ButcherTableau],
+    /// Finite elements of a phase in each interval; more where errors ask for them.
+    pub(super) elements: Vec<usize>,
     pub(super) settings: &'s Settings,
     pub(super) watch: Watch<'s>,
     pub(super) counts: Counts,
@@ -59,7 +61,13 @@ impl<'a> Search<'a, '_> {
     pub(super) fn run(&mut self, guess: &Path) -> Result<Solution, InputError> {
         let mut found: Vec<(Local<'a>, Stationarity)> = Vec::new();
         let settings = self.settings;
+        if let Guess::Previous(previous) = &settings.guess {
+            let relaxed = previous.relaxed(guess, self.setting.problem.intervals);
+            self.attempt_and_repair(relaxed, &mut found)?;
+        }
+        // Without a previous motion, or too far from it: search.
         let relaxed = match &settings.formulation {
+            _ if !found.is_empty() || self.watch.stopped => Vec::new(),
             Formulation::Phases => self.global(guess)?,
             Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
         };
@@ -67,13 +75,7 @@ impl<'a> Search<'a, '_> {
             if self.watch.stopped {
                 break;
             }
-            self.read_and_attempt(global)?;
-            let stationarity = self.repair()?;
-            if let Some(best) = self.best.take() {
-                let objective = best.solution.objective;
-                let place = found.partition_point(|(l, _)| l.solution.objective < objective);
-                found.insert(place, (best, stationarity));
-            }
+            self.attempt_and_repair(global, &mut found)?;
         }
         // The best that the re-simulation confirms, or else the best.
         let mut result: Option<Solution> = None;
@@ -91,6 +93,22 @@ impl<'a> Search<'a, '_> {
             Some(solution) => solution,
             None => self.failed(),
         })
+    }
+
+    /// Adds the local optimum that a relaxed motion leads to, the best first.
+    fn attempt_and_repair(
+        &mut self,
+        global: Relaxed,
+        found: &mut Vec<(Local<'a>, Stationarity)>,
+    ) -> Result<(), InputError> {
+        self.read_and_attempt(global)?;
+        let stationarity = self.repair()?;
+        if let Some(best) = self.best.take() {
+            let objective = best.solution.objective;
+            let place = found.partition_point(|(l, _)| l.solution.objective < objective);
+            found.insert(place, (best, stationarity));
+        }
+        Ok(())
     }
 
     /// Attempts the sequences that a relaxed motion suggests. It and the event-driven motion under the same
@@ -197,7 +215,7 @@ impl<'a> Search<'a, '_> {
         barriers: &[f64],
     ) -> Result<Option<(Collocation<'a>, nlp::Solution)>, InputError> {
         for &barrier in barriers {
-            let mut program = Collocation::new(self.setting, sequence, guess, cuts);
+            let mut program = Collocation::new(self.setting, sequence, guess, cuts, &self.elements);
             let mut settings = nlp::Settings {
                 tolerance: self.settings.tolerance,
                 constraint_tolerance: self.settings.tolerance,

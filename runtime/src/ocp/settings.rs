@@ -1,11 +1,12 @@
 //! What the caller may choose.
 
+use super::previous::Previous;
 use super::time_freezing::TimeFreezingSettings;
 use crate::rk::ButcherTableau;
 use crate::simulation::InputError;
 
-/// Where the global phase starts; every guess is made from the model and the problem alone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// Where the global phase starts; every guess but a previous motion is made from the model and the problem alone.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub enum Guess {
     /// Coordinates with a goal move to it at constant speed, everything else rests.
     #[default]
@@ -19,6 +20,9 @@ pub enum Guess {
         /// Equal seeds give equal guesses.
         seed: u64,
     },
+    /// The motion of an earlier [`Solution`](super::Solution) of the same scene, for other parameters or another
+    /// number of intervals. Its contact sequence is tried first; there is no global search unless that fails.
+    Previous(Box<Previous>),
 }
 
 /// How the contact sequence is found.
@@ -68,7 +72,10 @@ pub struct Settings {
     /// guesses and discretizations; default 1, at least 1. The best result is returned, with the distinct local
     /// optima; it does not depend on the number of threads.
     pub starts: usize,
-    /// Radau IIA stages of a phase; default 4, in `2..=9`. Order `2 n - 1`. More are taken where the re-simulation
+    /// Finite elements of a phase at the start; default 1, at least 1. More are taken in the intervals that the
+    /// re-simulation of each of them shows to be inaccurate.
+    pub elements: usize,
+    /// Radau IIA stages of an element; default 4, in `2..=9`. Order `2 n - 1`. More are taken where the re-simulation
     /// does not confirm a plan.
     pub stages: usize,
     /// Where the bounds of coordinates hold; default at all times.
@@ -103,6 +110,7 @@ impl Default for Settings {
             formulation: Formulation::default(),
             guess: Guess::default(),
             starts: 1,
+            elements: 1,
             stages: 4,
             bounds: BoundsAt::default(),
             path_points: PathPoints::default(),
@@ -144,6 +152,7 @@ impl Settings {
         }
         for (what, value) in [
             ("starts", self.starts),
+            ("elements", self.elements),
             ("refined motions", self.refined_motions),
             ("refined elements", self.refined_elements),
             ("most programs", self.maximum_programs),
@@ -158,13 +167,16 @@ impl Settings {
                 });
             }
         }
-        let supported = matches!(self.guess, Guess::Straight | Guess::Ride);
+        let supported = matches!(
+            self.guess,
+            Guess::Straight | Guess::Ride | Guess::Previous(_)
+        );
         if let Formulation::TimeFreezing(_) = self.formulation
             && !supported
         {
             return Err(InputError::Unsupported {
                 what: format!("guess {:?} of the time-freezing formulation", self.guess),
-                remedy: "choose `Straight` or `Ride`".into(),
+                remedy: "choose `Straight`, `Ride` or `Previous`".into(),
             });
         }
         Ok(())

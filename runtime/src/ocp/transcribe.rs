@@ -21,6 +21,8 @@ pub(super) struct Builder<'a, 's> {
     pub(super) program: Program<'a>,
     pub(super) guess: &'s Path,
     pub(super) cuts: &'s [Cut],
+    /// Finite elements of a phase in each interval.
+    elements: &'s [usize],
     pub(super) frame: Frame<'a>,
     phases: Vec<Phase>,
     closed: Vec<usize>,
@@ -29,12 +31,13 @@ pub(super) struct Builder<'a, 's> {
 }
 
 impl<'a> Collocation<'a> {
-    /// The program of a sequence, started at `guess`.
+    /// The program of a sequence, started at `guess`, with `elements` of each interval's phases.
     pub(super) fn new(
         setting: Setting<'a>,
         sequence: &Sequence,
         guess: &Path,
         cuts: &[Cut],
+        elements: &[usize],
     ) -> Self {
         let (model, problem) = (setting.model, setting.problem);
         let mut program = Program::new(model);
@@ -53,6 +56,7 @@ impl<'a> Collocation<'a> {
             program,
             guess,
             cuts,
+            elements,
             frame,
             phases: Vec::new(),
             closed: closed.filter(|(_, c)| **c).map(|(i, _)| i).collect(),
@@ -132,6 +136,7 @@ impl Builder<'_, '_> {
             }
         }
         let inside: Vec<(usize, &Switch)> = here(Place::Inside).collect();
+        let elements = self.elements[interval];
         let length = self.guess.horizon / self.setting.problem.intervals as f64;
         let count = inside.len() + 1;
         let margin = GUESS_MARGIN.min(0.5 / count as f64);
@@ -187,14 +192,18 @@ impl Builder<'_, '_> {
                 Some(before) if before.closes => Vec::new(),
                 Some(before) => vec![before.contact],
             };
-            self.phase(
-                interval,
-                (p, count),
-                (scale, factor),
-                times,
-                (ending, closing),
-                &opened,
-            );
+            for e in 0..elements {
+                let (first, last) = (e == 0, e + 1 == elements);
+                let time = |e: usize| times.0 + e as f64 / elements as f64 * (times.1 - times.0);
+                self.phase(
+                    interval,
+                    (p * elements + e, count * elements),
+                    (scale, factor / elements as f64),
+                    (time(e), time(e + 1)),
+                    (ending.filter(|_| last), closing.filter(|_| last)),
+                    if first { &opened } else { &[] },
+                );
+            }
             begin = end;
         }
         self.node(interval, &before);
@@ -476,7 +485,7 @@ mod tests {
         let problem = problem(&model);
         let (lower, upper) = bounds(&model);
         let bounds = (&lower[..], &upper[..]);
-        let guess = Path::guess(&model, &problem, Guess::Perturbed { seed: 3 }, bounds).unwrap();
+        let guess = Path::guess(&model, &problem, &Guess::Perturbed { seed: 3 }, bounds).unwrap();
         let units = Units::new(&model, &guess, bounds);
         let mut coarse = ContactImplicit::new(&model, &problem, 2, &guess, &units, bounds);
         let report = check_derivatives(&mut coarse.program, None).unwrap();
@@ -526,8 +535,8 @@ mod tests {
             cut((0, 1), 2, CutKind::Departure(0)),
             cut((0, 1), 2, CutKind::Path(0)),
         ];
-        let mut fine = Collocation::new(setting, &sequence, &guess, &cuts);
-        assert_eq!(fine.phases.len(), 5);
+        let mut fine = Collocation::new(setting, &sequence, &guess, &cuts, &[1, 2, 1]);
+        assert_eq!(fine.phases.len(), 6);
         let report = check_derivatives(&mut fine.program, None).unwrap();
         assert!(report.worst() < DIFFERENCE, "{:?}", report.worst_entry());
     }

@@ -118,11 +118,7 @@ impl Explicit {
 
     /// Formulas whose derivatives are taken of themselves or from `written_out`, the same function by
     /// elimination, whichever takes fewer operations.
-    fn cheapest(
-        values: Vec<Sym>,
-        written_out: impl FnOnce() -> Self,
-        inputs: &[Variable],
-    ) -> Self {
+    fn cheapest(values: Vec<Sym>, written_out: impl FnOnce() -> Self, inputs: &[Variable]) -> Self {
         if tape::operations(&values) > DIFFERENTIATED {
             return Self {
                 values,

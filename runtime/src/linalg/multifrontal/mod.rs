@@ -10,6 +10,7 @@
 //! column is postponed to a front, its rows are known from the pattern, and entries and Schur complements go to places
 //! computed once; only fronts that inherit columns look places up.
 
+mod assembly_tree;
 mod front;
 mod symbolic;
 
@@ -73,6 +74,8 @@ impl MultifrontalLdl {
         let factor = symbolic.nodes.iter().map(panel).sum();
         let largest = symbolic.nodes.iter().map(|node| node.rows.len()).max();
         let largest = largest.unwrap_or(0);
+        let below = |node: &Node| node.rows.len() - node.columns;
+        let rest = symbolic.nodes.iter().map(below).max().unwrap_or(0).pow(2);
         Ok(Self {
             primal,
             scale: vec![1.0; n],
@@ -80,11 +83,11 @@ impl MultifrontalLdl {
             work: vec![0.0; n],
             entries: vec![0.0; pattern.stored()],
             local: vec![0; n],
-            rest: Vec::new(),
+            rest: Vec::with_capacity(rest),
             index: Vec::with_capacity(largest),
             product: Vec::new(),
             gathered: Vec::with_capacity(largest),
-            blocks: Vec::new(),
+            blocks: Vec::with_capacity(symbolic.stack()),
             postponed: Vec::new(),
             records: Vec::new(),
             pivots: Vec::with_capacity(n),
