@@ -86,7 +86,8 @@ impl Problem<'_> {
         self.couplings[row * self.offsets.len() + column]
     }
 
-    /// Tries the choices of all cones until one is consistent; slip against the sliding velocity first.
+    /// Tries the choices of all cones until one is consistent. Where several are, contacts press each other;
+    /// those without friction come first, then those that stick.
     fn try_choices(&self, forces: &mut [f64]) -> bool {
         let count = self.cones.len();
         let kinds: usize = if count == 1 { 3 } else { 4 };
@@ -99,11 +100,11 @@ impl Problem<'_> {
                 } else {
                     1.0
                 };
-                *choice = match rest % kinds {
-                    0 => Choice::Slip(sense),
+                *choice = match rest % kinds + 4 - kinds {
+                    0 => Choice::Idle,
                     1 => Choice::Stick,
-                    2 => Choice::Slip(-sense),
-                    _ => Choice::Idle,
+                    2 => Choice::Slip(sense),
+                    _ => Choice::Slip(-sense),
                 };
                 rest /= kinds;
             }

@@ -5,10 +5,12 @@ mod law;
 mod names;
 mod optimal_control;
 mod rules;
+mod start;
 mod units;
 mod values;
 
 pub(crate) use law::normal;
+pub(crate) use start::at_start;
 
 use crate::ast::{Assignment, Documentation, Expr, Name, Relation, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Reported};

@@ -4,6 +4,7 @@
 //! Bare numbers are dimensionless, except 0, which fits anywhere, and except where a declaration gives
 //! the unit (`m: kg = 80`). A scene that declares no unit at all is not checked.
 
+mod matrix;
 mod statement;
 
 use super::values::is_bare;
@@ -13,6 +14,7 @@ use crate::dimension::{Dimension, Unifier};
 use crate::evaluate::BUDGET;
 use crate::words;
 use hangtime_units::{Ratio, Unit};
+use matrix::Matrix;
 use std::collections::{HashMap, HashSet};
 
 /// Most calls inside each other; the evaluation before this one refuses more.
@@ -97,6 +99,7 @@ fn declares_units(scene: &Scene) -> bool {
 enum Units {
     Scalar(Dimension),
     Vector(Vec<Dimension>),
+    Matrix(Matrix),
 }
 
 impl Units {
@@ -104,6 +107,7 @@ impl Units {
         match self {
             Self::Scalar(dimension) => std::slice::from_ref(dimension),
             Self::Vector(dimensions) => dimensions,
+            Self::Matrix(matrix) => &matrix.entries,
         }
     }
 
@@ -111,6 +115,10 @@ impl Units {
         match self {
             Self::Scalar(dimension) => Self::Scalar(f(dimension)),
             Self::Vector(dimensions) => Self::Vector(dimensions.iter().map(f).collect()),
+            Self::Matrix(matrix) => Self::Matrix(Matrix {
+                entries: matrix.entries.iter().map(f).collect(),
+                columns: matrix.columns,
+            }),
         }
     }
 }
@@ -192,7 +200,7 @@ impl Walk<'_> {
     fn scalar(&mut self, expr: &Expr) -> Checked<Dimension> {
         match self.units(expr)? {
             Units::Scalar(dimension) => Ok(dimension),
-            Units::Vector(_) => Err(Reported),
+            Units::Vector(_) | Units::Matrix(_) => Err(Reported),
         }
     }
 
@@ -259,13 +267,7 @@ impl Walk<'_> {
                 }
                 Ok(Units::Scalar(first))
             }
-            Kind::Vector(items) => {
-                let mut dimensions = Vec::with_capacity(items.len());
-                for item in items {
-                    dimensions.push(self.scalar(item)?);
-                }
-                Ok(Units::Vector(dimensions))
-            }
+            Kind::Vector(items) => self.stacked(items),
             Kind::Component { vector, name } => {
                 let units = self.units(vector)?;
                 let components = units.components();
@@ -282,6 +284,10 @@ impl Walk<'_> {
             }
             Kind::Index { vector, index } => {
                 let units = self.units(vector)?;
+                if let Units::Matrix(matrix) = &units {
+                    let row = matrix.rows().nth(*index).ok_or(Reported)?;
+                    return Ok(Units::Vector(row.to_vec()));
+                }
                 match units.components().get(*index) {
                     Some(dimension) => Ok(Units::Scalar(dimension.clone())),
                     None => Err(Reported),
@@ -333,13 +339,16 @@ impl Walk<'_> {
                 Ok(own)
             }
             Operator::Multiply => Ok(match (&own, &its) {
+                (Units::Matrix(matrix), _) => {
+                    return self.matrix_product(place, (left, matrix), (right, &its));
+                }
                 (Units::Scalar(a), _) => its.map(|b| a.times(b)),
                 (_, Units::Scalar(b)) => own.map(|a| a.times(b)),
                 _ => return Err(Reported),
             }),
             Operator::Divide => match &its {
                 Units::Scalar(b) => Ok(own.map(|a| a.over(b))),
-                Units::Vector(_) => Err(Reported),
+                Units::Vector(_) | Units::Matrix(_) => Err(Reported),
             },
             Operator::Power => {
                 self.pure(right, "an exponent")?;
@@ -413,6 +422,9 @@ impl Walk<'_> {
             }
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
                 Ok(Units::Scalar(self.pure(argument, text)?))
+            }
+            _ if words::MATRIX_FUNCTIONS.contains(&text) => {
+                self.matrix_function(function, arguments)
             }
             _ => Err(Reported),
         }

@@ -66,10 +66,8 @@ impl Checker<'_> {
         unit: Option<&WrittenUnit>,
         name: &str,
     ) -> Checked<(Sym, Sym)> {
-        let shared = match &upper.kind {
-            Kind::Number {
-                unit: Some(shared), ..
-            } if is_bare(lower) => shared.unit.scale / scene::scale(unit),
+        let shared = match own_unit(upper) {
+            Some(shared) if is_bare(lower) => shared.unit.scale / scene::scale(unit),
             _ => 1.0,
         };
         let what = format!("a bound of `{name}`");
@@ -159,7 +157,26 @@ impl Checker<'_> {
             ));
         }
         super::rules::smooth(value, expr, self)?;
+        self.damping_is_not_negative(value, expr)?;
         self.dissipation = Some(value);
+        Ok(())
+    }
+
+    /// E10: where damping is a constant for the defaults of the parameters, it takes energy out.
+    fn damping_is_not_negative(&mut self, dissipation: Sym, expr: &Expr) -> Checked<()> {
+        for (i, coordinate) in self.coordinates.iter().enumerate() {
+            let velocity = Variable::Velocity(i as u16);
+            let slope = graph::partial(&[dissipation], velocity);
+            let damping = graph::partial(&slope, velocity)[0];
+            if self.at_default(damping).is_some_and(|value| value < 0.0) {
+                let message = format!(
+                    "the dissipation is negative: with the defaults of the parameters it feeds energy into \
+                     `dot({})`; a damper is written with a plus sign, as in `c/2*dot(y)^2`",
+                    coordinate.name.text
+                );
+                return Err(self.diagnostics.report("E10", expr.place, message));
+            }
+        }
         Ok(())
     }
 
@@ -327,6 +344,15 @@ impl Checker<'_> {
         }
         self.horizon = Some(value);
         Ok(())
+    }
+}
+
+/// The unit of a number that carries one, possibly with a sign.
+fn own_unit(expr: &Expr) -> Option<&WrittenUnit> {
+    match &expr.kind {
+        Kind::Number { unit, .. } => unit.as_ref(),
+        Kind::Negate(inner) => own_unit(inner),
+        _ => None,
     }
 }
 

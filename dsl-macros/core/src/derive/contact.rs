@@ -231,8 +231,7 @@ impl Mechanism<'_> {
             let weights: Vec<Sym> = (0..self.momenta.len())
                 .map(|i| Implicit::multiplier(rows.len() + i))
                 .collect();
-            let direction =
-                residual::derivatives(&system(), &elimination, &weights, self.inputs);
+            let direction = residual::derivatives(&system(), &elimination, &weights, self.inputs);
             Explicit::new(rows.clone(), self.inputs).followed_by(direction)
         };
         let rows = match formula {

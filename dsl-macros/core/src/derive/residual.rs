@@ -64,10 +64,7 @@ impl<'a> Bordered<'a> {
                 self.mass.solve(block)
             }
         };
-        (
-            blocks.map(solve).collect(),
-            right[n * self.columns.len()],
-        )
+        (blocks.map(solve).collect(), right[n * self.columns.len()])
     }
 }
 
