@@ -288,7 +288,7 @@ fn time_freezing_systems_read_as_a_person_would_write_them() {
     );
     assert_eq!(
         right(&pump, "f_aux(ground)"),
-        "(0, 0, 0, -a_n*a*k*sin(k*y)/(a^2*k^2*sin(k*y)^2 + 1), a_n, 0, 0)"
+        "(0, 0, 0, -a_bar*a*k*sin(k*y)/(a^2*k^2*sin(k*y)^2 + 1), a_bar, 0, 0)"
     );
     assert_eq!(
         right(&pump, "frozen(ground)"),
@@ -297,14 +297,18 @@ fn time_freezing_systems_read_as_a_person_would_write_them() {
     let hill = Hill::default();
     assert_eq!(right(&hill, "gap(ground)"), "z - 0.4*sin(k*y)");
     assert_eq!(right(&hill, "slip(ground)"), "y' + 0.4*k*z'*cos(k*y)");
-    assert_eq!(right(&hill, "frozen(wall)"), "gap(wall) < 0");
     assert_eq!(
-        right(&hill, "f_aux(wall)"),
-        "(-gap(wall)', 0, k_n*gap(wall) + c_n*gap(wall)', 0, 0)"
+        right(&hill, "frozen(wall)"),
+        "gap(wall) < 0, which goes on by gap(wall)' while q rests"
+    );
+    assert_eq!(right(&hill, "f_aux(wall)"), "(0, 0, -a_bar, 0, 0)");
+    assert_eq!(
+        right(&hill, "f_aux(wall) opening"),
+        "restitution(wall)^2*f_aux(wall) where gap(wall)' > 0"
     );
     assert_eq!(
-        right(&hill, "c_n(ground)"),
-        "-2*ln(e)*sqrt(k_n/(pi^2 + ln(e)^2))"
+        right(&hill, "f_aux(ground, slip > 0)"),
+        "(0, 0, -a_bar*(mu + 0.4*k*cos(k*y))/(0.16*k^2*cos(k*y)^2 + 1), a_bar*(1 - 0.4*mu*k*cos(k*y))/(0.16*k^2*cos(k*y)^2 + 1), 0)"
     );
     // What would fill several lines is put together from what stands above it.
     let chain = Chain::default();
@@ -314,6 +318,6 @@ fn time_freezing_systems_read_as_a_person_would_write_them() {
     );
     assert_eq!(
         right(&chain, "f_aux(wall, slip > 0)"),
-        "(0, a_n*(d(wall) - friction(wall)*e(wall)), 0)"
+        "(0, a_bar*(d(wall) - friction(wall)*e(wall)), 0)"
     );
 }

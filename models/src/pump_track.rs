@@ -16,99 +16,74 @@
 //! 1.8100 s in form `holding`.
 
 use hangtime::model::Model;
-use hangtime::ocp::{Component, Goal, Objective, Problem};
 
 use crate::published;
-use crate::scene::{GroundLine, OptimalControl, Plane, Scene, Variant};
+use crate::scene::{GroundLine, Plane, Scene, Variant, parameter};
 
-hangtime::model! {
-    /// A bike and its rider, two point masses on a massless link, on a wavy track; the track pushes
-    /// along (-track', 1, 0), as published.
-    pub PumpTrack {
-        parameters {
-            /// Mass of the bike.
-            m_b: kg = 15,
-            /// Mass of the rider.
-            m_r: kg = 75,
-            /// Gravitational acceleration.
-            g: m/s^2 = 9.81,
-            /// Amplitude of the track.
-            a: m = 0.2,
-            /// Wave number of the track.
-            k: 1/m = 2,
-            /// Speed at the start.
-            speed: km/h = 15,
+/// The scene; its forms differ in the law of the impact.
+macro_rules! pump_track {
+    ($(#[$documentation:meta])* $name:ident: $($law:tt)+) => {
+        hangtime::model! {
+            $(#[$documentation])*
+            pub $name {
+                parameters {
+                    /// Mass of the bike.
+                    m_b: kg = 15,
+                    /// Mass of the rider.
+                    m_r: kg = 75,
+                    /// Gravitational acceleration.
+                    g: m/s^2 = 9.81,
+                    /// Amplitude of the track.
+                    a: m = 0.2,
+                    /// Wave number of the track.
+                    k: 1/m = 2,
+                    /// Speed at the start.
+                    speed: km/h = 15,
+                }
+                coordinates {
+                    /// Horizontal position of both.
+                    y: m,
+                    /// Height of the bike above the track.
+                    s: m,
+                    /// Length of the link.
+                    l: m in 0.27803..=0.59559,
+                }
+                controls {
+                    /// Force along the link.
+                    u: N in -108.25..=376.875,
+                }
+
+                fn track(y) = a*(1 - cos(k*y))
+                let bike = (y, track(y) + s)
+                let rider = (y, track(y) + s + l)
+
+                lagrangian m_b/2*|dot(bike)|^2 + m_r/2*|dot(rider)|^2 - m_b*g*bike.z - m_r*g*rider.z
+                forces { l: u }
+                surface ground: s >= 0
+                impact ground: $($law)+
+
+                minimize time
+                finally {
+                    /// Two waves of the track as published.
+                    y == 2*pi*1[m],
+                }
+                start { l: 0.4368 [m], dot(y): speed }
+                horizon 2 [s]
+            }
         }
-        coordinates {
-            /// Horizontal position of both.
-            y: m,
-            /// Height of the bike above the track.
-            s: m,
-            /// Length of the link.
-            l: m in 0.27803..=0.59559,
-        }
-        controls {
-            /// Force along the link.
-            u: N in -108.25..=376.875,
-        }
-
-        fn track(y) = a*(1 - cos(k*y))
-        let bike = (y, track(y) + s)
-        let rider = (y, track(y) + s + l)
-
-        lagrangian m_b/2*|dot(bike)|^2 + m_r/2*|dot(rider)|^2 - m_b*g*bike.z - m_r*g*rider.z
-        forces { l: u }
-        surface ground: s >= 0
-        impact ground: inelastic, along (-diff(track)(y), 1, 0)
-
-        start { l: 0.4368 [m], dot(y): speed }
-        horizon 2 [s]
-    }
+    };
 }
 
-hangtime::model! {
+pump_track! {
+    /// A bike and its rider, two point masses on a massless link, on a wavy track; the track pushes
+    /// along (-track', 1, 0), as published.
+    PumpTrack: inelastic, along (-diff(track)(y), 1, 0)
+}
+
+pump_track! {
     /// A bike and its rider, two point masses on a massless link, on a wavy track; the track pushes
     /// along its normal while the link is held.
-    pub PumpTrackHolding {
-        parameters {
-            /// Mass of the bike.
-            m_b: kg = 15,
-            /// Mass of the rider.
-            m_r: kg = 75,
-            /// Gravitational acceleration.
-            g: m/s^2 = 9.81,
-            /// Amplitude of the track.
-            a: m = 0.2,
-            /// Wave number of the track.
-            k: 1/m = 2,
-            /// Speed at the start.
-            speed: km/h = 15,
-        }
-        coordinates {
-            /// Horizontal position of both.
-            y: m,
-            /// Height of the bike above the track.
-            s: m,
-            /// Length of the link.
-            l: m in 0.27803..=0.59559,
-        }
-        controls {
-            /// Force along the link.
-            u: N in -108.25..=376.875,
-        }
-
-        fn track(y) = a*(1 - cos(k*y))
-        let bike = (y, track(y) + s)
-        let rider = (y, track(y) + s + l)
-
-        lagrangian m_b/2*|dot(bike)|^2 + m_r/2*|dot(rider)|^2 - m_b*g*bike.z - m_r*g*rider.z
-        forces { l: u }
-        surface ground: s >= 0
-        impact ground: inelastic, along (-diff(track)(y), 1 + diff(track)(y)^2, 0)
-
-        start { l: 0.4368 [m], dot(y): speed }
-        horizon 2 [s]
-    }
+    PumpTrackHolding: inelastic, holding l
 }
 
 /// Its entry in the list of scenes.
@@ -133,33 +108,15 @@ pub(crate) const SCENE: Scene = Scene {
         positions,
         ground,
     }),
-    optimal_control: Some(OptimalControl {
-        intervals: 30,
-        problem: fastest_ride,
-    }),
     published: published::pump_track::CASES,
 };
-
-/// The fastest ride to `y = 2 pi m`, which is two waves of the track as published.
-fn fastest_ride(model: &dyn Model, intervals: usize) -> Problem {
-    let goal = Goal {
-        component: Component::Coordinate(0),
-        value: std::f64::consts::TAU,
-    };
-    Problem::of(model, Objective::time(), vec![goal], intervals)
-}
 
 /// Points of the ground line.
 const POINTS: usize = 200;
 
 /// Height of the track above its lowest point at `y` [m].
 fn track(model: &dyn Model, y: f64) -> f64 {
-    let value = |name: &str| {
-        let parameters = model.declaration().parameters;
-        let index = parameters.iter().position(|known| known.name == name);
-        index.map_or(f64::NAN, |index| model.parameter(index))
-    };
-    value("a") * (1.0 - (value("k") * y).cos())
+    parameter(model, "a") * (1.0 - (parameter(model, "k") * y).cos())
 }
 
 /// Bike and rider.

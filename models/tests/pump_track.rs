@@ -9,7 +9,7 @@ use hangtime::ocp::{
 use hangtime::simulation::{
     EventDriven, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
 };
-use hangtime_models::{PumpTrack, PumpTrackHolding, scenes};
+use hangtime_models::{PumpTrack, PumpTrackHolding};
 
 /// Certified ride without input at 15 km/h: time at `y = 2 pi` [s], and `(y, dy/dt)` after 2 s; quadrature in two
 /// precisions, 34 digits.
@@ -137,13 +137,8 @@ fn holding_law_keeps_the_energy_of_a_slide_and_the_published_one_does_not() {
     assert!(drift(&PumpTrack::default()) < -10.0);
 }
 
-fn problem(model: &dyn Model, intervals: usize) -> Problem {
-    let scene = scenes().iter().find(|s| s.name == "pump-track").unwrap();
-    (scene.optimal_control.unwrap().problem)(model, intervals)
-}
-
 fn solve(model: &dyn Model, intervals: usize) -> Solution {
-    let problem = problem(model, intervals);
+    let problem = Problem::of(model, intervals);
     ocp::solve(model, &problem, &Settings::default(), &mut |_| true).unwrap()
 }
 
@@ -221,7 +216,7 @@ fn time_freezing_formulation_at_15_km_per_h_ends_at_the_optimum_of_the_phases() 
     let mut settings = Settings::default();
     settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
     let model = PumpTrack::default();
-    let solution = ocp::solve(&model, &problem(&model, 30), &settings, &mut |_| true).unwrap();
+    let solution = ocp::solve(&model, &Problem::of(&model, 30), &settings, &mut |_| true).unwrap();
     check_solution(&solution);
     assert!((solution.horizon - 1.413_768_9).abs() < 1e-6);
     let report = solution.time_freezing.unwrap();

@@ -162,6 +162,33 @@ fn ball_falls_once_and_rests() {
 }
 
 #[test]
+fn tossed_ball_falls_once_and_rests_as_certified() {
+    // `bouncing_ball_inelastic`, closed form, 20 digits: case toss_0.5m_2mps.
+    let model = scenes::ball();
+    let simulator = EventDriven {
+        output_times: 8,
+        ..accurate()
+    };
+    let simulation = run(&simulator, &model, &start(&[0.0, 0.5], &[0.0, 2.0], 2.0));
+    check_consistency(&model, &simulation);
+    assert_eq!(sequence(&simulation), [(EventKind::Impact, 0)]);
+    let event = &simulation.events[0];
+    // A parabola is integrated exactly: rounding error only.
+    assert!((event.time - 0.582_689_177_901_366_9).abs() < 1e-15);
+    assert!((event.v_before[1] + 3.716_180_835_212_409_4).abs() < 1e-14);
+    for (time, z, v_z) in [
+        (0.25, 0.6934375, -0.4525),
+        (0.5, 0.27375, -2.905),
+        (1.0, 0.0, 0.0),
+        (2.0, 0.0, 0.0),
+    ] {
+        let k = index_at(&simulation.trajectory, time);
+        assert!((simulation.trajectory.q[k][1] - z).abs() < 1e-14);
+        assert!((simulation.trajectory.v[k][1] - v_z).abs() < 1e-14);
+    }
+}
+
+#[test]
 fn both_sides_of_an_impact_are_in_the_trajectory() {
     let model = scenes::ball();
     let simulation = run(&accurate(), &model, &start(&[0.0, 1.0], &[0.0, 0.0], 1.0));

@@ -4,7 +4,7 @@ mod common;
 
 use common::event::{accurate, run, sequence};
 use common::gold;
-use common::laws::{Belt, Disc, Ground, Rod, Room, Table};
+use common::laws::{Belt, Bowl, CrankBrake, Disc, Ground, Rod, Room, Table};
 use common::scenes::GRAVITY;
 use common::{check_energy, distance, energies, index_at, last, start};
 use hangtime::simulation::{
@@ -146,6 +146,66 @@ fn block_at_the_angle_of_friction_rests_or_keeps_its_speed() {
         // The forces balance to rounding error, which acts for 5 s.
         assert!(distance(last(&simulation.trajectory).1, &v) < 1e-13);
     }
+}
+
+#[test]
+fn block_in_a_bowl_slides_turns_and_stops_as_in_the_closed_form() {
+    // In a round bowl at the angle a from its bottom, with w = a'^2 and radius 1, sliding to growing a:
+    // w' = -2 mu w - 2 g (sin a + mu cos a), linear in w.
+    let mu = 0.08;
+    let model = Bowl { friction: mu }.model();
+    let after = |w: f64, from: f64, to: f64, sign: f64| {
+        // Sliding to falling a is the mirror image.
+        let (from, to) = (sign * from, sign * to);
+        let particular = |a: f64| {
+            2.0 * GRAVITY * ((1.0 - 2.0 * mu * mu) * a.cos() - 3.0 * mu * a.sin())
+                / (1.0 + 4.0 * mu * mu)
+        };
+        (w - particular(from)) * (-2.0 * mu * (to - from)).exp() + particular(to)
+    };
+    let (from, speed): (f64, f64) = (-1.2, 1.0);
+    let problem = start(
+        &[from.sin(), -from.cos()],
+        &[speed * from.cos(), speed * from.sin()],
+        12.0,
+    );
+    let simulation = run(&accurate(), &model, &problem);
+    assert_eq!(simulation.status, SimulationStatus::Solved);
+    let (mut angle, mut w, mut sign) = (from, speed * speed, 1.0);
+    for (k, event) in simulation.events.iter().enumerate() {
+        // The next turn, by bisection of w > 0.
+        let (mut low, mut high) = (angle + sign * 1e-3, sign * 1.5);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if after(w, angle, middle, sign) > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        (angle, w) = (low, 0.0);
+        // Some hundred steps of error 1e-13.
+        assert!(
+            distance(&event.q, &[angle.sin(), -angle.cos()]) < 1e-11,
+            "{k}"
+        );
+        let stops = angle.tan().abs() < mu;
+        assert_eq!(
+            event.kind,
+            if stops {
+                EventKind::Stick
+            } else {
+                EventKind::Slip
+            }
+        );
+        assert_eq!(stops, k + 1 == simulation.events.len());
+        sign = -sign;
+    }
+    assert!(simulation.events.len() >= 5);
+    // At rest the ground carries the weight along the slope.
+    let force = simulation.trajectory.friction_force.last().unwrap()[0];
+    assert!((force - GRAVITY * angle.sin()).abs() < 1e-10);
+    assert!(simulation.residuals.primal < 1e-13);
 }
 
 #[test]
@@ -451,6 +511,72 @@ fn sliding_table_stops_on_both_feet_at_once() {
     let (q, v) = last(&simulation.trajectory);
     assert!((q[0] - 2.0 / (mu * GRAVITY)).abs() < 1e-13);
     assert!(distance(v, &[0.0; 3]) < 1e-14);
+}
+
+#[test]
+fn brake_turns_round_at_the_dead_points_of_its_crank() {
+    // The brake's velocity vanishes with its lever arm: friction cannot hold it, and turns round with it.
+    let mu = 0.1;
+    let model = CrankBrake { friction: mu }.model();
+    let simulation = run(&accurate(), &model, &start(&[0.0; 2], &[4.0, 0.0], 10.0));
+    assert_eq!(simulation.status, SimulationStatus::Solved);
+    // v^2 = 16 - 2 mu g int |cos y| dy: 1 to the first dead point, 2 from each to the next.
+    let (stop, turns) = simulation.events.split_last().unwrap();
+    for (k, event) in turns.iter().enumerate() {
+        let (y, v) = (event.q[0], event.v_after[0]);
+        assert_eq!(event.kind, EventKind::Slip);
+        assert!((y - (k as f64 + 0.5) * std::f64::consts::PI).abs() < 1e-11);
+        let lost = 2.0 * mu * GRAVITY * (2.0 * k as f64 + 1.0);
+        assert!((v * v - (16.0 - lost)).abs() < 1e-11);
+    }
+    let way = 16.0 / (2.0 * mu * GRAVITY);
+    assert_eq!(turns.len() as f64, ((way + 1.0) / 2.0).floor());
+    assert_eq!(stop.kind, EventKind::Stick);
+    // In the last half turn |sin| goes from -1 to what is left.
+    let left = way - (2.0 * turns.len() as f64 - 1.0) - 1.0;
+    assert!(
+        (stop.q[0].sin().abs() - left.abs()).abs() < 1e-10,
+        "{stop:?} {left}"
+    );
+}
+
+#[test]
+fn rod_whose_force_grows_without_bound_ends_with_the_paradox_by_name() {
+    // Slides towards the angle at which 1 - mu |n'e| vanishes; its force passes 1e5 N on the way there.
+    let (mu, angle, spin): (f64, f64, f64) = (1.9169, 2.5735, -2.2747);
+    let model = Rod {
+        restitution: 0.0,
+        friction: mu,
+    }
+    .model();
+    let v = [7.1806 - angle.sin() * spin, angle.cos() * spin, spin];
+    let mut times = Vec::new();
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        let simulator = EventDriven {
+            tolerance,
+            ..EventDriven::default()
+        };
+        let problem = start(&[0.0, angle.sin(), angle], &v, 1.0);
+        let simulation = run(&simulator, &model, &problem);
+        let SimulationStatus::AmbiguousContact(diagnosis) = &simulation.status else {
+            panic!("{:?}", simulation.status);
+        };
+        assert!(diagnosis.message.contains("`tip`"), "{}", diagnosis.message);
+        assert!(
+            diagnosis.message.contains("Painleve"),
+            "{}",
+            diagnosis.message
+        );
+        assert!(simulation.events.is_empty());
+        let force = simulation.trajectory.contact_force.last().unwrap()[0];
+        assert!(force > 1e5, "{force}");
+        times.push(diagnosis.time);
+    }
+    // The time of the pole is that of the motion, whatever the steps: errors of 1e-6 and below.
+    assert!(
+        (times[0] - times[2]).abs() < 1e-5 && (times[1] - times[2]).abs() < 1e-8,
+        "{times:?}"
+    );
 }
 
 #[test]

@@ -36,12 +36,21 @@ pub(crate) trait Oracle: Model + Sized {
     ) -> Option<D> {
         None
     }
+    /// Running cost and path constraints, of the input vector.
+    fn path_of<D: DualNum<Primitive = f64> + Copy>(&self, _x: &[D]) -> Vec<D> {
+        Vec::new()
+    }
+    /// Final cost and terminal conditions, of coordinates, velocities and final time.
+    fn terminal_of<D: DualNum<Primitive = f64> + Copy>(&self, _z: &[D]) -> Vec<D> {
+        Vec::new()
+    }
 }
 
 /// Implements [`Oracle`] by the emitted methods.
 #[macro_export]
 macro_rules! oracle {
-    ($scene:ty $(, along $along:expr)? $(, sliding $sliding:expr)?) => {
+    ($scene:ty $(, along $along:expr)? $(, sliding $sliding:expr)?
+        $(, path $path:expr, terminal $terminal:expr)?) => {
         impl $crate::support::Oracle for $scene {
             fn lagrangian_of<D: num_dual::DualNum<Primitive = f64> + Copy>(
                 &self, q: &[D], v: &[D], t: D,
@@ -67,6 +76,12 @@ macro_rules! oracle {
                 &self, contact: usize, q: &[D], v: &[D], t: D,
             ) -> Option<D> {
                 $sliding(self, contact, q, v, t)
+            })?
+            $(fn path_of<D: num_dual::DualNum<Primitive = f64> + Copy>(&self, x: &[D]) -> Vec<D> {
+                $path(self, x)
+            }
+            fn terminal_of<D: num_dual::DualNum<Primitive = f64> + Copy>(&self, z: &[D]) -> Vec<D> {
+                $terminal(self, z)
             })?
         }
     };
@@ -277,6 +292,13 @@ fn tangent_rows<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
 pub(crate) const TOLERANCE: f64 = 1e-12;
 
 fn agree(what: &str, found: &[f64], wanted: &[f64]) -> Result<(), String> {
+    if found.len() != wanted.len() {
+        return Err(format!(
+            "{what}: {} instead of {} values",
+            found.len(),
+            wanted.len()
+        ));
+    }
     let scale = wanted.iter().fold(1.0_f64, |scale, w| scale.max(w.abs()));
     for (i, (found, wanted)) in found.iter().zip(wanted).enumerate() {
         let error = (found - wanted).abs();
@@ -305,6 +327,13 @@ fn check_first(
     x: &[f64],
     f: impl Fn(&[Dual64]) -> Vec<Dual64>,
 ) -> Result<(), String> {
+    if pattern.columns != x.len() {
+        return Err(format!(
+            "{what}: {} columns for {} inputs",
+            pattern.columns,
+            x.len()
+        ));
+    }
     let mut wanted = vec![0.0; pattern.rows * pattern.columns];
     for column in 0..x.len() {
         let mut seeded: Vec<Dual64> = x.iter().map(|&x| Dual64::from_re(x)).collect();
@@ -392,7 +421,48 @@ pub(crate) fn compare<M: Oracle>(model: &M, x: &[f64], weights: &[f64]) -> Resul
         )?;
         check_friction(model, i, x, weights)?;
     }
-    Ok(())
+    check_optimal_control(model, x, weights)
+}
+
+/// Path functions at `x`, and terminal functions at the coordinates and velocities in it and a final time.
+fn check_optimal_control<M: Oracle>(model: &M, x: &[f64], weights: &[f64]) -> Result<(), String> {
+    let declaration = model.declaration();
+    let Some(task) = &declaration.optimal_control else {
+        return Ok(());
+    };
+    let multipliers = &weights[..task.path_functions()];
+    let mut values = vec![f64::NAN; multipliers.len()];
+    model.path_functions(x, &mut values);
+    agree("path functions", &values, &model.path_of(x))?;
+    let pattern = &task.path_jacobian;
+    let mut values = vec![f64::NAN; pattern.entries.len()];
+    model.path_jacobian(x, &mut values);
+    check_first("path jacobian", pattern, &values, x, |x| model.path_of(x))?;
+    let pattern = &task.path_hessian;
+    let mut values = vec![f64::NAN; pattern.entries.len()];
+    model.path_hessian(x, multipliers, &mut values);
+    check_second("path hessian", pattern, &values, x, multipliers, |x| {
+        model.path_of(x)
+    })?;
+
+    let mut z = x[..2 * declaration.coordinates.len()].to_vec();
+    z.push(1.7);
+    let multipliers = &weights[..task.terminal_functions()];
+    let mut values = vec![f64::NAN; multipliers.len()];
+    model.terminal_functions(&z, &mut values);
+    agree("terminal functions", &values, &model.terminal_of(&z))?;
+    let pattern = &task.terminal_jacobian;
+    let mut values = vec![f64::NAN; pattern.entries.len()];
+    model.terminal_jacobian(&z, &mut values);
+    check_first("terminal jacobian", pattern, &values, &z, |z| {
+        model.terminal_of(z)
+    })?;
+    let pattern = &task.terminal_hessian;
+    let mut values = vec![f64::NAN; pattern.entries.len()];
+    model.terminal_hessian(&z, multipliers, &mut values);
+    check_second("terminal hessian", pattern, &values, &z, multipliers, |z| {
+        model.terminal_of(z)
+    })
 }
 
 /// The tangential side of a contact, if it has friction.

@@ -59,11 +59,30 @@ pub(crate) struct Assignment {
     pub(crate) value: Expr,
 }
 
-/// How a surface bounds the motion.
+/// How two sides compare; a surface has no `Equal`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Relation {
+    Equal,
     AtLeast,
     AtMost,
+}
+
+/// `left >= right`, in `constraint` and `finally`.
+#[derive(Debug)]
+pub(crate) struct Condition {
+    pub(crate) documentation: Documentation,
+    pub(crate) left: Expr,
+    pub(crate) relation: Relation,
+    pub(crate) right: Expr,
+}
+
+/// `name in lower..=upper`, in `free`.
+#[derive(Debug)]
+pub(crate) struct FreeStart {
+    pub(crate) target: Name,
+    /// Whether the target is `dot(name)`.
+    pub(crate) velocity: bool,
+    pub(crate) bounds: Option<(Expr, Expr)>,
 }
 
 /// What happens where surfaces are hit: parts of an impact law, which the parser has seen to fit together.
@@ -114,13 +133,23 @@ pub(crate) enum Statement {
     },
     Impact {
         surfaces: Vec<Name>,
-        law: Law,
+        law: Box<Law>,
     },
     Start(Vec<Assignment>),
     Horizon {
         keyword: Place,
         value: Expr,
     },
+    Minimize {
+        keyword: Place,
+        value: Expr,
+    },
+    Constraint {
+        name: Name,
+        condition: Condition,
+    },
+    Finally(Vec<Condition>),
+    Free(Vec<FreeStart>),
 }
 
 /// An expression.
@@ -198,6 +227,23 @@ pub(crate) enum Kind {
         vector: Box<Expr>,
         index: usize,
     },
+}
+
+impl Expr {
+    /// The expressions directly below.
+    pub(crate) fn children(&self) -> Vec<&Self> {
+        match &self.kind {
+            Kind::Number { .. } | Kind::Name(_) => Vec::new(),
+            Kind::Negate(inner) | Kind::Norm(inner) => vec![inner],
+            Kind::Binary { left, right, .. } => vec![left, right],
+            Kind::Call {
+                arguments: items, ..
+            }
+            | Kind::Vector(items) => items.iter().collect(),
+            Kind::Derivative { argument, .. } => vec![argument],
+            Kind::Component { vector, .. } | Kind::Index { vector, .. } => vec![vector],
+        }
+    }
 }
 
 impl fmt::Display for Expr {

@@ -47,6 +47,12 @@ impl Mistake {
         }
     }
 
+    /// The first and the last token of its place.
+    #[must_use]
+    pub fn place(&self) -> [Span; 2] {
+        [self.place.start, self.place.end]
+    }
+
     /// A `compile_error!` that underlines the place of the mistake.
     fn to_tokens(&self) -> TokenStream {
         let Place { start, end } = self.place;

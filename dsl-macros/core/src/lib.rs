@@ -91,6 +91,10 @@ fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
             )
         }
     })?;
+    let positions = declared.statements.iter().any(|statement| {
+        matches!(statement, ast::Statement::Start(list) if list.iter().any(|own| !own.velocity))
+    });
+    check::at_start(&scene, &equations.mass, positions, diagnostics)?;
     let timing = emit::Timing {
         expanded_at,
         derivation: begin.elapsed(),

@@ -57,6 +57,18 @@ fn formula(random: &mut Random, names: &[String], depth: u32) -> String {
     }
 }
 
+/// A place, half of the time multiplied by a matrix that is not singular.
+fn turned(random: &mut Random, names: &[String], place: &str) -> String {
+    let angle = formula(random, names, 1);
+    match random.below(8) {
+        0 => format!("rotation({angle})*{place}"),
+        1 => format!("transpose(rotation({angle}))*{place}"),
+        2 => format!("((1, ({angle})/4), (0, b))*{place}"),
+        3 => format!("(rotation(a)*((b, 0), (({angle})/3, 1)) + ((1, 0), (0, 2)))*{place}"),
+        _ => place.to_owned(),
+    }
+}
+
 /// Source of a random scene: point masses at random places, a random potential, random forces.
 fn source(random: &mut Random) -> String {
     let n = 1 + random.below(4) as usize;
@@ -86,10 +98,15 @@ fn source(random: &mut Random) -> String {
             formula(random, &names, depth),
             formula(random, &names, depth),
         );
-        let _ = write!(text, "let p{i} = ({name} + ({first})/5, ({second})/4) ");
+        let place = format!("({name} + ({first})/5, ({second})/4)");
+        let place = turned(random, &names, &place);
+        let _ = write!(text, "let p{i} = {place} ");
         kinetic.push(format!("m/2*|dot(p{i})|^2 + dot({name})^2"));
     }
-    let potential = formula(random, &names, 3);
+    let mut potential = formula(random, &names, 3);
+    if random.below(4) == 0 {
+        let _ = write!(potential, " - p0 . (rotation({})*p0)/7", names[0]);
+    }
     let _ = write!(
         text,
         "lagrangian {} - ({potential}) + b*f(a) forces {{ q1: u*cos({}) - a*dot(q1)*b*m }} }}",

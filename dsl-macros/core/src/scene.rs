@@ -21,6 +21,28 @@ pub(crate) struct CheckedScene {
     pub(crate) start: (Vec<Sym>, Vec<Sym>),
     pub(crate) horizon: Option<Sym>,
     pub(crate) explicit_time: bool,
+    pub(crate) optimal_control: Option<OptimalControl>,
+}
+
+/// Objective, constraints, terminal conditions and free initial values. Functions are in SI units.
+pub(crate) struct OptimalControl {
+    pub(crate) running_cost: Option<Sym>,
+    /// Here and in the goals, `Time` is the final time.
+    pub(crate) final_cost: Option<Sym>,
+    pub(crate) constraints: Vec<Condition>,
+    pub(crate) goals: Vec<Condition>,
+    pub(crate) free_time: bool,
+    /// Indices into `(q, v)`, increasing, with bounds in declared units.
+    pub(crate) free_start: Vec<(usize, Option<(Sym, Sym)>)>,
+}
+
+/// `function >= 0` or `function == 0`.
+pub(crate) struct Condition {
+    pub(crate) name: String,
+    pub(crate) documentation: Documentation,
+    pub(crate) function: Sym,
+    pub(crate) equality: bool,
+    pub(crate) unit: Option<Unit>,
 }
 
 /// A number that can be changed at run time.

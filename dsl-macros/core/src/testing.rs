@@ -217,6 +217,7 @@ impl<'a> Evaluator<'a> {
         self.value(expr, point, &HashMap::new()).remove(0)
     }
 
+    /// Components; vectors of random models have two, matrices four, row by row.
     fn value(
         &self,
         expr: &Expr,
@@ -280,6 +281,16 @@ impl<'a> Evaluator<'a> {
                     Operator::Multiply => a.times(b),
                     _ => a.times(&b.apply("recip")),
                 };
+                if *operator == Operator::Multiply && a.len() == 4 && b.len() > 1 {
+                    let columns = b.len() / 2;
+                    let entry = |i: usize, j: usize| {
+                        let (above, below) = (&b[j], &b[columns + j]);
+                        a[2 * i].times(above).add(&a[2 * i + 1].times(below))
+                    };
+                    return (0..b.len())
+                        .map(|k| entry(k / columns, k % columns))
+                        .collect();
+                }
                 match (a.len(), b.len()) {
                     (1, _) => b.iter().map(|b| pair(&a[0], b)).collect(),
                     (_, 1) => a.iter().map(|a| pair(a, &b[0])).collect(),
@@ -295,6 +306,20 @@ impl<'a> Evaluator<'a> {
                     let values = arguments.iter().map(of);
                     let locals = names.iter().copied().zip(values).collect();
                     return self.value(body, point, &locals);
+                }
+                if let [left, right] = arguments.as_slice() {
+                    let (a, b) = (of(left), of(right));
+                    let products = a.iter().zip(&b).map(|(a, b)| a.times(b));
+                    return vec![products.fold(Nested::Real(0.0), |sum, p| sum.add(&p))];
+                }
+                if name == "transpose" {
+                    let m = of(&arguments[0]);
+                    return [0, 2, 1, 3].map(|k| m[k].clone()).to_vec();
+                }
+                if name == "rotation" {
+                    let angle = of(&arguments[0]).remove(0);
+                    let (s, c) = (angle.apply("sin"), angle.apply("cos"));
+                    return vec![c.clone(), s.negated(), s, c];
                 }
                 if name == "dot" {
                     let tag = point.tag;
@@ -325,7 +350,7 @@ impl<'a> Evaluator<'a> {
                     .map(|c| c.eps(tag))
                     .collect()
             }
-            Kind::Vector(items) => items.iter().map(|item| of(item).remove(0)).collect(),
+            Kind::Vector(items) => items.iter().flat_map(of).collect(),
             Kind::Component { vector, name } => {
                 let components = of(vector);
                 let index = usize::from(name.text == "z");

@@ -30,9 +30,6 @@ pub(crate) const LAW_PARTS: [&str; 6] = [
     "holding",
 ];
 
-/// Statements of the language that no solver treats yet.
-pub(crate) const NOT_YET: [&str; 4] = ["constraint", "minimize", "finally", "free"];
-
 /// Whether a word belongs to the language, so that it names nothing else.
 pub(crate) fn is_keyword(text: &str) -> bool {
     STATEMENTS.contains(&text) || LAW_PARTS.contains(&text)
@@ -46,6 +43,22 @@ pub(crate) const FUNCTIONS: [&str; 13] = [
 
 /// Functions with their own rules.
 pub(crate) const SPECIAL_FUNCTIONS: [&str; 4] = ["dot", "diff", "atan2", "cross"];
+
+/// The running cost in an objective.
+pub(crate) const INTEGRAL: &str = "integral";
+
+/// The final time in an objective or a terminal condition.
+pub(crate) const FINAL_TIME: &str = "time";
+
+/// Functions that make matrices; their names may be taken by declarations.
+pub(crate) const MATRIX_FUNCTIONS: [&str; 6] = [
+    "rotation",
+    "rotation_x",
+    "rotation_y",
+    "rotation_z",
+    "transpose",
+    "diagonal",
+];
 
 /// Functions with a kink or a jump, which dynamics must not have.
 pub(crate) const NONSMOOTH: [&str; 10] = [

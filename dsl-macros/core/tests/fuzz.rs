@@ -7,7 +7,7 @@
 use proc_macro2::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
 
 /// Declarations to start from; together they use every statement.
-const SCENES: [&str; 4] = [
+const SCENES: [&str; 7] = [
     "/// A ball. \n pub Ball { parameters { m: kg = 1, g: m/s^2 = 9.81 } coordinates { z: m in 0..=9 } lagrangian \
      m/2*dot(z)^2 - m*g*z surface ground: z >= 0 impact ground: inelastic start { z: 1, dot(z): 2 [m/s] } \
      horizon 5 [s] }",
@@ -18,6 +18,20 @@ const SCENES: [&str; 4] = [
      sin(q)) - exp(q/3) + t*q dissipation c/2*dot(p)^2 surface wall: q <= 3 impact wall: inelastic }",
     "V { parameters { e = 2 } coordinates { x, y, z } let p = (x, y, z) lagrangian |dot(p)|^2/2 - dot(p, p) \
      + cross((x, y), (y, z))^e + p[0]*p.z + p . p + atan2(y, 3 + x) }",
+    "Top { parameters { m: kg = 2, j: kg m^2 = 1, l: m = 0.3 } coordinates { a: rad, b: rad } let r = \
+     rotation_z(a)*rotation_x(b) let w = transpose(r)*dot(r) let spin = (w[2][1], w[0][2], w[1][0]) let inertia \
+     = diagonal(j, j, 2*j) let p = l*(((1, 0, 0), (0, 1, 0), (0, 0, 1))*(r*(0, 0, 1))) lagrangian \
+     (inertia*spin) . (spin)/2 + m/2*|dot(p)|^2 + j*dot(a)^2/2 forces { a: (rotation(b)*(0, 1))[0] * 1 [N m] } }",
+    "Hop { parameters { m: kg = 2, g: m/s^2 = 9.81, e = 0.5, mu = 0.3, w: 1/N^2 = 1, haste: 1/s = 2 } coordinates { \
+     y: m, z: m in 0..=9 } controls { u: N in -1..=1 } lagrangian m/2*|dot((y, z))|^2 - m*g*z forces { y: u } \
+     surface ground: z >= 0.1 [m]*sin(y/1 [m]) surface wall: y <= 3 [m] impact ground: restitution e, friction mu \
+     impact wall: friction 0.1, inelastic, sliding dot(z) minimize haste*(time + integral(w*u^2)/2) - \
+     y/1 [m] finally { y == 2 [m], dot(z) >= 0, time <= 9 [s] } constraint top: z <= 2 [m] constraint power: \
+     u*dot(y) >= -3 [W] free { z in 30..=50 [cm], dot(y) in 0..=3, dot(z) } start { z: 0.4, dot(y): 1 } }",
+    "Chain { parameters { l = 1, mu = 0.5 } coordinates { a, b, c, d, f } let p = l*(sin(a) + sin(b) + sin(c) + \
+     sin(d) + sin(f), cos(a) - cos(b) + cos(c) - cos(d) - cos(f)) lagrangian |dot((a, b, c, d, f))|^2 + \
+     |dot(p)|^2 - p.z surface floor: p.z >= -3 impact floor: holding b, c, restitution mu/2, friction mu, sliding \
+     dot(p.y) minimize integral(a^2 + dot(b)) + time }",
 ];
 
 struct Random(u64);
@@ -34,7 +48,11 @@ impl Random {
 
 /// A token out of thin air.
 fn invented(random: &mut Random) -> TokenTree {
-    const WORDS: [&str; 34] = [
+    const WORDS: [&str; 45] = [
+        "rotation",
+        "rotation_x",
+        "transpose",
+        "diagonal",
         "m",
         "y",
         "z",
@@ -69,6 +87,13 @@ fn invented(random: &mut Random) -> TokenTree {
         "minimize",
         "holding",
         "kg",
+        "sliding",
+        "finally",
+        "constraint",
+        "free",
+        "integral",
+        "time",
+        "e",
     ];
     const SYMBOLS: [char; 22] = [
         '+', '-', '*', '/', '^', '|', '=', ',', ':', ';', '.', '>', '<', '!', '#', '$', '?', '@',

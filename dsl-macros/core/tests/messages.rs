@@ -23,6 +23,14 @@ fn beside(statements: &str) -> Vec<String> {
     ))
 }
 
+/// A cart with a control, and further statements.
+fn cart(statements: &str) -> Vec<String> {
+    messages(&format!(
+        "pub S {{ parameters {{ m: kg = 1 }} coordinates {{ y: m in -1..=3 }} controls {{ u: N }} lagrangian \
+         m/2*dot(y)^2 forces {{ y: u }} {statements} }}"
+    ))
+}
+
 macro_rules! texts {
     ($($name:ident: $how:ident $source:expr => $($text:expr),+;)*) => {
         $(#[test]
@@ -63,7 +71,36 @@ texts! {
     direction_of_wrong_length: beside "surface wall: y >= 0 impact wall: inelastic, along (1, 2, 3)" =>
         "E02: the impulse direction has 3 components; it needs one for each of the 2 coordinates, in their order";
 
+    vector_before_matrix: with "let p = (y, z)*rotation(1) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: `*` between a vector with 2 components (`(y, z)`) and a 2 by 2 matrix (`rotation(1)`); the matrix stands on the left, as in `transpose(m)*v`";
+    sum_of_matrices_of_different_sizes: with "let p = (rotation(1) + rotation_x(1))*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: `+` between a 2 by 2 matrix (`rotation(1)`) and a 3 by 3 matrix (`rotation_x(1)`); both must have the same size";
+    rows_of_different_lengths: with "let p = ((1, 2), (3, 4, 5))*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: the rows of a matrix have the same length: `(1, 2)` has 2 components, `(3, 4, 5)` is a vector with 3 components";
+    matrix_for_number: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*rotation(1)" =>
+        "E02: `-` between a number (`m/2*|dot((y, z))|^2`) and a 2 by 2 matrix (`m*g*z*rotation(1)`); both must have the same size";
+    component_of_matrix: with "let q = rotation(1) lagrangian m/2*|dot((y, z))|^2 - m*g*q.z" =>
+        "E02: `q` is a matrix; its first row is `q[0]`, an entry `q[0][1]`";
+    row_out_of_range: with "let q = rotation(1) lagrangian m/2*|dot((y, z))|^2 - m*g*z*q[2][0]" =>
+        "E02: `q` has 2 rows, counted from 0; there is no [2]";
+    norm_of_matrix: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*|rotation(1)|" =>
+        "E02: `rotation(1)` is a matrix; only vectors have a length";
+    square_of_matrix: with "let p = rotation(1)^2*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: a matrix has no power here; write the product, as in `rotation(1)*rotation(1)`";
+    matrix_function_of_something_else: with "let p = transpose(y)*(y, z) let q = rotation(y, z)*(y, z) let r = diagonal(m)*(y, z) lagrangian m/2*|dot((y, z))|^2 - m*g*z" =>
+        "E02: `transpose` takes one matrix; found a number",
+        "E02: `rotation` takes one angle; found a number, a number",
+        "E02: `diagonal` takes two or more numbers, the entries of the diagonal; found a number";
+    division_by_a_matrix: with "let p = (y, z)/rotation(1) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: `/` between a vector with 2 components (`(y, z)`) and a 2 by 2 matrix (`rotation(1)`); only a number can divide";
+
     // E03
+    rotation_by_a_length: with "let p = rotation(y)*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E03: units differ: `rotation` needs a pure number, `y` is in m";
+    matrix_product_with_terms_of_different_units: with "let p = ((1, m), (0, 1))*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E03: units differ: the terms of the product `((1, m), (0, 1))*(y, z)` are in m and kg m";
+    inertia_in_wrong_unit: with "let w = (dot(y), dot(z)) lagrangian w . (diagonal(m, 2)*w)/2 - m*g*z" =>
+        "E03: units differ: the terms of the inner product are in J and m^2/s^2";
     height_forgotten: with "lagrangian m/2*|dot((y, z))|^2 - m*g" =>
         "E03: units differ: `m/2*|dot((y, z))|^2` is in J, `m*g` is in N; both sides of `-` must agree";
     mass_forgotten: with "lagrangian m/2*|dot((y, z))|^2 - g*z" =>
@@ -129,7 +166,9 @@ texts! {
         "E07: `z/1 [s]` is no sliding velocity: that is a sum of velocities times functions of positions, zero at rest, such as `dot(y)`";
     friction_beyond_a_point_mass: messages
         "S { parameters { m: kg = 1, mu = 0.3 } coordinates { y: m, z: m, s: m } lagrangian m/2*|dot((y, z, s))|^2 surface wall: y >= 0 impact wall: inelastic, friction mu }" =>
-        "E20: `friction` of `wall` needs the sliding velocity, which follows by itself for one point mass in two Cartesian coordinates only; add it, scaled like the gap, as in `impact wall: ..., friction mu, sliding dot(y)`";
+        "E20: `friction` of `wall` needs the sliding velocity, which follows by itself for one point mass in two Cartesian coordinates on a surface at rest only; add that of the touching point along the surface, scaled like the gap, as in `impact wall: ..., friction mu, sliding dot(y)`";
+    friction_on_a_moving_surface: beside "surface wall: z >= 1 [m/s]*t impact wall: inelastic, friction 0.3" =>
+        "E20: `friction` of `wall` needs the sliding velocity, which follows by itself for one point mass in two Cartesian coordinates on a surface at rest only; add that of the touching point along the surface, scaled like the gap, as in `impact wall: ..., friction 0.3, sliding dot(y)`";
     everything_held: beside "surface wall: y >= 0 impact wall: inelastic, holding y" =>
         "E09: all coordinates that the gap of `wall` depends on are held, so no impulse can stop the motion into it; hold fewer";
     sliding_held: beside "surface wall: y >= 0 impact wall: inelastic, holding z, friction 0.1, sliding dot(z)" =>
@@ -150,6 +189,82 @@ texts! {
         "E12: `if` switches inside smooth dynamics; declare a `surface` where the motion switches";
     norm_of_velocity: with "lagrangian m/2*|dot((y, z))|^2 + m*|dot((y, z))|*1 [m/s]" =>
         "E13: a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`";
+
+    // E15 and what else optimal control knows
+    task_is_accepted: cart "minimize 1 [1/s]*time + integral(u^2)/1 [N^2 s] finally { y == 1 [m], dot(y) >= 0 } constraint power: u*dot(y) <= 3 [W] free { dot(y) in 0..=3 }" =>
+        "accepted";
+    control_in_a_final_cost: cart "minimize u^2" =>
+        "E15: the final cost depends on the control `u`, which acts over a time and has no value at the final instant; write `integral(u^2)`";
+    control_in_a_terminal_condition: cart "finally { y == 1 [m], u == 0 }" =>
+        "E15: a terminal condition depends on the control `u`, which acts over a time and has no value at the final instant; a condition on it is a `constraint`";
+    derivative_of_a_control: cart "minimize integral(dot(u)^2)" =>
+        "E15: `dot(u)` needs the derivative of a control, which may jump; take `dot` of positions only";
+    integral_of_a_constant: cart "minimize integral(1)" =>
+        "E15: the integral of the constant `1` is that times the final time; write `time`";
+    integral_of_a_sum_of_constants: cart "minimize integral(m + 2 [kg])" =>
+        "E15: the integral of the constant `m + 2 [kg]` is that times the final time; write `(m + 2 [kg])*time`";
+    integral_inside_a_function: cart "minimize sqrt(integral(u^2))" =>
+        "E15: `integral` inside `sqrt(integral(u^2))`: an objective is a sum of final terms and of integrals, each possibly times a constant";
+    integral_inside_an_integral: cart "minimize integral(y*integral(u^2))" =>
+        "E15: `integral` inside `integral`: a running cost is integrated once, over the motion; add a coordinate for the inner one";
+    integral_times_a_velocity: cart "minimize dot(y)*integral(u^2)" =>
+        "E15: an integral times `dot(y)`, which depends on the velocity `dot(y)`: a weight may depend on parameters only; move it into the integral";
+    integral_outside_of_an_objective: cart "finally { integral(u^2) <= 3 [N^2 s] }" =>
+        "E15: `integral` is the running cost and stands in `minimize` only, as a term by itself, possibly times a constant";
+    constant_cost: cart "minimize 3*m" =>
+        "E15: `3*m` is the same for every motion, so it cannot be minimized; leave it out";
+    condition_on_nothing: cart "finally { m >= 0 } constraint c: 2*m == 3 [kg]" =>
+        "E15: `m >= 0` is the same for every motion, so it is no condition; use coordinates, velocities or the time",
+        "E15: `2*m == 3 [kg]` is the same for every motion, so it is no condition; use coordinates, velocities or the time";
+    final_time_in_a_running_cost: cart "minimize integral(u^2*time) constraint c: y <= 1 [m/s]*time" =>
+        "E01: `time` is the final time, known to final costs in `minimize` and to `finally` only; the time at each instant is `t`";
+    terms_of_a_cost_in_other_units: cart "minimize time + integral(u^2)" =>
+        "E03: units differ: `time` is in s, `integral(u^2)` is in kg^2 m^2/s^3; both sides of `+` must agree";
+    condition_in_other_units: cart "finally { y == 1, dot(y) <= y }" =>
+        "E03: units differ: `y` is in m, `1` has no unit; both sides of a terminal condition must agree; a bare number has no unit, write it in brackets, as in `1 [m]`",
+        "E03: units differ: `dot(y)` is in m/s, `y` is in m; both sides of a terminal condition must agree";
+    free_value_in_other_units: cart "free { y in 0..=1 [m/s], dot(y) in 0 [m]..=1 }" =>
+        "E03: units differ: `1 [m/s]` is in m/s, where m is needed (it bounds `y`)",
+        "E03: units differ: `0 [m]` is in m, where m/s is needed (it bounds `dot(y)`)";
+    free_value_with_a_guess: cart "free { y: 2 }" =>
+        "`free` says which initial values are to be found; the guess belongs to `start { y: ... }`";
+    free_value_twice_or_unknown: cart "free { y, dot(y), y, z }" =>
+        "`y` is listed in `free` twice; keep one",
+        "E01: `z` is not declared (coordinates: `y`)";
+    guess_outside_its_bounds: cart "free { y in 2..=1, dot(y) in 1..=3 }" =>
+        "E17: lower bound 2 of `y` lies above its upper bound 1; exchange them",
+        "E17: `dot(y)` starts at 0, outside its bounds 1..=3";
+    guess_that_is_left_out: cart "free { dot(y) in 1..=3, y in 10..=40 [cm] } start { y: 0.5 }" =>
+        "E17: `dot(y)` starts at 0, outside its bounds 1..=3",
+        "E17: `y` starts at 0.5, outside its bounds 0.1..=0.4";
+    two_objectives_and_names: cart "minimize time minimize y constraint c: y <= 1 [m] constraint c: y >= 0" =>
+        "a scene has one `minimize`; add the terms up in it",
+        "E19: constraint `c` is declared twice; rename one";
+    single_equals_sign: cart "finally { y = 1 [m], dot(y) > 0 }" =>
+        "a condition is written with `==`, `>=` or `<=`; one of them is meant here";
+    chain_of_inequalities: cart "constraint c: 0 <= y <= 1 [m]" =>
+        "a condition compares two sides; write two conditions, the second one with `y` on its left";
+    norm_of_velocity_as_constraint: beside "constraint c: |dot((y, z))| <= 1 [m/s]" =>
+        "E13: a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`";
+    control_of_a_cost_is_used: beside "controls { u: N, slack: m, idle: N } forces { y: u } minimize integral(slack) constraint c: slack >= y" =>
+        "E16: control `idle` is never used; let it act by `forces { ... }`";
+    name_of_the_integral: messages "S { parameters { integral = 2 } coordinates { y } lagrangian integral*dot(y)^2 }" =>
+        "E19: `integral` is the name of a function; choose another name";
+
+    // E18
+    surface_twice: beside "surface a: z >= 0 surface b: 3*z >= 0 impact a, b: inelastic" =>
+        "E18: surfaces `a` and `b` are the same, so they are always touched together and no rule says which of their laws holds; leave one out";
+    surface_from_both_sides: beside "surface a: z >= m*1 [m/kg] surface b: z <= m*1 [m/kg] impact a, b: inelastic" =>
+        "E18: surfaces `a` and `b` are the same from both sides, so they leave no room to move; leave one out, or describe the motion by a coordinate less";
+    surface_through_a_corner: beside "surface a: z >= 0 surface b: y >= 0 surface c: y + m*2 [1/kg]*z >= 0 impact a, b, c: inelastic" =>
+        "E18: the gap of surface `c` is a combination of those of `a`, `b`, so it is touched wherever they are and no rule says how they share the force; leave one of them out";
+    same_surface_in_two_forms: messages
+        "S { coordinates { y } lagrangian dot(y)^2 surface a: sin(y)^2 >= 1/4 surface b: 1 - cos(2*y) >= 1/2 impact a, b: inelastic }" =>
+        "E18: surfaces `a` and `b` are the same, so they are always touched together and no rule says which of their laws holds; leave one out";
+    box_is_accepted: beside "surface a: y >= 0 surface b: y <= 1 [m] surface c: z >= 0 surface d: z <= m*1 [m/kg] impact a, b, c, d: inelastic" =>
+        "accepted";
+    parallel_walls_are_accepted: beside "surface a: y >= 0 surface b: y <= 1 [m] surface c: y <= 2 [m] impact a, b, c: inelastic" =>
+        "accepted";
 
     // E16, E17, E19, E20
     everything_unused: beside "controls { u: N } let a = y fn f(b) = b^2" =>
@@ -215,8 +330,6 @@ texts! {
         "unknown unit `sec`; did you mean `s`?";
     missing_default: messages "S { parameters { a: kg } coordinates { y } lagrangian a*dot(y)^2 }" =>
         "parameter `a` needs a default value, as in `a: kg = 1`";
-    not_available_yet: beside "minimize time" =>
-        "the statement `minimize` is not available yet; leave it out";
     nothing: messages "" => "expected the name of the scene, found the end; write `pub Name { ... }`";
     name_alone: messages "pub S" => "expected `{` after the name `S`, found the end";
 }

@@ -26,7 +26,8 @@ pub(crate) enum Command {
     Solve(SolveArguments),
     /// Measure the error of every method against its step size and its CPU time.
     Chart(ChartArguments),
-    /// Show what was derived from a scene: equations, sparsity patterns, operation counts.
+    /// Show what was derived from a scene: equations, sparsity patterns, operation counts. Given the code
+    /// of a mistake, as in `hangtime explain E07`, show its page.
     Explain(ExplainArguments),
     /// Reproduce the published results and write figures, data and a page.
     Reproduce(ReproduceArguments),
@@ -141,7 +142,7 @@ pub(crate) enum FormulationName {
 pub(crate) struct SolveArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
-    /// Control intervals of equal physical length; default: what the scene declares.
+    /// Control intervals of equal physical length [default: 30].
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) intervals: Option<usize>,
     /// How the contact sequence is found.

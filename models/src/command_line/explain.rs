@@ -1,8 +1,11 @@
-//! `hangtime explain`: what was derived from a scene.
+//! `hangtime explain`: what was derived from a scene, or the page about a mistake.
 
 use std::fmt::Write as _;
 
-use hangtime::model::{Declaration, ImpactLaw, SparsityPattern};
+use hangtime::model::{
+    ConstraintDeclaration, ConstraintRelation, Declaration, ImpactLaw, Model,
+    OptimalControlDeclaration, SparsityPattern, explanation, mistake_codes,
+};
 use hangtime_models::scenes;
 
 use super::Report;
@@ -17,6 +20,12 @@ const LIBRARY_FINISHED: Option<f64> = hangtime_macros::finished_at!(hangtime_mod
 const LONGEST_COMPILATION: f64 = 3600.0;
 
 pub(super) fn run(arguments: &ExplainArguments) -> Result<Report, BadInput> {
+    if let Some(page) = page(&arguments.scene.scene)? {
+        return Ok(Report {
+            text: page.to_owned(),
+            diagnoses: Vec::new(),
+        });
+    }
     let chosen = ChosenScene::from_arguments(&arguments.scene)?;
     let declaration = chosen.model.declaration();
     let mut text = format!("{} ({})\n", chosen.scene.name, declaration.name);
@@ -33,19 +42,13 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<Report, BadInput> {
     if !controls.is_empty() {
         let _ = writeln!(text, "controls    {}", controls.join(", "));
     }
-    for contact in declaration.contacts {
-        let law = match contact.law {
-            ImpactLaw::Inelastic => "inelastic",
-            ImpactLaw::Restitution => "restitution",
-            _ => "other",
-        };
-        let direction = if contact.custom_direction {
-            "declared impulse direction"
-        } else {
-            "impulse along M^-1 grad gap"
-        };
-        let name = headed(contact.name, contact.unit);
-        let _ = writeln!(text, "contact     {name}: {law}, {direction}");
+    text += &laws(&*chosen.model);
+    if declaration.explicit_time {
+        text +=
+            "time        the scene depends on the physical time t, which becomes the clock (E14)\n";
+    }
+    if let Some(task) = &declaration.optimal_control {
+        text += &optimal_control(&*chosen.model, task);
     }
 
     text += "\nderived equations\n";
@@ -81,6 +84,99 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<Report, BadInput> {
         text,
         diagnoses: Vec::new(),
     })
+}
+
+/// The page of a mistake, if its code was given.
+fn page(code: &str) -> Result<Option<&'static str>, BadInput> {
+    let number = code.strip_prefix(['E', 'e']);
+    if number.is_none_or(|digits| digits.is_empty() || digits.parse::<u32>().is_err()) {
+        return Ok(None);
+    }
+    match explanation(code) {
+        Some(page) => Ok(Some(page)),
+        None => {
+            let codes: Vec<&str> = mistake_codes().collect();
+            Err(BadInput::new(format!(
+                "there is no mistake `{code}`; the codes are {} to {}",
+                codes.first().copied().unwrap_or_default(),
+                codes.last().copied().unwrap_or_default()
+            )))
+        }
+    }
+}
+
+/// The impact law of each contact, with its coefficients for the parameters in force.
+fn laws(model: &dyn Model) -> String {
+    let declaration = model.declaration();
+    let mut text = String::new();
+    for (index, contact) in declaration.contacts.iter().enumerate() {
+        let mut law = match contact.law {
+            ImpactLaw::Inelastic => "inelastic".to_owned(),
+            ImpactLaw::Restitution => format!("restitution {}", model.restitution(index)),
+            _ => "other".to_owned(),
+        };
+        if contact.friction.is_some() {
+            let _ = write!(law, ", friction {}", model.friction(index));
+        }
+        law += if contact.custom_direction {
+            ", declared impulse direction"
+        } else {
+            ", impulse along M^-1 grad gap"
+        };
+        let held = contact.held.iter();
+        let held: Vec<&str> = held.map(|&i| declaration.coordinates[i].name).collect();
+        if !held.is_empty() {
+            let _ = write!(law, " with {} locked", held.join(", "));
+        }
+        let name = headed(contact.name, contact.unit);
+        let _ = writeln!(text, "contact     {name}: {law}");
+    }
+    text
+}
+
+/// Objective, constraints, terminal conditions and free initial values.
+fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> String {
+    let mut text = String::new();
+    let costs = [
+        (task.running_cost, "integral of the running cost"),
+        (task.final_cost, "final cost"),
+    ];
+    let costs = costs.iter().filter(|(declared, _)| *declared);
+    let costs: Vec<&str> = costs.map(|&(_, name)| name).collect();
+    if !costs.is_empty() {
+        let _ = writeln!(text, "minimize    {}", costs.join(" + "));
+    }
+    for constraint in task.constraints {
+        let relation = match constraint.relation {
+            ConstraintRelation::Zero => "= 0",
+            ConstraintRelation::NonNegative => ">= 0",
+        };
+        let name = headed(constraint.name, constraint.unit);
+        let _ = writeln!(text, "constraint  {name} {relation}");
+    }
+    for goal in task.goals {
+        let _ = writeln!(text, "finally     {}", goal.name);
+    }
+    if task.free_time {
+        text += "free        the final time\n";
+    }
+    let count = task.free_start.len();
+    let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; count], vec![f64::INFINITY; count]);
+    model.free_start_bounds(&mut lower, &mut upper);
+    let coordinates = model.declaration().coordinates;
+    for ((&index, lower), upper) in task.free_start.iter().zip(lower).zip(upper) {
+        let name = match coordinates.get(index) {
+            Some(coordinate) => coordinate.name.to_owned(),
+            None => format!("{}'", coordinates[index - coordinates.len()].name),
+        };
+        let bounds = if lower > f64::NEG_INFINITY || upper < f64::INFINITY {
+            format!(" in {lower}..={upper}")
+        } else {
+            String::new()
+        };
+        let _ = writeln!(text, "free        {name} at the start{bounds}");
+    }
+    text
 }
 
 /// Time from the first derivation to the finished library.
@@ -145,6 +241,67 @@ fn patterns(declaration: &Declaration) -> String {
             &inputs,
             &inputs,
         );
+        if let Some(friction) = &contact.friction {
+            let mut rows = vec!["slip".to_owned()];
+            rows.extend(with("direction ", ""));
+            text += &pattern(
+                &format!("Jacobian of the friction of `{}`", contact.name),
+                &friction.jacobian,
+                &rows,
+                &inputs,
+            );
+            text += &pattern(
+                &format!(
+                    "Hessian of the friction of `{}`, lower triangle",
+                    contact.name
+                ),
+                &friction.hessian,
+                &inputs,
+                &inputs,
+            );
+        }
+    }
+    if let Some(task) = &declaration.optimal_control {
+        text += &task_patterns(task, &inputs, 2 * declaration.coordinates.len());
+    }
+    text
+}
+
+/// The patterns of the functions of optimal control; the first `states` inputs are `(q, v)`.
+fn task_patterns(task: &OptimalControlDeclaration, inputs: &[String], states: usize) -> String {
+    let rows = |cost: bool, name: &str, list: &[ConstraintDeclaration]| -> Vec<String> {
+        let cost = cost.then(|| name.to_owned());
+        cost.into_iter()
+            .chain(list.iter().map(|condition| condition.name.to_owned()))
+            .collect()
+    };
+    let mut at_the_end = inputs[..states].to_vec();
+    at_the_end.push("time".to_owned());
+    let path = rows(task.running_cost, "running cost", task.constraints);
+    let terminal = rows(task.final_cost, "final cost", task.goals);
+    let mut text = String::new();
+    for (what, jacobian, hessian, rows, inputs) in [
+        (
+            "path",
+            &task.path_jacobian,
+            &task.path_hessian,
+            path,
+            inputs,
+        ),
+        (
+            "terminal",
+            &task.terminal_jacobian,
+            &task.terminal_hessian,
+            terminal,
+            &at_the_end,
+        ),
+    ] {
+        if !rows.is_empty() {
+            let title = format!("Jacobian of the {what} functions");
+            text += &pattern(&title, jacobian, &rows, inputs);
+            let title = format!("Hessian of the {what} functions, lower triangle");
+            text += &pattern(&title, hessian, inputs, inputs);
+        }
     }
     text
 }

@@ -108,7 +108,12 @@ impl SolverSettings {
     /// The settings of a solve with `intervals` control intervals.
     pub(crate) fn new(settings: &Settings, intervals: usize) -> Self {
         let (name, scheme, stages, elements) = match &settings.formulation {
-            Formulation::Phases => ("phases", Scheme::RadauIia, settings.stages, 1),
+            Formulation::Phases => (
+                "phases",
+                Scheme::RadauIia,
+                settings.stages,
+                settings.elements,
+            ),
             Formulation::TimeFreezing(grid) => {
                 ("time-freezing", grid.scheme, grid.stages, grid.elements)
             }
@@ -403,6 +408,9 @@ struct TrajectoryEntry<'a> {
     v: &'a [Vec<f64>],
     u: &'a [Vec<f64>],
     contact_force: &'a [Vec<f64>],
+    /// Only for scenes with friction.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    friction_force: &'a [Vec<f64>],
 }
 
 impl<'a> TrajectoryEntry<'a> {
@@ -419,7 +427,8 @@ impl<'a> TrajectoryEntry<'a> {
                         &trajectory.u[k],
                         &trajectory.contact_force[k],
                     ]
-                    .iter()
+                    .into_iter()
+                    .chain(trajectory.friction_force.get(k))
                     .all(|row| finite(row))
             })
             .count();
@@ -430,6 +439,7 @@ impl<'a> TrajectoryEntry<'a> {
             v: &trajectory.v[..rows],
             u: &trajectory.u[..rows],
             contact_force: &trajectory.contact_force[..rows],
+            friction_force: trajectory.friction_force.get(..rows).unwrap_or_default(),
         }
     }
 

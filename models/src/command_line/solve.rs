@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use hangtime::ocp::{self, Formulation, Settings, Solution, TimeFreezingSettings};
+use hangtime::ocp::{self, Formulation, Problem, Settings, Solution, TimeFreezingSettings};
 use hangtime::rk::Scheme;
 use hangtime::simulation::EventKind;
 use hangtime_models::PublishedData;
@@ -18,18 +18,21 @@ use super::progress::SolveProgress;
 use super::settings::ChosenScene;
 use super::table::{headed, seconds, table};
 
+/// Control intervals, unless others are asked for.
+pub(super) const INTERVALS: usize = 30;
+
 pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
     let chosen = ChosenScene::from_arguments(&arguments.scene)?;
-    let Some(declared) = chosen.scene.optimal_control else {
+    if chosen.model.declaration().optimal_control.is_none() {
         return Err(BadInput::new(format!(
             "scene `{0}` declares no objective, so there is nothing to optimize; run `hangtime \
              simulate {0}` instead",
             chosen.scene.name
         )));
-    };
+    }
     let settings = settings(arguments)?;
     let model = chosen.model.as_ref();
-    let problem = (declared.problem)(model, arguments.intervals.unwrap_or(declared.intervals));
+    let problem = Problem::of(model, arguments.intervals.unwrap_or(INTERVALS));
     let interrupt = Interrupt::listen();
     let directory = arguments
         .out
@@ -92,6 +95,7 @@ fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
                 ));
             }
             settings.stages = arguments.stages.unwrap_or(settings.stages);
+            settings.elements = arguments.elements.unwrap_or(settings.elements);
         }
         SolveFormulation::TimeFreezing => {
             let mut freezing = TimeFreezingSettings::default();
@@ -143,6 +147,10 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
         method.name, method.scheme, method.stages, method.intervals, method.elements, method.starts
     );
     let _ = writeln!(text, "status        {}", solution.status.name());
+    if solution.motion.is_none() {
+        let _ = writeln!(text, "CPU time      {}", seconds(solution.seconds));
+        return text;
+    }
     let _ = writeln!(text, "objective     {:.10}", solution.objective);
     let _ = writeln!(text, "final time    {:.10} s", solution.horizon);
     let _ = writeln!(text, "stationarity  {}", solution.stationarity.name());

@@ -25,7 +25,7 @@ impl Case {
         duration: f64,
         (scheme, stages, elements): (Scheme, usize, usize),
     ) -> Self {
-        let mut problem = Problem::of(&model, Objective::default(), Vec::new(), 1);
+        let mut problem = Problem::new(&model, Objective::default(), Vec::new(), 1);
         (problem.q, problem.v) = (q.to_vec(), v.to_vec());
         problem.horizon = Horizon::Fixed(duration);
         let mut settings = TimeFreezingSettings::default();
@@ -53,7 +53,7 @@ impl Case {
             component: Component::Coordinate(0),
             value: std::f64::consts::TAU,
         };
-        let problem = Problem::of(&model, Objective::time(), vec![goal], intervals);
+        let problem = Problem::new(&model, Objective::time(), vec![goal], intervals);
         let mut settings = TimeFreezingSettings::default();
         settings.stages = stages;
         Self {

@@ -160,11 +160,49 @@ impl RefinedSolver {
 
 /// Largest absolute entry; not a number if there is one.
 fn norm_inf(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |norm: f64, a| {
-        if a.is_nan() {
-            f64::NAN
-        } else {
-            norm.max(a.abs())
+    let (fours, others) = x.as_chunks::<4>();
+    let mut lanes = [0.0_f64; 4];
+    // zero for finite entries, and not a number from the first that is not
+    let mut faults = [0.0_f64; 4];
+    for four in fours {
+        for ((lane, fault), a) in lanes.iter_mut().zip(&mut faults).zip(four) {
+            if a.abs() > *lane {
+                *lane = a.abs();
+            }
+            *fault += a * 0.0;
         }
-    })
+    }
+    let mut norm: f64 = 0.0;
+    let mut fault: f64 = faults.iter().sum();
+    for a in lanes.iter().chain(others) {
+        norm = norm.max(a.abs());
+        fault += a * 0.0;
+    }
+    if fault == 0.0 {
+        norm
+    } else if x.iter().any(|a| a.is_nan()) {
+        f64::NAN
+    } else {
+        f64::INFINITY
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn norm_inf_sees_every_lane_and_every_fault() {
+        let mut x = vec![1.0; 11];
+        for k in 0..x.len() {
+            x[k] = -3.0;
+            assert_eq!(norm_inf(&x), 3.0);
+            x[k] = f64::NEG_INFINITY;
+            assert_eq!(norm_inf(&x), f64::INFINITY);
+            x[k] = f64::NAN;
+            assert!(norm_inf(&x).is_nan());
+            x[k] = 1.0;
+        }
+        assert_eq!(norm_inf(&[]), 0.0);
+    }
 }

@@ -1,5 +1,6 @@
 //! Entry points: from the user's problem to the loop and back.
 
+use super::adaptive_barrier::AdaptiveBarrier;
 use super::barrier::{BarrierPath, Monotone};
 use super::barrier_problem::BarrierProblem;
 use super::formulation::Formulation;
@@ -7,7 +8,7 @@ use super::iterate::Iterate;
 use super::scaling::interior;
 use super::solution::diagnose;
 use super::solver::{Core, Loop, Observer, Outcome};
-use super::{InputError, NlpProblem, Residuals, Settings, Solution, Status};
+use super::{BarrierStrategy, InputError, NlpProblem, Residuals, Settings, Solution, Status};
 
 /// A point with multipliers to start from, for instance those of an earlier [`Solution`].
 #[derive(Debug, Clone, PartialEq)]
@@ -211,6 +212,9 @@ fn run_loop<'o>(
     let mut core = Core::new(formulation, settings, observer)?;
     let main = BarrierProblem::main(&core.formulation);
     let mut main_loop = Loop::new(&mut core, main, path, false);
+    if settings.barrier_strategy == BarrierStrategy::Adaptive && products.pairs.is_empty() {
+        main_loop.adaptive = Some(AdaptiveBarrier::new(settings.tolerance, start.is_some()));
+    }
     first_point(&mut main_loop);
     if !main_loop.evaluate_iterate() {
         let what = not_finite(&main_loop);

@@ -13,6 +13,8 @@
 //! holds the multiplier of each product at position (i, j). A pair thus changes a 2x2 block and adds no
 //! row; and the restoration phase, whose elastic slacks are eliminated too, has the same pattern.
 
+use cpu_time::ThreadTime;
+
 use super::barrier_problem::{BarrierProblem, Objective};
 use super::formulation::Formulation;
 use super::iterate::Iterate;
@@ -229,7 +231,7 @@ impl KktSystem {
         delta_w: f64,
         delta_c: f64,
     ) -> Result<Inertia, FactorizationError> {
-        let start = std::time::Instant::now();
+        let start = ThreadTime::now();
         self.factorizations += 1;
         let result = self.solver.factor(&self.values, delta_w, delta_c);
         self.seconds += start.elapsed().as_secs_f64();
@@ -285,7 +287,7 @@ impl KktSystem {
         residual: &[f64],
         direction: &mut Iterate,
     ) -> SolveQuality {
-        let start = std::time::Instant::now();
+        let start = ThreadTime::now();
         let n = self.n;
         self.row_terms.clear();
         self.row_terms.extend_from_slice(residual);

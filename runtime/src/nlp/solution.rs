@@ -67,9 +67,9 @@ pub struct Solution {
     pub residuals: Residuals,
     /// Work done.
     pub counts: Counts,
-    /// Seconds spent in factorizations and solves.
+    /// CPU seconds of factorizations and solves.
     pub linear_seconds: f64,
-    /// Seconds of the run.
+    /// Wall-clock seconds of the run.
     pub seconds: f64,
     /// One entry for each iteration.
     pub history: Vec<IterationInfo>,

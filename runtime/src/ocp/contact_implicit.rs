@@ -11,14 +11,12 @@
 //! elements: it is a time-stepping scheme. Gaps are variables of their own, in units of the order of
 //! one, so that the relaxed products are balanced.
 
+use super::frame::{Frame, state_name};
 use super::kernel::Kernel;
 use super::path::{Path, Units};
-use super::problem::{Component, Horizon, Problem};
+use super::problem::Problem;
 use super::program::Program;
 use crate::model::Model;
-
-/// Shortest and longest horizon relative to the guess, where it is free.
-const HORIZONS: (f64, f64) = (0.05, 20.0);
 
 /// The program and where its unknowns are.
 pub(super) struct ContactImplicit<'a> {
@@ -29,99 +27,8 @@ pub(super) struct ContactImplicit<'a> {
     elements: Vec<Vec<usize>>,
     /// Pairs (force, gap) of the contacts of each element.
     pairs: Vec<Vec<(usize, usize)>>,
-    start: Vec<f64>,
-}
-
-/// What both programs have in common: the horizon, the controls, and what depends only on them and the
-/// final state.
-pub(super) struct Frame {
-    pub(super) horizon: usize,
-    pub(super) controls: Vec<Vec<usize>>,
-}
-
-impl Frame {
-    pub(super) fn add(
-        program: &mut Program,
-        model: &dyn Model,
-        problem: &Problem,
-        guess: &Path,
-        units: &Units,
-        bounds: (&[f64], &[f64]),
-    ) -> Self {
-        let declaration = model.declaration();
-        let n = declaration.coordinates.len();
-        let range = match problem.horizon {
-            Horizon::Fixed(horizon) => (horizon, horizon),
-            Horizon::Free { .. } => (HORIZONS.0 * units.time, HORIZONS.1 * units.time),
-        };
-        let horizon = program.variable("final time", range, guess.horizon, units.time);
-        let controls = (0..problem.intervals)
-            .map(|k| {
-                let declared = declaration.controls.iter().enumerate();
-                declared
-                    .map(|(i, control)| {
-                        program.variable(
-                            format!("`{}` on interval {k}", control.name),
-                            (bounds.0[n + i], bounds.1[n + i]),
-                            guess.controls[k][i],
-                            units.controls[i],
-                        )
-                    })
-                    .collect()
-            })
-            .collect();
-        Self { horizon, controls }
-    }
-
-    /// Adds the objective and the goals on the final state `(q, v)`.
-    pub(super) fn finish(
-        &self,
-        program: &mut Program,
-        problem: &Problem,
-        n: usize,
-        last: &[usize],
-    ) {
-        let objective = &problem.objective;
-        if objective.final_time != 0.0 {
-            program.objective_linear(self.horizon, objective.final_time);
-        }
-        for &(index, weight) in &objective.final_coordinates {
-            program.objective_linear(last[index], weight);
-        }
-        for &(index, weight) in &objective.final_velocities {
-            program.objective_linear(last[n + index], weight);
-        }
-        for goal in &problem.goals {
-            let variable = match goal.component {
-                Component::Coordinate(k) => last[k],
-                Component::Velocity(k) => last[n + k],
-            };
-            program.bound(variable, goal.value, goal.value);
-        }
-        if objective.control_effort == 0.0 {
-            return;
-        }
-        let weight = objective.control_effort / problem.intervals as f64;
-        match problem.horizon {
-            Horizon::Fixed(horizon) => {
-                for &u in self.controls.iter().flatten() {
-                    program.objective_bilinear(u, u, weight * horizon);
-                }
-            }
-            // The sum of the squares is a variable, so that the objective stays bilinear.
-            Horizon::Free { .. } => {
-                let controls: Vec<usize> = self.controls.iter().flatten().copied().collect();
-                let unit: f64 = controls.iter().map(|&u| program.unit(u).powi(2)).sum();
-                let sum = program.variable("sum of squares", (0.0, f64::INFINITY), unit, unit);
-                let row = program.row("sum of squares", 0.0, f64::INFINITY);
-                program.linear(row, sum, 1.0);
-                for u in controls {
-                    program.bilinear(row, u, u, -1.0);
-                }
-                program.objective_bilinear(self.horizon, sum, weight);
-            }
-        }
-    }
+    /// Variables `(q, v)` at the start.
+    start: Vec<usize>,
 }
 
 impl<'a> ContactImplicit<'a> {
@@ -143,15 +50,7 @@ impl<'a> ContactImplicit<'a> {
         let count = problem.intervals * per_interval;
         let share = 1.0 / count as f64;
         let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
-        let mut before: Vec<usize> = start
-            .iter()
-            .enumerate()
-            .map(|(k, &value)| {
-                let name = format!("initial {}", state_name(model, k));
-                program.variable(name, (value, value), value, 1.0)
-            })
-            .collect();
+        let mut before = frame.start.clone();
         let mut elements = Vec::with_capacity(count);
         let mut pairs = Vec::with_capacity(count);
         for element in 0..count {
@@ -208,19 +107,22 @@ impl<'a> ContactImplicit<'a> {
             }
             let kernel = Kernel::Acceleration(contacts.clone());
             program.block(&kernel, [&q, &v, u, &forces], Some(horizon), uses);
+            frame.running_cost(&mut program, problem, [&q, &v, u], (horizon, share));
+            let place = format!("after element {element}");
+            frame.path_rows(&mut program, problem, [&q, &v, u], &place);
             before.clone_from(&variables);
             variables.extend(forces);
             elements.push(variables);
             pairs.push(gaps);
         }
-        frame.finish(&mut program, problem, n, &before);
+        frame.finish(&mut program, problem, &before);
         Self {
             program: program.finish(),
             horizon,
             controls: frame.controls,
             elements,
             pairs,
-            start,
+            start: frame.start,
         }
     }
 
@@ -244,7 +146,7 @@ impl<'a> ContactImplicit<'a> {
         let horizon = x[self.horizon];
         let values = |variables: &Vec<usize>| variables.iter().map(|&i| x[i]).collect();
         let mut states: Vec<Vec<f64>> = self.elements.iter().map(values).collect();
-        let mut first = self.start.clone();
+        let mut first: Vec<f64> = values(&self.start);
         first.extend(&states[0][first.len()..]);
         states.insert(0, first);
         let count = self.elements.len() as f64;
@@ -256,15 +158,6 @@ impl<'a> ContactImplicit<'a> {
                 .collect(),
             states,
         }
-    }
-}
-
-/// Name of component `k` of `(q, v)`.
-pub(super) fn state_name(model: &dyn Model, k: usize) -> String {
-    let coordinates = model.declaration().coordinates;
-    match k.checked_sub(coordinates.len()) {
-        None => format!("`{}`", coordinates[k].name),
-        Some(velocity) => format!("d`{}`/dt", coordinates[velocity].name),
     }
 }
 

@@ -1,7 +1,10 @@
 //! The check between the stages: gaps and bounds over the continuous motion of a solved program.
 
-use super::collocation::{Collocation, Cut, CutKind, SolvedPhase, lagrange};
-use crate::model::contact_point;
+use super::collocation::{Collocation, Cut, CutKind, Places, SolvedPhase, lagrange};
+use super::problem::Problem;
+use super::settings::BoundsAt;
+use super::solution::Excess;
+use crate::model::{ConstraintRelation, contact_point};
 
 /// Points of a phase that are looked at.
 const POINTS: usize = 64;
@@ -20,10 +23,97 @@ pub(super) struct Limits<'a> {
     /// Largest violation of a bound of a coordinate that is let pass.
     pub(super) bound: f64,
     pub(super) bounds: (&'a [f64], &'a [f64]),
+    pub(super) problem: &'a Problem,
+    pub(super) places: Places,
+}
+
+/// The continuous motion of a solved program.
+struct Motion<'p, 'm> {
+    program: &'p Collocation<'m>,
+    solved: Vec<SolvedPhase>,
+    /// Weights of the states of a phase at its points `i / POINTS`.
+    weights: Vec<Vec<f64>>,
+    /// Physical values of the unknowns.
+    x: Vec<f64>,
+}
+
+impl<'p, 'm> Motion<'p, 'm> {
+    fn new(program: &'p Collocation<'m>, x: &[f64]) -> Self {
+        let thetas = (0..=POINTS).map(|i| i as f64 / POINTS as f64);
+        Self {
+            program,
+            solved: program.solved(x),
+            weights: thetas
+                .map(|theta| lagrange(program.tableau, theta, false))
+                .collect(),
+            x: program.program.physical(x),
+        }
+    }
+
+    /// Writes the first components of `(q, v)` at the share `theta` of a phase.
+    fn write(&self, phase: usize, theta: f64, state: &mut [f64]) {
+        let place = theta * POINTS as f64;
+        let between;
+        let weights = if place.fract() == 0.0 {
+            &self.weights[place as usize]
+        } else {
+            between = lagrange(self.program.tableau, theta, false);
+            &between
+        };
+        state.fill(0.0);
+        for (values, weight) in self.solved[phase].states.iter().zip(weights) {
+            for (slot, value) in state.iter_mut().zip(values) {
+                *slot += weight * value;
+            }
+        }
+    }
+
+    /// Distance of a coordinate from the nearer of its bounds, negative outside.
+    fn inside(&self, k: usize, bounds: (f64, f64)) -> impl FnMut(usize, f64) -> f64 + '_ {
+        let mut state = vec![0.0; k + 1];
+        move |phase, theta| {
+            self.write(phase, theta, &mut state);
+            (state[k] - bounds.0).min(bounds.1 - state[k])
+        }
+    }
+
+    /// Value of a path constraint, or minus the amount of one that is to be 0.
+    fn path(&self, constraint: usize) -> impl FnMut(usize, f64) -> f64 + '_ {
+        let model = self.program.model;
+        let declaration = model.declaration();
+        let declared = declaration.optimal_control;
+        let n = declaration.coordinates.len();
+        let mut input = vec![0.0; declaration.inputs()];
+        let mut values = vec![0.0; declared.map_or(0, |d| d.path_functions())];
+        let first = declared.map_or(0, |d| usize::from(d.running_cost));
+        let relation = declared.map(|d| d.constraints[constraint].relation);
+        move |phase, theta| {
+            self.write(phase, theta, &mut input[..2 * n]);
+            let controls = &self.program.controls[self.program.phases[phase].interval];
+            for (slot, &u) in input[2 * n..].iter_mut().zip(controls) {
+                *slot = self.x[u];
+            }
+            model.path_functions(&input, &mut values);
+            let value = values[first + constraint];
+            match relation {
+                Some(ConstraintRelation::Zero) => -value.abs(),
+                _ => value,
+            }
+        }
+    }
+
+    /// Path constraints of the problem: their number and whether each is an inequality.
+    fn constraints(&self, limits: &Limits) -> Vec<bool> {
+        let declared = limits.problem.declared(self.program.model);
+        let constraints = declared.map_or(&[][..], |d| d.constraints).iter();
+        constraints
+            .map(|c| c.relation == ConstraintRelation::NonNegative)
+            .collect()
+    }
 }
 
 /// Places where the motion between the stages grazes or enters a surface, or leaves the bounds of a
-/// coordinate: minima over the phases, with higher values on either side.
+/// coordinate or a path constraint: minima over the phases, with higher values on either side.
 pub(super) fn between_stages(
     program: &Collocation,
     x: &[f64],
@@ -35,7 +125,7 @@ pub(super) fn between_stages(
     let n = declaration.coordinates.len();
     let mut input = vec![0.0; declaration.inputs()];
     let mut found = Vec::new();
-    let solved = program.solved(x);
+    let motion = Motion::new(program, x);
     let cut = |phase: usize, theta: f64, kind: CutKind| Cut {
         interval: program.phases[phase].interval,
         phase: program.phases[phase].index,
@@ -44,15 +134,17 @@ pub(super) fn between_stages(
     };
     for contact in 0..declaration.contacts.len() {
         let mut gap = |phase: usize, theta: f64| {
-            for (k, slot) in input.iter_mut().take(n).enumerate() {
-                *slot = program.dense(&solved[phase].states, theta, k);
-            }
+            motion.write(phase, theta, &mut input[..n]);
             model.gap(contact, &input)
         };
         let mut next = 0;
         while next < program.phases.len() {
             let open = |phase: &usize| !program.phases[*phase].closed.contains(&contact);
-            let flight: Vec<usize> = (next..program.phases.len()).take_while(open).collect();
+            // A flight ends where the contact closes or is touched.
+            let lands = |phase: &usize| program.phases[*phase].closing == Some(contact);
+            let until = (next..program.phases.len()).find(lands);
+            let until = until.map_or(program.phases.len(), |last| last + 1);
+            let flight: Vec<usize> = (next..until).take_while(open).collect();
             next += flight.len().max(1);
             let depth = DEPTH * limits.margin;
             for (phase, theta, between) in lows(&flight, &mut gap, (limits.gap, depth)) {
@@ -66,22 +158,78 @@ pub(super) fn between_stages(
             }
         }
     }
-    found.extend(departures(program, &solved, limits));
+    found.extend(departures(program, &motion.solved, limits));
+    if limits.places.bounds == BoundsAt::Nodes {
+        return found;
+    }
+    let all: Vec<usize> = (0..program.phases.len()).collect();
+    let tolerance = (-limits.bound, limits.bound);
     for k in (0..n).filter(|&k| !parabolas[k]) {
-        let (lower, upper) = (limits.bounds.0[k], limits.bounds.1[k]);
-        if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
+        let bounds = (limits.bounds.0[k], limits.bounds.1[k]);
+        if bounds == (f64::NEG_INFINITY, f64::INFINITY) {
             continue;
         }
-        let mut inside = |phase: usize, theta: f64| {
-            let value = program.dense(&solved[phase].states, theta, k);
-            (value - lower).min(upper - value)
-        };
-        let all: Vec<usize> = (0..program.phases.len()).collect();
-        for (phase, theta, _) in lows(&all, &mut inside, (-limits.bound, limits.bound)) {
+        for (phase, theta, _) in lows(&all, &mut motion.inside(k, bounds), tolerance) {
             found.push(cut(phase, theta, CutKind::Bounds(k)));
         }
     }
+    for (constraint, inequality) in motion.constraints(&limits).into_iter().enumerate() {
+        if !inequality {
+            continue;
+        }
+        for (phase, theta, _) in lows(&all, &mut motion.path(constraint), tolerance) {
+            found.push(cut(phase, theta, CutKind::Path(constraint)));
+        }
+    }
     found
+}
+
+/// The largest violation of a bound of a coordinate or of a path constraint along the whole motion.
+pub(super) fn excess(program: &Collocation, x: &[f64], limits: Limits) -> Option<Excess> {
+    let declaration = program.model.declaration();
+    let motion = Motion::new(program, x);
+    let mut largest: Option<Excess> = None;
+    let mut look = |name: &str, value: &mut dyn FnMut(usize, f64) -> f64| {
+        for (phase, solved) in motion.solved.iter().enumerate() {
+            let (mut lowest, mut place) = (f64::INFINITY, 0.0);
+            for i in 0..=POINTS {
+                let theta = i as f64 / POINTS as f64;
+                let here = value(phase, theta);
+                if here < lowest {
+                    (lowest, place) = (here, theta);
+                }
+            }
+            let step = 1.0 / POINTS as f64;
+            let (from, to) = ((place - step).max(0.0), (place + step).min(1.0));
+            let known = largest.as_ref().map_or(0.0, |excess| excess.amount);
+            if -lowest > known - step * step {
+                let better = refine(&mut |theta| value(phase, theta), from, to);
+                let refined = value(phase, better);
+                if refined < lowest {
+                    (lowest, place) = (refined, better);
+                }
+            }
+            if -lowest > known {
+                largest = Some(Excess {
+                    name: name.to_owned(),
+                    amount: -lowest,
+                    time: solved.start + place * solved.length,
+                });
+            }
+        }
+    };
+    for (k, coordinate) in declaration.coordinates.iter().enumerate() {
+        let bounds = (limits.bounds.0[k], limits.bounds.1[k]);
+        if bounds != (f64::NEG_INFINITY, f64::INFINITY) {
+            look(coordinate.name, &mut motion.inside(k, bounds));
+        }
+    }
+    for constraint in 0..motion.constraints(&limits).len() {
+        let declared = declaration.optimal_control;
+        let name = declared.map_or("", |d| d.constraints[constraint].name);
+        look(name, &mut motion.path(constraint));
+    }
+    largest
 }
 
 /// Flights that pass a jump of the controls so shortly after their opening that they are still on the surface,

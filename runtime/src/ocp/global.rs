@@ -7,7 +7,7 @@ use super::search::{Search, refused};
 use super::sequence::Sequence;
 use crate::mpcc::{self, RelaxationRule};
 use crate::nlp;
-use crate::simulation::{ControlSignal, InputError};
+use crate::simulation::InputError;
 
 /// Elements an interval of the first programs of the global phase, and the rules that relax them: few elements
 /// and many rules, because the programs differ in the local optima that they end at, and are cheap.
@@ -22,6 +22,8 @@ const COARSE: [(usize, &[RelaxationRule]); 2] = [
     ),
     (2, &[RelaxationRule::RollOff, RelaxationRule::Continuation]),
 ];
+/// Least number of elements of the whole motion in the coarsest program; with fewer intervals they are divided.
+const LEAST_ELEMENTS: usize = 24;
 /// Last relaxation and first barrier parameter of the first programs.
 const COARSE_RELAXATION: (f64, f64) = (1e-3, 1e-1);
 /// Rules of the refined programs.
@@ -40,6 +42,8 @@ const SAME: f64 = 1e-3;
 const CLOSING: f64 = 0.5;
 /// Gap below which a motion starts on a surface, in its unit.
 const AT_START: f64 = 1e-9;
+/// The same where initial values are free: as far as a relaxed program may hold it off.
+const NEAR_START: f64 = 1e-3;
 
 /// A motion of the global phase.
 pub(super) struct Relaxed {
@@ -53,12 +57,14 @@ impl Search<'_, '_> {
     pub(super) fn global(&mut self, guess: &Path) -> Result<Vec<Relaxed>, InputError> {
         let mut coarse: Vec<Relaxed> = Vec::new();
         let mut unsolved = 0;
+        let intervals = self.setting.problem.intervals;
+        let finer = LEAST_ELEMENTS.div_ceil(intervals);
         for (elements, rules) in COARSE {
             for &rule in rules {
                 if self.watch.stopped {
                     return Ok(Vec::new());
                 }
-                let found = self.relaxed(guess, elements, rule, COARSE_RELAXATION)?;
+                let found = self.relaxed(guess, finer * elements, rule, COARSE_RELAXATION)?;
                 unsolved += usize::from(found.is_none());
                 insert(&mut coarse, found);
             }
@@ -75,8 +81,12 @@ impl Search<'_, '_> {
                 if self.watch.stopped || index >= FINE_ALTERNATIVES && !fine.is_empty() {
                     break;
                 }
-                let found =
-                    self.relaxed(start, self.settings.refined_elements, rule, FINE_RELAXATION)?;
+                let found = self.relaxed(
+                    start,
+                    finer * self.settings.refined_elements,
+                    rule,
+                    FINE_RELAXATION,
+                )?;
                 let solved = found.is_some();
                 insert(&mut fine, found);
                 if solved && !hard {
@@ -90,7 +100,7 @@ impl Search<'_, '_> {
                 objective: f64::INFINITY,
                 path: guess.clone(),
                 sequence: Sequence {
-                    initially: self.closed_at_start(),
+                    initially: self.closed_at_start(guess),
                     switches: Vec::new(),
                 },
             });
@@ -136,10 +146,11 @@ impl Search<'_, '_> {
             let ends: Vec<f64> = (1..=closed.len())
                 .map(|end| end as f64 / elements as f64)
                 .collect();
-            let initially = self.closed_at_start();
+            let path = program.path(&solution.x);
+            let initially = self.closed_at_start(&path);
             return Ok(Some(Relaxed {
                 objective: solution.objective,
-                path: program.path(&solution.x),
+                path,
                 sequence: Sequence::of_elements(initially, &closed, (elements, &ends), CLOSING),
             }));
         }
@@ -151,14 +162,15 @@ impl Search<'_, '_> {
         Ok(None)
     }
 
-    /// Contacts that the motion starts on.
-    pub(super) fn closed_at_start(&self) -> Vec<bool> {
-        let Setting { model, problem, .. } = self.setting;
-        let input = problem
-            .initial_value_problem(1.0, ControlSignal::Zero)
-            .input(model);
+    /// Contacts that a path starts on.
+    pub(super) fn closed_at_start(&self, path: &Path) -> Vec<bool> {
+        let Setting { model, units, .. } = self.setting;
+        let mut input = self.setting.problem.start_of(model, path);
+        input.resize(model.declaration().inputs(), 0.0);
+        let free = self.setting.problem.has_free_start(model);
+        let near = if free { NEAR_START } else { AT_START };
         (0..model.declaration().contacts.len())
-            .map(|contact| model.gap(contact, &input) <= AT_START * self.setting.units.gap[contact])
+            .map(|contact| model.gap(contact, &input) <= near * units.gap[contact])
             .collect()
     }
 }

@@ -1,6 +1,6 @@
 //! Functions of a model that appear in the rows of a program, with their derivatives.
 
-use crate::model::{Model, contact_point};
+use crate::model::{Declaration, Model, SparsityPattern, contact_point};
 
 /// A vector-valued function of a local input vector `(q, v, u, r)`, where `r` has one entry for each
 /// contact that acts.
@@ -12,6 +12,10 @@ pub(super) enum Kernel {
     Push(Vec<usize>),
     /// `(g_i(q), v_n,i(q, v))`: gap and normal velocity of one contact.
     Contact(usize),
+    /// The path functions that the scene declares, of `(q, v, u)`.
+    Path,
+    /// The terminal functions that the scene declares, of `(q, v, T)`.
+    Terminal,
 }
 
 impl Kernel {
@@ -19,8 +23,36 @@ impl Kernel {
     fn acting(&self) -> &[usize] {
         match self {
             Self::Acceleration(contacts) | Self::Push(contacts) => contacts,
-            Self::Contact(_) => &[],
+            Self::Contact(_) | Self::Path | Self::Terminal => &[],
         }
+    }
+}
+
+/// Adds values at their positions in a dense matrix with that many columns.
+fn scatter(entries: &[(u32, u32)], values: &[f64], matrix: &mut [f64], columns: usize) {
+    for (&(row, column), value) in entries.iter().zip(values) {
+        matrix[row as usize * columns + column as usize] += value;
+    }
+}
+
+/// Patterns of Jacobian and Hessian, and number of the functions that a scene declares for optimal control.
+fn declared(
+    kernel: &Kernel,
+    declaration: &Declaration,
+) -> Option<(SparsityPattern, SparsityPattern, usize)> {
+    let declared = declaration.optimal_control?;
+    match kernel {
+        Kernel::Path => Some((
+            declared.path_jacobian,
+            declared.path_hessian,
+            declared.path_functions(),
+        )),
+        Kernel::Terminal => Some((
+            declared.terminal_jacobian,
+            declared.terminal_hessian,
+            declared.terminal_functions(),
+        )),
+        _ => None,
     }
 }
 
@@ -28,7 +60,7 @@ impl Kernel {
 pub(super) struct Evaluator<'a> {
     model: &'a dyn Model,
     kernel: Kernel,
-    /// Length of `(q, v, u)`.
+    /// Length of `(q, v, u)`, or of `(q, v, T)`.
     plain: usize,
     coordinates: usize,
     /// Structural nonzeros of the Jacobian as (output, input).
@@ -50,11 +82,16 @@ impl<'a> Evaluator<'a> {
     pub(super) fn new(model: &'a dyn Model, kernel: Kernel) -> Self {
         let declaration = model.declaration();
         let n = declaration.coordinates.len();
-        let plain = declaration.inputs();
+        let plain = match kernel {
+            Kernel::Terminal => 2 * n + 1,
+            _ => declaration.inputs(),
+        };
         let inputs = plain + kernel.acting().len();
+        let functions = declared(&kernel, declaration);
         let outputs = match kernel {
             Kernel::Contact(_) => 2,
-            _ => n,
+            Kernel::Path | Kernel::Terminal => functions.map_or(0, |f| f.2),
+            Kernel::Acceleration(_) | Kernel::Push(_) => n,
         };
         let mut jacobian = vec![false; outputs * inputs];
         let mut hessian = vec![false; inputs * inputs];
@@ -93,6 +130,14 @@ impl<'a> Evaluator<'a> {
                 mark(i as usize, j as usize);
             }
         }
+        if let Some((first, second, _)) = functions {
+            for &(row, column) in first.entries {
+                jacobian[row as usize * inputs + column as usize] = true;
+            }
+            for &(i, j) in second.entries {
+                mark(i as usize, j as usize);
+            }
+        }
         let entries = |flags: &[bool]| {
             let marked = flags.iter().enumerate().filter(|&(_, &flag)| flag);
             marked.map(|(i, _)| (i / inputs, i % inputs)).collect()
@@ -109,6 +154,8 @@ impl<'a> Evaluator<'a> {
             .chain([
                 declaration.free_jacobian.entries.len(),
                 declaration.free_hessian.entries.len(),
+                functions.map_or(0, |f| f.0.entries.len()),
+                functions.map_or(0, |f| f.1.entries.len()),
             ])
             .max();
         Self {
@@ -142,6 +189,8 @@ impl<'a> Evaluator<'a> {
         match &self.kernel {
             Kernel::Acceleration(_) => self.model.free_acceleration(plain, &mut self.outputs),
             Kernel::Push(_) => self.outputs.fill(0.0),
+            Kernel::Path => self.model.path_functions(plain, &mut self.outputs),
+            Kernel::Terminal => self.model.terminal_functions(plain, &mut self.outputs),
             Kernel::Contact(contact) => {
                 self.model.contact(*contact, plain, &mut self.point);
                 self.outputs[0] = self.point[contact_point::GAP];
@@ -168,9 +217,7 @@ impl<'a> Evaluator<'a> {
             let entries = declaration.free_jacobian.entries;
             self.model
                 .free_jacobian(plain, &mut self.values[..entries.len()]);
-            for (&(row, column), value) in entries.iter().zip(&self.values) {
-                self.jacobian[row as usize * inputs + column as usize] += value;
-            }
+            scatter(entries, &self.values, &mut self.jacobian, inputs);
         }
         let direction = contact_point::direction(self.coordinates);
         for (index, (&contact, force)) in self.kernel.acting().iter().zip(forces).enumerate() {
@@ -187,6 +234,14 @@ impl<'a> Evaluator<'a> {
                     self.jacobian[(row as usize - 2) * inputs + column as usize] += value * force;
                 }
             }
+        }
+        if let Some((pattern, ..)) = declared(&self.kernel, declaration) {
+            let values = &mut self.values[..pattern.entries.len()];
+            match self.kernel {
+                Kernel::Terminal => self.model.terminal_jacobian(plain, values),
+                _ => self.model.path_jacobian(plain, values),
+            }
+            scatter(pattern.entries, &self.values, &mut self.jacobian, inputs);
         }
         if let Kernel::Contact(contact) = self.kernel {
             let entries = declaration.contacts[contact].jacobian.entries;
@@ -211,9 +266,7 @@ impl<'a> Evaluator<'a> {
             let entries = declaration.free_hessian.entries;
             self.model
                 .free_hessian(plain, multipliers, &mut self.values[..entries.len()]);
-            for (&(i, j), value) in entries.iter().zip(&self.values) {
-                self.hessian[i as usize * inputs + j as usize] += value;
-            }
+            scatter(entries, &self.values, &mut self.hessian, inputs);
         }
         for (index, (&contact, force)) in self.kernel.acting().iter().zip(forces).enumerate() {
             self.weights[..2].fill(0.0);
@@ -227,9 +280,7 @@ impl<'a> Evaluator<'a> {
                 &self.weights,
                 &mut self.values[..entries.len()],
             );
-            for (&(i, j), value) in entries.iter().zip(&self.values) {
-                self.hessian[i as usize * inputs + j as usize] += value;
-            }
+            scatter(entries, &self.values, &mut self.hessian, inputs);
             let entries = declaration.contacts[contact].jacobian.entries;
             self.model
                 .contact_jacobian(contact, plain, &mut self.values[..entries.len()]);
@@ -239,6 +290,14 @@ impl<'a> Evaluator<'a> {
                         value * multipliers[row as usize - 2];
                 }
             }
+        }
+        if let Some((_, pattern, _)) = declared(&self.kernel, declaration) {
+            let values = &mut self.values[..pattern.entries.len()];
+            match self.kernel {
+                Kernel::Terminal => self.model.terminal_hessian(plain, multipliers, values),
+                _ => self.model.path_hessian(plain, multipliers, values),
+            }
+            scatter(pattern.entries, &self.values, &mut self.hessian, inputs);
         }
         if let Kernel::Contact(contact) = self.kernel {
             self.weights.fill(0.0);
@@ -250,9 +309,7 @@ impl<'a> Evaluator<'a> {
                 &self.weights,
                 &mut self.values[..entries.len()],
             );
-            for (&(i, j), value) in entries.iter().zip(&self.values) {
-                self.hessian[i as usize * inputs + j as usize] += value;
-            }
+            scatter(entries, &self.values, &mut self.hessian, inputs);
         }
     }
 }

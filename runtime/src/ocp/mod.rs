@@ -35,7 +35,7 @@
 //!
 //! let cart = Cart::default();
 //! let goal = Goal { component: Component::Coordinate(0), value: 1.0 };
-//! let problem = Problem::of(&cart, Objective::time(), vec![goal], 4);
+//! let problem = Problem::new(&cart, Objective::time(), vec![goal], 4);
 //! let solution = ocp::solve(&cart, &problem, &Settings::default(), &mut |_| true)?;
 //! assert!(solution.status.is_solved());
 //! assert!((solution.horizon - 2.0).abs() < 1e-6);
@@ -46,9 +46,12 @@ mod collocation;
 mod confirm;
 mod contact_implicit;
 mod cuts;
+mod frame;
 mod global;
 mod kernel;
+mod limits;
 mod path;
+mod previous;
 mod problem;
 mod program;
 mod progress;
@@ -59,13 +62,18 @@ mod settings;
 mod solution;
 mod solve;
 mod starts;
+#[cfg(test)]
+mod test_scene;
 mod time_freezing;
 mod time_freezing_search;
 mod transcribe;
 
+pub use previous::Previous;
 pub use problem::{Component, Goal, Horizon, Objective, Problem};
 pub use progress::{Observer, Progress};
-pub use settings::{Formulation, Guess, Settings};
-pub use solution::{Counts, Optimum, Size, Solution, Stationarity, Status, TimeFreezingReport};
+pub use settings::{BoundsAt, Formulation, Guess, PathPoints, Settings};
+pub use solution::{
+    Counts, Excess, Optimum, Size, Solution, Stationarity, Status, TimeFreezingReport,
+};
 pub use solve::solve;
 pub use time_freezing::{TimeFreezing, TimeFreezingMotion, TimeFreezingSettings};

@@ -1,6 +1,6 @@
 //! A motion with its controls: what one phase of the solution hands to the next.
 
-use super::problem::{Component, Horizon, Problem};
+use super::problem::{Horizon, Problem};
 use super::settings::Guess;
 use crate::model::{Model, contact_point};
 use crate::simulation::{ControlSignal, EventDriven, InputError, Simulation, Simulator as _};
@@ -9,7 +9,7 @@ use crate::simulation::{ControlSignal, EventDriven, InputError, Simulation, Simu
 const SAMPLES: usize = 4;
 
 /// States over time, piecewise linear, with controls on equal intervals.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Path {
     /// Length \[s\].
     pub(super) horizon: f64,
@@ -26,7 +26,7 @@ impl Path {
     pub(super) fn guess(
         model: &dyn Model,
         problem: &Problem,
-        guess: Guess,
+        guess: &Guess,
         bounds: (&[f64], &[f64]),
     ) -> Result<Self, InputError> {
         let straight = Self::straight(model, problem, bounds);
@@ -34,7 +34,8 @@ impl Path {
             Guess::Straight => Ok(straight),
             Guess::Rest => Ok(straight.at_rest(model, problem)),
             Guess::Ride => straight.ride(model, problem),
-            Guess::Perturbed { seed } => Ok(straight.perturbed(model, problem, seed, bounds)),
+            Guess::Perturbed { seed } => Ok(straight.perturbed(model, problem, *seed, bounds)),
+            Guess::Previous(previous) => previous.path(model, problem),
         }
     }
 
@@ -44,6 +45,7 @@ impl Path {
         let declaration = model.declaration();
         let n = declaration.coordinates.len();
         let horizon = problem.horizon_guess(model);
+        let targets = problem.targets(model);
         let controls: Vec<f64> = (n..n + declaration.controls.len())
             .map(|k| 0.0_f64.clamp(bounds.0[k], bounds.1[k]))
             .collect();
@@ -53,9 +55,9 @@ impl Path {
             let mut x = problem.q.clone();
             x.resize(2 * n, 0.0);
             for k in 0..n {
-                if let Some(goal) = problem.goal(Component::Coordinate(k)) {
-                    x[n + k] = (goal - problem.q[k]) / horizon;
-                    x[k] += share * (goal - problem.q[k]);
+                if let Some(target) = targets[k] {
+                    x[n + k] = (target - problem.q[k]) / horizon;
+                    x[k] += share * (target - problem.q[k]);
                 }
             }
             with_forces(model, x, &controls)
@@ -72,8 +74,7 @@ impl Path {
 
     /// All states as at the start, over 1 s unless the horizon is fixed.
     fn at_rest(mut self, model: &dyn Model, problem: &Problem) -> Self {
-        let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
-        let state = with_forces(model, start, &self.controls[0]);
+        let state = with_forces(model, problem.start(), &self.controls[0]);
         self.states.fill(state);
         if let Horizon::Free { guess: None } = problem.horizon {
             for time in &mut self.time {
@@ -90,7 +91,7 @@ impl Path {
             output_times: SAMPLES * problem.intervals,
             ..EventDriven::default()
         };
-        let motion = problem.initial_value_problem(self.horizon, self.signal());
+        let motion = problem.initial_value_problem(&problem.start(), self.horizon, self.signal());
         let simulation = simulator.simulate(model, &motion, &mut |_| {})?;
         if simulation.trajectory.time.is_empty() {
             return Ok(self);
@@ -135,9 +136,8 @@ impl Path {
             }
         }
         let last = (self.states.len() - 1) as f64;
-        for k in 0..n {
-            let goal = problem.goal(Component::Coordinate(k));
-            let bend = 0.05 * random() * goal.map_or(0.0, |goal| goal - problem.q[k]);
+        for (k, target) in problem.targets(model).into_iter().enumerate() {
+            let bend = 0.05 * random() * target.map_or(0.0, |target| target - problem.q[k]);
             for (i, x) in self.states.iter_mut().enumerate() {
                 x[k] += bend * (std::f64::consts::PI * i as f64 / last).sin();
             }

@@ -1,34 +1,43 @@
 //! The optimal control problem, and the checks that come before it is solved.
 
-use crate::model::{Model, contact_point};
+use super::path::Path;
+use crate::model::{ConstraintRelation, Model, OptimalControlDeclaration, contact_point};
 use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
 
 /// Most control intervals: the programs are kept in memory.
 const MOST_INTERVALS: usize = 10_000;
+/// Singular values below this are zero in the search for a state that fulfils the goals.
+const SINGULAR: f64 = 1e-12;
 /// Normal velocity into a surface that rounding may cause at the start.
 const AT_REST: f64 = 1e-9;
 
 /// An optimal control problem on a [`Model`]:
 ///
 /// ```text
-/// min  w_T T + w_u int_0^T u'u dt + sum w q(T) + sum w v(T)
+/// min  phi(q, v, T) + int_0^T L(q, v, u) dt + w_T T + w_u int_0^T u'u dt + sum w q(T) + sum w v(T)
 /// s.t. the motion of the model from (q, v), with impacts,
 ///      coordinates and controls within Model::bounds at all times,
+///      path constraints c(q, v, u) = 0 or >= 0,
 ///      the goals at T
 /// ```
 ///
-/// The controls are constant on `intervals` intervals of equal physical length `T / intervals`.
+/// `phi`, `L`, `c`, goals and free initial values are those that the scene declares
+/// ([`OptimalControlDeclaration`]); the weights of [`Objective`] and the [`Goal`]s are added to them by the program
+/// that states the problem. The controls are constant on `intervals` intervals of equal physical length
+/// `T / intervals`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
-    /// Initial coordinates, length `n_q`.
+    /// Initial coordinates, length `n_q`; where they are free, a guess.
     pub q: Vec<f64>,
-    /// Initial velocities, length `n_q`.
+    /// Initial velocities, length `n_q`; where they are free, a guess.
     pub v: Vec<f64>,
     /// Length of the motion.
     pub horizon: Horizon,
-    /// What to minimize.
+    /// Whether objective, path constraints, terminal conditions and free initial values of the scene count.
+    pub declared: bool,
+    /// What to minimize, besides what the scene declares.
     pub objective: Objective,
-    /// What has to hold at the end.
+    /// What has to hold at the end, besides what the scene declares.
     pub goals: Vec<Goal>,
     /// Number of control intervals, 1 to 10 000.
     pub intervals: usize,
@@ -98,9 +107,33 @@ pub struct Goal {
 }
 
 impl Problem {
-    /// The problem that starts where the scene starts, with free final time.
+    /// The problem that the scene declares. Where it declares a free final time, that is to be found; otherwise the
+    /// horizon is that of the scene.
     #[must_use]
-    pub fn of(model: &dyn Model, objective: Objective, goals: Vec<Goal>, intervals: usize) -> Self {
+    pub fn of(model: &dyn Model, intervals: usize) -> Self {
+        let declared = model.declaration().optimal_control;
+        let horizon = match declared {
+            Some(declared) if !declared.free_time => {
+                Horizon::Fixed(model.horizon().unwrap_or(f64::NAN))
+            }
+            _ => Horizon::Free { guess: None },
+        };
+        Self {
+            horizon,
+            declared: declared.is_some(),
+            ..Self::new(model, Objective::default(), Vec::new(), intervals)
+        }
+    }
+
+    /// A problem that starts where the scene starts, with free final time; what else the scene declares for optimal
+    /// control does not count.
+    #[must_use]
+    pub fn new(
+        model: &dyn Model,
+        objective: Objective,
+        goals: Vec<Goal>,
+        intervals: usize,
+    ) -> Self {
         let n = model.declaration().coordinates.len();
         let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
         model.start(&mut q, &mut v);
@@ -108,6 +141,7 @@ impl Problem {
             q,
             v,
             horizon: Horizon::Free { guess: None },
+            declared: false,
             objective,
             goals,
             intervals,
@@ -145,12 +179,24 @@ impl Problem {
             );
         }
         let horizon = match self.horizon {
+            Horizon::Fixed(horizon) if horizon.is_nan() => {
+                return Err(InputError::Unsupported {
+                    what: "an optimal control problem without final time".into(),
+                    remedy: "declare a `horizon`, or let `time` occur in `minimize` or `finally`"
+                        .into(),
+                });
+            }
             Horizon::Fixed(horizon) => horizon,
             Horizon::Free { guess } => guess.unwrap_or(1.0),
         };
-        self.initial_value_problem(horizon, ControlSignal::Zero)
+        self.initial_value_problem(&self.start(), horizon, ControlSignal::Zero)
             .check(model)?;
-        InitialValueProblem::check_inelastic(model, "optimal control")?;
+        if let Some(contact) = declaration.contacts.iter().find(|c| c.friction.is_some()) {
+            return Err(InputError::UnsupportedLaw {
+                method: "optimal control".into(),
+                contact: contact.name.into(),
+            });
+        }
         let n = declaration.coordinates.len();
         let objective = &self.objective;
         let finals = objective.final_coordinates.iter();
@@ -183,9 +229,10 @@ impl Problem {
                 );
             }
         }
+        self.check_free_start(model)?;
         for (i, contact) in declaration.contacts.iter().enumerate() {
             let input = self
-                .initial_value_problem(1.0, ControlSignal::Zero)
+                .initial_value_problem(&self.start(), 1.0, ControlSignal::Zero)
                 .input(model);
             let mut point = vec![0.0; contact_point::length(n)];
             model.contact(i, &input, &mut point);
@@ -221,24 +268,85 @@ impl Problem {
         Ok(())
     }
 
-    /// The motion under given controls.
+    fn check_free_start(&self, model: &dyn Model) -> Result<(), InputError> {
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let known = self.q.iter().chain(&self.v).zip(self.start_ranges(model));
+        for (k, (&value, (lower, upper))) in known.enumerate() {
+            let coordinate = &declaration.coordinates[k % n];
+            let (dot, per_second) = if k < n { ("", "") } else { ("d/dt ", "/s") };
+            if !(lower..=upper).contains(&value) {
+                return Err(InputError::OutOfRange {
+                    what: format!("initial {dot}`{}`", coordinate.name),
+                    value,
+                    unit: format!("{}{per_second}", coordinate.unit),
+                    bound: format!("within the bounds {lower}..={upper} of the free initial value"),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// What the scene declares, as far as it counts.
+    pub(super) fn declared(&self, model: &dyn Model) -> Option<OptimalControlDeclaration> {
+        let declared = model.declaration().optimal_control;
+        declared.filter(|_| self.declared)
+    }
+
+    /// Range of each component of `(q, v)` at the start: a point but for the free initial values.
+    pub(super) fn start_ranges(&self, model: &dyn Model) -> Vec<(f64, f64)> {
+        let start = self.q.iter().chain(&self.v);
+        let mut ranges: Vec<(f64, f64)> = start.map(|&value| (value, value)).collect();
+        let Some(declared) = self.declared(model) else {
+            return ranges;
+        };
+        let count = declared.free_start.len();
+        let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; count], vec![f64::INFINITY; count]);
+        model.free_start_bounds(&mut lower, &mut upper);
+        let bounds = bounds(model);
+        for (i, &k) in declared.free_start.iter().enumerate() {
+            ranges[k] = (lower[i], upper[i]);
+            if k < self.q.len() {
+                ranges[k] = (lower[i].max(bounds.0[k]), upper[i].min(bounds.1[k]));
+            }
+        }
+        ranges
+    }
+
+    /// The motion under given controls from the start `(q, v)`.
     pub(super) fn initial_value_problem(
         &self,
+        start: &[f64],
         horizon: f64,
         controls: ControlSignal,
     ) -> InitialValueProblem {
+        let (q, v) = start.split_at(self.q.len());
         InitialValueProblem {
-            q: self.q.clone(),
-            v: self.v.clone(),
+            q: q.to_vec(),
+            v: v[..q.len()].to_vec(),
             horizon,
             controls,
         }
     }
 
-    /// Goal of a coordinate, if it has one.
-    pub(super) fn goal(&self, component: Component) -> Option<f64> {
-        let goal = self.goals.iter().find(|goal| goal.component == component);
-        goal.map(|goal| goal.value)
+    /// The declared `(q, v)` at the start.
+    pub(super) fn start(&self) -> Vec<f64> {
+        self.q.iter().chain(&self.v).copied().collect()
+    }
+
+    /// Whether any initial value is to be found.
+    pub(super) fn has_free_start(&self, model: &dyn Model) -> bool {
+        self.declared(model)
+            .is_some_and(|declared| !declared.free_start.is_empty())
+    }
+
+    /// The `(q, v)` that a path starts at, where it is free, and the declared one elsewhere.
+    pub(super) fn start_of(&self, model: &dyn Model, path: &Path) -> Vec<f64> {
+        let ranges = self.start_ranges(model).into_iter();
+        let start = ranges.zip(&path.states[0]);
+        start
+            .map(|((lower, upper), value)| value.max(lower).min(upper))
+            .collect()
     }
 
     /// A guess of the horizon \[s\]: the longest distance to a goal at the speed of the start, or else the
@@ -250,13 +358,85 @@ impl Problem {
                 guess: Some(horizon),
             } => horizon,
             Horizon::Free { guess: None } => {
-                let times = self.goals.iter().filter_map(|goal| match goal.component {
-                    Component::Coordinate(k) => Some((goal.value - self.q[k]) / self.v[k]),
-                    Component::Velocity(_) => None,
-                });
+                let targets = self.targets(model).into_iter().enumerate();
+                let times =
+                    targets.filter_map(|(k, target)| Some((target? - self.q[k]) / self.v[k]));
                 let longest = times.filter(|t| t.is_finite() && *t > 0.0).reduce(f64::max);
                 longest.or_else(|| model.horizon()).unwrap_or(1.0)
             }
+        }
+    }
+
+    /// Where the goals ask coordinates to be at the end: the state nearest to the start that fulfils them, by the
+    /// method of Gauss and Newton; `None` for coordinates that they leave alone.
+    pub(super) fn targets(&self, model: &dyn Model) -> Vec<Option<f64>> {
+        let n = self.q.len();
+        let mut targets = vec![None; n];
+        if let Some(declared) = self.declared(model) {
+            let mut z = self.start();
+            z.push(match self.horizon {
+                Horizon::Fixed(horizon)
+                | Horizon::Free {
+                    guess: Some(horizon),
+                } => horizon,
+                Horizon::Free { guess: None } => model.horizon().unwrap_or(1.0),
+            });
+            approach(model, &declared, &mut z);
+            let (lower, upper) = bounds(model);
+            for k in 0..n {
+                let moved = (z[k] - self.q[k]).abs() > AT_REST * self.q[k].abs().max(1.0);
+                if moved && z[k].is_finite() && lower[k] <= upper[k] {
+                    targets[k] = Some(z[k].clamp(lower[k], upper[k]));
+                }
+            }
+        }
+        for goal in &self.goals {
+            if let Component::Coordinate(k) = goal.component {
+                targets[k] = Some(goal.value);
+            }
+        }
+        targets
+    }
+}
+
+/// Steps of [`approach`].
+const STEPS: usize = 20;
+
+/// Moves `z = (q, v, T)` by shortest Newton steps towards fulfilling the terminal conditions.
+fn approach(model: &dyn Model, declared: &OptimalControlDeclaration, z: &mut [f64]) {
+    let first = usize::from(declared.final_cost);
+    let pattern = declared.terminal_jacobian.entries;
+    let mut values = vec![0.0; declared.terminal_functions()];
+    let mut slopes = vec![0.0; pattern.len()];
+    for _ in 0..STEPS {
+        model.terminal_functions(z, &mut values);
+        model.terminal_jacobian(z, &mut slopes);
+        let residuals = declared.goals.iter().zip(&values[first..]);
+        let residuals = residuals.map(|(goal, &value)| match goal.relation {
+            ConstraintRelation::Zero => value,
+            ConstraintRelation::NonNegative => value.min(0.0),
+        });
+        let residual = nalgebra::DVector::from_iterator(declared.goals.len(), residuals);
+        let mut jacobian = nalgebra::DMatrix::zeros(declared.goals.len(), z.len());
+        for (&(row, column), slope) in pattern.iter().zip(&slopes) {
+            if let Some(goal) = (row as usize).checked_sub(first)
+                && residual[goal] != 0.0
+            {
+                jacobian[(goal, column as usize)] = *slope;
+            }
+        }
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        if residual.amax() == 0.0 || !finite(residual.as_slice()) || !finite(jacobian.as_slice()) {
+            return;
+        }
+        let Ok(step) = jacobian.svd(true, true).solve(&residual, SINGULAR) else {
+            return;
+        };
+        for (z, step) in z.iter_mut().zip(step.iter()) {
+            *z -= step;
+        }
+        if step.amax() <= SINGULAR {
+            return;
         }
     }
 }

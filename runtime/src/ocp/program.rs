@@ -4,7 +4,7 @@
 //! c_i(x) = constant_i + sum linear + sum bilinear + sum coefficient scale kernel_output
 //! ```
 //!
-//! where `scale` is a variable (a duration) or 1. Values that callers give and get are physical; the
+//! and the objective alike, where `scale` is a variable (a duration) or 1. Values that callers give and get are physical; the
 //! solver sees each variable divided by its own unit, so that all of them are of order one.
 
 use super::kernel::{Evaluator, Kernel};
@@ -12,14 +12,27 @@ use crate::model::Model;
 use crate::mpcc::Mpcc;
 use crate::nlp::{NlpProblem, Pattern};
 
+/// The row of the objective in the uses of a kernel.
+pub(super) const OBJECTIVE: usize = usize::MAX;
+
 /// One use of a kernel.
 struct Block {
     evaluator: usize,
     /// Variable of each local input; `None` where the kernel does not read it.
     inputs: Vec<Option<usize>>,
     scale: Option<usize>,
-    /// (row, output, coefficient).
+    /// (row, or [`OBJECTIVE`]; output; coefficient).
     uses: Vec<(usize, usize, f64)>,
+}
+
+impl Block {
+    fn serves_objective(&self) -> bool {
+        self.uses.iter().any(|used| used.0 == OBJECTIVE)
+    }
+
+    fn serves_rows(&self) -> bool {
+        self.uses.iter().any(|used| used.0 != OBJECTIVE)
+    }
 }
 
 /// Linear and bilinear terms, `(row, variable, coefficient)` and `(row, variable, variable, coefficient)`.
@@ -93,6 +106,11 @@ impl<'a> Program<'a> {
         self.names.len() - 1
     }
 
+    /// Bounds of a variable.
+    pub(super) fn bounds(&self, variable: usize) -> (f64, f64) {
+        (self.lower[variable], self.upper[variable])
+    }
+
     /// Narrows the bounds of a variable.
     pub(super) fn bound(&mut self, variable: usize, lower: f64, upper: f64) {
         self.lower[variable] = lower;
@@ -130,8 +148,9 @@ impl<'a> Program<'a> {
         self.objective.bilinear.push((0, i, j, coefficient));
     }
 
-    /// Adds `coefficient scale output` for each (row, output, coefficient); `inputs` are the variables of
-    /// `q`, `v`, `u` and the forces, empty slices where the kernel reads nothing.
+    /// Adds `coefficient scale output` for each (row, output, coefficient); the inputs are the variables of
+    /// `q`, `v`, `u` (or of `T` for terminal functions) and the forces, empty slices where the kernel reads
+    /// nothing.
     pub(super) fn block(
         &mut self,
         kernel: &Kernel,
@@ -148,16 +167,10 @@ impl<'a> Program<'a> {
             }
         };
         let declaration = self.model.declaration();
-        let (n, controls) = (declaration.coordinates.len(), declaration.controls.len());
-        let plain = declaration.inputs();
+        let n = declaration.coordinates.len();
         let mut inputs = vec![None; self.evaluators[evaluator].inputs()];
-        for (start, length, variables) in [
-            (0, n, q),
-            (n, n, v),
-            (2 * n, controls, u),
-            (plain, forces.len(), forces),
-        ] {
-            let slots = inputs[start..start + length].iter_mut();
+        for (start, variables) in [(0, q), (n, v), (2 * n, u), (declaration.inputs(), forces)] {
+            let slots = inputs.iter_mut().skip(start);
             slots.zip(variables).for_each(|(slot, &x)| *slot = Some(x));
         }
         self.blocks.push(Block {
@@ -212,6 +225,9 @@ impl<'a> Program<'a> {
             add(row, j, c * at(i));
         }
         for index in 0..self.blocks.len() {
+            if !self.blocks[index].serves_rows() {
+                continue;
+            }
             if let Some(x) = x {
                 self.gather(index, x);
                 let evaluator = self.blocks[index].evaluator;
@@ -221,7 +237,7 @@ impl<'a> Program<'a> {
             let evaluator = &self.evaluators[block.evaluator];
             let scale = block.scale.map_or(1.0, &at);
             let inputs = block.inputs.len();
-            for &(row, output, c) in &block.uses {
+            for &(row, output, c) in block.uses.iter().filter(|used| used.0 != OBJECTIVE) {
                 for &(_, input) in evaluator.jacobian_pattern.iter().filter(|e| e.0 == output) {
                     if let Some(variable) = block.inputs[input] {
                         let value = evaluator.jacobian[output * inputs + input];
@@ -242,7 +258,11 @@ impl<'a> Program<'a> {
         point: Option<(&[f64], f64, &[f64])>,
     ) {
         let weight = point.map_or(0.0, |(_, weight, _)| weight);
-        let multiplier = |row: usize| point.map_or(0.0, |(_, _, y)| y[row]);
+        let multiplier = |row: usize| match point {
+            Some((_, weight, _)) if row == OBJECTIVE => weight,
+            Some((_, _, y)) => y[row],
+            None => 0.0,
+        };
         let objective = self.objective.bilinear.iter();
         let rows = self.terms.bilinear.iter();
         let products = objective
@@ -333,7 +353,23 @@ impl NlpProblem for Program<'_> {
     }
 
     fn objective(&mut self, x: &[f64]) -> f64 {
-        self.with_physical(x, |program, x| Self::terms_value(&program.objective, x))
+        self.with_physical(x, |program, x| {
+            let mut value = Self::terms_value(&program.objective, x);
+            for index in 0..program.blocks.len() {
+                if !program.blocks[index].serves_objective() {
+                    continue;
+                }
+                program.gather(index, x);
+                let block = &program.blocks[index];
+                let evaluator = &mut program.evaluators[block.evaluator];
+                evaluator.evaluate(&program.local);
+                let scale = block.scale.map_or(1.0, |i| x[i]);
+                for &(_, output, c) in block.uses.iter().filter(|used| used.0 == OBJECTIVE) {
+                    value += c * scale * evaluator.outputs[output];
+                }
+            }
+            value
+        })
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
@@ -345,6 +381,29 @@ impl NlpProblem for Program<'_> {
             for &(_, i, j, c) in &program.objective.bilinear {
                 gradient[i] += c * x[j] * program.unit[i];
                 gradient[j] += c * x[i] * program.unit[j];
+            }
+            for index in 0..program.blocks.len() {
+                if !program.blocks[index].serves_objective() {
+                    continue;
+                }
+                program.gather(index, x);
+                let block = &program.blocks[index];
+                let evaluator = &mut program.evaluators[block.evaluator];
+                evaluator.differentiate(&program.local);
+                let scale = block.scale.map_or(1.0, |i| x[i]);
+                let inputs = block.inputs.len();
+                for &(_, output, c) in block.uses.iter().filter(|used| used.0 == OBJECTIVE) {
+                    for &(_, input) in evaluator.jacobian_pattern.iter().filter(|e| e.0 == output) {
+                        if let Some(variable) = block.inputs[input] {
+                            let value = evaluator.jacobian[output * inputs + input];
+                            gradient[variable] += c * scale * value * program.unit[variable];
+                        }
+                    }
+                    if let Some(variable) = block.scale {
+                        gradient[variable] +=
+                            c * evaluator.outputs[output] * program.unit[variable];
+                    }
+                }
             }
         });
     }
@@ -359,12 +418,16 @@ impl NlpProblem for Program<'_> {
                 c[row] += coefficient * x[i] * x[j];
             }
             for index in 0..program.blocks.len() {
+                if !program.blocks[index].serves_rows() {
+                    continue;
+                }
                 program.gather(index, x);
                 let block = &program.blocks[index];
                 let evaluator = &mut program.evaluators[block.evaluator];
                 evaluator.evaluate(&program.local);
                 let scale = block.scale.map_or(1.0, |i| x[i]);
-                for &(row, output, coefficient) in &block.uses {
+                let rows = block.uses.iter().filter(|used| used.0 != OBJECTIVE);
+                for &(row, output, coefficient) in rows {
                     c[row] += coefficient * scale * evaluator.outputs[output];
                 }
             }

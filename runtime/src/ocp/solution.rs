@@ -1,5 +1,6 @@
 //! What the caller keeps.
 
+use super::previous::Previous;
 use crate::mpcc;
 use crate::nlp::{self, NlpProblem, Violation};
 use crate::simulation::{EventKind, Residuals, Simulation};
@@ -159,6 +160,17 @@ pub struct Counts {
     pub repairs: usize,
 }
 
+/// A violation between the places where a condition is imposed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Excess {
+    /// Name of the coordinate or path constraint.
+    pub name: String,
+    /// By how much it leaves its bounds, in its unit.
+    pub amount: f64,
+    /// When \[s\].
+    pub time: f64,
+}
+
 /// Result of a run.
 #[derive(Debug, Clone)]
 pub struct Solution {
@@ -177,6 +189,9 @@ pub struct Solution {
     pub residuals: Residuals,
     /// (time \[s\], kind, contact) of the switches of the plan; a closing counts as an impact.
     pub planned_events: Vec<(f64, EventKind, usize)>,
+    /// Largest violation of a bound of a coordinate or of a path constraint along the whole plan, if there is any;
+    /// of the order of the tolerance unless bounds are asked for at the nodes only.
+    pub excess: Option<Excess>,
     /// Controls of each interval, all of equal length.
     pub controls: Vec<Vec<f64>>,
     /// The event-driven re-simulation of the plan's controls; absent without a plan.
@@ -191,6 +206,9 @@ pub struct Solution {
     pub seconds: f64,
     /// The complementarity problem before the polish, where it was asked for.
     pub time_freezing: Option<TimeFreezingReport>,
+    /// The motion as a start for a neighbouring problem, for [`Guess::Previous`](super::Guess::Previous); absent
+    /// without a plan.
+    pub previous: Option<Previous>,
     /// The distinct local optima that the starts ended at, the best first.
     pub optima: Vec<Optimum>,
 }
@@ -213,6 +231,7 @@ impl Solution {
                 complementarity: f64::NAN,
             },
             planned_events: Vec::new(),
+            excess: None,
             controls: Vec::new(),
             motion: None,
             violations,
@@ -220,6 +239,7 @@ impl Solution {
             counts,
             seconds: 0.0,
             time_freezing: None,
+            previous: None,
             optima: Vec::new(),
         }
     }

@@ -2,7 +2,7 @@
 
 use cpu_time::ThreadTime;
 
-use super::collocation::{Setting, parabolas};
+use super::collocation::{Places, Setting, parabolas};
 use super::path::{Path, Units};
 use super::problem::{Problem, bounds};
 use super::progress::{Observer, Watch};
@@ -45,7 +45,7 @@ pub(super) fn solve_once(
     let clock = ThreadTime::try_now();
     let (lower, upper) = bounds(model);
     let bounds = (&lower[..], &upper[..]);
-    let guess = Path::guess(model, problem, settings.guess, bounds)?;
+    let guess = Path::guess(model, problem, &settings.guess, bounds)?;
     let units = Units::new(model, &guess, bounds);
     let stages = (settings.stages..=ButcherTableau::MAX_STAGES).step_by(MORE_STAGES);
     let tableaus: Vec<ButcherTableau> = stages
@@ -54,8 +54,7 @@ pub(super) fn solve_once(
     let Some(tableau) = tableaus.first() else {
         return Err(settings.refuse_stages());
     };
-    let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
-    let parabolas = parabolas(model, &start);
+    let parabolas = parabolas(model, &problem.start());
     let setting = Setting {
         model,
         problem,
@@ -63,10 +62,15 @@ pub(super) fn solve_once(
         units: &units,
         bounds,
         parabolas: &parabolas,
+        places: Places {
+            bounds: settings.bounds,
+            path: settings.path_points,
+        },
     };
     let mut search = Search {
         setting,
         tableaus: &tableaus,
+        elements: vec![settings.elements; problem.intervals],
         settings,
         watch: Watch::new(observer),
         counts: Counts::default(),

@@ -1,14 +1,14 @@
 //! The optimal control problem as one complementarity problem: time-freezing and FESD.
 
-use super::problem::{Component, Horizon, Problem, bounds};
+use super::problem::{Component, Horizon, Objective, Problem, bounds};
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
 use crate::fesd::transcription::{Controls, Guess, Task, Transcription, Weights};
-use crate::model::Model;
+use crate::model::{ConstraintRelation, Model, OptimalControlDeclaration};
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
 use crate::rk::{ButcherTableau, Scheme};
-use crate::simulation::InputError;
+use crate::simulation::{InitialValueProblem, InputError};
 use crate::time_freezing::TimeFreezingSystem;
 
 /// Shortest and longest horizon relative to the guess, where it is free.
@@ -98,6 +98,7 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
     ) -> Result<Self, InputError> {
         problem.check(model)?;
+        InitialValueProblem::check_inelastic(model, "time-freezing optimal control")?;
         let refuse = |what: &str, value: f64, bound: String| {
             Err(InputError::OutOfRange {
                 what: what.into(),
@@ -125,7 +126,7 @@ impl<'a> TimeFreezing<'a> {
             );
         };
         let system = TimeFreezingSystem::new(model, a_bar);
-        let task = task(model, problem, settings);
+        let task = task(model, problem, settings)?;
         Ok(Self {
             transcription: Transcription::new(HeavisideSystem::new(system), &tableau, task),
             intervals: problem.intervals,
@@ -160,7 +161,11 @@ impl<'a> TimeFreezing<'a> {
 }
 
 /// The problem in plain numbers.
-fn task(model: &dyn Model, problem: &Problem, settings: &TimeFreezingSettings) -> Task {
+fn task(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &TimeFreezingSettings,
+) -> Result<Task, InputError> {
     let n = problem.q.len();
     let (lower, upper) = bounds(model);
     let horizon = problem.horizon_guess(model);
@@ -179,18 +184,20 @@ fn task(model: &dyn Model, problem: &Problem, settings: &TimeFreezingSettings) -
         Component::Coordinate(k) => (k, goal.value),
         Component::Velocity(k) => (n + k, goal.value),
     });
-    let goals: Vec<(usize, f64)> = goals.collect();
+    let mut goals: Vec<(usize, f64)> = goals.collect();
+    let mut weights = weights(&problem.objective, n);
+    if let Some(declared) = problem.declared(model) {
+        add_declared(model, &declared, &problem.start(), &mut goals, &mut weights)?;
+    }
     let guess = if settings.simulated_guess || goals.is_empty() {
         Guess::Simulated
     } else {
-        let goal = |k| problem.goal(Component::Coordinate(k));
-        let velocity = (0..n).map(|k| goal(k).map_or(0.0, |goal| (goal - problem.q[k]) / horizon));
+        let targets = problem.targets(model).into_iter().zip(&problem.q);
+        let velocity =
+            targets.map(|(target, q)| target.map_or(0.0, |target| (target - q) / horizon));
         Guess::Line(velocity.collect())
     };
-    let objective = &problem.objective;
-    let velocities = objective.final_velocities.iter();
-    let velocities = velocities.map(|&(k, weight)| (n + k, weight));
-    Task {
+    Ok(Task {
         start: State {
             time: 0.0,
             q: problem.q.clone(),
@@ -206,20 +213,88 @@ fn task(model: &dyn Model, problem: &Problem, settings: &TimeFreezingSettings) -
         elements: settings.elements,
         coordinate_bounds: (lower[..n].to_vec(), upper[..n].to_vec()),
         goals,
-        objective: Weights {
-            final_time: objective.final_time,
-            control_effort: objective.control_effort,
-            final_state: objective
-                .final_coordinates
-                .iter()
-                .copied()
-                .chain(velocities)
-                .collect(),
-        },
+        objective: weights,
         guess,
+    })
+}
+
+fn weights(objective: &Objective, n: usize) -> Weights {
+    let velocities = objective.final_velocities.iter();
+    let velocities = velocities.map(|&(k, weight)| (n + k, weight));
+    let coordinates = objective.final_coordinates.iter().copied();
+    Weights {
+        final_time: objective.final_time,
+        control_effort: objective.control_effort,
+        final_state: coordinates.chain(velocities).collect(),
     }
 }
 
+/// Adds what the scene declares, as far as this formulation can state it: a final cost that is linear in the state
+/// and the final time, and terminal conditions that give one component of the state a value.
+fn add_declared(
+    model: &dyn Model,
+    declared: &OptimalControlDeclaration,
+    start: &[f64],
+    goals: &mut Vec<(usize, f64)>,
+    weights: &mut Weights,
+) -> Result<(), InputError> {
+    let refuse = |what: &str| {
+        Err(InputError::Unsupported {
+            what: format!("{what} in the time-freezing formulation"),
+            remedy: "leave the formulation at its default".into(),
+        })
+    };
+    if declared.running_cost {
+        return refuse("a running cost");
+    }
+    if let Some(constraint) = declared.constraints.first() {
+        return refuse(&format!("the path constraint `{}`", constraint.name));
+    }
+    if !declared.free_start.is_empty() {
+        return refuse("a free initial value");
+    }
+    if !declared.terminal_hessian.entries.is_empty() {
+        return refuse("a nonlinear final cost or terminal condition");
+    }
+    let mut z = start.to_vec();
+    z.push(1.0);
+    let mut values = vec![0.0; declared.terminal_functions()];
+    let mut slopes = vec![0.0; declared.terminal_jacobian.entries.len()];
+    model.terminal_functions(&z, &mut values);
+    model.terminal_jacobian(&z, &mut slopes);
+    let time = start.len();
+    let row = |function: usize| {
+        let entries = declared.terminal_jacobian.entries.iter().zip(&slopes);
+        let own =
+            entries.filter(move |(entry, slope)| entry.0 as usize == function && **slope != 0.0);
+        own.map(|(entry, &slope)| (entry.1 as usize, slope))
+    };
+    if declared.final_cost {
+        for (k, slope) in row(0) {
+            if k == time {
+                weights.final_time += slope;
+            } else {
+                weights.final_state.push((k, slope));
+            }
+        }
+    }
+    for (i, goal) in declared.goals.iter().enumerate() {
+        let function = i + usize::from(declared.final_cost);
+        let entries: Vec<(usize, f64)> = row(function).collect();
+        match entries[..] {
+            [(k, slope)] if k < time && goal.relation == ConstraintRelation::Zero => {
+                goals.push((k, z[k] - values[function] / slope));
+            }
+            _ => {
+                return refuse(&format!(
+                    "the terminal condition `{}`, which is not a value of one component,",
+                    goal.name
+                ));
+            }
+        }
+    }
+    Ok(())
+}
 impl NlpProblem for TimeFreezing<'_> {
     fn variables(&self) -> usize {
         self.transcription.variables()
@@ -289,7 +364,7 @@ impl Mpcc for TimeFreezing<'_> {
 mod tests {
     use super::*;
     use crate::mpcc::{self, Status};
-    use crate::ocp::{Goal, Objective};
+    use crate::ocp::Goal;
 
     crate::model! {
         /// A cart that is pushed.
@@ -354,7 +429,7 @@ mod tests {
             goal(Component::Velocity(0), 0.0),
         ];
         let cart = Cart::default();
-        let problem = Problem::of(&cart, Objective::time(), goals, 4);
+        let problem = Problem::new(&cart, Objective::time(), goals, 4);
         let (solution, motion) = solve(&cart, &problem, false);
         assert_eq!(solution.status, Status::Solved);
         // Constant forces are integrated exactly; the solver's tolerance is 1e-8.
@@ -370,7 +445,7 @@ mod tests {
         // 4 - k - 1/2, and the effort is d^2 / (h^3 sum_k (4 - k - 1/2)^2) = 16 / 21.
         let puck = Puck::default();
         let goals = vec![goal(Component::Coordinate(0), 0.5)];
-        let mut problem = Problem::of(&puck, Objective::effort(), goals, 4);
+        let mut problem = Problem::new(&puck, Objective::effort(), goals, 4);
         problem.horizon = Horizon::Fixed(1.0);
         problem.q[1] = 0.0;
         let (solution, motion) = solve(&puck, &problem, false);
@@ -390,7 +465,7 @@ mod tests {
     #[test]
     fn fall_on_a_table_clock_rests_during_the_impact() {
         let puck = Puck::default();
-        let mut problem = Problem::of(&puck, Objective::effort(), Vec::new(), 2);
+        let mut problem = Problem::new(&puck, Objective::effort(), Vec::new(), 2);
         problem.horizon = Horizon::Fixed(1.0);
         let (solution, motion) = solve(&puck, &problem, true);
         assert_eq!(solution.status, Status::Solved);
@@ -412,7 +487,7 @@ mod tests {
     #[test]
     fn sliding_in_a_bowl_keeps_gap_and_energy_to_the_order_of_the_scheme() {
         let bowl = Bowl::default();
-        let mut problem = Problem::of(&bowl, Objective::default(), Vec::new(), 1);
+        let mut problem = Problem::new(&bowl, Objective::default(), Vec::new(), 1);
         (problem.q, problem.v) = (vec![-1.0, 0.5], vec![1.0, -1.0]);
         problem.horizon = Horizon::Fixed(0.1);
         let (solution, motion) = solve(&bowl, &problem, true);
@@ -434,7 +509,7 @@ mod tests {
     fn constraint_names_say_what_and_where() {
         let cart = Cart::default();
         let goals = vec![goal(Component::Coordinate(0), 1.0)];
-        let problem = Problem::of(&cart, Objective::time(), goals, 2);
+        let problem = Problem::new(&cart, Objective::time(), goals, 2);
         let program = TimeFreezing::new(&cart, &problem, &TimeFreezingSettings::default());
         let program = program.expect("valid");
         // An interval: length and clock, then three elements of two stages with (y, v, t).
@@ -448,7 +523,7 @@ mod tests {
     #[test]
     fn settings_out_of_range_are_refused_with_their_bound() {
         let bowl = Bowl::default();
-        let problem = Problem::of(&bowl, Objective::default(), Vec::new(), 1);
+        let problem = Problem::new(&bowl, Objective::default(), Vec::new(), 1);
         for (elements, stages, a_bar) in [(0, 2, 20.0), (3, 0, 20.0), (3, 2, -1.0)] {
             let settings = TimeFreezingSettings {
                 elements,

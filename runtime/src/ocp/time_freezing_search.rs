@@ -77,15 +77,16 @@ impl Search<'_, '_> {
         if !near {
             return Ok(Vec::new());
         }
+        let path = self.path_of(&motion);
         Ok(vec![Relaxed {
             objective: solution.objective,
-            sequence: self.sequence_of(&motion, settings.elements),
-            path: self.path_of(motion),
+            sequence: self.sequence_of(&motion, settings.elements, &path),
+            path,
         }])
     }
 
     /// The contacts that are closed in each element; a jump belongs to the contact after it.
-    fn sequence_of(&self, motion: &TimeFreezingMotion, elements: usize) -> Sequence {
+    fn sequence_of(&self, motion: &TimeFreezingMotion, elements: usize, path: &Path) -> Sequence {
         let interval = motion.horizon / self.setting.problem.intervals as f64;
         let closed: Vec<Vec<bool>> = motion
             .step_functions
@@ -93,13 +94,13 @@ impl Search<'_, '_> {
             .map(|alpha| alpha.iter().map(|&alpha| alpha < OPEN).collect())
             .collect();
         let ends: Vec<f64> = motion.time.iter().map(|time| time / interval).collect();
-        Sequence::of_elements(self.closed_at_start(), &closed, (elements, &ends), 0.0)
+        Sequence::of_elements(self.closed_at_start(path), &closed, (elements, &ends), 0.0)
     }
 
-    fn path_of(&self, motion: TimeFreezingMotion) -> Path {
+    fn path_of(&self, motion: &TimeFreezingMotion) -> Path {
         let (model, problem) = (self.setting.model, self.setting.problem);
         let per_interval = motion.time.len() / problem.intervals;
-        let mut states = vec![[&problem.q[..], &problem.v[..]].concat()];
+        let mut states = vec![problem.start()];
         let ends = motion.q.iter().zip(&motion.v);
         states.extend(ends.map(|(q, v)| [&q[..], &v[..]].concat()));
         let states = states.into_iter().enumerate().map(|(i, state)| {
@@ -108,9 +109,9 @@ impl Search<'_, '_> {
         });
         Path {
             states: states.collect(),
-            time: std::iter::once(0.0).chain(motion.time).collect(),
+            time: std::iter::once(&0.0).chain(&motion.time).copied().collect(),
             horizon: motion.horizon,
-            controls: motion.controls,
+            controls: motion.controls.clone(),
         }
     }
 }

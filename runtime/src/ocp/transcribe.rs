@@ -1,11 +1,12 @@
 //! Construction of the collocation program, phase by phase.
 
-use super::collocation::{Collocation, Cut, CutKind, Phase, Setting, Stage, lagrange};
-use super::contact_implicit::{Frame, state_name};
+use super::collocation::{Collocation, Cut, Phase, Setting, Stage, lagrange};
+use super::frame::{Frame, state_name};
 use super::kernel::Kernel;
 use super::path::Path;
 use super::program::Program;
 use super::sequence::{Place, Sequence, Switch};
+use super::settings::{BoundsAt, PathPoints};
 
 /// Least distance of a guessed switch from the ends of its interval and from other switches, relative to the length
 /// of the interval.
@@ -15,25 +16,28 @@ const GUESS_MARGIN: f64 = 0.02;
 const SHORTEST: f64 = 2e-3;
 
 /// State of the construction.
-struct Builder<'a, 's> {
-    setting: Setting<'a>,
-    program: Program<'a>,
-    guess: &'s Path,
-    cuts: &'s [Cut],
-    frame: Frame,
+pub(super) struct Builder<'a, 's> {
+    pub(super) setting: Setting<'a>,
+    pub(super) program: Program<'a>,
+    pub(super) guess: &'s Path,
+    pub(super) cuts: &'s [Cut],
+    /// Finite elements of a phase in each interval.
+    elements: &'s [usize],
+    pub(super) frame: Frame<'a>,
     phases: Vec<Phase>,
     closed: Vec<usize>,
-    state: Vec<usize>,
-    n: usize,
+    pub(super) state: Vec<usize>,
+    pub(super) n: usize,
 }
 
 impl<'a> Collocation<'a> {
-    /// The program of a sequence, started at `guess`.
+    /// The program of a sequence, started at `guess`, with `elements` of each interval's phases.
     pub(super) fn new(
         setting: Setting<'a>,
         sequence: &Sequence,
         guess: &Path,
         cuts: &[Cut],
+        elements: &[usize],
     ) -> Self {
         let (model, problem) = (setting.model, setting.problem);
         let mut program = Program::new(model);
@@ -45,30 +49,26 @@ impl<'a> Collocation<'a> {
             setting.units,
             setting.bounds,
         );
-        let start = problem.q.iter().chain(&problem.v).enumerate();
-        let state = start
-            .map(|(k, &value)| {
-                let name = format!("initial {}", state_name(model, k));
-                program.variable(name, (value, value), value, 1.0)
-            })
-            .collect();
+        let state = frame.start.clone();
         let closed = sequence.initially.iter().enumerate();
         let mut builder = Builder {
             setting,
             program,
             guess,
             cuts,
+            elements,
             frame,
             phases: Vec::new(),
             closed: closed.filter(|(_, c)| **c).map(|(i, _)| i).collect(),
             state,
             n: problem.q.len(),
         };
+        builder.free_start();
         for interval in 0..problem.intervals {
             builder.interval(interval, &sequence.switches);
         }
         let (frame, mut program) = (builder.frame, builder.program);
-        frame.finish(&mut program, problem, builder.n, &builder.state);
+        frame.finish(&mut program, problem, &builder.state);
         Self {
             program: program.finish(),
             model,
@@ -82,6 +82,42 @@ impl<'a> Collocation<'a> {
 }
 
 impl Builder<'_, '_> {
+    /// Where initial values are free: contacts closed at the start touch and rest, the others are open.
+    fn free_start(&mut self) {
+        let Setting { model, problem, .. } = self.setting;
+        let free: Vec<usize> = (0..2 * self.n)
+            .filter(|&k| {
+                let (lower, upper) = self.program.bounds(self.frame.start[k]);
+                lower < upper
+            })
+            .collect();
+        if !problem.has_free_start(model) {
+            return;
+        }
+        for (i, contact) in model.declaration().contacts.iter().enumerate() {
+            let reads = |row: u32| {
+                let mut entries = contact.jacobian.entries.iter();
+                entries.any(|&(r, column)| r == row && free.contains(&(column as usize)))
+            };
+            let closed = self.closed.contains(&i);
+            let mut uses = Vec::new();
+            if reads(0) {
+                let upper = if closed { 0.0 } else { f64::INFINITY };
+                let name = format!("gap `{}` at the start", contact.name);
+                uses.push((self.program.row(name, 0.0, upper), 0, 1.0));
+            }
+            if closed && reads(1) {
+                let name = format!("normal velocity of `{}` at the start", contact.name);
+                uses.push((self.program.row(name, 0.0, 0.0), 1, 1.0));
+            }
+            if !uses.is_empty() {
+                let (q, v) = self.frame.start.split_at(self.n);
+                self.program
+                    .block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
+            }
+        }
+    }
+
     fn interval(&mut self, interval: usize, switches: &[Switch]) {
         let share = 1.0 / self.setting.problem.intervals as f64;
         let here = |place: Place| {
@@ -89,10 +125,14 @@ impl Builder<'_, '_> {
             all.filter(move |(_, s)| s.interval == interval && s.place == place)
         };
         let (mut openings, mut before) = (Vec::new(), self.state.clone());
+        let mut touched: Vec<usize> = Vec::new();
         for (_, switch) in here(Place::Start) {
             if switch.closes {
                 let time = self.guess.horizon * interval as f64 * share;
-                self.close(switch.contact, &format!("interval {}", interval - 1), time);
+                self.close(switch, &format!("interval {}", interval - 1), time);
+                if switch.touches {
+                    touched.push(switch.contact);
+                }
                 before.clone_from(&self.state);
             } else {
                 self.closed.retain(|&contact| contact != switch.contact);
@@ -100,6 +140,7 @@ impl Builder<'_, '_> {
             }
         }
         let inside: Vec<(usize, &Switch)> = here(Place::Inside).collect();
+        let elements = self.elements[interval];
         let length = self.guess.horizon / self.setting.problem.intervals as f64;
         let count = inside.len() + 1;
         let margin = GUESS_MARGIN.min(0.5 / count as f64);
@@ -155,14 +196,26 @@ impl Builder<'_, '_> {
                 Some(before) if before.closes => Vec::new(),
                 Some(before) => vec![before.contact],
             };
-            self.phase(
-                interval,
-                (p, count),
-                (scale, factor),
-                times,
-                (ending, closing),
-                &opened,
-            );
+            for e in 0..elements {
+                let (first, last) = (e == 0, e + 1 == elements);
+                let time = |e: usize| times.0 + e as f64 / elements as f64 * (times.1 - times.0);
+                self.phase(
+                    interval,
+                    (p * elements + e, count * elements),
+                    (scale, factor / elements as f64),
+                    (time(e), time(e + 1)),
+                    (ending.filter(|_| last), closing.filter(|_| last)),
+                    if first {
+                        (&opened, &touched)
+                    } else {
+                        (&[], &[])
+                    },
+                );
+            }
+            touched = match ending {
+                Some((_, switch)) if switch.touches => vec![switch.contact],
+                _ => Vec::new(),
+            };
             begin = end;
         }
         self.node(interval, &before);
@@ -175,14 +228,16 @@ impl Builder<'_, '_> {
         (scale, factor): (usize, f64),
         (from, to): (f64, f64),
         (ending, closing): (Option<(usize, &Switch)>, Option<usize>),
-        opened: &[usize],
+        (opened, touched): (&[usize], &[usize]),
     ) {
         let Setting {
             model,
+            problem,
             units,
             bounds,
             parabolas,
             tableau,
+            places,
             ..
         } = self.setting;
         let (n, program) = (self.n, &mut self.program);
@@ -209,7 +264,11 @@ impl Builder<'_, '_> {
             let sample = self.guess.at(from + c * (to - from), m + 1 < stages);
             let state: Vec<usize> = (0..2 * n)
                 .map(|k| {
-                    let bounded = k < n && !parabolas[k];
+                    let bounded = k < n
+                        && match places.bounds {
+                            BoundsAt::AllTimes => !parabolas[k],
+                            BoundsAt::Nodes => m + 1 == stages,
+                        };
                     let range = if bounded {
                         (bounds.0[k], bounds.1[k])
                     } else {
@@ -298,6 +357,21 @@ impl Builder<'_, '_> {
             }
             phase.stages[m].gap_rows = gap_rows;
         }
+        for (m, stage) in phase.stages.iter().enumerate() {
+            let (q, v) = stage.state.split_at(n);
+            let weight = (scale, factor * tableau.b()[m]);
+            self.frame
+                .running_cost(program, problem, [q, v, &u], weight);
+            if places.path != PathPoints::Ends || m + 1 == stages {
+                let place = format!("at stage {m} of {label}");
+                self.frame.path_rows(program, problem, [q, v, &u], &place);
+            }
+        }
+        if places.path == PathPoints::Both && (interval, index.0) != (0, 0) {
+            let (q, v) = phase.start.split_at(n);
+            let place = format!("at the start of {label}");
+            self.frame.path_rows(program, problem, [q, v, &u], &place);
+        }
         // The force right at the start of a contact phase, extrapolated from the stages.
         let mut values = vec![0.0; stages];
         tableau.lagrange_values(0.0, &mut values);
@@ -310,7 +384,10 @@ impl Builder<'_, '_> {
         }
         // The normal acceleration after an opening at a jump of the controls: the slope of the normal
         // velocity, which starts from 0.
-        for &i in opened.iter().filter(|_| index.0 == 0) {
+        // The same after a touch without a bounce.
+        let jump = opened.iter().filter(|_| index.0 == 0);
+        let plastic = touched.iter().filter(|&&i| model.restitution(i) == 0.0);
+        for &i in jump.chain(plastic) {
             let name = format!("opening of `{}` at the start of {label}", contacts[i].name);
             let row = program.row(name, 0.0, f64::INFINITY);
             let slopes = lagrange(tableau, 0.0, true);
@@ -334,7 +411,7 @@ impl Builder<'_, '_> {
     /// What happens at the end of a phase.
     fn switch(&mut self, switch: &Switch, phase: &Phase, label: &str, time: f64) {
         if switch.closes {
-            self.close(switch.contact, label, time);
+            self.close(switch, label, time);
             return;
         }
         let slot = phase.closed.iter().position(|&i| i == switch.contact);
@@ -344,10 +421,10 @@ impl Builder<'_, '_> {
         self.closed.retain(|&contact| contact != switch.contact);
     }
 
-    /// The impact map where a contact closes.
-    fn close(&mut self, contact: usize, label: &str, time: f64) {
+    /// The impact map where a contact closes or is touched, `v_n+ = -e v_n-` for all contacts that are closed then.
+    fn close(&mut self, switch: &Switch, label: &str, time: f64) {
         let (n, program) = (self.n, &mut self.program);
-        self.closed.push(contact);
+        self.closed.push(switch.contact);
         self.closed.sort_unstable();
         let model = self.setting.model;
         let contacts = model.declaration().contacts;
@@ -377,170 +454,38 @@ impl Builder<'_, '_> {
             let row = program.row(name, 0.0, 0.0);
             let uses = vec![(row, 1, 1.0)];
             program.block(&Kernel::Contact(i), [&q, &after[n..], &[], &[]], None, uses);
+            let restitution = model.restitution(i);
+            if restitution > 0.0 {
+                let uses = vec![(row, 1, restitution)];
+                let v = &self.state[n..];
+                program.block(&Kernel::Contact(i), [&q, v, &[], &[]], None, uses);
+            }
         }
         let kernel = Kernel::Push(self.closed.clone());
         program.block(&kernel, [&q, &[], &[], &impulses], None, uses);
+        if switch.touches {
+            self.closed.retain(|&contact| contact != switch.contact);
+        }
         self.state = after;
-    }
-
-    fn add_cuts(&mut self, phase: &Phase) {
-        let Setting {
-            model,
-            bounds,
-            tableau,
-            ..
-        } = self.setting;
-        let declaration = model.declaration();
-        let (n, program) = (self.n, &mut self.program);
-        let here = self
-            .cuts
-            .iter()
-            .filter(|cut| cut.interval == phase.interval && cut.phase == phase.index);
-        for cut in here {
-            let weights = lagrange(tableau, cut.theta, false);
-            let combine = |program: &mut Program, row: usize, k: usize| {
-                program.linear(row, phase.start[k], weights[0]);
-                for (stage, weight) in phase.stages.iter().zip(&weights[1..]) {
-                    program.linear(row, stage.state[k], *weight);
-                }
-            };
-            let at = format!(
-                "between the stages of phase {} of interval {}",
-                cut.phase.0, cut.interval
-            );
-            match cut.kind {
-                CutKind::Bounds(k) => {
-                    let name = format!("`{}` {at}", declaration.coordinates[k].name);
-                    let row = program.row(name, bounds.0[k], bounds.1[k]);
-                    combine(program, row, k);
-                }
-                CutKind::Gap(contact, _) | CutKind::Departure(contact)
-                    if phase.closed.contains(&contact) => {}
-                CutKind::Departure(contact) => {
-                    let name =
-                        format!("departure of `{}` {at}", declaration.contacts[contact].name);
-                    let row = program.row(name, 0.0, f64::INFINITY);
-                    let slopes = lagrange(tableau, 0.0, true);
-                    let states = phase.stages.iter().map(|stage| &stage.state);
-                    for (state, slope) in std::iter::once(&phase.start).chain(states).zip(slopes) {
-                        let (q, v) = state.split_at(n);
-                        let uses = vec![(row, 1, slope)];
-                        program.block(&Kernel::Contact(contact), [q, v, &[], &[]], None, uses);
-                    }
-                }
-                CutKind::Gap(contact, margin) => {
-                    let time = self.guess.horizon / self.setting.problem.intervals as f64
-                        * (cut.interval as f64 + cut.theta);
-                    let sample = self.guess.at(time, true);
-                    let free = (f64::NEG_INFINITY, f64::INFINITY);
-                    let q: Vec<usize> = (0..n)
-                        .map(|k| {
-                            let name = format!("`{}` {at}", declaration.coordinates[k].name);
-                            let variable = program.variable(name.clone(), free, sample[k], 1.0);
-                            let row = program.row(name, 0.0, 0.0);
-                            program.linear(row, variable, -1.0);
-                            combine(program, row, k);
-                            variable
-                        })
-                        .collect();
-                    let name = format!("gap `{}` {at}", declaration.contacts[contact].name);
-                    let row = program.row(name, margin, f64::INFINITY);
-                    let uses = vec![(row, 0, 1.0)];
-                    program.block(&Kernel::Contact(contact), [&q, &[], &[], &[]], None, uses);
-                }
-            }
-        }
-    }
-
-    /// Bounds of the coordinates that are parabolas, over a whole interval.
-    fn node(&mut self, interval: usize, before: &[usize]) {
-        let Setting {
-            model,
-            bounds,
-            parabolas,
-            problem,
-            ..
-        } = self.setting;
-        let (n, program) = (self.n, &mut self.program);
-        let half = 0.5 / problem.intervals as f64;
-        for k in (0..n).filter(|&k| parabolas[k]) {
-            let name = model.declaration().coordinates[k].name;
-            let (q0, v0, q2) = (before[k], before[n + k], self.state[k]);
-            for (sign, bound) in [(1.0, bounds.0[k]), (-1.0, bounds.1[k])] {
-                if !bound.is_finite() {
-                    continue;
-                }
-                let unit = if (bounds.1[k] - bounds.0[k]).is_finite() {
-                    bounds.1[k] - bounds.0[k]
-                } else {
-                    1.0
-                };
-                let inside = format!("of `{name}` in interval {interval}");
-                let size = format!("size {inside}");
-                let size = program.variable(size, (0.0, f64::INFINITY), 0.1 * unit, unit);
-                let place = program.variable(format!("extremum {inside}"), (0.0, 1.0), 0.5, 1.0);
-                let product = program.variable(
-                    format!("product {inside}"),
-                    (0.0, f64::INFINITY),
-                    0.05 * unit,
-                    unit,
-                );
-                let row = program.row(format!("product {inside}"), 0.0, 0.0);
-                program.linear(row, product, 1.0 / unit);
-                program.bilinear(row, size, place, -1.0 / unit);
-                // b_0 - p theta, b_1 + p - p theta, b_2 - s + 2 p - p theta
-                for (index, [linear_size, linear_product]) in [[0.0, 0.0], [0.0, 1.0], [-1.0, 2.0]]
-                    .into_iter()
-                    .enumerate()
-                {
-                    let row = program.row(
-                        format!("control point {index} {inside}"),
-                        sign * bound / unit,
-                        f64::INFINITY,
-                    );
-                    program.linear(row, if index == 2 { q2 } else { q0 }, sign / unit);
-                    if index == 1 {
-                        program.bilinear(row, self.frame.horizon, v0, sign * half / unit);
-                    }
-                    program.linear(row, size, linear_size / unit);
-                    program.linear(row, product, linear_product / unit);
-                    program.bilinear(row, product, place, -1.0 / unit);
-                }
-            }
-        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::collocation::{Setting, parabolas};
+    use super::super::collocation::{CutKind, Places, Setting, parabolas};
     use super::super::contact_implicit::ContactImplicit;
     use super::super::path::Units;
     use super::super::problem::{Goal, Horizon, Objective, Problem, bounds};
-    use super::super::settings::Guess;
+    use super::super::settings::{Guess, PathPoints};
+    use super::super::test_scene::{Demanding, Sledge};
     use super::*;
     use crate::nlp::check_derivatives;
     use crate::rk::{ButcherTableau, Scheme};
 
-    crate::model! {
-        /// A sledge on a wavy slope, with an engine along the ground and a rider that shifts.
-        Sledge {
-            parameters { m: kg = 2, g: m/s^2 = 9.81, w: 1/m = 3 }
-            coordinates { y: m, z: m, r: m in -1..=1 }
-            controls { u: N in -5..=5, p: N in -3..=3 }
-            fn ground(y) = 0.1[m]*sin(w*y)
-            lagrangian m/2*(dot(y)^2 + dot(z)^2 + dot(r)^2) - m*g*z
-            forces { y: u*cos(w*y), r: p }
-            surface ground: z - ground(y) >= 0
-            impact ground: inelastic
-            start { z: 0.5 [m], dot(y): 1 [m/s] }
-        }
-    }
-
     /// The central difference of a function with values and derivatives up to 1e3 is good to about 1e-7 of them.
     const DIFFERENCE: f64 = 1e-5;
 
-    fn problem(model: &Sledge) -> Problem {
+    fn problem(model: &Demanding) -> Problem {
         let goal = Goal {
             component: super::super::problem::Component::Coordinate(0),
             value: 1.5,
@@ -553,17 +498,18 @@ mod tests {
         };
         Problem {
             horizon: Horizon::Free { guess: Some(1.2) },
-            ..Problem::of(model, objective, vec![goal], 3)
+            declared: true,
+            ..Problem::new(model, objective, vec![goal], 3)
         }
     }
 
     #[test]
     fn derivatives_of_both_programs_agree_with_differences() {
-        let model = Sledge::default();
+        let model = Demanding(Sledge::default());
         let problem = problem(&model);
         let (lower, upper) = bounds(&model);
         let bounds = (&lower[..], &upper[..]);
-        let guess = Path::guess(&model, &problem, Guess::Perturbed { seed: 3 }, bounds).unwrap();
+        let guess = Path::guess(&model, &problem, &Guess::Perturbed { seed: 3 }, bounds).unwrap();
         let units = Units::new(&model, &guess, bounds);
         let mut coarse = ContactImplicit::new(&model, &problem, 2, &guess, &units, bounds);
         let report = check_derivatives(&mut coarse.program, None).unwrap();
@@ -580,10 +526,15 @@ mod tests {
             units: &units,
             bounds,
             parabolas: &parabolas,
+            places: Places {
+                bounds: BoundsAt::AllTimes,
+                path: PathPoints::Both,
+            },
         };
         let switch = |closes, interval, place, time| Switch {
             contact: 0,
             closes,
+            touches: false,
             interval,
             place,
             time,
@@ -607,9 +558,10 @@ mod tests {
             cut((0, 3), 0, CutKind::Gap(0, 1e-5)),
             cut((0, 1), 2, CutKind::Bounds(0)),
             cut((0, 1), 2, CutKind::Departure(0)),
+            cut((0, 1), 2, CutKind::Path(0)),
         ];
-        let mut fine = Collocation::new(setting, &sequence, &guess, &cuts);
-        assert_eq!(fine.phases.len(), 5);
+        let mut fine = Collocation::new(setting, &sequence, &guess, &cuts, &[1, 2, 1]);
+        assert_eq!(fine.phases.len(), 6);
         let report = check_derivatives(&mut fine.program, None).unwrap();
         assert!(report.worst() < DIFFERENCE, "{:?}", report.worst_entry());
     }

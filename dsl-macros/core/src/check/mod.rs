@@ -1,20 +1,23 @@
 //! The declaration as a whole: names in force, every expression evaluated, the rules of the language.
 
+mod dependence;
 mod law;
 mod names;
+mod optimal_control;
 mod rules;
+mod start;
 mod units;
 mod values;
 
 pub(crate) use law::normal;
+pub(crate) use start::at_start;
 
 use crate::ast::{Assignment, Documentation, Expr, Name, Relation, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
 use crate::evaluate::{Meaning, Scope, UserFunction};
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{self, CheckedScene, Coordinate, Parameter};
-use hangtime_units::Unit;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::rc::Rc;
 
 /// Checks a declaration. Every mistake found is reported; a scene comes back only if there was none.
@@ -34,6 +37,7 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         impacts: Vec::new(),
         start: Vec::new(),
         horizon: None,
+        task: optimal_control::Task::default(),
     };
     checker.declare_all(&declared.statements);
     let mut failed = HashSet::new();
@@ -43,8 +47,8 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
             failed.insert(index);
         }
     }
-    let gaps = units::gaps(declared, &failed, checker.diagnostics);
-    let scene = checker.finish(declared, &gaps);
+    let units = units::inferred(declared, &failed, checker.diagnostics);
+    let scene = checker.finish(declared, &units);
     if diagnostics.mistakes() > before {
         return Err(Reported);
     }
@@ -79,6 +83,7 @@ struct Checker<'a> {
     impacts: Vec<law::CheckedLaw>,
     start: Vec<Assignment>,
     horizon: Option<Sym>,
+    task: optimal_control::Task,
 }
 
 impl Checker<'_> {
@@ -106,6 +111,10 @@ impl Checker<'_> {
             Statement::Impact { surfaces, law } => self.impact(surfaces, law),
             Statement::Start(assignments) => self.start_statement(assignments),
             Statement::Horizon { keyword, value } => self.horizon(*keyword, value),
+            Statement::Minimize { keyword, value } => self.minimize(*keyword, value),
+            Statement::Constraint { name, condition } => self.constraint(name, condition),
+            Statement::Finally(goals) => self.finally(goals),
+            Statement::Free(values) => self.free(values),
         }
     }
 
@@ -198,7 +207,7 @@ impl Checker<'_> {
             return self.poison(name);
         };
         let gap = match relation {
-            Relation::AtLeast => left_value - right_value,
+            Relation::AtLeast | Relation::Equal => left_value - right_value,
             Relation::AtMost => right_value - left_value,
         };
         if rules::surface(name, gap, (left, right), self).is_err() {
@@ -227,7 +236,7 @@ impl Checker<'_> {
         }
     }
 
-    fn finish(self, declared: &Scene, gaps: &HashMap<String, Unit>) -> Checked<CheckedScene> {
+    fn finish(self, declared: &Scene, units: &units::Inferred) -> Checked<CheckedScene> {
         let mut checker = self;
         rules::missing_statements(&declared.name, &mut checker);
         let laws = law::of_surfaces(&mut checker);
@@ -242,9 +251,10 @@ impl Checker<'_> {
         }
         rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)?;
         let mut contacts = law::contacts(laws, lagrangian, &mut checker)?;
+        dependence::gaps(&contacts, &mut checker);
         rules::unused(&mut checker);
         for contact in &mut contacts {
-            contact.unit = gaps.get(&contact.name.text).copied();
+            contact.unit = units.gaps.get(&contact.name.text).copied();
         }
         let forces = checker.total_forces();
         let mut dynamics: Vec<Sym> = vec![lagrangian];
@@ -253,6 +263,11 @@ impl Checker<'_> {
             dynamics.push(contact.gap);
             dynamics.extend(contact.along.iter().flatten());
             dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
+        }
+        let optimal_control = checker.optimal_control(units);
+        if let Some(task) = &optimal_control {
+            dynamics.extend(task.running_cost);
+            dynamics.extend(task.constraints.iter().map(|known| known.function));
         }
         let explicit_time = graph::variables(&dynamics).contains(&Variable::Time);
         Ok(CheckedScene {
@@ -268,6 +283,7 @@ impl Checker<'_> {
             start,
             horizon: checker.horizon,
             explicit_time,
+            optimal_control,
         })
     }
 

@@ -18,25 +18,35 @@ impl Checker<'_> {
         for statement in statements {
             match statement {
                 Statement::Parameters(quantities) => {
-                    for quantity in quantities {
-                        // Reported where it fails; the others are declared all the same.
-                        let _: Checked<()> = self.parameter(quantity);
-                    }
+                    self.declare(quantities, |checker, quantity| checker.parameter(quantity));
                 }
                 Statement::Coordinates(quantities) => {
-                    for quantity in quantities {
-                        let _: Checked<()> = self.coordinate(quantity, false);
-                    }
+                    self.declare(quantities, |checker, quantity| {
+                        checker.coordinate(quantity, false)
+                    });
                 }
                 Statement::Controls(quantities) => {
-                    for quantity in quantities {
-                        let _: Checked<()> = self.coordinate(quantity, true);
-                    }
+                    self.declare(quantities, |checker, quantity| {
+                        checker.coordinate(quantity, true)
+                    });
                 }
                 Statement::Let { name, .. } | Statement::Function { name, .. } => {
                     self.scope.later.insert(name.text.clone());
                 }
                 _ => {}
+            }
+        }
+    }
+
+    fn declare(
+        &mut self,
+        quantities: &[Quantity],
+        one: impl Fn(&mut Self, &Quantity) -> Checked<()>,
+    ) {
+        for quantity in quantities {
+            // Reported where it fails; the others are declared all the same.
+            if one(self, quantity).is_err() {
+                self.diagnostics.poison(&quantity.name.text);
             }
         }
     }
@@ -81,6 +91,7 @@ impl Checker<'_> {
         if words::FUNCTIONS.contains(&text)
             || words::SPECIAL_FUNCTIONS.contains(&text)
             || words::NONSMOOTH.contains(&text)
+            || text == words::INTEGRAL
         {
             return Err(self.diagnostics.report(
                 "E19",

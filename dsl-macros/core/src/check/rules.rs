@@ -206,14 +206,11 @@ pub(super) fn surface(
 /// Whether an expression contains one of the names.
 fn mentions(expr: &Expr, names: &[String]) -> bool {
     match &expr.kind {
-        Kind::Number { .. } => false,
         Kind::Name(name) => names.contains(&name.text),
-        Kind::Negate(inner) | Kind::Norm(inner) => mentions(inner, names),
-        Kind::Binary { left, right, .. } => mentions(left, names) || mentions(right, names),
-        Kind::Call { arguments, .. } => arguments.iter().any(|item| mentions(item, names)),
-        Kind::Derivative { argument, .. } => mentions(argument, names),
-        Kind::Vector(items) => items.iter().any(|item| mentions(item, names)),
-        Kind::Component { vector, .. } | Kind::Index { vector, .. } => mentions(vector, names),
+        _ => expr
+            .children()
+            .into_iter()
+            .any(|inner| mentions(inner, names)),
     }
 }
 

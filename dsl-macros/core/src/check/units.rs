@@ -4,6 +4,7 @@
 //! Bare numbers are dimensionless, except 0, which fits anywhere, and except where a declaration gives
 //! the unit (`m: kg = 80`). A scene that declares no unit at all is not checked.
 
+mod matrix;
 mod statement;
 
 use super::values::is_bare;
@@ -13,20 +14,28 @@ use crate::dimension::{Dimension, Unifier};
 use crate::evaluate::BUDGET;
 use crate::words;
 use hangtime_units::{Ratio, Unit};
+use matrix::Matrix;
 use std::collections::{HashMap, HashSet};
 
 /// Most calls inside each other; the evaluation before this one refuses more.
 const MOST_CALLS: usize = 100;
 
-/// Units of the gaps of all surfaces, by name, as far as they are known.
-/// Statements at the positions `skip` failed before and are passed over.
-pub(super) fn gaps(
+/// Units of gaps and of the functions of conditions, as far as they are known.
+#[derive(Default)]
+pub(super) struct Inferred {
+    pub(super) gaps: HashMap<String, Unit>,
+    pub(super) constraints: Vec<Option<Unit>>,
+    pub(super) goals: Vec<Option<Unit>>,
+}
+
+/// Checks and infers units. Statements at the positions `skip` failed before and are passed over.
+pub(super) fn inferred(
     scene: &Scene,
     skip: &HashSet<usize>,
     diagnostics: &mut Diagnostics,
-) -> HashMap<String, Unit> {
+) -> Inferred {
     if !declares_units(scene) {
-        return HashMap::new();
+        return Inferred::default();
     }
     let mut unifier = Unifier::default();
     let energy = unifier.unknown("lagrangian");
@@ -41,6 +50,8 @@ pub(super) fn gaps(
         energy,
         gaps: Vec::new(),
         sliding: Vec::new(),
+        constraints: Vec::new(),
+        goals: Vec::new(),
     };
     walk.declare(scene);
     for (index, statement) in scene.statements.iter().enumerate() {
@@ -51,10 +62,27 @@ pub(super) fn gaps(
         let _: Checked<()> = walk.statement(statement);
     }
     walk.sliding_velocities();
-    let Walk { unifier, gaps, .. } = walk;
-    gaps.into_iter()
-        .filter_map(|(name, dimension)| Some((name, unifier.known(&dimension)?)))
-        .collect()
+    let Walk {
+        unifier,
+        gaps,
+        constraints,
+        goals,
+        ..
+    } = walk;
+    let known = |conditions: Vec<Dimension>| {
+        let dimensions = conditions.iter();
+        dimensions
+            .map(|dimension| unifier.known(dimension))
+            .collect()
+    };
+    Inferred {
+        constraints: known(constraints),
+        goals: known(goals),
+        gaps: gaps
+            .into_iter()
+            .filter_map(|(name, dimension)| Some((name, unifier.known(&dimension)?)))
+            .collect(),
+    }
 }
 
 fn declares_units(scene: &Scene) -> bool {
@@ -71,6 +99,7 @@ fn declares_units(scene: &Scene) -> bool {
 enum Units {
     Scalar(Dimension),
     Vector(Vec<Dimension>),
+    Matrix(Matrix),
 }
 
 impl Units {
@@ -78,6 +107,7 @@ impl Units {
         match self {
             Self::Scalar(dimension) => std::slice::from_ref(dimension),
             Self::Vector(dimensions) => dimensions,
+            Self::Matrix(matrix) => &matrix.entries,
         }
     }
 
@@ -85,6 +115,10 @@ impl Units {
         match self {
             Self::Scalar(dimension) => Self::Scalar(f(dimension)),
             Self::Vector(dimensions) => Self::Vector(dimensions.iter().map(f).collect()),
+            Self::Matrix(matrix) => Self::Matrix(Matrix {
+                entries: matrix.entries.iter().map(f).collect(),
+                columns: matrix.columns,
+            }),
         }
     }
 }
@@ -102,6 +136,8 @@ struct Walk<'a> {
     gaps: Vec<(String, Dimension)>,
     /// Sliding velocities with the surfaces that they belong to.
     sliding: Vec<(Vec<Name>, Expr, Dimension)>,
+    constraints: Vec<Dimension>,
+    goals: Vec<Dimension>,
 }
 
 impl Walk<'_> {
@@ -164,7 +200,7 @@ impl Walk<'_> {
     fn scalar(&mut self, expr: &Expr) -> Checked<Dimension> {
         match self.units(expr)? {
             Units::Scalar(dimension) => Ok(dimension),
-            Units::Vector(_) => Err(Reported),
+            Units::Vector(_) | Units::Matrix(_) => Err(Reported),
         }
     }
 
@@ -231,13 +267,7 @@ impl Walk<'_> {
                 }
                 Ok(Units::Scalar(first))
             }
-            Kind::Vector(items) => {
-                let mut dimensions = Vec::with_capacity(items.len());
-                for item in items {
-                    dimensions.push(self.scalar(item)?);
-                }
-                Ok(Units::Vector(dimensions))
-            }
+            Kind::Vector(items) => self.stacked(items),
             Kind::Component { vector, name } => {
                 let units = self.units(vector)?;
                 let components = units.components();
@@ -254,6 +284,10 @@ impl Walk<'_> {
             }
             Kind::Index { vector, index } => {
                 let units = self.units(vector)?;
+                if let Units::Matrix(matrix) = &units {
+                    let row = matrix.rows().nth(*index).ok_or(Reported)?;
+                    return Ok(Units::Vector(row.to_vec()));
+                }
                 match units.components().get(*index) {
                     Some(dimension) => Ok(Units::Scalar(dimension.clone())),
                     None => Err(Reported),
@@ -273,7 +307,9 @@ impl Walk<'_> {
         match self.values.get(&name.text) {
             Some(units) => units.clone(),
             None if name.text == "pi" => Units::Scalar(Dimension::one()),
-            None if name.text == "t" => Units::Scalar(Dimension::second()),
+            None if name.text == "t" || name.text == words::FINAL_TIME => {
+                Units::Scalar(Dimension::second())
+            }
             // Its own declaration has been reported.
             None => Units::Scalar(self.unifier.unknown(&name.text)),
         }
@@ -303,13 +339,16 @@ impl Walk<'_> {
                 Ok(own)
             }
             Operator::Multiply => Ok(match (&own, &its) {
+                (Units::Matrix(matrix), _) => {
+                    return self.matrix_product(place, (left, matrix), (right, &its));
+                }
                 (Units::Scalar(a), _) => its.map(|b| a.times(b)),
                 (_, Units::Scalar(b)) => own.map(|a| a.times(b)),
                 _ => return Err(Reported),
             }),
             Operator::Divide => match &its {
                 Units::Scalar(b) => Ok(own.map(|a| a.over(b))),
-                Units::Vector(_) => Err(Reported),
+                Units::Vector(_) | Units::Matrix(_) => Err(Reported),
             },
             Operator::Power => {
                 self.pure(right, "an exponent")?;
@@ -340,6 +379,10 @@ impl Walk<'_> {
             ("dot", [argument]) => {
                 let units = self.units(argument)?;
                 Ok(units.map(|own| own.over(&Dimension::second())))
+            }
+            (words::INTEGRAL, [argument]) => {
+                let own = self.scalar(argument)?;
+                Ok(Units::Scalar(own.times(&Dimension::second())))
             }
             ("dot", [left, right]) => {
                 let (own, its) = (self.units(left)?, self.units(right)?);
@@ -379,6 +422,9 @@ impl Walk<'_> {
             }
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
                 Ok(Units::Scalar(self.pure(argument, text)?))
+            }
+            _ if words::MATRIX_FUNCTIONS.contains(&text) => {
+                self.matrix_function(function, arguments)
             }
             _ => Err(Reported),
         }

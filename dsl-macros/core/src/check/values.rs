@@ -47,32 +47,48 @@ impl Checker<'_> {
             let index = known
                 .iter()
                 .position(|known| known.name.text == quantity.name.text);
-            let (Some(index), Some((lower, upper))) = (index, &quantity.bounds) else {
+            let (Some(index), Some(bounds)) = (index, &quantity.bounds) else {
                 continue;
             };
             let (name, unit) = (&quantity.name.text, quantity.unit.as_ref());
-            let bound = |checker: &mut Self, expr: &Expr| {
-                let sym = checker.in_declared_unit(expr, unit)?;
-                checker.constant(sym, expr, &format!("a bound of `{name}`"))
-            };
-            let (Ok(low), Ok(high)) = (bound(self, lower), bound(self, upper)) else {
+            let Ok(range) = self.range(bounds, unit, name) else {
                 continue;
             };
-            if let (Some(low), Some(high)) = (low.as_number(), high.as_number())
-                && low > high
-            {
-                self.diagnostics.report(
-                    "E17",
-                    lower.place.to(upper.place),
-                    format!(
-                        "lower bound {low} of `{name}` lies above its upper bound {high}; exchange them"
-                    ),
-                );
-                continue;
-            }
-            self.known(control)[index].bounds = Some((low, high));
+            self.known(control)[index].bounds = Some(range);
         }
         Ok(())
+    }
+
+    /// E17: bounds in the declared unit. A unit behind the upper bound is meant for both: `0.3..=0.5 [m]`.
+    pub(super) fn range(
+        &mut self,
+        (lower, upper): &(Expr, Expr),
+        unit: Option<&WrittenUnit>,
+        name: &str,
+    ) -> Checked<(Sym, Sym)> {
+        let shared = match own_unit(upper) {
+            Some(shared) if is_bare(lower) => shared.unit.scale / scene::scale(unit),
+            _ => 1.0,
+        };
+        let what = format!("a bound of `{name}`");
+        let mut bound = |expr: &Expr, factor: f64| {
+            let sym = self.in_declared_unit(expr, unit)?.scaled(factor);
+            self.constant(sym, expr, &what)
+        };
+        let (low, high) = (bound(lower, shared), bound(upper, 1.0));
+        let (low, high) = (low?, high?);
+        if let (Some(least), Some(most)) = (low.as_number(), high.as_number())
+            && least > most
+        {
+            return Err(self.diagnostics.report(
+                "E17",
+                lower.place.to(upper.place),
+                format!(
+                    "lower bound {least} of `{name}` lies above its upper bound {most}; exchange them"
+                ),
+            ));
+        }
+        Ok((low, high))
     }
 
     fn known(&mut self, control: bool) -> &mut Vec<Coordinate> {
@@ -141,7 +157,26 @@ impl Checker<'_> {
             ));
         }
         super::rules::smooth(value, expr, self)?;
+        self.damping_is_not_negative(value, expr)?;
         self.dissipation = Some(value);
+        Ok(())
+    }
+
+    /// E10: where damping is a constant for the defaults of the parameters, it takes energy out.
+    fn damping_is_not_negative(&mut self, dissipation: Sym, expr: &Expr) -> Checked<()> {
+        for (i, coordinate) in self.coordinates.iter().enumerate() {
+            let velocity = Variable::Velocity(i as u16);
+            let slope = graph::partial(&[dissipation], velocity);
+            let damping = graph::partial(&slope, velocity)[0];
+            if self.at_default(damping).is_some_and(|value| value < 0.0) {
+                let message = format!(
+                    "the dissipation is negative: with the defaults of the parameters it feeds energy into \
+                     `dot({})`; a damper is written with a plus sign, as in `c/2*dot(y)^2`",
+                    coordinate.name.text
+                );
+                return Err(self.diagnostics.report("E10", expr.place, message));
+            }
+        }
         Ok(())
     }
 
@@ -207,7 +242,7 @@ impl Checker<'_> {
     /// Initial coordinates and velocities in declared units.
     pub(super) fn start_values(&mut self) -> Checked<(Vec<Sym>, Vec<Sym>)> {
         let n = self.coordinates.len();
-        let mut values = (vec![None; n], vec![None; n]);
+        let mut values: Vec<Option<(Sym, Place)>> = vec![None; 2 * n];
         let mut failed = false;
         for assignment in std::mem::take(&mut self.start) {
             let index = self.coordinate_index(&assignment.target);
@@ -235,15 +270,14 @@ impl Checker<'_> {
                 failed = true;
                 continue;
             };
-            if !assignment.velocity {
-                self.start_within_bounds(index, value, &assignment.value);
+            let place = assignment.value.place;
+            if !assignment.velocity
+                && let Some(bounds) = self.coordinates[index].bounds
+            {
+                self.within(value, bounds, place, name);
             }
-            let slot = if assignment.velocity {
-                &mut values.1[index]
-            } else {
-                &mut values.0[index]
-            };
-            if slot.replace(value).is_some() {
+            let slot = index + if assignment.velocity { n } else { 0 };
+            if values[slot].replace((value, place)).is_some() {
                 self.diagnostics.syntax(
                     assignment.target.place(),
                     format!("`{shown}` has two start values; keep one"),
@@ -254,13 +288,14 @@ impl Checker<'_> {
         if failed {
             return Err(Reported);
         }
-        let filled = |values: Vec<Option<Sym>>| -> Vec<Sym> {
-            values
-                .into_iter()
-                .map(|value| value.unwrap_or(Sym::ZERO))
-                .collect()
-        };
-        Ok((filled(values.0), filled(values.1)))
+        let known: Vec<(Sym, Option<Place>)> = values
+            .into_iter()
+            .map(|value| value.map_or((Sym::ZERO, None), |(value, place)| (value, Some(place))))
+            .collect();
+        self.free_start_within_bounds(&known);
+        let mut values: Vec<Sym> = known.into_iter().map(|(value, _)| value).collect();
+        let velocities = values.split_off(n);
+        Ok((values, velocities))
     }
 
     /// The number that a value is for the defaults of the parameters.
@@ -273,24 +308,20 @@ impl Checker<'_> {
             .as_number()
     }
 
-    fn start_within_bounds(&mut self, index: usize, value: Sym, expr: &Expr) {
-        let coordinate = &self.coordinates[index];
-        let Some((lower, upper)) = coordinate.bounds else {
+    /// E17: a start value lies between bounds, for the defaults of the parameters.
+    pub(super) fn within(&mut self, value: Sym, bounds: (Sym, Sym), place: Place, shown: &str) {
+        let (Some(low), Some(high), Some(value)) = (
+            self.at_default(bounds.0),
+            self.at_default(bounds.1),
+            self.at_default(value),
+        ) else {
             return;
         };
-        let (Some(low), Some(high)) = (lower.as_number(), upper.as_number()) else {
-            return;
-        };
-        if let Some(value) = self.at_default(value)
-            && !(low..=high).contains(&value)
-        {
+        if !(low..=high).contains(&value) {
             self.diagnostics.report(
                 "E17",
-                expr.place,
-                format!(
-                    "`{}` starts at {value}, outside its bounds {low}..={high}",
-                    coordinate.name.text
-                ),
+                place,
+                format!("`{shown}` starts at {value}, outside its bounds {low}..={high}"),
             );
         }
     }
@@ -313,6 +344,15 @@ impl Checker<'_> {
         }
         self.horizon = Some(value);
         Ok(())
+    }
+}
+
+/// The unit of a number that carries one, possibly with a sign.
+fn own_unit(expr: &Expr) -> Option<&WrittenUnit> {
+    match &expr.kind {
+        Kind::Number { unit, .. } => unit.as_ref(),
+        Kind::Negate(inner) => own_unit(inner),
+        _ => None,
     }
 }
 

@@ -9,6 +9,7 @@
 
 use super::implicit::{self, Implicit};
 use super::ldl::Factorization;
+use super::residual::{self, Bordered};
 use super::{Explicit, Failure, simplify};
 use crate::check::normal;
 use crate::evaluate::velocity_direction;
@@ -126,82 +127,120 @@ fn over(w: &[Sym], divisor: Sym) -> Vec<Sym> {
     w.iter().map(|&w| simplify(w * scale)).collect()
 }
 
-/// Contact of a scene whose mass matrix is inverted by formulas.
-pub(super) fn explicit(
-    contact: &Contact,
-    mass: &[Sym],
-    whole: &Inertia,
-    inputs: &[Variable],
-) -> Result<ContactEquations, Failure> {
-    let n = whole.n;
-    let locked = if contact.held.is_empty() {
-        None
-    } else {
-        Some(Inertia::locked(mass, n, &contact.held)?)
-    };
-    let inertia = locked.as_ref().unwrap_or(whole);
-    let (mut rows, curvature, normal) = geometry(contact, n);
-    let inverse = inertia.solve(&normal);
-    let inverse_inertia = inner(&normal, &inverse);
-    let along = contact.along.as_ref().unwrap_or(&inverse);
-    rows.extend(over(along, inner(&normal, along)));
-    let friction = contact.friction.as_ref().map(|friction| {
-        let (sliding, curvature, tangent) = slip(friction, n);
-        let mut rows = vec![sliding];
-        rows.extend(over(&inertia.solve(&tangent), inverse_inertia));
-        FrictionEquations {
-            rows: Explicit::new(rows, inputs),
-            curvature,
-            tangent,
-            direction: None,
-        }
-    });
-    Ok(ContactEquations {
-        rows: Explicit::new(rows, inputs),
-        curvature,
-        inverse_inertia: InverseInertia::Formula(inverse_inertia),
-        normal,
-        direction: None,
-        friction,
-    })
+/// What the directions of all contacts are derived from.
+pub(super) struct Mechanism<'a> {
+    pub(super) mass: &'a [Sym],
+    pub(super) momenta: &'a [Sym],
+    /// The inverse mass matrix by formulas, of few coordinates.
+    pub(super) formulas: Option<&'a Inertia>,
+    /// The mass matrix by factors, unless it is solved with at run time.
+    pub(super) written_out: Option<&'a Factorization>,
+    pub(super) inputs: &'a [Variable],
 }
 
-/// Contact of a scene whose directions are solutions of linear systems at run time.
-pub(super) fn implicit(
-    contact: &Contact,
-    mass: &[Sym],
-    momenta: &[Sym],
-    inputs: &[Variable],
-) -> ContactEquations {
-    let n = momenta.len();
-    let (mut rows, curvature, normal) = geometry(contact, n);
-    let inertia = implicit::Locked {
-        mass,
-        momenta,
-        held: &contact.held,
-    };
-    let direction = match &contact.along {
-        Some(along) => {
-            rows.extend(over(along, inner(&normal, along)));
-            None
-        }
-        None => Some(implicit::direction(&inertia, &normal, inputs)),
-    };
-    let friction = contact.friction.as_ref().map(|friction| {
-        let (sliding, curvature, tangent) = slip(friction, n);
-        FrictionEquations {
-            rows: Explicit::new(vec![sliding], inputs),
+impl Mechanism<'_> {
+    pub(super) fn contact(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
+        let n = self.momenta.len();
+        let (mut rows, curvature, normal) = geometry(contact, n);
+        let singular = |coordinate| Failure::SingularMass { coordinate };
+        let inertia = implicit::Locked {
+            mass: self.mass,
+            momenta: self.momenta,
+            held: &contact.held,
+        };
+        let (locked, locked_factors) = match (self.formulas, self.written_out) {
+            _ if contact.held.is_empty() => (None, None),
+            (formulas, factors) => (
+                formulas
+                    .map(|_| Inertia::locked(self.mass, n, &contact.held))
+                    .transpose()?,
+                factors
+                    .map(|_| Factorization::stepwise(&inertia.matrix(), n))
+                    .transpose()
+                    .map_err(singular)?,
+            ),
+        };
+        let formulas = locked.as_ref().or(self.formulas);
+        let factors = locked_factors.as_ref().or(self.written_out);
+
+        let inverse = formulas.map(|formulas| formulas.solve(&normal));
+        let divisor = inverse.as_ref().map(|inverse| inner(&normal, inverse));
+        let inverse_inertia = match (divisor, factors) {
+            (Some(formula), _) => InverseInertia::Formula(formula),
+            (None, Some(factors)) => InverseInertia::Formula(
+                Bordered::new(factors, vec![inertia.free_part(&normal)]).inverse_inertia(),
+            ),
+            (None, None) => InverseInertia::Solved,
+        };
+        let friction = contact.friction.as_ref().map(|friction| {
+            let (sliding, curvature, tangent) = slip(friction, n);
+            let formula = formulas
+                .zip(divisor)
+                .map(|(formulas, divisor)| over(&formulas.solve(&tangent), divisor));
+            let columns = [&tangent, &normal].map(|vector| inertia.free_part(vector));
+            let (rows, direction) = self.directed(
+                vec![sliding],
+                formula,
+                || implicit::friction(&inertia, &normal, &tangent, self.inputs),
+                factors.map(|factors| Bordered::new(factors, columns.to_vec())),
+            );
+            FrictionEquations {
+                rows,
+                curvature,
+                tangent,
+                direction,
+            }
+        });
+        let (rows, direction) = match &contact.along {
+            Some(along) => {
+                rows.extend(over(along, inner(&normal, along)));
+                (Explicit::new(rows, self.inputs), None)
+            }
+            None => self.directed(
+                rows,
+                inverse
+                    .zip(divisor)
+                    .map(|(inverse, divisor)| over(&inverse, divisor)),
+                || implicit::direction(&inertia, &normal, self.inputs),
+                factors.map(|factors| Bordered::new(factors, vec![inertia.free_part(&normal)])),
+            ),
+        };
+        Ok(ContactEquations {
+            rows,
             curvature,
-            direction: Some(implicit::friction(&inertia, &normal, &tangent, inputs)),
-            tangent,
-        }
-    });
-    ContactEquations {
-        rows: Explicit::new(rows, inputs),
-        curvature,
-        inverse_inertia: InverseInertia::Solved,
-        normal,
-        direction,
-        friction,
+            inverse_inertia,
+            normal,
+            direction,
+            friction,
+        })
+    }
+
+    /// Some rows followed by a direction: a formula, or the first part of the solution of a system. What
+    /// has no formulas at all is left to be solved at run time.
+    fn directed(
+        &self,
+        rows: Vec<Sym>,
+        formula: Option<Vec<Sym>>,
+        system: impl Fn() -> Implicit,
+        elimination: Option<Bordered<'_>>,
+    ) -> (Explicit, Option<Implicit>) {
+        let Some(elimination) = elimination else {
+            return (Explicit::new(rows, self.inputs), Some(system()));
+        };
+        let written_out = || {
+            let weights: Vec<Sym> = (0..self.momenta.len())
+                .map(|i| Implicit::multiplier(rows.len() + i))
+                .collect();
+            let direction = residual::derivatives(&system(), &elimination, &weights, self.inputs);
+            Explicit::new(rows.clone(), self.inputs).followed_by(direction)
+        };
+        let rows = match formula {
+            Some(direction) => {
+                let values = rows.iter().copied().chain(direction).collect();
+                Explicit::cheapest(values, written_out, self.inputs)
+            }
+            None => written_out(),
+        };
+        (rows, None)
     }
 }

@@ -12,11 +12,12 @@
 use super::ldl::Factorization;
 use super::{Sparse, hessian, jacobian};
 use crate::graph::{self, Sym, Variable};
+use crate::tape;
 use std::collections::BTreeSet;
 
 /// Largest mass matrix that is factorized by formulas: some n^3/3 operations, which pivoting and loops
 /// would about double.
-const FORMULAS: usize = 16;
+pub(super) const FORMULAS: usize = 16;
 
 /// A linear system with everything that its solution's derivatives need. In its formulas,
 /// `Multiplier(i)` stands for `mu[i]` and `Unknown(size + i)` for `y[i]`.
@@ -121,10 +122,11 @@ impl Implicit {
 }
 
 /// The motion without contact: `M a = r`. The residual is built from the momenta along the motion,
-/// which takes far fewer operations than the entries of `M`.
+/// which takes far fewer operations than the entries of `M` if those are many.
 pub(super) fn motion(
     mass: Vec<Sym>,
     right: Vec<Sym>,
+    factorization: Option<&Factorization>,
     momenta: &[Sym],
     applied: &[Sym],
     inputs: &[Variable],
@@ -145,13 +147,31 @@ pub(super) fn motion(
         Variable::Velocity(i) => Implicit::multiplier(usize::from(i)),
         _ => Sym::ZERO,
     });
-    let solution = (n <= FORMULAS)
-        .then(|| Factorization::plain(&mass, n).ok())
-        .flatten()
-        .map(|factorization| factorization.solve(&right));
+    // From the entries of the mass matrix instead, where that is shorter.
+    let times = |unknown: &dyn Fn(usize) -> Sym| -> Vec<Sym> {
+        let rows = mass.chunks(n);
+        rows.map(|row| (0..n).map(|j| row[j] * unknown(j)).sum())
+            .collect()
+    };
+    let by_entries: Vec<Sym> = times(&|j| Implicit::unknown(n, j))
+        .into_iter()
+        .zip(&right)
+        .map(|(inertial, &right)| inertial - right)
+        .collect();
+    let residual = shorter(residual, by_entries);
+    let transposed = shorter(transposed, times(&Implicit::multiplier));
+    let solution = factorization.map(|factorization| factorization.solve(&right));
     let mut motion = Implicit::new(mass, right, &residual, &transposed, inputs);
     motion.solution = solution;
     motion
+}
+
+fn shorter(one: Vec<Sym>, other: Vec<Sym>) -> Vec<Sym> {
+    if tape::operations(&other) < tape::operations(&one) {
+        other
+    } else {
+        one
+    }
 }
 
 /// The mass matrix with the rows and columns of held coordinates replaced by those of the identity.
@@ -192,8 +212,14 @@ impl Locked<'_> {
         rows
     }
 
+    /// Row-major.
+    pub(super) fn matrix(&self) -> Vec<Sym> {
+        let n = self.size();
+        (0..n * n).map(|k| self.entry(k / n, k % n)).collect()
+    }
+
     /// A vector with zeros for the held coordinates.
-    fn free_part(&self, vector: &[Sym]) -> Vec<Sym> {
+    pub(super) fn free_part(&self, vector: &[Sym]) -> Vec<Sym> {
         let component = |(i, &component)| {
             if self.is_held(i) {
                 Sym::ZERO
@@ -242,12 +268,12 @@ fn bordered(
     let normal = &columns[columns.len() - 1];
     let mut matrix = vec![Sym::ZERO; size * size];
     for (block, column) in columns.iter().enumerate() {
-        for i in 0..n {
+        for (i, &component) in column.iter().enumerate() {
             let row = (block * n + i) * size;
             for j in 0..n {
                 matrix[row + block * n + j] = inertia.entry(i, j);
             }
-            matrix[row + last] = -column[i];
+            matrix[row + last] = -component;
         }
     }
     matrix[last * size + closing..last * size + last].copy_from_slice(normal);

@@ -35,13 +35,20 @@ impl Factorization {
         })
     }
 
-    /// Factorizes a row-major matrix in its own order and form, for matrices that are too large to try
-    /// several.
+    /// Factorizes a row-major matrix with every intermediate result as one quantity, which keeps
+    /// the formulas as long as elimination with numbers would take.
     ///
     /// # Errors
     /// The coordinate whose pivot is structurally zero.
-    pub(crate) fn plain(matrix: &[Sym], n: usize) -> Result<Self, usize> {
-        Self::in_order(matrix, n, (0..n).collect(), |sym| sym)
+    pub(crate) fn stepwise(matrix: &[Sym], n: usize) -> Result<Self, usize> {
+        let forward = Self::in_order(matrix, n, (0..n).collect(), Sym::kept)?;
+        let backward = Self::in_order(matrix, n, (0..n).rev().collect(), Sym::kept)?;
+        // Sparse matrices fill in differently; the entries themselves cost the same in both.
+        Ok(if backward.operations() < forward.operations() {
+            backward
+        } else {
+            forward
+        })
     }
 
     fn in_order(
@@ -51,12 +58,14 @@ impl Factorization {
         simplify: fn(Sym) -> Sym,
     ) -> Result<Self, usize> {
         let mut lower = vec![Sym::ZERO; n * n];
+        // The entries of L D.
+        let mut scaled = vec![Sym::ZERO; n * n];
         let mut pivots: Vec<Sym> = Vec::with_capacity(n);
         for j in 0..n {
             let at = |i: usize, j: usize| matrix[order[i] * n + order[j]];
             let mut pivot = at(j, j);
             for k in 0..j {
-                pivot -= lower[j * n + k].square() * pivots[k];
+                pivot -= lower[j * n + k] * scaled[j * n + k];
             }
             let pivot = simplify(pivot);
             if pivot.is_structural_zero() {
@@ -68,9 +77,11 @@ impl Factorization {
             for i in j + 1..n {
                 let mut entry = at(i, j);
                 for k in 0..j {
-                    entry -= lower[i * n + k] * lower[j * n + k] * pivots[k];
+                    entry -= lower[j * n + k] * scaled[i * n + k];
                 }
-                lower[i * n + j] = simplify(simplify(entry) * inverse);
+                let entry = simplify(entry);
+                scaled[i * n + j] = entry;
+                lower[i * n + j] = simplify(entry * inverse);
             }
         }
         Ok(Self {

@@ -9,6 +9,7 @@
 mod contact;
 mod implicit;
 mod ldl;
+mod residual;
 mod simplify;
 
 pub(crate) use contact::{ContactEquations, FrictionEquations, InverseInertia};
@@ -17,13 +18,26 @@ pub(crate) use simplify::simplify;
 
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
-use crate::scene::CheckedScene;
+use crate::scene::{CheckedScene, Condition, OptimalControl};
+use crate::tape::{self, Tape};
 use ldl::Factorization;
-use simplify::simplify_all;
+use simplify::{simplify_all, simplify_equation};
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Largest number of coordinates whose acceleration is written out as a formula; above, it is the
-/// solution of a linear system, as formulas through the inverse of the mass matrix explode.
+/// Largest number of coordinates whose acceleration is simplified as one formula; above, formulas
+/// through the inverse of the mass matrix explode.
 const EXPLICIT: usize = 4;
+
+/// Largest number of coordinates for which elimination is written out; above, loops over dense matrices
+/// are faster, and much shorter to compile.
+const WRITTEN_OUT: usize = 8;
+
+/// Most operations of formulas whose derivatives are tried as formulas; those of longer ones were never the
+/// cheaper ones.
+const DIFFERENTIATED: usize = 120;
+
+/// Most operations of derivatives for which no second way of deriving them is tried.
+const SHORT: usize = 40;
 
 /// Values of a sparse matrix with their positions.
 #[derive(Default)]
@@ -41,12 +55,87 @@ pub(crate) struct Explicit {
     pub(crate) hessian: Sparse,
 }
 
+impl Sparse {
+    /// The structural nonzeros of a matrix.
+    fn nonzeros(
+        rows: usize,
+        columns: usize,
+        entries: impl Iterator<Item = ((usize, usize), Sym)>,
+    ) -> Self {
+        let (entries, values) = entries
+            .filter(|(_, value)| !value.is_structural_zero())
+            .unzip();
+        Self {
+            rows,
+            columns,
+            entries,
+            values,
+        }
+    }
+
+    /// Of two forms of the same matrix the cheaper one, at the positions that are nonzero in both.
+    fn cheaper(self, other: Self) -> Self {
+        let common = |one: Self, other: &Self| {
+            let positions: BTreeSet<(usize, usize)> = other.entries.iter().copied().collect();
+            let entries = one.entries.into_iter().zip(one.values);
+            let kept = entries.filter(|(entry, _)| positions.contains(entry));
+            Self::nonzeros(one.rows, one.columns, kept)
+        };
+        let first = common(self, &other);
+        let second = common(other, &first);
+        let (own, its) = (tape::cost(&first.values), tape::cost(&second.values));
+        if its < own { second } else { first }
+    }
+}
+
 impl Explicit {
     fn new(values: Vec<Sym>, inputs: &[Variable]) -> Self {
         Self {
             jacobian: jacobian(&values, inputs),
             hessian: hessian(&values, inputs),
             values,
+        }
+    }
+
+    /// The components of both; the Hessians are those of weighted sums, and add up.
+    fn followed_by(mut self, other: Self) -> Self {
+        let rows = self.values.len();
+        let below = other.jacobian.entries.iter();
+        let below = below.map(|&(row, column)| (rows + row, column));
+        self.jacobian.entries.extend(below);
+        self.jacobian.values.extend(other.jacobian.values);
+        self.jacobian.rows += other.jacobian.rows;
+        self.values.extend(other.values);
+        let own = self.hessian.entries.into_iter().zip(self.hessian.values);
+        let mut sums: BTreeMap<(usize, usize), Sym> = own.collect();
+        for (entry, value) in other.hessian.entries.into_iter().zip(other.hessian.values) {
+            *sums.entry(entry).or_insert(Sym::ZERO) += value;
+        }
+        self.hessian =
+            Sparse::nonzeros(other.hessian.rows, other.hessian.columns, sums.into_iter());
+        self
+    }
+
+    /// Formulas whose derivatives are taken of themselves or from `written_out`, the same function by
+    /// elimination, whichever takes fewer operations.
+    fn cheapest(values: Vec<Sym>, written_out: impl FnOnce() -> Self, inputs: &[Variable]) -> Self {
+        if tape::operations(&values) > DIFFERENTIATED {
+            return Self {
+                values,
+                ..written_out()
+            };
+        }
+        let formulas = Self::new(values, inputs);
+        let length = tape::operations(&formulas.jacobian.values)
+            + tape::operations(&formulas.hessian.values);
+        if length <= SHORT {
+            return formulas;
+        }
+        let written_out = written_out();
+        Self {
+            values: formulas.values,
+            jacobian: formulas.jacobian.cheaper(written_out.jacobian),
+            hessian: formulas.hessian.cheaper(written_out.hessian),
         }
     }
 }
@@ -71,10 +160,23 @@ pub(crate) struct Equations {
     pub(crate) inputs: usize,
     /// Mass matrix, row-major.
     pub(crate) mass: Vec<Sym>,
+    /// `r` of `M a = r`.
+    pub(crate) right: Vec<Sym>,
+    /// Whether acceleration and contact directions are formulas that a person can read.
+    pub(crate) readable: bool,
     /// Kinetic and potential energy.
     pub(crate) energy: [Sym; 2],
     pub(crate) acceleration: Solution,
     pub(crate) contacts: Vec<ContactEquations>,
+    pub(crate) optimal_control: Option<ControlEquations>,
+}
+
+/// Functions of optimal control.
+pub(crate) struct ControlEquations {
+    /// Running cost, then path constraints; functions of the input vector.
+    pub(crate) path: Explicit,
+    /// Final cost, then terminal conditions; functions of coordinates, velocities and final time.
+    pub(crate) terminal: Explicit,
 }
 
 /// Derives all equations of a scene.
@@ -96,21 +198,26 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         for (i, entry) in graph::partial(&momenta, velocity).into_iter().enumerate() {
             // Lower and upper entries are the same formula, whatever form the sweeps gave them.
             if i >= j {
-                let entry = simplify(entry);
+                let entry = simplify_equation(entry);
                 (mass[i * n + j], mass[j * n + i]) = (entry, entry);
             }
         }
     }
-    let applied: Vec<Sym> = graph::gradient(lagrangian, &coordinates)
-        .into_iter()
+    let conservative = graph::gradient(lagrangian, &coordinates);
+    let applied: Vec<Sym> = conservative
+        .iter()
         .zip(&scene.forces)
-        .map(|(conservative, &force)| conservative + force)
+        .map(|(&conservative, &force)| conservative + force)
         .collect();
     let transport = graph::directional(&momenta, velocity_direction);
-    let right: Vec<Sym> = applied
+    let right: Vec<Sym> = conservative
         .iter()
         .zip(&transport)
-        .map(|(&applied, &transport)| simplify(applied - transport))
+        .zip(&scene.forces)
+        // Each part by itself: the terms of both rarely cancel, and long sums are not simplified.
+        .map(|((&conservative, &transport), &force)| {
+            simplify(simplify_equation(conservative - transport) + simplify_equation(force))
+        })
         .collect();
     if let Some(coordinate) = (0..n).find(|i| {
         mass[i * n..i * n + n]
@@ -121,36 +228,72 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     }
 
     let energy = energy(lagrangian, &momenta, &velocities);
-    let (acceleration, contacts) = if n <= EXPLICIT {
-        let factorization = Factorization::of(&mass, n)
-            .map_err(|coordinate| Failure::SingularMass { coordinate })?;
-        let acceleration = factorization.solve(&right);
-        let whole = contact::Inertia::whole(factorization, n);
-        let contacts = scene
-            .contacts
-            .iter()
-            .map(|contact| contact::explicit(contact, &mass, &whole, &inputs))
-            .collect::<Result<_, _>>()?;
-        (
-            Solution::Explicit(Explicit::new(acceleration, &inputs)),
-            contacts,
-        )
-    } else {
-        let contacts = scene
-            .contacts
-            .iter()
-            .map(|contact| contact::implicit(contact, &mass, &momenta, &inputs))
-            .collect();
-        let motion = implicit::motion(mass.clone(), right, &momenta, &applied, &inputs);
-        (Solution::Implicit(motion), contacts)
+    let singular = |coordinate| Failure::SingularMass { coordinate };
+    let formulas = (n <= EXPLICIT)
+        .then(|| Factorization::of(&mass, n))
+        .transpose()
+        .map_err(singular)?;
+    let stepwise = (n <= implicit::FORMULAS)
+        .then(|| Factorization::stepwise(&mass, n))
+        .transpose()
+        .map_err(singular)?;
+    let written_out = stepwise.as_ref().filter(|_| n <= WRITTEN_OUT);
+    let motion = || {
+        let (mass, right, factors) = (mass.clone(), right.clone(), stepwise.as_ref());
+        implicit::motion(mass, right, factors, &momenta, &applied, &inputs)
     };
+    let weights: Vec<Sym> = (0..n).map(Implicit::multiplier).collect();
+    let by_elimination =
+        |factors: &Factorization| residual::derivatives(&motion(), factors, &weights, &inputs);
+    let acceleration = match (&formulas, written_out) {
+        (Some(formulas), Some(factors)) => {
+            let values = formulas.solve(&right);
+            let written_out = || by_elimination(factors);
+            Solution::Explicit(Explicit::cheapest(values, written_out, &inputs))
+        }
+        (None, Some(factors)) => Solution::Explicit(by_elimination(factors)),
+        (_, None) => Solution::Implicit(motion()),
+    };
+    let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
+    let inertia = contact::Mechanism {
+        mass: &mass,
+        momenta: &momenta,
+        formulas: formulas.as_ref(),
+        written_out,
+        inputs: &inputs,
+    };
+    let contacts = scene
+        .contacts
+        .iter()
+        .map(|contact| inertia.contact(contact))
+        .collect::<Result<_, _>>()?;
     Ok(Equations {
         inputs: inputs.len(),
+        right,
+        readable: n <= EXPLICIT,
         mass,
         energy,
         acceleration,
         contacts,
+        optimal_control: scene
+            .optimal_control
+            .as_ref()
+            .map(|task| optimal_control(task, n, &inputs)),
     })
+}
+
+fn optimal_control(task: &OptimalControl, n: usize, inputs: &[Variable]) -> ControlEquations {
+    let functions = |cost: Option<Sym>, conditions: &[Condition], inputs: &[Variable]| {
+        let functions = conditions.iter().map(|condition| condition.function);
+        let values: Vec<Sym> = cost.into_iter().chain(functions).map(simplify).collect();
+        Explicit::new(values, inputs)
+    };
+    let mut at_the_end = inputs[..2 * n].to_vec();
+    at_the_end.push(Variable::Time);
+    ControlEquations {
+        path: functions(task.running_cost, &task.constraints, inputs),
+        terminal: functions(task.final_cost, &task.goals, &at_the_end),
+    }
 }
 
 /// `v' dL/dv - L` split into the part that vanishes at rest and the rest.
@@ -178,8 +321,9 @@ fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     sparse(outputs.len(), inputs.len(), entries)
 }
 
-/// Nonzero second derivatives (lower triangle) of the outputs weighted by multipliers: adjoints
-/// first, then a sweep of dual numbers for each input.
+/// Nonzero second derivatives (lower triangle) of the outputs weighted by multipliers, by two ways of which
+/// now one and now the other takes fewer operations: adjoints, then a sweep of dual numbers for
+/// each input; or one sweep that carries second derivatives, over the shortest evaluation.
 fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     let weighted: Sym = outputs
         .iter()
@@ -194,7 +338,14 @@ fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     let entries = (0..inputs.len())
         .flat_map(|i| (0..=i).map(move |j| (i, j)))
         .map(|(i, j)| ((i, j), columns[j][i]));
-    sparse(inputs.len(), inputs.len(), entries)
+    let by_columns = sparse(inputs.len(), inputs.len(), entries);
+    if tape::operations(&by_columns.values) < SHORT {
+        return by_columns;
+    }
+    let evaluation = Tape::of(&[weighted]).stepwise();
+    let entries = graph::hessian(evaluation[0], inputs);
+    let at_once = Sparse::nonzeros(inputs.len(), inputs.len(), entries.into_iter());
+    by_columns.cheaper(at_once)
 }
 
 /// The nonzeros of a matrix, in their cheapest common form.

@@ -10,13 +10,33 @@ const TERMS: usize = 200;
 /// are left alone (measured: 150 saves a quarter of the Hessian of a bicycle on two wheels against 400).
 const SIZE: usize = 150;
 
+/// The same for an equation of motion, from which all derivatives come; a form of more than [`SIZE`]
+/// operations is left for one of half of them only.
+const EQUATION: usize = 2000;
+
 /// The cheapest of: the expression as it is, multiplied out, and multiplied out with squares of
 /// cosines or of sines removed.
 pub(crate) fn simplify(sym: Sym) -> Sym {
+    simplify_up_to(sym, SIZE)
+}
+
+/// The same for an equation of motion, which may be longer.
+pub(crate) fn simplify_equation(sym: Sym) -> Sym {
+    simplify_up_to(sym, EQUATION)
+}
+
+fn simplify_up_to(sym: Sym, longest: usize) -> Sym {
+    // Counting operations takes much longer than counting parts, of which each is one or more.
+    if graph::is_longer_than(sym, longest) {
+        return sym;
+    }
     let mut best = sym;
     let mut cost = tape::operations(&[sym]);
-    if cost <= 1 || cost > SIZE {
+    if cost <= 1 || cost > longest {
         return sym;
+    }
+    if cost > SIZE {
+        cost /= 2;
     }
     let Some(expanded) = graph::expand(sym, TERMS) else {
         return sym;

@@ -6,7 +6,7 @@ use super::structure::text;
 use super::{Timing, equations};
 use crate::ast::WrittenUnit;
 use crate::derive::Equations;
-use crate::scene::CheckedScene;
+use crate::scene::{CheckedScene, Condition};
 use hangtime_units::Unit;
 use std::fmt::Write;
 
@@ -72,9 +72,7 @@ pub(super) fn write(
              ::hangtime::model::ImpactLaw::{}, friction: {friction}, custom_direction: {}, held: &{:?}, \
              jacobian: {}, hessian: {}, documentation: {:?} }},",
             contact.name.text,
-            contact
-                .unit
-                .map_or_else(String::new, |unit| unit.to_string()),
+            inferred(contact.unit),
             if contact.restitution.is_some() {
                 "Restitution"
             } else {
@@ -89,11 +87,11 @@ pub(super) fn write(
     }
     let _ = write!(
         code,
-        "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: None, \
-         kernels: &[",
+        "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: {}, kernels: &[",
         scene.explicit_time,
         pattern(&plan.free_patterns[0]),
-        pattern(&plan.free_patterns[1])
+        pattern(&plan.free_patterns[1]),
+        optimal_control(scene, plan)
     );
     for kernel in plan.listed() {
         let _ = write!(
@@ -119,8 +117,55 @@ pub(super) fn write(
     );
 }
 
+fn optimal_control(scene: &CheckedScene, plan: &Plan) -> String {
+    let (Some(task), Some(plan)) = (&scene.optimal_control, &plan.optimal_control) else {
+        return "None".to_owned();
+    };
+    let free_start: Vec<usize> = task.free_start.iter().map(|&(index, _)| index).collect();
+    format!(
+        "Some(::hangtime::model::OptimalControlDeclaration {{ running_cost: {}, final_cost: {}, \
+         constraints: &[{}], goals: &[{}], free_time: {}, free_start: &{free_start:?}, path_jacobian: {}, \
+         path_hessian: {}, terminal_jacobian: {}, terminal_hessian: {} }})",
+        task.running_cost.is_some(),
+        task.final_cost.is_some(),
+        conditions(&task.constraints),
+        conditions(&task.goals),
+        task.free_time,
+        pattern(&plan.path.jacobian_pattern),
+        pattern(&plan.path.hessian_pattern),
+        pattern(&plan.terminal.jacobian_pattern),
+        pattern(&plan.terminal.hessian_pattern)
+    )
+}
+
+fn conditions(conditions: &[Condition]) -> String {
+    let mut code = String::new();
+    for condition in conditions {
+        let _ = write!(
+            code,
+            "::hangtime::model::ConstraintDeclaration {{ name: {:?}, unit: {:?}, relation: \
+             ::hangtime::model::ConstraintRelation::{}, documentation: {:?} }},",
+            condition.name,
+            inferred(condition.unit),
+            if condition.equality {
+                "Zero"
+            } else {
+                "NonNegative"
+            },
+            text(&condition.documentation)
+        );
+    }
+    code
+}
+
 fn unit(written: Option<&WrittenUnit>) -> &str {
     written.map_or("", |unit| unit.text.as_str())
+}
+
+/// A unit that follows from others; empty for pure numbers, as where none is declared.
+fn inferred(unit: Option<Unit>) -> String {
+    unit.filter(|unit| !unit.same_dimension(Unit::ONE))
+        .map_or_else(String::new, |unit| unit.to_string())
 }
 
 /// Masses and moments of inertia, which must be positive.

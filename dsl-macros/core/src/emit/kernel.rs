@@ -16,6 +16,8 @@ pub(crate) struct Kernel {
     pub(crate) tape: Tape,
     /// Whether it is evaluated again and again, so that its cost is of interest.
     pub(crate) listed: bool,
+    /// Whether it reads `(q, v, T)` with the final time `T` instead of the input vector.
+    pub(crate) at_the_end: bool,
 }
 
 impl Kernel {
@@ -24,6 +26,7 @@ impl Kernel {
             name: name.into(),
             tape: Tape::of(outputs),
             listed,
+            at_the_end: false,
         }
     }
 
@@ -55,12 +58,12 @@ impl Kernel {
             })
             .collect();
         let chunks: Vec<&[usize]> = computed.chunks(CHUNK).collect();
-        let writer = Writer::new(scene, tape, &chunks);
+        let writer = Writer::new(scene, self, &chunks);
         if chunks.len() <= 1 {
             let _ = write!(
                 code,
                 "#[inline] fn {function}({signature}) {{ {}",
-                self.prologue()
+                self.prologue(scene)
             );
             for chunk in &chunks {
                 writer.body(0, chunk, code);
@@ -74,7 +77,7 @@ impl Kernel {
                 code,
                 "#[inline(never)] fn {function}_{index}({signature}, w: &mut [f64; {}]) {{ {}",
                 writer.crossing,
-                self.prologue()
+                self.prologue(scene)
             );
             writer.body(index, chunk, code);
             if index + 1 == chunks.len() {
@@ -93,15 +96,32 @@ impl Kernel {
         code.push_str("}\n");
     }
 
-    /// One bounds check a slice instead of one an access.
-    fn prologue(&self) -> String {
-        format!("let out = &mut out[..{}];", self.tape.outputs.len())
+    /// One bounds check a slice instead of one an access. Each check between two operations would also
+    /// keep the compiler from joining the sine and the cosine of an angle into one call.
+    fn prologue(&self, scene: &CheckedScene) -> String {
+        let mut lengths = [0; 2];
+        for op in &self.tape.ops {
+            if let Op::Load(variable) = op {
+                match place(scene, *variable, self.at_the_end) {
+                    Input::Field(_) => {}
+                    Input::Vector(index) => lengths[0] = lengths[0].max(index + 1),
+                    Input::Second(index) => lengths[1] = lengths[1].max(index + 1),
+                }
+            }
+        }
+        format!(
+            "let x = &x[..{}]; let y = &y[..{}]; let out = &mut out[..{}];",
+            lengths[0],
+            lengths[1],
+            self.tape.outputs.len()
+        )
     }
 }
 
 struct Writer<'a> {
     scene: &'a CheckedScene,
     tape: &'a Tape,
+    at_the_end: bool,
     /// Chunk in which each operation is computed.
     home: Vec<usize>,
     /// Place in the workspace of values that later chunks need.
@@ -112,7 +132,8 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    fn new(scene: &'a CheckedScene, tape: &'a Tape, chunks: &[&[usize]]) -> Self {
+    fn new(scene: &'a CheckedScene, kernel: &'a Kernel, chunks: &[&[usize]]) -> Self {
+        let tape = &kernel.tape;
         let mut home = vec![usize::MAX; tape.ops.len()];
         for (index, chunk) in chunks.iter().enumerate() {
             for &position in *chunk {
@@ -123,7 +144,7 @@ impl<'a> Writer<'a> {
         let mut crossing = 0;
         for (index, chunk) in chunks.iter().enumerate() {
             for &position in *chunk {
-                for operand in operands(tape.ops[position]) {
+                for operand in tape.ops[position].operands() {
                     let operand = operand as usize;
                     if home[operand] != usize::MAX
                         && home[operand] != index
@@ -142,6 +163,7 @@ impl<'a> Writer<'a> {
         Self {
             scene,
             tape,
+            at_the_end: kernel.at_the_end,
             home,
             slot,
             crossing,
@@ -152,7 +174,7 @@ impl<'a> Writer<'a> {
     fn operand(&self, chunk: usize, position: u32) -> String {
         let index = position as usize;
         match self.tape.ops[index] {
-            Op::Load(variable) => load(self.scene, variable),
+            Op::Load(variable) => load(self.scene, variable, self.at_the_end),
             Op::Constant(bits) => literal(f64::from_bits(bits)),
             _ if self.home[index] == chunk => format!("t{index}"),
             _ => match self.slot[index] {
@@ -195,34 +217,40 @@ impl<'a> Writer<'a> {
     }
 }
 
-fn operands(op: Op) -> Vec<u32> {
-    match op {
-        Op::Load(_) | Op::Constant(_) => Vec::new(),
-        Op::Negate(a) | Op::Root(a) | Op::Call(_, a) => vec![a],
-        Op::Add(a, b)
-        | Op::Subtract(a, b)
-        | Op::Multiply(a, b)
-        | Op::Divide(a, b)
-        | Op::Call2(_, a, b) => vec![a, b],
-    }
+/// Where a kernel finds a variable.
+enum Input {
+    /// Among the parameters.
+    Field(usize),
+    /// In the input vector.
+    Vector(usize),
+    /// Among the multipliers or unknowns.
+    Second(usize),
 }
 
-/// Where a kernel finds a variable.
-fn load(scene: &CheckedScene, variable: Variable) -> String {
+fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Input {
     let n = scene.coordinates.len();
     let index = |i: u16| usize::from(i);
     match variable {
-        Variable::Parameter(i) => scene
-            .parameters
-            .get(index(i))
-            .map_or_else(String::new, |known| format!("p.{}", known.name.text)),
-        Variable::Coordinate(i) => format!("x[{}]", index(i)),
-        Variable::Velocity(i) => format!("x[{}]", n + index(i)),
-        Variable::Control(i) => format!("x[{}]", 2 * n + index(i)),
-        Variable::Time => format!("x[{}]", 2 * n + scene.controls.len()),
+        Variable::Parameter(i) => Input::Field(index(i)),
+        Variable::Coordinate(i) => Input::Vector(index(i)),
+        Variable::Velocity(i) => Input::Vector(n + index(i)),
+        Variable::Control(i) => Input::Vector(2 * n + index(i)),
+        Variable::Time if at_the_end => Input::Vector(2 * n),
+        Variable::Time => Input::Vector(2 * n + scene.controls.len()),
         Variable::Multiplier(i) | Variable::Unknown(i) | Variable::Argument(i) => {
-            format!("y[{}]", index(i))
+            Input::Second(index(i))
         }
+    }
+}
+
+fn load(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> String {
+    match place(scene, variable, at_the_end) {
+        Input::Field(i) => scene
+            .parameters
+            .get(i)
+            .map_or_else(String::new, |known| format!("p.{}", known.name.text)),
+        Input::Vector(i) => format!("x[{i}]"),
+        Input::Second(i) => format!("y[{i}]"),
     }
 }
 

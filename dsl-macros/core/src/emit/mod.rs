@@ -93,7 +93,7 @@ fn implementation(scene: &CheckedScene, plan: &Plan, code: &mut String) {
         }
         arms
     };
-    let laws = laws(plan);
+    let further = laws(plan) + &optimal_control(plan);
     let _ = write!(
         code,
         "#[automatically_derived] impl ::hangtime::model::Model for {name} {{
@@ -116,7 +116,7 @@ fn implementation(scene: &CheckedScene, plan: &Plan, code: &mut String) {
          {{ {} _ => values.fill(f64::NAN) }} }}
             fn contact_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut \
          [f64]) {{ match contact {{ {} _ => values.fill(f64::NAN) }} }}
-            {laws}
+            {further}
             fn boxed(&self) -> ::std::boxed::Box<dyn ::hangtime::model::Model> {{ \
          ::std::boxed::Box::new(::core::clone::Clone::clone(self)) }}
         }}",
@@ -173,6 +173,35 @@ fn laws(plan: &Plan) -> String {
             friction(&|friction| &friction.tangent),
             friction(&|friction| &friction.derivatives.jacobian),
             friction(&|friction| &friction.derivatives.hessian),
+        );
+    }
+    methods
+}
+
+/// The methods for optimal control, as far as the scene declares it.
+fn optimal_control(plan: &Plan) -> String {
+    let mut methods = String::new();
+    let Some(control) = &plan.optimal_control else {
+        return methods;
+    };
+    for (kind, input, plan) in [
+        ("path", 'x', &control.path),
+        ("terminal", 'z', &control.terminal),
+    ] {
+        if let Some([values, jacobian, hessian]) = &plan.bodies {
+            let _ = write!(
+                methods,
+                "fn {kind}_functions(&self, {input}: &[f64], values: &mut [f64]) {{ {values} }}
+                fn {kind}_jacobian(&self, {input}: &[f64], values: &mut [f64]) {{ {jacobian} }}
+                fn {kind}_hessian(&self, {input}: &[f64], multipliers: &[f64], values: &mut [f64]) {{ \
+                 {hessian} }}"
+            );
+        }
+    }
+    if let Some([lower, upper]) = &control.free_start_bounds {
+        let _ = write!(
+            methods,
+            "fn free_start_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {{ {lower}; {upper} }}"
         );
     }
     methods

@@ -4,9 +4,13 @@
 //! They are written from the syntax tree and share nothing with the expression graph: `dot` and
 //! `diff` are evaluated at run time by dual numbers of dual numbers.
 
+mod parts;
+
 use super::kernel::literal;
 use crate::ast::{Expr, Kind, Name, Operator, Relation, Scene, Statement};
 use crate::scene::{self, CheckedScene, Coordinate};
+use crate::words;
+use parts::{Body, Parts, each, inner_product, matrix_function, matrix_product};
 use std::collections::HashMap;
 use std::fmt::Write;
 
@@ -66,7 +70,7 @@ pub(super) fn write(declared: &Scene, checked: &CheckedScene) -> Option<(String,
                 ..
             } => {
                 let sides = match relation {
-                    Relation::AtLeast => (left.clone(), right.clone()),
+                    Relation::AtLeast | Relation::Equal => (left.clone(), right.clone()),
                     Relation::AtMost => (right.clone(), left.clone()),
                 };
                 gaps.insert(name.text.clone(), sides);
@@ -124,33 +128,17 @@ pub(super) fn write(declared: &Scene, checked: &CheckedScene) -> Option<(String,
 struct Oracle<'a> {
     checked: &'a CheckedScene,
     functions: HashMap<String, (Vec<Name>, Expr)>,
-    /// Helper and number of components of each abbreviation.
-    abbreviations: HashMap<String, (String, usize)>,
+    /// Helper and shape of each abbreviation.
+    abbreviations: HashMap<String, (String, Parts)>,
     helpers: String,
     count: usize,
     length: usize,
 }
 
-/// Statements of one helper function.
-#[derive(Default)]
-struct Body {
-    text: String,
-    count: usize,
-}
-
-impl Body {
-    fn bind(&mut self, value: &str) -> String {
-        let name = format!("e{}", self.count);
-        self.count += 1;
-        let _ = write!(self.text, "let {name} = {value};");
-        name
-    }
-}
-
 impl Oracle<'_> {
     /// Emits `fn(p, q, v, u, t, s) -> [D; components]` for an expression; `s` is the argument of the
     /// function that is being differentiated.
-    fn helper(&mut self, expr: &Expr) -> Option<(String, usize)> {
+    fn helper(&mut self, expr: &Expr) -> Option<(String, Parts)> {
         let mut body = Body::default();
         let components = self.expr(expr, &mut body)?;
         self.length += body.count;
@@ -167,23 +155,23 @@ impl Oracle<'_> {
             body.text,
             components.join(", ")
         );
-        Some((name, length))
+        Some((name, components))
     }
 
     /// Names of the components of an expression.
-    fn expr(&mut self, expr: &Expr, body: &mut Body) -> Option<Vec<String>> {
+    fn expr(&mut self, expr: &Expr, body: &mut Body) -> Option<Parts> {
         if self.length + body.count > LONGEST {
             return None;
         }
         Some(match &expr.kind {
             Kind::Number { value, unit, .. } => {
                 let scale = unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
-                vec![body.bind(&format!("D::from({})", literal(value * scale)))]
+                Parts::one(body.bind(&format!("D::from({})", literal(value * scale))))
             }
             Kind::Name(name) => self.name(&name.text, body)?,
             Kind::Negate(inner) => {
                 let inner = self.expr(inner, body)?;
-                each(&inner, body, |component| format!("-{component}"))
+                inner.with(each(&inner, body, |component| format!("-{component}")))
             }
             Kind::Binary {
                 operator,
@@ -207,14 +195,18 @@ impl Oracle<'_> {
                     .map(|c| format!("{c} * {c}"))
                     .collect::<Vec<_>>();
                 let sum = body.bind(&squares.join(" + "));
-                vec![body.bind(&format!("{sum}.sqrt()"))]
+                Parts::one(body.bind(&format!("{sum}.sqrt()")))
             }
             Kind::Vector(items) => {
-                let mut components = Vec::with_capacity(items.len());
+                let mut names = Vec::with_capacity(items.len());
                 for item in items {
-                    components.extend(self.expr(item, body)?);
+                    names.extend(self.expr(item, body)?.names);
                 }
-                components
+                let columns = names.len() / items.len();
+                Parts {
+                    names,
+                    columns: (columns > 1).then_some(columns),
+                }
             }
             Kind::Component { vector, name } => {
                 let vector = self.expr(vector, body)?;
@@ -224,21 +216,25 @@ impl Oracle<'_> {
                     (3, "z") => 2,
                     _ => {
                         let other = self.name(&name.text, body)?;
-                        return Some(vec![inner_product(&vector, &other, body)]);
+                        return Some(Parts::one(inner_product(&vector, &other, body)));
                     }
                 };
-                vec![vector.get(index)?.clone()]
+                Parts::one(vector.get(index)?.clone())
             }
             Kind::Index { vector, index } => {
-                vec![self.expr(vector, body)?.get(*index)?.clone()]
+                let value = self.expr(vector, body)?;
+                match value.columns {
+                    Some(columns) => value.chunks(columns).nth(*index)?.to_vec().into(),
+                    None => Parts::one(value.get(*index)?.clone()),
+                }
             }
         })
     }
 
-    fn name(&self, name: &str, body: &mut Body) -> Option<Vec<String>> {
-        if let Some((helper, length)) = self.abbreviations.get(name) {
+    fn name(&self, name: &str, body: &mut Body) -> Option<Parts> {
+        if let Some((helper, shape)) = self.abbreviations.get(name) {
             let value = body.bind(&format!("Self::{helper}(p, q, v, u, t, s)"));
-            return Some((0..*length).map(|i| format!("{value}[{i}]")).collect());
+            return Some(shape.within(&value));
         }
         let scaled = |text: String, scale: f64| {
             if scale == 1.0 {
@@ -260,7 +256,7 @@ impl Oracle<'_> {
         {
             let scale = scene::scale(parameter.unit.as_ref());
             let value = scaled(format!("p.{name}"), scale);
-            return Some(vec![body.bind(&format!("D::from({value})"))]);
+            return Some(Parts::one(body.bind(&format!("D::from({value})"))));
         }
         let value = find(&self.checked.coordinates, "q")
             .or_else(|| find(&self.checked.controls, "u"))
@@ -270,7 +266,7 @@ impl Oracle<'_> {
                 ARGUMENT => Some("s".to_owned()),
                 _ => None,
             })?;
-        Some(vec![body.bind(&value)])
+        Some(Parts::one(body.bind(&value)))
     }
 
     fn binary(
@@ -279,14 +275,14 @@ impl Oracle<'_> {
         left: &Expr,
         right: &Expr,
         body: &mut Body,
-    ) -> Option<Vec<String>> {
+    ) -> Option<Parts> {
         // The square of a norm has no root in it, which would not be differentiable at 0.
         if operator == Operator::Power
             && let Kind::Norm(inner) = &left.kind
             && matches!(&right.kind, Kind::Number { value, unit: None, .. } if *value == 2.0)
         {
             let inner = self.expr(inner, body)?;
-            return Some(vec![inner_product(&inner, &inner, body)]);
+            return Some(Parts::one(inner_product(&inner, &inner, body)));
         }
         let own = self.expr(left, body)?;
         if operator == Operator::Power {
@@ -295,17 +291,18 @@ impl Oracle<'_> {
         let its = self.expr(right, body)?;
         let symbol = operator.symbol();
         Some(match (own.len(), its.len()) {
-            (1, _) => each(&its, body, |c| format!("{} {symbol} {c}", own[0])),
-            (_, 1) => each(&own, body, |c| format!("{c} {symbol} {}", its[0])),
-            _ => own
-                .iter()
-                .zip(&its)
-                .map(|(a, b)| body.bind(&format!("{a} {symbol} {b}")))
-                .collect(),
+            (1, _) => its.with(each(&its, body, |c| format!("{} {symbol} {c}", own[0]))),
+            (_, 1) => own.with(each(&own, body, |c| format!("{c} {symbol} {}", its[0]))),
+            _ if operator == Operator::Multiply => matrix_product(&own, &its, body)?,
+            _ => {
+                let pairs = own.iter().zip(its.iter());
+                let names = pairs.map(|(a, b)| body.bind(&format!("{a} {symbol} {b}")));
+                own.with(names.collect())
+            }
         })
     }
 
-    fn power(&mut self, base: &[String], exponent: &Expr, body: &mut Body) -> Option<Vec<String>> {
+    fn power(&mut self, base: &[String], exponent: &Expr, body: &mut Body) -> Option<Parts> {
         let constant = match &exponent.kind {
             Kind::Number {
                 value, unit: None, ..
@@ -319,7 +316,7 @@ impl Oracle<'_> {
             _ => None,
         };
         let base = &base[0];
-        Some(vec![match constant {
+        Some(Parts::one(match constant {
             Some(value) if value.fract() == 0.0 && (1.0..=64.0).contains(&value) => {
                 let factors = vec![base.as_str(); value as usize];
                 body.bind(&factors.join(" * "))
@@ -329,10 +326,10 @@ impl Oracle<'_> {
                 let exponent = self.expr(exponent, body)?;
                 body.bind(&format!("{base}.powd({})", exponent[0]))
             }
-        }])
+        }))
     }
 
-    fn call(&mut self, function: &str, arguments: &[Expr], body: &mut Body) -> Option<Vec<String>> {
+    fn call(&mut self, function: &str, arguments: &[Expr], body: &mut Body) -> Option<Parts> {
         if let Some((names, inner)) = self.functions.get(function) {
             let map: HashMap<&str, &Expr> = names
                 .iter()
@@ -344,18 +341,25 @@ impl Oracle<'_> {
         }
         match (function, arguments) {
             ("dot", [argument]) => {
-                let (helper, length) = self.helper(argument)?;
+                let (helper, shape) = self.helper(argument)?;
                 let n = self.checked.coordinates.len();
                 let rate = body.bind(&format!(
                     "{{ let q: [{DUAL}<D>; {n}] = ::core::array::from_fn(|i| {DUAL}::new(q[i], v[i])); \
                      Self::{helper}::<{DUAL}<D>>(p, &q, &[], &[], {DUAL}::new(t, D::from(1.0)), \
                      {DUAL}::new(s, D::from(0.0))).map(|c| c.eps) }}"
                 ));
-                Some((0..length).map(|i| format!("{rate}[{i}]")).collect())
+                Some(shape.within(&rate))
             }
             ("dot", [left, right]) => {
                 let (own, its) = (self.expr(left, body)?, self.expr(right, body)?);
-                Some(vec![inner_product(&own, &its, body)])
+                Some(Parts::one(inner_product(&own, &its, body)))
+            }
+            (name, _) if words::MATRIX_FUNCTIONS.contains(&name) => {
+                let mut parts = Vec::with_capacity(arguments.len());
+                for argument in arguments {
+                    parts.push(self.expr(argument, body)?);
+                }
+                matrix_function(name, &parts, body)
             }
             ("cross", [left, right]) => {
                 let (a, b) = (self.expr(left, body)?, self.expr(right, body)?);
@@ -363,18 +367,20 @@ impl Oracle<'_> {
                     body.bind(&format!("{} * {} - {} * {}", a[i], b[j], a[j], b[i]))
                 };
                 Some(if a.len() == 2 {
-                    vec![minor(0, 1)]
+                    Parts::one(minor(0, 1))
                 } else {
-                    vec![minor(1, 2), minor(2, 0), minor(0, 1)]
+                    vec![minor(1, 2), minor(2, 0), minor(0, 1)].into()
                 })
             }
             ("atan2", [y, x]) => {
                 let (y, x) = (self.expr(y, body)?, self.expr(x, body)?);
-                Some(vec![body.bind(&format!("{}.atan2({})", y[0], x[0]))])
+                Some(Parts::one(body.bind(&format!("{}.atan2({})", y[0], x[0]))))
             }
             (function, [argument]) => {
                 let argument = self.expr(argument, body)?;
-                Some(vec![body.bind(&format!("{}.{function}()", argument[0]))])
+                Some(Parts::one(
+                    body.bind(&format!("{}.{function}()", argument[0])),
+                ))
             }
             _ => None,
         }
@@ -386,7 +392,7 @@ impl Oracle<'_> {
         order: usize,
         argument: &Expr,
         body: &mut Body,
-    ) -> Option<Vec<String>> {
+    ) -> Option<Parts> {
         let at = self.expr(argument, body)?;
         let hole = Expr {
             kind: Kind::Name(Name {
@@ -416,7 +422,8 @@ impl Oracle<'_> {
                 ..argument.clone()
             },
         };
-        let (mut helper, length) = self.helper(&inner)?;
+        let (mut helper, shape) = self.helper(&inner)?;
+        let length = shape.len();
         let n = self.checked.coordinates.len();
         let (nv, nu) = ("v.len()", self.checked.controls.len());
         for _ in 0..order {
@@ -438,22 +445,13 @@ impl Oracle<'_> {
             helper = name;
         }
         let value = body.bind(&format!("Self::{helper}(p, q, v, u, t, {})", at[0]));
-        Some((0..length).map(|i| format!("{value}[{i}]")).collect())
+        Some(shape.within(&value))
     }
 }
 
 /// Stands for the argument of the function that is being differentiated; no name of the language has
 /// a blank.
 const ARGUMENT: &str = "the argument";
-
-fn each(components: &[String], body: &mut Body, f: impl Fn(&str) -> String) -> Vec<String> {
-    components.iter().map(|c| body.bind(&f(c))).collect()
-}
-
-fn inner_product(a: &[String], b: &[String], body: &mut Body) -> String {
-    let products: Vec<String> = a.iter().zip(b).map(|(a, b)| format!("{a} * {b}")).collect();
-    body.bind(&products.join(" + "))
-}
 
 /// The expression with names replaced by expressions.
 fn insert(expr: &Expr, map: &HashMap<&str, &Expr>) -> Expr {

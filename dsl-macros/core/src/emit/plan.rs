@@ -1,8 +1,10 @@
 //! Which functions are emitted for a scene, and how the methods of the model trait call them.
 
 mod contact;
+mod optimal_control;
 
 pub(super) use contact::{ContactPlan, FrictionPlan};
+pub(super) use optimal_control::ControlPlan;
 
 use super::kernel::Kernel;
 use crate::derive::{Equations, Explicit, Implicit, Solution, Sparse};
@@ -58,6 +60,7 @@ pub(super) struct Plan {
     pub(super) free_hessian: String,
     pub(super) free_patterns: [Pattern; 2],
     pub(super) contacts: Vec<ContactPlan>,
+    pub(super) optimal_control: Option<ControlPlan>,
 }
 
 impl Plan {
@@ -78,6 +81,11 @@ impl Plan {
             .zip(&equations.contacts)
             .map(|(declared, contact)| builder.contact(declared, contact))
             .collect();
+        let optimal_control = scene
+            .optimal_control
+            .as_ref()
+            .zip(equations.optimal_control.as_ref())
+            .map(|(declared, derived)| builder.optimal_control(declared, derived));
         let bound = |lower: bool| -> Vec<Sym> {
             let open = if lower {
                 f64::NEG_INFINITY
@@ -119,6 +127,7 @@ impl Plan {
             free_hessian: hessian,
             free_patterns,
             contacts,
+            optimal_control,
             kernels: builder.kernels,
             helpers: builder.helpers,
         }

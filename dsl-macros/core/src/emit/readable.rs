@@ -103,6 +103,7 @@ impl Printer<'_> {
                 Ok(())
             }
             Node::Product(factors) => self.fraction(&factors, None, outer),
+            Node::Kept(inner) => self.write(inner, outer),
             Node::Call(function, argument) => {
                 self.push(function.name())?;
                 self.push("(")?;

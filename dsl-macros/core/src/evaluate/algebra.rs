@@ -6,20 +6,17 @@ use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::graph::{self, Function2, Sym};
 
 pub(super) fn map(value: &Value, f: impl Fn(Sym) -> Sym) -> Value {
-    match value {
-        Value::Scalar(sym) => Value::Scalar(f(*sym)),
-        Value::Vector(components) => {
-            Value::Vector(components.iter().map(|&component| f(component)).collect())
-        }
-    }
+    value.with_components(value.components().iter().map(|&c| f(c)).collect())
 }
 
-pub(super) fn not_a_vector(expr: &Expr, diagnostics: &mut Diagnostics) -> Reported {
-    diagnostics.report(
-        "E02",
-        expr.place,
-        format!("`{expr}` is a number and has no components; write a vector as `(y, z)`"),
-    )
+pub(super) fn not_a_vector(expr: &Expr, value: &Value, diagnostics: &mut Diagnostics) -> Reported {
+    let message = match value {
+        Value::Matrix(_) => {
+            format!("`{expr}` is a matrix; its first row is `{expr}[0]`, an entry `{expr}[0][1]`")
+        }
+        _ => format!("`{expr}` is a number and has no components; write a vector as `(y, z)`"),
+    };
+    diagnostics.report("E02", expr.place, message)
 }
 
 pub(super) fn inner_product(
@@ -37,8 +34,8 @@ pub(super) fn inner_product(
             place,
             format!(
                 "the inner product needs two vectors of the same length, found {} and {}",
-                describe(a),
-                describe(b)
+                a.describe(),
+                b.describe()
             ),
         )),
     }
@@ -50,9 +47,10 @@ pub(super) fn cross_product(
     place: Place,
     diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
+    let vectors = matches!((left, right), (Value::Vector(_), Value::Vector(_)));
     match (left.components(), right.components()) {
-        (&[a, b], &[c, d]) => Ok(Value::Scalar(a * d - b * c)),
-        (&[a, b, c], &[d, e, f]) => Ok(Value::Vector(
+        (&[a, b], &[c, d]) if vectors => Ok(Value::Scalar(a * d - b * c)),
+        (&[a, b, c], &[d, e, f]) if vectors => Ok(Value::Vector(
             [b * f - c * e, c * d - a * f, a * e - b * d].into(),
         )),
         _ => Err(diagnostics.report(
@@ -60,17 +58,10 @@ pub(super) fn cross_product(
             place,
             format!(
                 "the cross product needs two vectors of two or of three components, found {} and {}",
-                describe(left),
-                describe(right)
+                left.describe(),
+                right.describe()
             ),
         )),
-    }
-}
-
-fn describe(value: &Value) -> String {
-    match value {
-        Value::Scalar(_) => "a number".to_owned(),
-        Value::Vector(components) => format!("{} components", components.len()),
     }
 }
 
@@ -103,22 +94,32 @@ pub(super) fn binary(
             let inverse = b.power(-2);
             Ok(map(&left_value, |component| component * inverse))
         }
-        (Operator::Multiply, Value::Scalar(a), Value::Vector(_)) => {
+        (Operator::Power, Value::Matrix(_), _) => Err(diagnostics.report(
+            "E02",
+            place,
+            format!("a matrix has no power here; write the product, as in `{left}*{left}`"),
+        )),
+        (Operator::Multiply, Value::Scalar(a), Value::Vector(_) | Value::Matrix(_)) => {
             Ok(map(&right_value, |component| *a * component))
         }
-        (Operator::Multiply, Value::Vector(_), Value::Scalar(b)) => {
+        (Operator::Multiply, Value::Matrix(m), Value::Vector(v)) if m.columns == v.len() => {
+            Ok(Value::Vector(m.times_vector(v).into()))
+        }
+        (Operator::Multiply, Value::Matrix(a), Value::Matrix(b)) if a.columns == b.rows() => {
+            Ok(Value::Matrix(a.times(b)))
+        }
+        (Operator::Multiply, Value::Vector(_) | Value::Matrix(_), Value::Scalar(b)) => {
             Ok(map(&left_value, |component| component * *b))
         }
         (Operator::Add | Operator::Subtract, Value::Vector(a), Value::Vector(b))
             if a.len() == b.len() =>
         {
-            let sign = if operator == Operator::Add { 1.0 } else { -1.0 };
-            Ok(Value::Vector(
-                a.iter()
-                    .zip(b.iter())
-                    .map(|(&a, &b)| graph::sum([(a, 1.0), (b, sign)]))
-                    .collect(),
-            ))
+            Ok(left_value.with_components(sums(operator, a, b)))
+        }
+        (Operator::Add | Operator::Subtract, Value::Matrix(a), Value::Matrix(b))
+            if (a.rows(), a.columns) == (b.rows(), b.columns) =>
+        {
+            Ok(left_value.with_components(sums(operator, &a.entries, &b.entries)))
         }
         (Operator::Multiply, Value::Vector(_), Value::Vector(_)) => Err(diagnostics.report(
             "E02",
@@ -129,11 +130,39 @@ pub(super) fn binary(
             "E02",
             place,
             format!(
-                "`{}` between {} (`{left}`) and {} (`{right}`)",
+                "`{}` between {} (`{left}`) and {} (`{right}`){}",
                 operator.symbol(),
-                describe(a),
-                describe(b)
+                a.describe(),
+                b.describe(),
+                hint(operator, a, b)
             ),
         )),
+    }
+}
+
+fn sums(operator: Operator, a: &[Sym], b: &[Sym]) -> Vec<Sym> {
+    let sign = if operator == Operator::Add { 1.0 } else { -1.0 };
+    a.iter()
+        .zip(b)
+        .map(|(&a, &b)| graph::sum([(a, 1.0), (b, sign)]))
+        .collect()
+}
+
+/// What fits where two sizes do not.
+fn hint(operator: Operator, left: &Value, right: &Value) -> String {
+    match (operator, left, right) {
+        (Operator::Multiply, Value::Matrix(m), Value::Vector(_)) => format!(
+            "; a matrix with {0} columns multiplies a vector with {0} components",
+            m.columns
+        ),
+        (Operator::Multiply, Value::Matrix(m), Value::Matrix(_)) => format!(
+            "; a matrix with {0} columns multiplies one with {0} rows",
+            m.columns
+        ),
+        (Operator::Multiply, Value::Vector(_), Value::Matrix(_)) => {
+            "; the matrix stands on the left, as in `transpose(m)*v`".to_owned()
+        }
+        (Operator::Divide, _, _) => "; only a number can divide".to_owned(),
+        _ => "; both must have the same size".to_owned(),
     }
 }

@@ -1,12 +1,16 @@
 //! Expressions of the syntax tree to nodes of the graph.
 
 mod algebra;
+mod call;
+mod matrix;
 
 use crate::ast::{Expr, Kind, Name};
-use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
-use crate::graph::{self, Function, Function2, Sym, Variable};
+use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
+use crate::graph::{Sym, Variable};
 use crate::words;
-use algebra::{binary, cross_product, inner_product, map, not_a_vector};
+use algebra::{binary, inner_product, map, not_a_vector};
+pub(crate) use call::velocity_direction;
+pub(crate) use matrix::Matrix;
 use std::collections::{BTreeMap, HashSet};
 use std::rc::Rc;
 
@@ -22,6 +26,7 @@ const DEPTH: usize = 800;
 pub(crate) enum Value {
     Scalar(Sym),
     Vector(Rc<[Sym]>),
+    Matrix(Matrix),
 }
 
 impl Value {
@@ -29,6 +34,27 @@ impl Value {
         match self {
             Self::Scalar(sym) => std::slice::from_ref(sym),
             Self::Vector(components) => components,
+            Self::Matrix(matrix) => &matrix.entries,
+        }
+    }
+
+    /// The same shape with other components.
+    fn with_components(&self, components: Vec<Sym>) -> Self {
+        match self {
+            Self::Scalar(sym) => Self::Scalar(components.first().copied().unwrap_or(*sym)),
+            Self::Vector(_) => Self::Vector(components.into()),
+            Self::Matrix(matrix) => Self::Matrix(Matrix::new(components, matrix.columns)),
+        }
+    }
+
+    /// Its shape in words.
+    fn describe(&self) -> String {
+        match self {
+            Self::Scalar(_) => "a number".to_owned(),
+            Self::Vector(components) => format!("a vector with {} components", components.len()),
+            Self::Matrix(matrix) => {
+                format!("a {} by {} matrix", matrix.rows(), matrix.columns)
+            }
         }
     }
 }
@@ -46,9 +72,22 @@ pub(crate) struct UserFunction {
     pub(crate) body: Expr,
 }
 
+/// What an expression is for, which decides what it may use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Role {
+    /// The motion: dynamics, surfaces, laws.
+    #[default]
+    Motion,
+    /// What is added up or holds during the motion: running cost and constraints.
+    Running,
+    /// What counts at the final instant: final cost and terminal conditions, which know the final time.
+    End,
+}
+
 /// All names in force, and which of them have been used.
 #[derive(Default)]
 pub(crate) struct Scope {
+    pub(crate) role: Role,
     pub(crate) names: BTreeMap<String, Meaning>,
     pub(crate) used: HashSet<String>,
     /// Names that are declared further down.
@@ -123,18 +162,26 @@ impl Scope {
             } => self.derivative(function, *order, argument, diagnostics),
             Kind::Norm(inner) => self.norm(inner, diagnostics),
             Kind::Vector(items) => {
-                let mut components = Vec::with_capacity(items.len());
+                let mut values: Vec<Value> = Vec::with_capacity(items.len());
                 let mut failed = false;
                 for item in items {
-                    match self.scalar(item, diagnostics) {
-                        Ok(component) => components.push(component),
+                    // The first item decides between a vector and the rows of a matrix.
+                    let rows = matches!(values.first(), Some(Value::Vector(_)));
+                    let value = self.value(item, diagnostics).and_then(|value| {
+                        if rows || values.is_empty() && matches!(value, Value::Vector(_)) {
+                            return Ok(value);
+                        }
+                        Ok(Value::Scalar(number(item, &value, diagnostics)?))
+                    });
+                    match value {
+                        Ok(value) => values.push(value),
                         Err(Reported) => failed = true,
                     }
                 }
                 if failed {
                     return Err(Reported);
                 }
-                Ok(Value::Vector(components.into()))
+                matrix::stacked(items, values, diagnostics)
             }
             Kind::Component { vector, name } => self.component(vector, name, diagnostics),
             Kind::Index { vector, index } => {
@@ -150,7 +197,17 @@ impl Scope {
                             components.len()
                         ),
                     )),
-                    (Value::Scalar(_), _) => Err(not_a_vector(vector, diagnostics)),
+                    (Value::Matrix(matrix), _) => matrix.row(*index).ok_or_else(|| {
+                        diagnostics.report(
+                            "E02",
+                            expr.place,
+                            format!(
+                                "`{vector}` has {} rows, counted from 0; there is no [{index}]",
+                                matrix.rows()
+                            ),
+                        )
+                    }),
+                    (Value::Scalar(_), _) => Err(not_a_vector(vector, &value, diagnostics)),
                 }
             }
         }
@@ -158,26 +215,8 @@ impl Scope {
 
     /// Evaluates an expression that must be a number.
     pub(crate) fn scalar(&mut self, expr: &Expr, diagnostics: &mut Diagnostics) -> Checked<Sym> {
-        match self.value(expr, diagnostics)? {
-            Value::Scalar(sym) => {
-                if sym.as_number().is_some_and(|value| !value.is_finite()) {
-                    return Err(diagnostics.syntax(
-                        expr.place,
-                        format!("`{expr}` has no finite value; check divisions by zero and roots"),
-                    ));
-                }
-                Ok(sym)
-            }
-            Value::Vector(components) => Err(diagnostics.report(
-                "E02",
-                expr.place,
-                format!(
-                    "`{expr}` is a vector with {} components where a number is needed; take a \
-                     component, `|...|^2` or `dot(a, b)`",
-                    components.len()
-                ),
-            )),
-        }
+        let value = self.value(expr, diagnostics)?;
+        number(expr, &value, diagnostics)
     }
 
     fn name(&mut self, name: &Name, diagnostics: &mut Diagnostics) -> Checked<Value> {
@@ -203,6 +242,10 @@ impl Scope {
             )),
             None if name.text == "pi" => Ok(Value::Scalar(Sym::number(std::f64::consts::PI))),
             None if name.text == "t" => Ok(Value::Scalar(Sym::variable(Variable::Time))),
+            None if name.text == words::FINAL_TIME && self.role == Role::End => {
+                self.used.insert(name.text.clone());
+                Ok(Value::Scalar(Sym::variable(Variable::Time)))
+            }
             None => Err(self.undeclared(name, diagnostics)),
         }
     }
@@ -221,6 +264,7 @@ impl Scope {
         }
         if words::FUNCTIONS.contains(&text.as_str())
             || words::SPECIAL_FUNCTIONS.contains(&text.as_str())
+            || words::MATRIX_FUNCTIONS.contains(&text.as_str())
         {
             return diagnostics.report(
                 "E02",
@@ -234,10 +278,12 @@ impl Scope {
             .chain(self.names.keys().map(String::as_str))
             .collect();
         let message = match closest(text, known.iter().copied()) {
-            Some(near) => format!("`{text}` is not declared; did you mean `{near}`?"),
-            None if text == "time" => {
-                "`time` is not declared; physical time is written `t`".to_owned()
+            _ if text == words::FINAL_TIME => {
+                "`time` is the final time, known to final costs in `minimize` and to `finally` only; the \
+                 time at each instant is `t`"
+                    .to_owned()
             }
+            Some(near) => format!("`{text}` is not declared; did you mean `{near}`?"),
             None if known.is_empty() => {
                 format!("`{text}` is not declared; add it to `parameters` or `coordinates`")
             }
@@ -257,7 +303,7 @@ impl Scope {
     ) -> Checked<Value> {
         let value = self.value(vector, diagnostics)?;
         let Value::Vector(components) = &value else {
-            return Err(not_a_vector(vector, diagnostics));
+            return Err(not_a_vector(vector, &value, diagnostics));
         };
         let names: &[&str] = match components.len() {
             2 => &["y", "z"],
@@ -305,264 +351,43 @@ impl Scope {
                 let square: Sym = components.iter().map(|component| component.square()).sum();
                 Ok(Value::Scalar(square.power(1)))
             }
-        }
-    }
-
-    fn derivative(
-        &mut self,
-        function: &Name,
-        order: usize,
-        argument: &Expr,
-        diagnostics: &mut Diagnostics,
-    ) -> Checked<Value> {
-        let at = self.scalar(argument, diagnostics)?;
-        self.arguments += 1;
-        let place_holder = Variable::Argument(self.arguments);
-        let variable = Sym::variable(place_holder);
-        let value = if let Some(elementary) = elementary(&function.text) {
-            Value::Scalar(elementary(variable))
-        } else {
-            self.apply(
-                function,
-                vec![Value::Scalar(variable)],
-                function.place(),
-                diagnostics,
-            )?
-        };
-        let mut components = value.components().to_vec();
-        for _ in 0..order {
-            components = graph::partial(&components, place_holder);
-        }
-        let components =
-            graph::substitute(&components, |other| (other == place_holder).then_some(at));
-        Ok(match value {
-            Value::Scalar(_) => Value::Scalar(components[0]),
-            Value::Vector(_) => Value::Vector(components.into()),
-        })
-    }
-
-    fn call(
-        &mut self,
-        whole: &Expr,
-        function: &Name,
-        arguments: &[Expr],
-        diagnostics: &mut Diagnostics,
-    ) -> Checked<Value> {
-        let text = function.text.as_str();
-        if self.names.contains_key(text) || self.is_local(text) {
-            let mut values = Vec::with_capacity(arguments.len());
-            let mut failed = false;
-            for argument in arguments {
-                match self.value(argument, diagnostics) {
-                    Ok(value) => values.push(value),
-                    Err(Reported) => failed = true,
-                }
-            }
-            if failed {
-                return Err(Reported);
-            }
-            return self.apply(function, values, whole.place, diagnostics);
-        }
-        if words::NONSMOOTH.contains(&text) {
-            return Err(diagnostics.report(
-                "E12",
-                whole.place,
-                format!(
-                    "`{text}` has a kink or a jump, which smooth dynamics must not have; declare a \
-                     `surface` where the motion switches"
-                ),
-            ));
-        }
-        let wanted = match text {
-            "dot" if arguments.len() == 2 => 2,
-            "atan2" | "cross" => 2,
-            _ => 1,
-        };
-        let known = elementary(text).is_some() || words::SPECIAL_FUNCTIONS.contains(&text);
-        if !known && diagnostics.is_poisoned(text) {
-            return Err(Reported);
-        }
-        if !known {
-            let mut functions: Vec<&str> = words::FUNCTIONS.to_vec();
-            functions.extend(words::SPECIAL_FUNCTIONS);
-            functions.extend(
-                self.names
-                    .iter()
-                    .filter(|(_, meaning)| matches!(meaning, Meaning::Function(_)))
-                    .map(|(name, _)| name.as_str()),
-            );
-            let message = if self.later.contains(text) {
-                format!("`{text}` is declared further down; move its declaration up")
-            } else if text == "log" {
-                "`log` is ambiguous; the natural logarithm is `ln`".to_owned()
-            } else {
-                match closest(text, functions.iter().copied()) {
-                    Some(near) => {
-                        format!("function `{text}` is not declared; did you mean `{near}`?")
-                    }
-                    None => format!(
-                        "function `{text}` is not declared; declare it by `fn {text}(y) = ...`, or \
-                         write `*` if a product is meant"
-                    ),
-                }
-            };
-            return Err(diagnostics.report("E01", function.place(), message));
-        }
-        if arguments.len() != wanted {
-            return Err(diagnostics.report(
+            Value::Matrix(_) => Err(diagnostics.report(
                 "E02",
-                whole.place,
-                format!(
-                    "`{text}` takes {wanted} argument{}, found {}",
-                    if wanted == 1 { "" } else { "s" },
-                    arguments.len()
-                ),
-            ));
-        }
-        match (text, arguments) {
-            ("dot", [argument]) => self.time_derivative(argument, diagnostics),
-            ("dot" | "cross", [left, right]) => {
-                let left_value = self.value(left, diagnostics);
-                let right_value = self.value(right, diagnostics);
-                let (left_value, right_value) = (left_value?, right_value?);
-                if text == "dot" {
-                    inner_product(&left_value, &right_value, whole.place, diagnostics)
-                } else {
-                    cross_product(&left_value, &right_value, whole.place, diagnostics)
-                }
-            }
-            ("atan2", [y, x]) => {
-                let (y, x) = (self.scalar(y, diagnostics), self.scalar(x, diagnostics));
-                Ok(Value::Scalar(y?.call2(Function2::Atan2, x?)))
-            }
-            (_, [argument]) => {
-                let argument = self.scalar(argument, diagnostics)?;
-                match elementary(text) {
-                    Some(elementary) => Ok(Value::Scalar(elementary(argument))),
-                    None => Err(Reported),
-                }
-            }
-            _ => Err(Reported),
+                inner.place,
+                format!("`{inner}` is a matrix; only vectors have a length"),
+            )),
         }
     }
+}
 
-    fn is_local(&self, name: &str) -> bool {
-        self.frames
-            .last()
-            .is_some_and(|frame| frame.iter().any(|(known, _)| known == name))
-    }
-
-    /// A declared function at given arguments.
-    fn apply(
-        &mut self,
-        function: &Name,
-        values: Vec<Value>,
-        place: Place,
-        diagnostics: &mut Diagnostics,
-    ) -> Checked<Value> {
-        let declared = match self.names.get(&function.text) {
-            Some(Meaning::Function(declared)) if !self.is_local(&function.text) => {
-                Rc::clone(declared)
-            }
-            None if !self.is_local(&function.text) => {
-                return Err(self.undeclared(function, diagnostics));
-            }
-            _ => {
-                return Err(diagnostics.report(
-                    "E02",
-                    function.place(),
-                    format!(
-                        "`{0}` is not a function; write a product as `{0}*(...)`",
-                        function.text
-                    ),
+/// A value that must be a number.
+fn number(expr: &Expr, value: &Value, diagnostics: &mut Diagnostics) -> Checked<Sym> {
+    match value {
+        Value::Scalar(sym) => {
+            if sym.as_number().is_some_and(|value| !value.is_finite()) {
+                return Err(diagnostics.syntax(
+                    expr.place,
+                    format!("`{expr}` has no finite value; check divisions by zero and roots"),
                 ));
             }
-        };
-        self.used.insert(function.text.clone());
-        if self.active.contains(&function.text) {
-            return Err(diagnostics.syntax(
-                function.place(),
-                format!(
-                    "function `{}` uses itself; functions are inserted where they are used and cannot do \
-                     that",
-                    function.text
-                ),
-            ));
+            Ok(*sym)
         }
-        if declared.arguments.len() != values.len() {
-            return Err(diagnostics.report(
-                "E02",
-                place,
-                format!(
-                    "`{}` takes {} argument{}, found {}",
-                    function.text,
-                    declared.arguments.len(),
-                    if declared.arguments.len() == 1 {
-                        ""
-                    } else {
-                        "s"
-                    },
-                    values.len()
-                ),
-            ));
-        }
-        let frame = declared
-            .arguments
-            .iter()
-            .map(|argument| argument.text.clone())
-            .zip(values)
-            .collect();
-        self.frames.push(frame);
-        self.active.push(function.text.clone());
-        let value = self.value(&declared.body, diagnostics);
-        self.active.pop();
-        self.frames.pop();
-        value
+        Value::Vector(_) => Err(diagnostics.report(
+            "E02",
+            expr.place,
+            format!(
+                "`{expr}` is {} where a number is needed; take a component, `|...|^2` or `dot(a, b)`",
+                value.describe()
+            ),
+        )),
+        Value::Matrix(_) => Err(diagnostics.report(
+            "E02",
+            expr.place,
+            format!(
+                "`{expr}` is {} where a number is needed; take an entry, as in `[0][1]`, or write \
+                 `dot(v, m*v)`",
+                value.describe()
+            ),
+        )),
     }
-
-    /// `dot(e)`: the total time derivative along the motion.
-    fn time_derivative(
-        &mut self,
-        argument: &Expr,
-        diagnostics: &mut Diagnostics,
-    ) -> Checked<Value> {
-        let value = self.value(argument, diagnostics)?;
-        for variable in graph::variables(value.components()) {
-            let message = match variable {
-                Variable::Velocity(_) => format!(
-                    "`dot({argument})` would be an acceleration, which follows from the Lagrangian; \
-                     take `dot` once, of positions only"
-                ),
-                Variable::Control(_) => format!(
-                    "`dot({argument})` needs the derivative of a control, which may jump; take `dot` \
-                     of positions only"
-                ),
-                _ => continue,
-            };
-            return Err(diagnostics.syntax(argument.place, message));
-        }
-        let rates = graph::directional(value.components(), velocity_direction);
-        Ok(match value {
-            Value::Scalar(_) => Value::Scalar(rates[0]),
-            Value::Vector(_) => Value::Vector(rates.into()),
-        })
-    }
-}
-
-/// The direction in which time moves the variables, velocities held.
-pub(crate) fn velocity_direction(variable: Variable) -> Sym {
-    match variable {
-        Variable::Coordinate(i) => Sym::variable(Variable::Velocity(i)),
-        Variable::Time => Sym::ONE,
-        _ => Sym::ZERO,
-    }
-}
-
-/// The elementary function with this name.
-fn elementary(name: &str) -> Option<Box<dyn Fn(Sym) -> Sym>> {
-    if name == "sqrt" {
-        return Some(Box::new(|x| x.power(1)));
-    }
-    Function::named(name)
-        .map(|function| -> Box<dyn Fn(Sym) -> Sym> { Box::new(move |x| x.call(function)) })
 }

@@ -3,7 +3,7 @@
 //! The derivative rules are the graph's own, because some textbook forms fail where mechanisms go:
 //! `sinh/cosh` overflows in `tanh`, `y/x` divides by zero in `atan2`.
 
-use super::{Node, Sym, intern, product};
+use super::{Node, Sym, Variable, intern, passes, product};
 
 /// Functions of one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -90,6 +90,14 @@ impl Function {
         }
     }
 
+    /// `f''(x)`, by dual numbers over the rule of the first derivative.
+    pub(crate) fn second_derivative(self, x: Sym) -> Sym {
+        let [hole, _] = holes();
+        let slope = self.derivative(Sym::variable(hole));
+        let second = passes::partial(&[slope], hole);
+        put(second[0], [(hole, x), (hole, x)])
+    }
+
     /// `f(-x)` in terms of `f(x)`: -1 for odd functions, 1 for even ones.
     fn parity(self) -> Option<f64> {
         match self {
@@ -132,6 +140,25 @@ impl Function2 {
         }
     }
 
+    /// Nonzero second derivatives with respect to pairs of arguments.
+    pub(crate) fn second_derivatives(self, first: Sym, second: Sym) -> Vec<(Sym, Sym, Sym)> {
+        let [x, y] = holes();
+        let (by_x, by_y) = self.derivatives(Sym::variable(x), Sym::variable(y));
+        let slopes = [by_x, by_y];
+        let (by_x, by_y) = (passes::partial(&slopes, x), passes::partial(&slopes, y));
+        let at = |formula| put(formula, [(x, first), (y, second)]);
+        let mut all = vec![(first, first, at(by_x[0])), (second, second, at(by_y[1]))];
+        let mixed = at(by_y[0]);
+        // With equal arguments both mixed derivatives fall on the same pair.
+        all.push(if first == second {
+            (first, second, mixed.scaled(2.0))
+        } else {
+            (first, second, mixed)
+        });
+        all.retain(|(_, _, value)| !value.is_structural_zero());
+        all
+    }
+
     /// Both partial derivatives.
     pub(crate) fn derivatives(self, first: Sym, second: Sym) -> (Sym, Sym) {
         match self {
@@ -146,6 +173,21 @@ impl Function2 {
             }
         }
     }
+}
+
+/// Stand-ins for arguments, which no expression of a scene contains.
+fn holes() -> [Variable; 2] {
+    [
+        Variable::Argument(u16::MAX),
+        Variable::Argument(u16::MAX - 1),
+    ]
+}
+
+fn put(formula: Sym, arguments: [(Variable, Sym); 2]) -> Sym {
+    passes::substitute(&[formula], |variable| {
+        let found = arguments.iter().find(|(hole, _)| *hole == variable);
+        found.map(|&(_, argument)| argument)
+    })[0]
 }
 
 pub(super) fn call(function: Function, x: Sym) -> Sym {

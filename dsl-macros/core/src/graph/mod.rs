@@ -12,13 +12,15 @@ mod function;
 mod normal;
 mod number;
 mod passes;
+mod second_order;
 
 pub(crate) use expand::{expand, pythagoras};
 pub(crate) use function::{Function, Function2};
 pub(crate) use normal::{factors_of, product, sum};
 pub(crate) use passes::{
-    depends_on, directional, gradient, partial, reachable, substitute, variables,
+    depends_on, directional, gradient, is_longer_than, partial, reachable, substitute, variables,
 };
+pub(crate) use second_order::hessian;
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -66,6 +68,9 @@ pub(crate) enum Node {
     Product(Rc<[(Sym, i32)]>),
     Call(Function, Sym),
     Call2(Function2, Sym, Sym),
+    /// The value of an expression as one quantity: it is no list of terms or factors to what it is part
+    /// of. Formulas that use a long expression many times stay short by it.
+    Kept(Sym),
 }
 
 #[derive(Default)]
@@ -165,6 +170,18 @@ impl Sym {
         sum([(self, factor)])
     }
 
+    /// The same value as one quantity; see [`Node::Kept`]. Coefficients and signs stay outside.
+    pub(crate) fn kept(self) -> Self {
+        match self.node() {
+            Node::Sum(terms) => match terms.as_ref() {
+                [(term, bits)] => sum([(term.kept(), f64::from_bits(*bits))]),
+                _ => intern(Node::Kept(self)),
+            },
+            Node::Product(_) => intern(Node::Kept(self)),
+            _ => self,
+        }
+    }
+
     pub(crate) fn call(self, function: Function) -> Self {
         function::call(function, self)
     }
@@ -180,7 +197,7 @@ pub(crate) fn children(node: &Node) -> Vec<Sym> {
         Node::Number(_) | Node::Variable(_) => Vec::new(),
         Node::Sum(terms) => terms.iter().map(|&(term, _)| term).collect(),
         Node::Product(factors) => factors.iter().map(|&(factor, _)| factor).collect(),
-        Node::Call(_, argument) => vec![*argument],
+        Node::Call(_, inner) | Node::Kept(inner) => vec![*inner],
         Node::Call2(_, first, second) => vec![*first, *second],
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Node, Sym, Variable, children, product, sum};
 use num_dual::Dual;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// All expressions that `roots` consist of, parts before wholes.
 pub(crate) fn reachable(roots: &[Sym]) -> Vec<Sym> {
@@ -15,6 +15,22 @@ pub(crate) fn reachable(roots: &[Sym]) -> Vec<Sym> {
     }
     // A node is created after its parts, so the order of creation is an order of evaluation.
     seen.into_iter().collect()
+}
+
+/// Whether an expression has more than `limit` parts that are sums, products or calls; looks no further.
+pub(crate) fn is_longer_than(root: Sym, limit: usize) -> bool {
+    let mut seen: HashSet<Sym> = HashSet::new();
+    let mut stack = vec![root];
+    while let Some(sym) = stack.pop() {
+        let parts = children(&sym.node());
+        if !parts.is_empty() && seen.insert(sym) {
+            if seen.len() > limit {
+                return true;
+            }
+            stack.extend(parts);
+        }
+    }
+    false
 }
 
 /// All variables that `roots` depend on.
@@ -103,6 +119,7 @@ fn dual_of(
             }
             Dual::new(sym, sum(terms))
         }
+        Node::Kept(inner) => Dual::new(sym, of(inner).eps),
         Node::Call(function, argument) => {
             Dual::new(sym, of(argument).eps * function.derivative(argument))
         }
@@ -152,6 +169,7 @@ pub(crate) fn gradient(root: Sym, by: &[Variable]) -> Vec<Sym> {
                     add(factor, product(rest), f64::from(halves) / 2.0);
                 }
             }
+            Node::Kept(inner) => add(inner, adjoint, 1.0),
             Node::Call(function, argument) => {
                 add(argument, adjoint * function.derivative(argument), 1.0);
             }
@@ -181,6 +199,7 @@ pub(crate) fn substitute(roots: &[Sym], replace: impl Fn(Variable) -> Option<Sym
             Node::Product(factors) => {
                 product(factors.iter().map(|&(factor, halves)| (of(factor), halves)))
             }
+            Node::Kept(inner) => of(inner).kept(),
             Node::Call(function, argument) => of(argument).call(function),
             Node::Call2(function, first, second) => of(first).call2(function, of(second)),
         };

@@ -5,7 +5,7 @@ use super::{unexpected, unit};
 use crate::ast::{Expr, Kind, Name, Operator};
 use crate::diagnostics::{Checked, Diagnostics, Place, closest};
 use crate::words;
-use proc_macro2::{Delimiter, Group, Literal, TokenTree};
+use proc_macro2::{Delimiter, Group, Ident, Literal, TokenTree};
 
 /// Deepest tree; deeper ones are refused so that recursion over an expression is safe.
 const DEPTH: usize = 150;
@@ -158,6 +158,28 @@ impl Parser<'_> {
                         name,
                     },
                     place,
+                    depth,
+                )?;
+            } else if cursor.at_symbol(".")
+                && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
+                    if group.delimiter() == Delimiter::Parenthesis)
+            {
+                // `a . (b + c)`: the inner product with any vector.
+                let place = cursor.place();
+                cursor.advance();
+                let right = self.primary(cursor)?;
+                let (whole, depth) = (expr.place.to(right.place), expr.depth.max(right.depth));
+                let function = Name {
+                    text: "dot".to_owned(),
+                    ident: Ident::new("dot", place.start),
+                };
+                let arguments = vec![expr, right];
+                expr = self.node(
+                    Kind::Call {
+                        function,
+                        arguments,
+                    },
+                    whole,
                     depth,
                 )?;
             } else if let Some(group) = cursor.eat_group(Delimiter::Bracket) {

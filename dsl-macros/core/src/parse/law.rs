@@ -20,7 +20,10 @@ pub(super) fn impact(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Chec
         surfaces.push(name(cursor, "the name of a surface", diagnostics)?);
     }
     match law(cursor, diagnostics) {
-        Ok(law) => Ok(Statement::Impact { surfaces, law }),
+        Ok(law) => Ok(Statement::Impact {
+            surfaces,
+            law: Box::new(law),
+        }),
         Err(Reported) => {
             for surface in &surfaces {
                 diagnostics.poison(&law_of(&surface.text));

@@ -1,6 +1,7 @@
 //! Tokens to syntax tree. Own code instead of a Rust parser: formulas read as on paper, and every
 //! mistake is reported in the words of the language, all of them in one run.
 
+mod control;
 mod cursor;
 mod expression;
 mod law;

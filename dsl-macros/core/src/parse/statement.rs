@@ -3,7 +3,7 @@
 
 use super::cursor::Cursor;
 use super::expression::expression;
-use super::{documentation, law, unexpected, unit};
+use super::{control, documentation, law, unexpected, unit};
 use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
@@ -101,13 +101,14 @@ fn statement(
             let value = expression(cursor, diagnostics)?;
             Ok(Statement::Horizon { keyword, value })
         }
-        text if words::NOT_YET.contains(&text) => {
-            let error = diagnostics.syntax(
-                keyword,
-                format!("the statement `{text}` is not available yet; leave it out"),
-            );
-            Err(error)
+        "minimize" => {
+            cursor.eat_symbol("=");
+            let value = expression(cursor, diagnostics)?;
+            Ok(Statement::Minimize { keyword, value })
         }
+        "constraint" => control::constraint(cursor, documentation, diagnostics),
+        "finally" => control::finally(cursor, &word, diagnostics),
+        "free" => control::free(cursor, &word, diagnostics),
         text => {
             let message = match closest(text, words::STATEMENTS) {
                 _ if words::LAW_PARTS.contains(&text) => format!(
@@ -168,7 +169,11 @@ fn equals(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<()> {
     }
 }
 
-fn block(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnostics) -> Checked<Cursor> {
+pub(super) fn block(
+    cursor: &mut Cursor,
+    word: &Name,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Cursor> {
     match cursor.eat_group(Delimiter::Brace) {
         Some(group) => Ok(Cursor::inside(&group)),
         None => Err(unexpected(
@@ -180,7 +185,7 @@ fn block(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnostics) -> Che
 }
 
 /// Entries between commas; a faulty entry is skipped, the others are kept.
-fn entries<T>(
+pub(super) fn entries<T>(
     mut inner: Cursor,
     diagnostics: &mut Diagnostics,
     mut entry: impl FnMut(&mut Cursor, &mut Diagnostics) -> Checked<T>,
@@ -242,26 +247,30 @@ fn bounds_and_value(
     cursor: &mut Cursor,
     diagnostics: &mut Diagnostics,
 ) -> Checked<(Bounds, Option<Expr>)> {
-    let bounds = if cursor.eat_word("in") {
-        let lower = expression(cursor, diagnostics)?;
-        if !cursor.eat_symbol("..=") {
-            return Err(unexpected(
-                cursor,
-                diagnostics,
-                "`..=` between lower and upper bound",
-            ));
-        }
-        let upper = expression(cursor, diagnostics)?;
-        Some((lower, upper))
-    } else {
-        None
-    };
+    let bounds = range(cursor, diagnostics)?;
     let value = if cursor.eat_symbol("=") {
         Some(expression(cursor, diagnostics)?)
     } else {
         None
     };
     Ok((bounds, value))
+}
+
+/// `in lower..=upper`, if it stands there.
+pub(super) fn range(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Bounds> {
+    if !cursor.eat_word("in") {
+        return Ok(None);
+    }
+    let lower = expression(cursor, diagnostics)?;
+    if !cursor.eat_symbol("..=") {
+        return Err(unexpected(
+            cursor,
+            diagnostics,
+            "`..=` between lower and upper bound",
+        ));
+    }
+    let upper = expression(cursor, diagnostics)?;
+    Ok(Some((lower, upper)))
 }
 
 fn assignments(
@@ -271,23 +280,7 @@ fn assignments(
 ) -> Checked<Vec<Assignment>> {
     let inner = block(cursor, word, diagnostics)?;
     Ok(entries(inner, diagnostics, |cursor, diagnostics| {
-        let velocity = cursor.at_word("dot")
-            && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
-                if group.delimiter() == Delimiter::Parenthesis);
-        let target = if velocity {
-            cursor.advance();
-            let group = cursor.eat_group(Delimiter::Parenthesis);
-            let mut inner = group
-                .as_ref()
-                .map_or_else(|| cursor.clone(), Cursor::inside);
-            let target = name(&mut inner, "a coordinate", diagnostics)?;
-            if !inner.is_empty() {
-                return Err(unexpected(&inner, diagnostics, "`)`"));
-            }
-            target
-        } else {
-            name(cursor, "a coordinate", diagnostics)?
-        };
+        let (target, velocity) = target(cursor, diagnostics)?;
         if !cursor.eat_symbol(":") {
             return Err(unexpected(cursor, diagnostics, "`:`"));
         }
@@ -298,6 +291,26 @@ fn assignments(
             value,
         })
     }))
+}
+
+/// `name` or `dot(name)`; whether it is the latter.
+pub(super) fn target(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<(Name, bool)> {
+    let velocity = cursor.at_word("dot")
+        && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
+            if group.delimiter() == Delimiter::Parenthesis);
+    if !velocity {
+        return Ok((name(cursor, "a coordinate", diagnostics)?, false));
+    }
+    cursor.advance();
+    let group = cursor.eat_group(Delimiter::Parenthesis);
+    let mut inner = group
+        .as_ref()
+        .map_or_else(|| cursor.clone(), Cursor::inside);
+    let target = name(&mut inner, "a coordinate", diagnostics)?;
+    if !inner.is_empty() {
+        return Err(unexpected(&inner, diagnostics, "`)`"));
+    }
+    Ok((target, true))
 }
 
 fn function(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {

@@ -78,6 +78,7 @@ impl Lowering {
                 self.lower_sum(sym, &terms)
             }
             Node::Product(factors) => self.lower_product(&factors),
+            Node::Kept(inner) => self.lower(inner),
             Node::Call(function, argument) => {
                 let argument = self.lower(argument);
                 self.push(Nary::Call(function, argument))

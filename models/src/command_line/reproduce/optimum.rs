@@ -1,7 +1,7 @@
 //! A published optimal motion, solved again, and its published controls put to the test.
 
 use hangtime::model::Model;
-use hangtime::ocp::{self, Settings, Solution};
+use hangtime::ocp::{self, Problem, Settings, Solution};
 use hangtime::simulation::{
     ControlSignal, EventDriven, InitialValueProblem, InputError, Simulation, Simulator as _,
 };
@@ -13,7 +13,7 @@ use super::super::json::{SolutionDocument, SolverSettings};
 use super::super::page::Section;
 use super::super::quantity;
 use super::super::sampling::{State, dense};
-use super::super::solve::facts;
+use super::super::solve::{INTERVALS, facts};
 use super::case::{Case, Reproduced};
 use super::column::Column;
 
@@ -29,14 +29,8 @@ pub(super) fn reproduce(case: Case) -> Result<Reproduced, BadInput> {
     let name = chosen.scene.name;
     let model = chosen.model.as_ref();
     let refuse = |error| chosen.refuse(&error);
-    let Some(declared) = chosen.scene.optimal_control else {
-        return Err(BadInput::new(format!(
-            "case `{}`: scene `{name}` declares no objective",
-            published.name
-        )));
-    };
     let settings = Settings::default();
-    let problem = (declared.problem)(model, declared.intervals);
+    let problem = Problem::of(model, INTERVALS);
     let solution = ocp::solve(model, &problem, &settings, &mut |_| true).map_err(refuse)?;
     let method = SolverSettings::new(&settings, problem.intervals);
     let json = SolutionDocument::new(chosen, &method, &solution).text();

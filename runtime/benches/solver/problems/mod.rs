@@ -134,28 +134,32 @@ fn random(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// The problems of the comparison, built one at a time.
-pub(crate) fn problems() -> Vec<fn() -> Stated> {
+/// The problems of the comparison, by name, built one at a time.
+pub(crate) fn problems() -> Vec<(&'static str, fn() -> Stated)> {
     vec![
-        || chained::luksan_vlcek_1(5000, false),
-        || chained::luksan_vlcek_1(5000, true),
-        || chained::luksan_vlcek_2(2000),
-        || chained::luksan_vlcek_4(4000),
-        || chained::luksan_vlcek_7(5000),
-        || control::van_der_pol("van_der_pol", 1500),
-        || control::brachistochrone(800),
-        || control::double_integrator(1500),
-        || control::cart_pole("cart_pole", 600),
-        || control::pendulum(800),
-        || control::catalyst_mixing(1000),
-        || control::goddard(600),
-        || grid::hanging_chain(1000),
-        || grid::elliptic_control(40),
-        || grid::obstacle_surface(60),
-        || network::random_quadratic(6000, 3000),
-        || network::network_flow(2000),
-        || network::polygon(30),
-        || control::van_der_pol("van_der_pol_fine", 6000),
-        || control::cart_pole("cart_pole_fine", 2000),
+        ("lukvle1", || chained::luksan_vlcek_1(5000, false)),
+        ("lukvli1", || chained::luksan_vlcek_1(5000, true)),
+        ("lukvle2", || chained::luksan_vlcek_2(2000)),
+        ("lukvle4", || chained::luksan_vlcek_4(4000)),
+        ("lukvle7", || chained::luksan_vlcek_7(5000)),
+        ("van_der_pol", || control::van_der_pol("van_der_pol", 1500)),
+        ("brachistochrone", || control::brachistochrone(800)),
+        ("double_integrator", || control::double_integrator(1500)),
+        ("cart_pole", || control::cart_pole("cart_pole", 600)),
+        ("pendulum_swing_up", || control::pendulum(800)),
+        ("catalyst_mixing", || control::catalyst_mixing(1000)),
+        ("goddard_rocket", || control::goddard(600)),
+        ("hanging_chain", || grid::hanging_chain(1000)),
+        ("elliptic_control", || grid::elliptic_control(40)),
+        ("obstacle_surface", || grid::obstacle_surface(60)),
+        ("random_quadratic", || network::random_quadratic(6000, 3000)),
+        ("network_flow", || network::network_flow(2000)),
+        ("polygon", || network::polygon(30)),
+        ("van_der_pol_fine", || {
+            control::van_der_pol("van_der_pol_fine", 6000)
+        }),
+        ("cart_pole_fine", || {
+            control::cart_pole("cart_pole_fine", 2000)
+        }),
     ]
 }

@@ -32,7 +32,7 @@ pub(crate) struct Front<'m> {
     pub(crate) panel: &'m mut [f64],
     pub(crate) rest: &'m mut [f64],
     /// Names of the rows; reordered with them.
-    pub(crate) index: &'m mut [usize],
+    pub(crate) index: &'m mut [u32],
     /// Work array.
     pub(crate) product: &'m mut Vec<f64>,
 }
@@ -42,25 +42,32 @@ impl Front<'_> {
         self.panel[column * self.rows + row]
     }
 
-    /// Largest entry of a column below the `done` eliminated rows, without rows `skip` and `column`,
-    /// over all rows, and over the summed ones with its position.
-    fn largest(&self, column: usize, done: usize, skip: usize) -> (f64, f64, usize) {
-        let start = column * self.rows;
-        let (mut all, mut summed, mut position) = (0.0, 0.0, done);
-        for row in done..self.rows {
-            if row == column || row == skip {
-                continue;
-            }
-            let a = self.panel[start + row].abs();
-            if a > all {
-                all = a;
-            }
-            if row < self.summed && a > summed {
-                summed = a;
+    /// Largest entry of a column below the `done` eliminated rows, its diagonal left out.
+    fn largest_off_diagonal(&self, column: usize, done: usize) -> f64 {
+        let entries = &self.panel[column * self.rows..(column + 1) * self.rows];
+        largest(&entries[done..column]).max(largest(&entries[column + 1..]))
+    }
+
+    /// As [`Front::largest_off_diagonal`], over the summed rows only, with its row.
+    fn largest_summed(&self, column: usize, done: usize) -> (f64, usize) {
+        let entries = &self.panel[column * self.rows..(column + 1) * self.rows];
+        let (mut summed, mut position) = (0.0, done);
+        for (row, a) in entries.iter().enumerate().take(self.summed).skip(done) {
+            if row != column && a.abs() > summed {
+                summed = a.abs();
                 position = row;
             }
         }
-        (all, summed, position)
+        (summed, position)
+    }
+
+    /// Largest entry of column `k` below the `done` eliminated rows outside the rows `k` and `r`.
+    fn largest_outside(&self, k: usize, r: usize, done: usize) -> f64 {
+        let entries = &self.panel[k * self.rows..(k + 1) * self.rows];
+        let (a, b) = (k.min(r), k.max(r));
+        largest(&entries[done..a])
+            .max(largest(&entries[a + 1..b]))
+            .max(largest(&entries[b + 1..]))
     }
 
     /// Exchanges summed rows and columns `a` and `b`.
@@ -100,7 +107,7 @@ impl Front<'_> {
             }
             let column = done + tried;
             let diagonal = self.at(column, column).abs();
-            let (all, summed, partner) = self.largest(column, done, column);
+            let all = self.largest_off_diagonal(column, done);
             if all.max(diagonal) <= ZERO {
                 if is_root {
                     self.swap(done, column);
@@ -113,9 +120,16 @@ impl Front<'_> {
                 }
                 continue;
             }
-            let strong = diagonal >= 0.1 * all;
+            if diagonal >= 0.1 * all {
+                self.swap(done, column);
+                pivots.push(self.eliminate_one(done));
+                done += 1;
+                tried = 0;
+                continue;
+            }
+            let (summed, partner) = self.largest_summed(column, done);
             let admissible = diagonal > ZERO && diagonal >= THRESHOLD * all;
-            if strong || (admissible && !self.prefers_pair(column, partner, done, summed)) {
+            if admissible && !self.prefers_pair(column, partner, done, (all, summed)) {
                 self.swap(done, column);
                 pivots.push(self.eliminate_one(done));
                 done += 1;
@@ -144,8 +158,8 @@ impl Front<'_> {
     fn pair_growth(&self, k: usize, r: usize, done: usize) -> f64 {
         let (a, b, c) = (self.at(k, k), self.at(r, k), self.at(r, r));
         let determinant = (a * c - b * b).abs();
-        let (k_max, _, _) = self.largest(k, done, r);
-        let (r_max, _, _) = self.largest(r, done, k);
+        let k_max = self.largest_outside(k, r, done);
+        let r_max = self.largest_outside(r, k, done);
         if determinant == 0.0 {
             return f64::INFINITY;
         }
@@ -162,11 +176,10 @@ impl Front<'_> {
     }
 
     /// Whether the pair grows entries less than the weak 1x1 pivot `k` would.
-    fn prefers_pair(&self, k: usize, r: usize, done: usize, summed: f64) -> bool {
+    fn prefers_pair(&self, k: usize, r: usize, done: usize, (all, summed): (f64, f64)) -> bool {
         if summed <= ZERO || !self.is_good_pair(k, r, done) {
             return false;
         }
-        let (all, _, _) = self.largest(k, done, k);
         self.pair_growth(k, r, done) < all / self.at(k, k).abs()
     }
 
@@ -174,7 +187,7 @@ impl Front<'_> {
     fn take_any(&mut self, done: usize, pivots: &mut Vec<Pivot>) {
         let mut best = (0.0, done, done);
         for column in done..self.summed {
-            let (_, summed, partner) = self.largest(column, done, column);
+            let (summed, partner) = self.largest_summed(column, done);
             if summed > best.0 {
                 best = (summed, column, partner);
             }
@@ -211,10 +224,11 @@ impl Front<'_> {
     fn eliminate_one(&mut self, p: usize) -> Pivot {
         let rows = self.rows;
         let d = self.at(p, p);
+        let inverse = 1.0 / d;
         let (head, tail) = self.panel.split_at_mut((p + 1) * rows);
         let pivot_column = &mut head[p * rows..];
         for column in tail[..(self.summed - p - 1) * rows].chunks_exact_mut(rows) {
-            let factor = column[p] / d;
+            let factor = column[p] * inverse;
             if factor != 0.0 {
                 for (c, l) in column[p + 1..].iter_mut().zip(&pivot_column[p + 1..]) {
                     *c -= factor * l;
@@ -222,7 +236,7 @@ impl Front<'_> {
             }
         }
         for l in &mut pivot_column[p + 1..] {
-            *l /= d;
+            *l *= inverse;
         }
         Pivot::One(d)
     }
@@ -231,12 +245,13 @@ impl Front<'_> {
         let rows = self.rows;
         let (a, b, c) = (self.at(p, p), self.at(p + 1, p), self.at(p + 1, p + 1));
         let determinant = a * c - b * b;
+        // the inverse of the block is [i, j; j, k]
+        let (i, j, k) = (c / determinant, -b / determinant, a / determinant);
         let (head, tail) = self.panel.split_at_mut((p + 2) * rows);
         let (first, second) = head[p * rows..].split_at_mut(rows);
         for column in tail[..(self.summed - p - 2) * rows].chunks_exact_mut(rows) {
             let (u, v) = (column[p], column[p + 1]);
-            let f = (c * u - b * v) / determinant;
-            let g = (a * v - b * u) / determinant;
+            let (f, g) = (i * u + j * v, j * u + k * v);
             if f != 0.0 || g != 0.0 {
                 for ((x, l), m) in column[p + 2..]
                     .iter_mut()
@@ -249,8 +264,8 @@ impl Front<'_> {
         }
         for (l, m) in first[p + 2..].iter_mut().zip(&mut second[p + 2..]) {
             let (u, v) = (*l, *m);
-            *l = (c * u - b * v) / determinant;
-            *m = (a * v - b * u) / determinant;
+            *l = i * u + j * v;
+            *m = j * u + k * v;
         }
         // the coupling belongs to the block, not to L
         first[p + 1] = 0.0;
@@ -261,93 +276,99 @@ impl Front<'_> {
     fn update_rest(&mut self, done: usize, pivots: &[Pivot]) {
         let (rows, summed) = (self.rows, self.summed);
         let length = rows - summed;
-        if done >= 8 && length >= 32 {
-            self.update_rest_blocked(done, pivots);
+        if done == 0 || length == 0 {
             return;
         }
-        for j in 0..length {
-            let target = &mut self.rest[j * length + j..(j + 1) * length];
+        self.scale_rows(done, pivots);
+        if done >= 8 && length >= 32 {
+            let l = &self.panel[summed..];
+            let l = MatRef::from_column_major_slice_with_stride(l, length, done, rows);
+            let product = MatRef::from_column_major_slice(&*self.product, done, length);
+            let rest = MatMut::from_column_major_slice_mut(&mut *self.rest, length, length);
+            matmul(
+                rest,
+                BlockStructure::TriangularLower,
+                Accum::Add,
+                l,
+                BlockStructure::Rectangular,
+                product,
+                BlockStructure::Rectangular,
+                -1.0,
+                Par::Seq,
+            );
+            return;
+        }
+        for (j, (target, factors)) in self
+            .rest
+            .chunks_exact_mut(length)
+            .zip(self.product.chunks_exact(done))
+            .enumerate()
+        {
+            let target = &mut target[j..];
             let row = summed + j;
-            let mut k = 0;
-            while k < done {
-                match pivots[k] {
-                    Pivot::One(d) => {
-                        // two 1x1 pivots at a time halve the traffic of the target
-                        let l = &self.panel[k * rows..(k + 1) * rows];
-                        let f = l[row] * d;
-                        if let Some(Pivot::One(d2)) = pivots.get(k + 1).filter(|_| k + 1 < done) {
-                            let m = &self.panel[(k + 1) * rows..(k + 2) * rows];
-                            let g = m[row] * d2;
-                            subtract_two(target, f, &l[row..], g, &m[row..]);
-                            k += 2;
-                        } else {
-                            for (t, l) in target.iter_mut().zip(&l[row..]) {
-                                *t -= f * l;
-                            }
-                            k += 1;
-                        }
-                    }
-                    Pivot::Two(a, b, c) => {
-                        let l = &self.panel[k * rows..(k + 1) * rows];
-                        let m = &self.panel[(k + 1) * rows..(k + 2) * rows];
-                        let f = a * l[row] + b * m[row];
-                        let g = b * l[row] + c * m[row];
-                        subtract_two(target, f, &l[row..], g, &m[row..]);
-                        k += 2;
-                    }
-                    Pivot::Second | Pivot::Zero => k += 1,
+            let column = |k: usize| &self.panel[k * rows + row..(k + 1) * rows];
+            // four columns at a time quarter the traffic of the target
+            let (fours, others) = factors.as_chunks::<4>();
+            for (block, factors) in fours.iter().enumerate() {
+                let columns = [0, 1, 2, 3].map(|k| column(4 * block + k));
+                subtract_four(target, factors, columns);
+            }
+            for (k, f) in others.iter().enumerate() {
+                for (t, l) in target.iter_mut().zip(column(4 * fours.len() + k)) {
+                    *t -= f * l;
                 }
             }
         }
     }
-}
 
-impl Front<'_> {
-    /// As `update_rest`, as one matrix product.
-    fn update_rest_blocked(&mut self, done: usize, pivots: &[Pivot]) {
+    /// `B L'` of the rows below into `product`, column-major with `done` rows.
+    fn scale_rows(&mut self, done: usize, pivots: &[Pivot]) {
         let (rows, summed) = (self.rows, self.summed);
-        let length = rows - summed;
-        // B L', column-major with `done` rows
         self.product.clear();
-        self.product.resize(done * length, 0.0);
+        self.product.resize(done * (rows - summed), 0.0);
         for (k, pivot) in pivots.iter().enumerate() {
             let row = |k: usize| &self.panel[k * rows + summed..(k + 1) * rows];
             match *pivot {
                 Pivot::One(d) => {
-                    for (j, l) in row(k).iter().enumerate() {
-                        self.product[j * done + k] = d * l;
+                    for (products, l) in self.product.chunks_exact_mut(done).zip(row(k)) {
+                        products[k] = d * l;
                     }
                 }
                 Pivot::Two(a, b, c) => {
-                    for (j, (l, m)) in row(k).iter().zip(row(k + 1)).enumerate() {
-                        self.product[j * done + k] = a * l + b * m;
-                        self.product[j * done + k + 1] = b * l + c * m;
+                    let both = row(k).iter().zip(row(k + 1));
+                    for (products, (l, m)) in self.product.chunks_exact_mut(done).zip(both) {
+                        products[k] = a * l + b * m;
+                        products[k + 1] = b * l + c * m;
                     }
                 }
                 Pivot::Second | Pivot::Zero => {}
             }
         }
-        let l =
-            MatRef::from_column_major_slice_with_stride(&self.panel[summed..], length, done, rows);
-        let product = MatRef::from_column_major_slice(&*self.product, done, length);
-        let rest = MatMut::from_column_major_slice_mut(&mut *self.rest, length, length);
-        matmul(
-            rest,
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            l,
-            BlockStructure::Rectangular,
-            product,
-            BlockStructure::Rectangular,
-            -1.0,
-            Par::Seq,
-        );
     }
 }
 
-fn subtract_two(target: &mut [f64], f: f64, l: &[f64], g: f64, m: &[f64]) {
-    for ((t, l), m) in target.iter_mut().zip(l).zip(m) {
-        *t -= f * l + g * m;
+/// Largest absolute entry, in four lanes.
+fn largest(entries: &[f64]) -> f64 {
+    let (fours, others) = entries.as_chunks::<4>();
+    let mut lanes = [0.0_f64; 4];
+    for four in fours {
+        for (lane, a) in lanes.iter_mut().zip(four) {
+            // a plain comparison costs less than `f64::max`
+            if a.abs() > *lane {
+                *lane = a.abs();
+            }
+        }
+    }
+    lanes
+        .iter()
+        .chain(others)
+        .fold(0.0, |m: f64, a| if a.abs() > m { a.abs() } else { m })
+}
+
+fn subtract_four(target: &mut [f64], f: &[f64; 4], l: [&[f64]; 4]) {
+    let [a, b, c, d] = l;
+    for ((((t, a), b), c), d) in target.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+        *t -= (f[0] * a + f[1] * b) + (f[2] * c + f[3] * d);
     }
 }
 
@@ -360,7 +381,7 @@ mod tests {
         summed: usize,
         panel: &'m mut [f64],
         rest: &'m mut [f64],
-        index: &'m mut [usize],
+        index: &'m mut [u32],
     ) -> Front<'m> {
         Front {
             rows,

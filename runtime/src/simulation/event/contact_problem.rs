@@ -142,11 +142,11 @@ impl ContactProblem<'_> {
     }
 }
 
-/// Painleve's paradox in words: a contact whose [gain](Dynamics::gain) is not above zero.
+/// Painleve's paradox in words: a contact whose [gain](Dynamics::gain) is zero or less.
 pub(in crate::simulation) fn jammed(dynamics: &Dynamics<'_>, contact: usize, gain: f64) -> String {
     format!(
-        "friction {} of `{}` pushes it into the ground, 1 - mu |n'e| = {gain:.3} <= 0 (Painleve); lower the \
-         friction or change the geometry",
+        "friction {} of `{}` pushes it into the ground as much as its force lifts it, 1 - mu |n'e| = {gain:.1e} \
+         (Painleve); lower the friction or change the geometry",
         dynamics.friction[contact],
         dynamics.model.declaration().contacts[contact].name,
     )

@@ -164,9 +164,7 @@ impl CoulombProblem<'_> {
             .map(|&i| -self.normal[i])
             .chain(stuck.iter().map(|&i| -self.tangential[i]))
             .collect();
-        if !small_system::solve(&mut square, &mut right) {
-            return None;
-        }
+        small_system::solve(&mut square, &mut right)?;
         let (mut p, mut s) = (vec![0.0; m], vec![0.0; m]);
         for (&i, &value) in closed.iter().zip(&right) {
             if value < -zero || value.is_nan() {

@@ -25,6 +25,9 @@ const SAME_INSTANT: f64 = 1e-14;
 /// Steps at the same instant, for each contact, before the contact mode counts as undetermined.
 const REPEATS: usize = 20;
 
+/// Gain of a sliding contact below which steps that shrink to nothing approach a pole of its force.
+const JAMMING: f64 = 1e-2;
+
 /// State of a run.
 pub(super) struct Integration<'a> {
     settings: &'a EventDriven,
@@ -47,6 +50,8 @@ pub(super) struct Integration<'a> {
     next_output: usize,
     steps: usize,
     repeats: usize,
+    /// Sign of the determinant of the equations of the mode.
+    orientation: f64,
     remarks: Remarks,
     result: Simulation,
 }
@@ -82,6 +87,7 @@ impl<'a> Integration<'a> {
             next_output: 1,
             steps: 0,
             repeats: 0,
+            orientation: 1.0,
             remarks: Remarks::default(),
             result: dynamics.empty_result(),
             dynamics,
@@ -156,7 +162,6 @@ impl<'a> Integration<'a> {
                     self.y.copy_from_slice(self.method.end());
                     self.method.advance();
                     self.keep(self.at_end);
-                    self.check_friction()?;
                     std::mem::swap(&mut self.start_values, &mut self.end_values);
                     self.record();
                     if lands && limit < horizon {
@@ -189,6 +194,10 @@ impl<'a> Integration<'a> {
             if self.dynamics.project(self.t + h, self.method.end_mut()) {
                 self.method.finish(&mut self.dynamics, self.t, h);
             } else {
+                error = f64::NAN;
+            }
+            // Beyond a pole of the contact forces lies another motion.
+            if self.dynamics.orientation != self.orientation {
                 error = f64::NAN;
             }
             let mut numbers = self.method.end_slope().iter().chain(&self.dynamics.values);
@@ -258,12 +267,12 @@ impl<'a> Integration<'a> {
         if self.repeats <= REPEATS * (1 + self.dynamics.contacts) {
             return Ok(());
         }
+        if let Some(status) = self.jamming() {
+            return Err(status);
+        }
         Err(SimulationStatus::AmbiguousContact(self.diagnosis(
             contact,
-            format!(
-                "{} changes of the contact mode at one instant",
-                self.repeats
-            ),
+            format!("{} steps at one instant", self.repeats),
         )))
     }
 
@@ -285,6 +294,8 @@ impl<'a> Integration<'a> {
             self.record();
             self.y[n..2 * n].copy_from_slice(&after);
         }
+        // An impact changes velocities and forces: what has vanished before it may not have done so after.
+        let vanished = vanished.filter(|_| impact.struck.is_empty());
         contact_mode::change(
             &mut self.dynamics,
             &mut self.probe,
@@ -309,7 +320,7 @@ impl<'a> Integration<'a> {
         };
         let lowest = LowestBounce {
             velocity: self.settings.rest_velocity,
-            height: self.settings.tolerance,
+            height: self.settings.tolerance.powi(2),
         };
         let impact = impact::impact(&mut self.dynamics, self.t, &mut self.y, closing, lowest)
             .map_err(|problem| self.undetermined(problem))?;
@@ -382,20 +393,10 @@ impl<'a> Integration<'a> {
         let measured = self.measure();
         self.keep(measured);
         if self.method.slope().iter().all(|slope| slope.is_finite()) {
-            self.check_friction()
+            self.orientation = self.dynamics.orientation;
+            Ok(())
         } else {
             Err(self.not_finite())
-        }
-    }
-
-    /// Refuses to go on where friction pushes a sliding contact into the ground, at the points last evaluated.
-    fn check_friction(&self) -> Result<(), SimulationStatus> {
-        match self.dynamics.jammed() {
-            None => Ok(()),
-            Some((contact, gain)) => Err(SimulationStatus::AmbiguousContact(self.diagnosis(
-                Some(contact),
-                contact_problem::jammed(&self.dynamics, contact, gain),
-            ))),
         }
     }
 
@@ -500,11 +501,24 @@ impl<'a> Integration<'a> {
         }
     }
 
+    /// The status where the force of a sliding contact grows beyond all bounds.
+    fn jamming(&mut self) -> Option<SimulationStatus> {
+        self.dynamics.derivative(self.t, &self.y, &mut self.slope);
+        let (contact, gain) = self.dynamics.smallest_gain()?;
+        (gain < JAMMING).then(|| {
+            let message = contact_problem::jammed(&self.dynamics, contact, gain);
+            SimulationStatus::AmbiguousContact(self.diagnosis(Some(contact), message))
+        })
+    }
+
     fn undetermined(&self, problem: Undetermined) -> SimulationStatus {
         SimulationStatus::AmbiguousContact(self.diagnosis(Some(problem.contact), problem.message))
     }
 
-    fn step_failure(&self, error: f64) -> SimulationStatus {
+    fn step_failure(&mut self, error: f64) -> SimulationStatus {
+        if let Some(status) = self.jamming() {
+            return status;
+        }
         if error.is_finite() {
             SimulationStatus::StepFailed(self.diagnosis(
                 self.dynamics.active.first().copied(),

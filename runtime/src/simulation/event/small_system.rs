@@ -5,9 +5,10 @@
 const SINGULAR: f64 = 1e-12;
 
 /// Solves `matrix x = right` (row-major, order `right.len()`); the solution replaces `right` and the
-/// matrix is destroyed. Returns `false` if the matrix is singular to working accuracy.
-pub(in crate::simulation) fn solve(matrix: &mut [f64], right: &mut [f64]) -> bool {
+/// matrix is destroyed. Returns the sign of its determinant, `None` if it is singular to working accuracy.
+pub(in crate::simulation) fn solve(matrix: &mut [f64], right: &mut [f64]) -> Option<f64> {
     let m = right.len();
+    let mut sign = 1.0;
     let largest = matrix.iter().fold(0.0_f64, |s, a| s.max(a.abs()));
     for column in 0..m {
         let mut pivot = column;
@@ -18,14 +19,16 @@ pub(in crate::simulation) fn solve(matrix: &mut [f64], right: &mut [f64]) -> boo
         }
         let size = matrix[pivot * m + column].abs();
         if size <= SINGULAR * largest || size.is_nan() {
-            return false;
+            return None;
         }
         if pivot != column {
+            sign = -sign;
             for k in 0..m {
                 matrix.swap(column * m + k, pivot * m + k);
             }
             right.swap(column, pivot);
         }
+        sign *= matrix[column * m + column].signum();
         for row in column + 1..m {
             let factor = matrix[row * m + column] / matrix[column * m + column];
             for k in column..m {
@@ -40,7 +43,7 @@ pub(in crate::simulation) fn solve(matrix: &mut [f64], right: &mut [f64]) -> boo
         }
         right[row] /= matrix[row * m + row];
     }
-    true
+    Some(sign)
 }
 
 #[cfg(test)]
@@ -51,15 +54,20 @@ mod tests {
     fn solve_matrix_that_needs_pivoting_gives_exact_solution() {
         let mut matrix = [0.0, 2.0, 1.0, 1.0, 1.0, 0.0, 4.0, 0.0, 2.0];
         let mut right = [7.0, 3.0, 10.0];
-        assert!(solve(&mut matrix, &mut right));
+        // The determinant is -8.
+        assert_eq!(solve(&mut matrix, &mut right), Some(-1.0));
         assert_eq!(right, [1.0, 2.0, 3.0]);
     }
 
     #[test]
     fn solve_dependent_rows_reports_singular() {
-        assert!(!solve(&mut [1.0, 2.0, 2.0, 4.0], &mut [1.0, 2.0]));
-        assert!(!solve(&mut [0.0], &mut [1.0]));
-        assert!(!solve(&mut [f64::NAN], &mut [1.0]));
-        assert!(solve(&mut [], &mut []));
+        assert_eq!(solve(&mut [1.0, 2.0, 2.0, 4.0], &mut [1.0, 2.0]), None);
+        assert_eq!(solve(&mut [0.0], &mut [1.0]), None);
+        assert_eq!(solve(&mut [f64::NAN], &mut [1.0]), None);
+        assert_eq!(solve(&mut [], &mut []), Some(1.0));
+        assert_eq!(
+            solve(&mut [1.0, 2.0, 2.0, 1.0], &mut [1.0, 2.0]),
+            Some(-1.0)
+        );
     }
 }

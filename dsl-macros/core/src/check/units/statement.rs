@@ -1,7 +1,9 @@
 //! Units of whole statements.
 
 use super::{Units, Walk};
-use crate::ast::{Assignment, Expr, Kind, Law, Name, Quantity, Scene, Statement};
+use crate::ast::{
+    Assignment, Condition, Expr, FreeStart, Kind, Law, Name, Quantity, Scene, Statement,
+};
 use crate::check::values::is_bare;
 use crate::diagnostics::{Checked, Reported};
 use crate::dimension::Dimension;
@@ -90,6 +92,27 @@ impl Walk<'_> {
                 Ok(())
             }
             Statement::Impact { surfaces, law } => self.law(surfaces, law),
+            Statement::Minimize { value, .. } => self.scalar(value).map(|_| ()),
+            Statement::Constraint { name, condition } => {
+                let what = format!("both sides of constraint `{}`", name.text);
+                let own = self.condition(condition, &what)?;
+                self.constraints.push(own);
+                Ok(())
+            }
+            Statement::Finally(goals) => {
+                for goal in goals {
+                    if let Ok(own) = self.condition(goal, "both sides of a terminal condition") {
+                        self.goals.push(own);
+                    }
+                }
+                Ok(())
+            }
+            Statement::Free(values) => {
+                for value in values {
+                    let _: Checked<()> = self.free(value);
+                }
+                Ok(())
+            }
             Statement::Start(assignments) => {
                 for assignment in assignments {
                     let _: Checked<()> = self.start(assignment);
@@ -154,12 +177,7 @@ impl Walk<'_> {
             return Ok(());
         }
         let own = self.scalar(&assignment.value)?;
-        let mut wanted = self.named(&assignment.target);
-        let mut shown = assignment.target.text.clone();
-        if assignment.velocity {
-            wanted = wanted.over(&Dimension::second());
-            shown = format!("dot({shown})");
-        }
+        let (wanted, shown) = self.of_target(&assignment.target, assignment.velocity);
         self.expect(
             &assignment.value,
             &own,
@@ -197,6 +215,45 @@ impl Walk<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Unit of the difference of both sides.
+    fn condition(&mut self, condition: &Condition, what: &str) -> Checked<Dimension> {
+        let (left, right) = (&condition.left, &condition.right);
+        let (own, its) = (self.scalar(left), self.scalar(right));
+        let (own, its) = (own?, its?);
+        if self.unifier.unify(&own, &its) {
+            return Ok(own);
+        }
+        let place = left.place.to(right.place);
+        Err(self.differ(place, (left, &own), (right, &its), what))
+    }
+
+    fn free(&mut self, value: &FreeStart) -> Checked<()> {
+        let Some((lower, upper)) = &value.bounds else {
+            return Ok(());
+        };
+        let (wanted, shown) = self.of_target(&value.target, value.velocity);
+        for expr in [lower, upper] {
+            if !is_bare(expr) {
+                let own = self.scalar(expr)?;
+                self.expect(expr, &own, &wanted, &format!("it bounds `{shown}`"))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Unit and name of a coordinate or a velocity.
+    fn of_target(&mut self, target: &Name, velocity: bool) -> (Dimension, String) {
+        let own = self.named(target);
+        if velocity {
+            (
+                own.over(&Dimension::second()),
+                format!("dot({})", target.text),
+            )
+        } else {
+            (own, target.text.clone())
+        }
     }
 
     fn law(&mut self, surfaces: &[Name], law: &Law) -> Checked<()> {

@@ -49,6 +49,9 @@ pub(in crate::simulation) struct Dynamics<'a> {
     pub(in crate::simulation) friction: Vec<f64>,
     /// Evaluations so far.
     pub(in crate::simulation) evaluations: usize,
+    /// Sign of the determinant of the equations for the contact accelerations at the last evaluation. While it
+    /// stays, none of them has passed through infinity.
+    pub(in crate::simulation) orientation: f64,
     /// Contacts with friction, increasing.
     frictional: Vec<usize>,
     /// State of each contact.
@@ -105,6 +108,7 @@ impl<'a> Dynamics<'a> {
             restitution: (0..contacts).map(|i| model.restitution(i)).collect(),
             friction,
             evaluations: 0,
+            orientation: 1.0,
             sticking: Vec::with_capacity(frictional.len()),
             frictional,
             mode: vec![ContactState::Open; contacts],
@@ -233,13 +237,13 @@ impl<'a> Dynamics<'a> {
         dot(normal, self.direction(contact)) + ratio * dot(normal, self.friction_direction(contact))
     }
 
-    /// The contact that friction jams in the present mode, with its [`gain`](Self::gain).
-    pub(in crate::simulation) fn jammed(&self) -> Option<(usize, f64)> {
+    /// The sliding contact with the smallest [`gain`](Self::gain), and that.
+    pub(in crate::simulation) fn smallest_gain(&self) -> Option<(usize, f64)> {
         self.active
             .iter()
-            .filter(|&&i| self.has_friction(i))
+            .filter(|&&i| matches!(self.mode[i], ContactState::Slip(_)))
             .map(|&i| (i, self.gain(i, self.mode[i].force_ratio(self.friction[i]))))
-            .find(|&(_, gain)| gain <= 0.0)
+            .min_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 
     /// State of a contact in the present mode.

@@ -31,7 +31,7 @@ impl Dynamics<'_> {
                 matrix[row * order + column] = dot(covector, direction);
             }
         }
-        !small_system::solve(&mut matrix, &mut vec![0.0; order])
+        small_system::solve(&mut matrix, &mut vec![0.0; order]).is_none()
     }
 
     /// Row of the constraints that the mode keeps: the normals of active contacts, then the tangents of
@@ -53,8 +53,9 @@ impl Dynamics<'_> {
         }
     }
 
-    /// Solves for the unknowns of the first `rows` rows; `false` if they are dependent.
-    fn solve_rows(&mut self, rows: usize, slipping: bool) -> bool {
+    /// Solves for the unknowns of the first `rows` rows. Returns the sign of the determinant, `None` if they are
+    /// dependent.
+    fn solve_rows(&mut self, rows: usize, slipping: bool) -> Option<f64> {
         for row in 0..rows {
             for column in 0..rows {
                 self.matrix[row * rows + column] =
@@ -101,7 +102,7 @@ impl Dynamics<'_> {
                 break;
             }
             previous = worst;
-            if !self.solve_rows(normals, false) {
+            if self.solve_rows(normals, false).is_none() {
                 return false;
             }
             self.add_columns(normals, false, &mut y[..n]);
@@ -118,7 +119,7 @@ impl Dynamics<'_> {
             self.right[normals + slot] = -self.sliding_velocity(i);
         }
         let rows = normals + self.sticking.len();
-        if !self.solve_rows(rows, false) {
+        if self.solve_rows(rows, false).is_none() {
             return false;
         }
         self.add_columns(rows, false, &mut y[n..2 * n]);
@@ -219,7 +220,8 @@ impl System for Dynamics<'_> {
         dy[2 * n] = 1.0;
         let rows = self.evaluate_rows();
         if rows > 0 {
-            if self.solve_rows(rows, true) {
+            if let Some(sign) = self.solve_rows(rows, true) {
+                self.orientation = sign;
                 self.add_columns(rows, true, &mut dy[n..2 * n]);
             } else {
                 self.right[..rows].fill(f64::NAN);

@@ -1,0 +1,123 @@
+//! Statements of optimal control: objective, constraints, terminal conditions, free initial values.
+
+use super::cursor::Cursor;
+use super::expression::expression;
+use super::statement::{block, entries, name, range, target};
+use super::{documentation, unexpected};
+use crate::ast::{Condition, Documentation, FreeStart, Name, Relation, Statement};
+use crate::diagnostics::{Checked, Diagnostics};
+
+/// `finally { condition, ... }`.
+pub(super) fn finally(
+    cursor: &mut Cursor,
+    word: &Name,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
+    let inner = block(cursor, word, diagnostics)?;
+    let goals = entries(inner, diagnostics, |cursor, diagnostics| {
+        let documentation = documentation(cursor, diagnostics);
+        condition(cursor, documentation, diagnostics)
+    });
+    Ok(Statement::Finally(goals))
+}
+
+/// `constraint name: condition`.
+pub(super) fn constraint(
+    cursor: &mut Cursor,
+    documentation: Documentation,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
+    let name = name(cursor, "the name of the constraint", diagnostics)?;
+    if !cursor.eat_symbol(":") {
+        return Err(unexpected(
+            cursor,
+            diagnostics,
+            "`:` after the constraint's name",
+        ));
+    }
+    let condition = condition(cursor, documentation, diagnostics)?;
+    Ok(Statement::Constraint { name, condition })
+}
+
+/// `left >= right`, `left <= right` or `left == right`.
+fn condition(
+    cursor: &mut Cursor,
+    documentation: Documentation,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Condition> {
+    let left = expression(cursor, diagnostics)?;
+    let place = cursor.place();
+    let Some(relation) = relation(cursor) else {
+        if cursor.at_symbol(">") || cursor.at_symbol("<") || cursor.at_symbol("=") {
+            return Err(diagnostics.syntax(
+                place,
+                "a condition is written with `==`, `>=` or `<=`; one of them is meant here",
+            ));
+        }
+        return Err(unexpected(cursor, diagnostics, "`==`, `>=` or `<=`"));
+    };
+    let right = expression(cursor, diagnostics)?;
+    let place = cursor.place();
+    if relation_follows(cursor) {
+        return Err(diagnostics.syntax(
+            place,
+            format!(
+                "a condition compares two sides; write two conditions, the second one with `{right}` \
+                 on its left"
+            ),
+        ));
+    }
+    Ok(Condition {
+        documentation,
+        left,
+        relation,
+        right,
+    })
+}
+
+fn relation(cursor: &mut Cursor) -> Option<Relation> {
+    [
+        ("==", Relation::Equal),
+        (">=", Relation::AtLeast),
+        ("<=", Relation::AtMost),
+    ]
+    .into_iter()
+    .find_map(|(symbol, relation)| cursor.eat_symbol(symbol).then_some(relation))
+}
+
+fn relation_follows(cursor: &Cursor) -> bool {
+    relation(&mut cursor.clone()).is_some()
+}
+
+/// `free { q in lower..=upper, dot(q), ... }`.
+pub(super) fn free(
+    cursor: &mut Cursor,
+    word: &Name,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
+    let inner = block(cursor, word, diagnostics)?;
+    let values = entries(inner, diagnostics, |cursor, diagnostics| {
+        let (target, velocity) = target(cursor, diagnostics)?;
+        let bounds = range(cursor, diagnostics)?;
+        if cursor.at_symbol(":") || cursor.at_symbol("=") {
+            return Err(diagnostics.syntax(
+                cursor.place(),
+                format!(
+                    "`free` says which initial values are to be found; the guess belongs to `start {{ {}: \
+                     ... }}`",
+                    if velocity {
+                        format!("dot({})", target.text)
+                    } else {
+                        target.text.clone()
+                    }
+                ),
+            ));
+        }
+        Ok(FreeStart {
+            target,
+            velocity,
+            bounds,
+        })
+    });
+    Ok(Statement::Free(values))
+}

@@ -1,0 +1,200 @@
+//! What all programs have in common: horizon, controls, start, objective, goals and path functions.
+
+use super::kernel::Kernel;
+use super::path::{Path, Units};
+use super::problem::{Component, Horizon, Problem};
+use super::program::{OBJECTIVE, Program};
+use crate::model::{ConstraintDeclaration, ConstraintRelation, Model};
+
+/// Shortest and longest horizon relative to the guess, where it is free.
+const HORIZONS: (f64, f64) = (0.05, 20.0);
+
+/// The variables of a program that do not belong to a phase or element.
+pub(super) struct Frame<'a> {
+    model: &'a dyn Model,
+    pub(super) horizon: usize,
+    pub(super) controls: Vec<Vec<usize>>,
+    /// `(q, v)` at the start; fixed but for the free initial values.
+    pub(super) start: Vec<usize>,
+}
+
+impl<'a> Frame<'a> {
+    pub(super) fn add(
+        program: &mut Program,
+        model: &'a dyn Model,
+        problem: &Problem,
+        guess: &Path,
+        units: &Units,
+        bounds: (&[f64], &[f64]),
+    ) -> Self {
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let range = match problem.horizon {
+            Horizon::Fixed(horizon) => (horizon, horizon),
+            Horizon::Free { .. } => (HORIZONS.0 * units.time, HORIZONS.1 * units.time),
+        };
+        let horizon = program.variable("final time", range, guess.horizon, units.time);
+        let controls = (0..problem.intervals)
+            .map(|k| {
+                let declared = declaration.controls.iter().enumerate();
+                declared
+                    .map(|(i, control)| {
+                        program.variable(
+                            format!("`{}` on interval {k}", control.name),
+                            (bounds.0[n + i], bounds.1[n + i]),
+                            guess.controls[k][i],
+                            units.controls[i],
+                        )
+                    })
+                    .collect()
+            })
+            .collect();
+        let start = problem.start_ranges(model).into_iter().enumerate();
+        let start = start
+            .map(|(k, range)| {
+                let name = format!("initial {}", state_name(model, k));
+                program.variable(name, range, guess.states[0][k], 1.0)
+            })
+            .collect();
+        Self {
+            model,
+            horizon,
+            controls,
+            start,
+        }
+    }
+
+    /// Adds `factor scale` times the running cost at `(q, v, u)` to the objective.
+    pub(super) fn running_cost(
+        &self,
+        program: &mut Program,
+        problem: &Problem,
+        [q, v, u]: [&[usize]; 3],
+        (scale, factor): (usize, f64),
+    ) {
+        if problem.declared(self.model).is_some_and(|d| d.running_cost) {
+            let uses = vec![(OBJECTIVE, 0, factor)];
+            program.block(&Kernel::Path, [q, v, u, &[]], Some(scale), uses);
+        }
+    }
+
+    /// Adds the rows of the path constraints at `(q, v, u)`.
+    pub(super) fn path_rows(
+        &self,
+        program: &mut Program,
+        problem: &Problem,
+        inputs: [&[usize]; 3],
+        place: &str,
+    ) {
+        let constraints = problem
+            .declared(self.model)
+            .map_or(0, |d| d.constraints.len());
+        let all: Vec<usize> = (0..constraints).collect();
+        self.path_rows_of(program, problem, &all, inputs, place);
+    }
+
+    /// Adds the rows of some path constraints at `(q, v, u)`.
+    pub(super) fn path_rows_of(
+        &self,
+        program: &mut Program,
+        problem: &Problem,
+        chosen: &[usize],
+        [q, v, u]: [&[usize]; 3],
+        place: &str,
+    ) {
+        let Some(declared) = problem.declared(self.model) else {
+            return;
+        };
+        let first = usize::from(declared.running_cost);
+        let uses: Vec<(usize, usize, f64)> = chosen
+            .iter()
+            .map(|&i| {
+                (
+                    row(program, &declared.constraints[i], place),
+                    first + i,
+                    1.0,
+                )
+            })
+            .collect();
+        if !uses.is_empty() {
+            program.block(&Kernel::Path, [q, v, u, &[]], None, uses);
+        }
+    }
+
+    /// Adds the objective and the goals on the final state `(q, v)`.
+    pub(super) fn finish(&self, program: &mut Program, problem: &Problem, last: &[usize]) {
+        let n = last.len() / 2;
+        if let Some(declared) = problem.declared(self.model) {
+            let first = usize::from(declared.final_cost);
+            let mut uses: Vec<(usize, usize, f64)> = Vec::new();
+            if declared.final_cost {
+                uses.push((OBJECTIVE, 0, 1.0));
+            }
+            for (i, goal) in declared.goals.iter().enumerate() {
+                uses.push((row(program, goal, "at the end"), first + i, 1.0));
+            }
+            if !uses.is_empty() {
+                let (q, v) = last.split_at(n);
+                program.block(&Kernel::Terminal, [q, v, &[self.horizon], &[]], None, uses);
+            }
+        }
+        let objective = &problem.objective;
+        if objective.final_time != 0.0 {
+            program.objective_linear(self.horizon, objective.final_time);
+        }
+        for &(index, weight) in &objective.final_coordinates {
+            program.objective_linear(last[index], weight);
+        }
+        for &(index, weight) in &objective.final_velocities {
+            program.objective_linear(last[n + index], weight);
+        }
+        for goal in &problem.goals {
+            let variable = match goal.component {
+                Component::Coordinate(k) => last[k],
+                Component::Velocity(k) => last[n + k],
+            };
+            program.bound(variable, goal.value, goal.value);
+        }
+        if objective.control_effort == 0.0 {
+            return;
+        }
+        let weight = objective.control_effort / problem.intervals as f64;
+        match problem.horizon {
+            Horizon::Fixed(horizon) => {
+                for &u in self.controls.iter().flatten() {
+                    program.objective_bilinear(u, u, weight * horizon);
+                }
+            }
+            // The sum of the squares is a variable, so that the objective stays bilinear.
+            Horizon::Free { .. } => {
+                let controls: Vec<usize> = self.controls.iter().flatten().copied().collect();
+                let unit: f64 = controls.iter().map(|&u| program.unit(u).powi(2)).sum();
+                let sum = program.variable("sum of squares", (0.0, f64::INFINITY), unit, unit);
+                let row = program.row("sum of squares", 0.0, f64::INFINITY);
+                program.linear(row, sum, 1.0);
+                for u in controls {
+                    program.bilinear(row, u, u, -1.0);
+                }
+                program.objective_bilinear(self.horizon, sum, weight);
+            }
+        }
+    }
+}
+
+/// Adds the row of a declared constraint.
+fn row(program: &mut Program, constraint: &ConstraintDeclaration, place: &str) -> usize {
+    let upper = match constraint.relation {
+        ConstraintRelation::Zero => 0.0,
+        ConstraintRelation::NonNegative => f64::INFINITY,
+    };
+    program.row(format!("`{}` {place}", constraint.name), 0.0, upper)
+}
+
+/// Name of component `k` of `(q, v)`.
+pub(super) fn state_name(model: &dyn Model, k: usize) -> String {
+    let coordinates = model.declaration().coordinates;
+    match k.checked_sub(coordinates.len()) {
+        None => format!("`{}`", coordinates[k].name),
+        Some(velocity) => format!("d`{}`/dt", coordinates[velocity].name),
+    }
+}
