@@ -46,8 +46,6 @@ impl Default for Settings {
         let interior_point = nlp::Settings {
             permanent_dual_shift: 1e-10,
             maximum_iterations: 1000,
-            // also the branches of the crossover start near their solutions, with a barrier parameter to keep
-            barrier_strategy: nlp::BarrierStrategy::Monotone,
             ..nlp::Settings::default()
         };
         Self {

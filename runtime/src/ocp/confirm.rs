@@ -39,7 +39,7 @@ impl<'a> Search<'a, '_> {
         let initially = forces.map(|forces| forces.iter().map(|&f| f > 0.0).collect());
         Sequence::read(
             initially.unwrap_or_default(),
-            &replay.events,
+            replay,
             path.horizon / intervals as f64,
             intervals,
         )
@@ -162,9 +162,9 @@ impl<'a> Search<'a, '_> {
             _ => f64::INFINITY,
         };
         let read = self.read(&replay, &best.path);
-        let kinds = |sequence: &Sequence| -> Vec<(usize, bool)> {
+        let kinds = |sequence: &Sequence| -> Vec<(usize, bool, bool)> {
             let switches = sequence.switches.iter();
-            switches.map(|s| (s.contact, s.closes)).collect()
+            switches.map(|s| (s.contact, s.closes, s.touches)).collect()
         };
         let agrees =
             distance <= self.settings.largest_distance && kinds(&read) == kinds(&best.sequence);

@@ -71,7 +71,9 @@ impl<'a> Search<'a, '_> {
             Formulation::Phases => self.global(guess)?,
             Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
         };
-        for global in relaxed.into_iter().take(settings.refined_motions) {
+        let bouncing = self.bouncing(guess)?;
+        let relaxed = relaxed.into_iter().take(settings.refined_motions);
+        for global in bouncing.into_iter().chain(relaxed) {
             if self.watch.stopped {
                 break;
             }
@@ -93,6 +95,25 @@ impl<'a> Search<'a, '_> {
             Some(solution) => solution,
             None => self.failed(),
         })
+    }
+
+    /// The motion under the guessed controls, where a contact bounces: the global phase knows no bounce.
+    fn bouncing(&self, guess: &Path) -> Result<Option<Relaxed>, InputError> {
+        let model = self.setting.model;
+        let mut contacts = 0..model.declaration().contacts.len();
+        if contacts.all(|contact| model.restitution(contact) == 0.0) {
+            return Ok(None);
+        }
+        let replay = self.simulate(guess, self.settings.replay_tolerance)?;
+        if replay.status != SimulationStatus::Solved {
+            return Ok(None);
+        }
+        let (horizon, controls) = (guess.horizon, guess.controls.clone());
+        Ok(Some(Relaxed {
+            objective: f64::INFINITY,
+            sequence: self.read(&replay, guess),
+            path: Path::of_simulation(model, &replay, horizon, controls),
+        }))
     }
 
     /// Adds the local optimum that a relaxed motion leads to, the best first.
@@ -135,7 +156,10 @@ impl<'a> Search<'a, '_> {
             short <= SHORT_SWITCHES
         });
         let raw = raw.map(|(sequence, path)| (sequence.clone(), path));
-        for (sequence, path) in tidied.chain(raw) {
+        let touching = candidates
+            .iter()
+            .filter_map(|(sequence, path)| Some((sequence.touching()?, path)));
+        for (sequence, path) in tidied.chain(raw).chain(touching) {
             let Some(sequence) = sequence.ordered(self.setting.problem.intervals) else {
                 continue;
             };

@@ -89,7 +89,8 @@ pub struct Settings {
     pub gap_margin: f64,
     /// Most motions of the global phase that are refined, the best first; default 2, at least 1.
     pub refined_motions: usize,
-    /// Elements an interval of the contact-implicit programs that are refined; default 4, at least 1.
+    /// Elements an interval of the contact-implicit programs that are refined; default 4, at least 1. With few intervals
+    /// there are more.
     pub refined_elements: usize,
     /// Most programs, those of the global phase included; default 60.
     pub maximum_programs: usize,

@@ -8,7 +8,7 @@ use crate::model::{ConstraintRelation, Model, OptimalControlDeclaration};
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
 use crate::rk::{ButcherTableau, Scheme};
-use crate::simulation::InputError;
+use crate::simulation::{InitialValueProblem, InputError};
 use crate::time_freezing::TimeFreezingSystem;
 
 /// Shortest and longest horizon relative to the guess, where it is free.
@@ -98,6 +98,7 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
     ) -> Result<Self, InputError> {
         problem.check(model)?;
+        InitialValueProblem::check_inelastic(model, "time-freezing optimal control")?;
         let refuse = |what: &str, value: f64, bound: String| {
             Err(InputError::OutOfRange {
                 what: what.into(),

@@ -125,10 +125,14 @@ impl Builder<'_, '_> {
             all.filter(move |(_, s)| s.interval == interval && s.place == place)
         };
         let (mut openings, mut before) = (Vec::new(), self.state.clone());
+        let mut touched: Vec<usize> = Vec::new();
         for (_, switch) in here(Place::Start) {
             if switch.closes {
                 let time = self.guess.horizon * interval as f64 * share;
-                self.close(switch.contact, &format!("interval {}", interval - 1), time);
+                self.close(switch, &format!("interval {}", interval - 1), time);
+                if switch.touches {
+                    touched.push(switch.contact);
+                }
                 before.clone_from(&self.state);
             } else {
                 self.closed.retain(|&contact| contact != switch.contact);
@@ -201,9 +205,17 @@ impl Builder<'_, '_> {
                     (scale, factor / elements as f64),
                     (time(e), time(e + 1)),
                     (ending.filter(|_| last), closing.filter(|_| last)),
-                    if first { &opened } else { &[] },
+                    if first {
+                        (&opened, &touched)
+                    } else {
+                        (&[], &[])
+                    },
                 );
             }
+            touched = match ending {
+                Some((_, switch)) if switch.touches => vec![switch.contact],
+                _ => Vec::new(),
+            };
             begin = end;
         }
         self.node(interval, &before);
@@ -216,7 +228,7 @@ impl Builder<'_, '_> {
         (scale, factor): (usize, f64),
         (from, to): (f64, f64),
         (ending, closing): (Option<(usize, &Switch)>, Option<usize>),
-        opened: &[usize],
+        (opened, touched): (&[usize], &[usize]),
     ) {
         let Setting {
             model,
@@ -372,7 +384,10 @@ impl Builder<'_, '_> {
         }
         // The normal acceleration after an opening at a jump of the controls: the slope of the normal
         // velocity, which starts from 0.
-        for &i in opened.iter().filter(|_| index.0 == 0) {
+        // The same after a touch without a bounce.
+        let jump = opened.iter().filter(|_| index.0 == 0);
+        let plastic = touched.iter().filter(|&&i| model.restitution(i) == 0.0);
+        for &i in jump.chain(plastic) {
             let name = format!("opening of `{}` at the start of {label}", contacts[i].name);
             let row = program.row(name, 0.0, f64::INFINITY);
             let slopes = lagrange(tableau, 0.0, true);
@@ -396,7 +411,7 @@ impl Builder<'_, '_> {
     /// What happens at the end of a phase.
     fn switch(&mut self, switch: &Switch, phase: &Phase, label: &str, time: f64) {
         if switch.closes {
-            self.close(switch.contact, label, time);
+            self.close(switch, label, time);
             return;
         }
         let slot = phase.closed.iter().position(|&i| i == switch.contact);
@@ -406,10 +421,10 @@ impl Builder<'_, '_> {
         self.closed.retain(|&contact| contact != switch.contact);
     }
 
-    /// The impact map where a contact closes.
-    fn close(&mut self, contact: usize, label: &str, time: f64) {
+    /// The impact map where a contact closes or is touched, `v_n+ = -e v_n-` for all contacts that are closed then.
+    fn close(&mut self, switch: &Switch, label: &str, time: f64) {
         let (n, program) = (self.n, &mut self.program);
-        self.closed.push(contact);
+        self.closed.push(switch.contact);
         self.closed.sort_unstable();
         let model = self.setting.model;
         let contacts = model.declaration().contacts;
@@ -439,9 +454,18 @@ impl Builder<'_, '_> {
             let row = program.row(name, 0.0, 0.0);
             let uses = vec![(row, 1, 1.0)];
             program.block(&Kernel::Contact(i), [&q, &after[n..], &[], &[]], None, uses);
+            let restitution = model.restitution(i);
+            if restitution > 0.0 {
+                let uses = vec![(row, 1, restitution)];
+                let v = &self.state[n..];
+                program.block(&Kernel::Contact(i), [&q, v, &[], &[]], None, uses);
+            }
         }
         let kernel = Kernel::Push(self.closed.clone());
         program.block(&kernel, [&q, &[], &[], &impulses], None, uses);
+        if switch.touches {
+            self.closed.retain(|&contact| contact != switch.contact);
+        }
         self.state = after;
     }
 }
@@ -510,6 +534,7 @@ mod tests {
         let switch = |closes, interval, place, time| Switch {
             contact: 0,
             closes,
+            touches: false,
             interval,
             place,
             time,
