@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn choices_and_polyhedral_form_agree_on_random_contacts() {
+    fn choices_satisfy_the_law_on_random_contacts_and_agree_with_the_polyhedral_form() {
         use proptest::prelude::*;
         let problem = (
             proptest::collection::vec(-1.0..1.0, 25),
@@ -333,12 +333,24 @@ mod tests {
                 Cone { normal: 1, friction: mu.1 },
             ];
             let problem = Problem { couplings: &m, offsets: &q, cones: &cones, normals: 2 };
-            let (mut tried, mut pivoted) = ([0.0; 4], [0.0; 4]);
-            prop_assert!(problem.try_choices(&mut tried) <= ROUNDING);
-            prop_assert_eq!(problem.solve_polyhedral(&mut pivoted), Ok(()));
+            let mut f = [0.0; 4];
+            prop_assert!(problem.try_choices(&mut f) <= ROUNDING);
             // Diagonally dominant couplings: the solution is unique, its condition moderate.
-            for (a, b) in tried.iter().zip(&pivoted) {
-                prop_assert!((a - b).abs() < 1e-9, "{:?} {:?}", tried, pivoted);
+            let w: Vec<f64> = (0..4)
+                .map(|i| q[i] + (0..4).map(|j| m[4 * i + j] * f[j]).sum::<f64>())
+                .collect();
+            for (k, cone) in cones.iter().enumerate() {
+                let (p, s, bound) = (f[k], f[2 + k], cone.friction * f[k]);
+                prop_assert!(p >= 0.0 && w[k] >= -1e-9 && (p * w[k]).abs() < 1e-9);
+                prop_assert!(s.abs() <= bound + 1e-9);
+                // s = -mu p sign(w_t) unless w_t = 0
+                prop_assert!((s * w[2 + k] + bound * w[2 + k].abs()).abs() < 1e-9);
+            }
+            let mut pivoted = [0.0; 4];
+            if problem.solve_polyhedral(&mut pivoted).is_ok() {
+                for (a, b) in f.iter().zip(&pivoted) {
+                    prop_assert!((a - b).abs() < 1e-9, "{:?} {:?}", f, pivoted);
+                }
             }
         });
     }
