@@ -214,7 +214,7 @@ impl HeavisideSystem<'_> {
     pub(crate) fn switching_row(&self, row: usize) -> Option<usize> {
         let contacts = 3 * self.contacts;
         if row < contacts {
-            (row % 3 > 0).then(|| 2 * (row / 3) + row % 3 - 1)
+            (!row.is_multiple_of(3)).then(|| 2 * (row / 3) + row % 3 - 1)
         } else if row < contacts + 2 * self.rough.len() {
             let row = row - contacts;
             (row % 2 == 1).then(|| 2 * self.contacts + row / 2)

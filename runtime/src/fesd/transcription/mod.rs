@@ -219,10 +219,11 @@ impl<'a> Transcription<'a> {
             {
                 *slot = Some(control);
             }
-            for place in self.dcs.first_algebraic()..self.dcs.local_variables() {
+            let first = self.dcs.first_algebraic();
+            for (place, slot) in variables.iter_mut().enumerate().skip(first) {
                 let switching = place < self.dcs.first_product() && self.dcs.is_switching(place);
                 if !boundary || switching {
-                    variables[place] = Some(self.take(1));
+                    *slot = Some(self.take(1));
                 }
             }
             blocks.push(Block {
