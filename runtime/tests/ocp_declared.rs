@@ -301,8 +301,8 @@ fn motion_between_floor_and_ceiling_uses_both_and_is_the_best_of_a_search() {
     settings.starts = 2;
     let solution = solve(&Shuttle::default(), 3, &settings);
     // Three thrusts of half a second each, on successively finer grids around the best.
-    let (mut best, mut centre, mut width) = (f64::INFINITY, [20.0; 3], 20.0);
-    for _ in 0..12 {
+    let (mut best, mut centre, mut width) = (f64::INFINITY, [20.0; 3], 20.0_f64);
+    for _ in 0..26 {
         let from = centre;
         for index in 0..21_i32.pow(3) {
             let u: Vec<f64> = (0..3)
@@ -318,7 +318,7 @@ fn motion_between_floor_and_ceiling_uses_both_and_is_the_best_of_a_search() {
                 (best, centre) = (value, [u[0], u[1], u[2]]);
             }
         }
-        width /= 3.0;
+        width /= 1.6;
     }
     // The search approaches the edge of the feasible set from inside, to its last width of 1e-4 N.
     assert!(
