@@ -113,7 +113,52 @@ hangtime::model! {
     }
 }
 
+hangtime::model! {
+    /// A heavy top: rotations and moments of inertia as matrices, a joint stop and a driven spin.
+    pub Top {
+        parameters { m: kg = 0.4, l: m = 0.3, i_1: kg m^2 = 0.05, i_3: kg m^2 = 0.02, g: m/s^2 = 9.81 }
+        coordinates { psi: rad, theta: rad, phi: rad }
+        controls { u: N m }
+        let r = rotation_z(psi)*rotation_x(theta)*rotation_z(phi)
+        let w = transpose(r)*dot(r)
+        let spin = (w[2][1], w[0][2], w[1][0])
+        let tip = r*(0, 0, l)
+        lagrangian spin . (diagonal(i_1, i_1, i_3)*spin)/2 - m*g*tip.z
+        forces { phi: u }
+        surface stop: tip.z >= 0.1*l
+        impact stop: inelastic
+    }
+}
+
+hangtime::model! {
+    /// The same top by the formulas of a textbook.
+    pub TopOfTextbooks {
+        parameters { m: kg = 0.4, l: m = 0.3, i_1: kg m^2 = 0.05, i_3: kg m^2 = 0.02, g: m/s^2 = 9.81 }
+        coordinates { psi: rad, theta: rad, phi: rad }
+        controls { u: N m }
+        lagrangian i_1/2*(dot(theta)^2 + dot(psi)^2*sin(theta)^2)
+            + i_3/2*(dot(phi) + dot(psi)*cos(theta))^2 - m*g*l*cos(theta)
+        forces { phi: u }
+    }
+}
+
+hangtime::model! {
+    /// A box on a turntable, with matrices written out, products of matrices and other units than SI.
+    pub Turntable {
+        parameters { m: kg = 1.5, k: N/cm = 0.2, j: kg m^2 = 0.3, tilt: deg = 20 }
+        coordinates { a: deg, x: cm, y: cm }
+        let skew = ((1, 0.2), (-0.1, 1))
+        let turn = rotation(a)*skew - ((0, sin(tilt)/10), (0, 0))
+        let p = turn*(x, y)
+        lagrangian m/2*|dot(p)|^2 + j/2*dot(a)^2 - k/2*(x, y) . (transpose(skew)*(skew*(x, y)))
+        surface wall: p.y + 0.2*p.z <= 30 [cm]
+        impact wall: inelastic
+    }
+}
+
 oracle!(SkiJump);
+oracle!(Top);
+oracle!(Turntable);
 oracle!(DoublePendulum);
 oracle!(Functions);
 oracle!(PumpTrack, along pump_direction);
@@ -189,6 +234,24 @@ property!(
 );
 property!(chain_of_five_agrees_with_dual_numbers, Chain, 11, 24);
 property!(every_function_agrees_with_dual_numbers, Functions, 6, 128);
+property!(turntable_agrees_with_dual_numbers, Turntable, 6, 64);
+
+#[test]
+fn top_by_matrices_agrees_with_dual_numbers_and_with_a_textbook() {
+    let (top, known) = (Top::default(), TopOfTextbooks::default());
+    let weights = [0.3, -0.7, 0.4, 0.9, -0.2];
+    for theta in [0.4, 1.1, -0.9, 2.2] {
+        let x = [0.7, theta, -1.3, 0.8, -0.6, 2.5, 0.35];
+        assert_eq!(compare(&top, &x, &weights), Ok(()));
+        let (mut a, mut b) = ([0.0; 3], [0.0; 3]);
+        top.free_acceleration(&x, &mut a);
+        known.free_acceleration(&x, &mut b);
+        for (a, b) in a.iter().zip(b) {
+            // Both are tens of roundings of numbers up to 1e3.
+            assert!((a - b).abs() < 1e-11 * (1.0 + b.abs()), "{a} {b}");
+        }
+    }
+}
 
 #[test]
 fn pump_track_takes_no_more_operations_than_hand_derived_code() {
@@ -216,6 +279,10 @@ fn pump_track_equations_read_as_a_person_would_write_them() {
             .map(|equation| equation.right)
             .collect::<String>()
     };
+    assert_eq!(
+        right("kinetic energy"),
+        "m_b*(y'^2 + (s' + a*k*y'*sin(k*y))^2)/2 + m_r*(y'^2 + (s' + a*k*y'*sin(k*y) + l')^2)/2"
+    );
     assert_eq!(right("y''"), "0");
     assert_eq!(right("s''"), "-g - a*k^2*cos(k*y)*y'^2 - u/m_b");
     assert_eq!(right("l''"), "u/m_r + u/m_b");

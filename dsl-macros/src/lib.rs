@@ -60,7 +60,7 @@
 /// target      = name | "dot" "(" name ")"
 /// expr        = expr ("+" | "-") expr | expr ("*" | "/") expr | "-" expr | expr "^" expr
 ///             | number ["[" unit "]"] | name | name "(" expr,* ")" | "(" expr,* ")" | "|" expr "|"
-///             | expr "." name | expr "[" number "]" | "diff" "(" name ")" "(" expr ")"
+///             | expr "." name | expr "." "(" expr ")" | expr "[" number "]" | "diff" "(" name ")" "(" expr ")"
 /// unit        = symbols, powers "^", products by blank or "*", quotients "/", parentheses, "1"
 /// ```
 ///
@@ -297,6 +297,31 @@
 ///
 /// Vectors are written `(a, b)`; those of two components are called (y, z), those of three (x, y, z):
 /// `p.z`. Any component can be reached by its index from 0: `p[1]`.
+///
+/// Matrices are vectors of rows: `((a, b), (c, d))`. They multiply vectors and matrices on their right, `m*v`
+/// and `m*n`, add up and have derivatives as vectors do; `m[0]` is a row, `m[0][1]` an entry. `rotation(phi)` turns
+/// (y, z) from y to z; `rotation_x(phi)`, `rotation_y(phi)` and `rotation_z(phi)` turn (x, y, z) about an axis;
+/// `transpose(m)` exchanges rows and columns, `diagonal(a, b, c)` has zeros elsewhere. In `a . (m*b)` any vector in
+/// parentheses follows the point.
+///
+/// ```
+/// hangtime::model! {
+///     /// A heavy top on its tip: Euler angles, the angular velocity in the body, moments of inertia.
+///     pub Top {
+///         parameters  { m: kg = 0.4, l: m = 0.3, i_1: kg m^2 = 0.05, i_3: kg m^2 = 0.02, g: m/s^2 = 9.81 }
+///         coordinates { psi: rad, theta: rad, phi: rad }
+///         let r    = rotation_z(psi)*rotation_x(theta)*rotation_z(phi)
+///         let w    = transpose(r)*dot(r)
+///         let spin = (w[2][1], w[0][2], w[1][0])
+///         lagrangian spin . (diagonal(i_1, i_1, i_3)*spin)/2 - m*g*l*(r*(0, 0, 1)).z
+///     }
+/// }
+/// # use hangtime::model::Model;
+/// // At rest, tilted by theta: i_1 theta'' = m g l sin(theta).
+/// let mut a = [0.0; 3];
+/// Top::default().free_acceleration(&[0.2, 0.5, 0.7, 0.0, 0.0, 0.0], &mut a);
+/// assert!((a[1] - 0.4 * 9.81 * 0.3 * 0.5_f64.sin() / 0.05).abs() < 1e-12);
+/// ```
 ///
 /// ```
 /// hangtime::model! {

@@ -71,7 +71,36 @@ texts! {
     direction_of_wrong_length: beside "surface wall: y >= 0 impact wall: inelastic, along (1, 2, 3)" =>
         "E02: the impulse direction has 3 components; it needs one for each of the 2 coordinates, in their order";
 
+    vector_before_matrix: with "let p = (y, z)*rotation(1) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: `*` between a vector with 2 components (`(y, z)`) and a 2 by 2 matrix (`rotation(1)`); the matrix stands on the left, as in `transpose(m)*v`";
+    sum_of_matrices_of_different_sizes: with "let p = (rotation(1) + rotation_x(1))*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: `+` between a 2 by 2 matrix (`rotation(1)`) and a 3 by 3 matrix (`rotation_x(1)`); both must have the same size";
+    rows_of_different_lengths: with "let p = ((1, 2), (3, 4, 5))*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: the rows of a matrix have the same length: `(1, 2)` has 2 components, `(3, 4, 5)` is a vector with 3 components";
+    matrix_for_number: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*rotation(1)" =>
+        "E02: `-` between a number (`m/2*|dot((y, z))|^2`) and a 2 by 2 matrix (`m*g*z*rotation(1)`); both must have the same size";
+    component_of_matrix: with "let q = rotation(1) lagrangian m/2*|dot((y, z))|^2 - m*g*q.z" =>
+        "E02: `q` is a matrix; its first row is `q[0]`, an entry `q[0][1]`";
+    row_out_of_range: with "let q = rotation(1) lagrangian m/2*|dot((y, z))|^2 - m*g*z*q[2][0]" =>
+        "E02: `q` has 2 rows, counted from 0; there is no [2]";
+    norm_of_matrix: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*|rotation(1)|" =>
+        "E02: `rotation(1)` is a matrix; only vectors have a length";
+    square_of_matrix: with "let p = rotation(1)^2*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: a matrix has no power here; write the product, as in `rotation(1)*rotation(1)`";
+    matrix_function_of_something_else: with "let p = transpose(y)*(y, z) let q = rotation(y, z)*(y, z) let r = diagonal(m)*(y, z) lagrangian m/2*|dot((y, z))|^2 - m*g*z" =>
+        "E02: `transpose` takes one matrix; found a number",
+        "E02: `rotation` takes one angle; found a number, a number",
+        "E02: `diagonal` takes two or more numbers, the entries of the diagonal; found a number";
+    division_by_a_matrix: with "let p = (y, z)/rotation(1) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: `/` between a vector with 2 components (`(y, z)`) and a 2 by 2 matrix (`rotation(1)`); only a number can divide";
+
     // E03
+    rotation_by_a_length: with "let p = rotation(y)*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E03: units differ: `rotation` needs a pure number, `y` is in m";
+    matrix_product_with_terms_of_different_units: with "let p = ((1, m), (0, 1))*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E03: units differ: the terms of the product `((1, m), (0, 1))*(y, z)` are in m and kg m";
+    inertia_in_wrong_unit: with "let w = (dot(y), dot(z)) lagrangian w . (diagonal(m, 2)*w)/2 - m*g*z" =>
+        "E03: units differ: the terms of the inner product are in J and m^2/s^2";
     height_forgotten: with "lagrangian m/2*|dot((y, z))|^2 - m*g" =>
         "E03: units differ: `m/2*|dot((y, z))|^2` is in J, `m*g` is in N; both sides of `-` must agree";
     mass_forgotten: with "lagrangian m/2*|dot((y, z))|^2 - g*z" =>

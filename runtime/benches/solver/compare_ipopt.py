@@ -2,9 +2,9 @@
 
 usage: python compare_ipopt.py [--solver EXECUTABLE] file.txt [file.txt ...]
 
-Format of the files: see tests/solver_support/mod.rs. CPU seconds are those of the solver call, the fastest of five; the
-model is built before. `evaluation` is what CasADi's virtual machine takes of them. With the executable of the benchmark
-`solver` each problem is solved by both in turn, and a table in Markdown compares them.
+Format of the files: see tests/solver_support/mod.rs. CPU seconds are those of the solver call, the fastest of three
+(of one beyond a second); the model is built before. `evaluation` is what CasADi's virtual machine takes of them. With
+the executable of the benchmark `solver` each problem is solved by both in turn, and a table in Markdown compares them.
 """
 
 import math
@@ -66,7 +66,7 @@ def solve(problem, options):
     solver = ca.nlpsol("solver", "ipopt", nlp, defaults | options)
     bounds = [(lower, upper) for lower, upper, _ in problem["rows"]]
     best = None
-    for _ in range(5):
+    for _ in range(3):
         start = time.process_time()
         result = solver(x0=problem["start"], lbx=problem["lower"], ubx=problem["upper"],
                         lbg=[b[0] for b in bounds], ubg=[b[1] for b in bounds])
@@ -80,9 +80,9 @@ def solve(problem, options):
     return best
 
 
-def ours(executable, name):
+def ours(executable, name, times):
     """Lines of the benchmark as dictionaries, one for each factorization."""
-    output = subprocess.run([executable, "nlp", name], capture_output=True, text=True, check=True)
+    output = subprocess.run([executable, "nlp", name, str(times)], capture_output=True, text=True, check=True)
     heading, *lines = [line.split() for line in output.stdout.splitlines()]
     return [dict(zip(heading, line)) for line in lines]
 
@@ -95,7 +95,7 @@ def compare(executable, paths):
     for path in paths:
         for problem in read(path):
             stats, seconds, evaluation, objective = solve(problem, {})
-            pivoting, static = ours(executable, problem["name"])
+            pivoting, static = ours(executable, problem["name"], 1 if seconds > 1.0 else 3)
             for own, of in zip((pivoting, static), ratios):
                 of.append(float(own["cpu"]) / seconds)
             ms = lambda text: f"{1e3 * float(text):.1f}"

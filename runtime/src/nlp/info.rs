@@ -8,7 +8,7 @@ pub struct IterationInfo {
     pub iteration: usize,
     /// Whether the iteration belongs to the restoration phase.
     pub restoration: bool,
-    /// Objective, unscaled (of the original problem, also in the restoration phase).
+    /// Objective, unscaled; in the restoration phase that of its own problem.
     pub objective: f64,
     /// Constraint violation `|c|_inf`, scaled.
     pub primal_infeasibility: f64,

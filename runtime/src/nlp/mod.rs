@@ -19,7 +19,9 @@
 //! until `max(|dual|/s_d, |c|, |complementarity|/s_c) <= 10 mu`; then `mu` falls. The Newton matrix is shifted
 //! until its inertia promises descent. A filter of pairs (violation, `phi`) accepts steps, with second-order
 //! corrections; where no step is acceptable a restoration phase minimizes the violation. Files follow
-//! these ideas; the constants are those of Waechter and Biegler (Mathematical Programming 106, 2006) where
+//! these ideas. `mu` falls by an adaptive rule or by the monotone one ([`BarrierStrategy`]), a watchdog allows full steps
+//! after many shortened ones, and before a restoration phase steps are tried that lower the optimality error alone. The
+//! constants are those of Waechter and Biegler (Mathematical Programming 106, 2006) where
 //! nothing else is said. What differs: slacks of inequalities and elastic slacks of the restoration phase are
 //! eliminated, so that both phases share one sparsity and one symbolic factorization; slacks of inequalities are
 //! reset to the constraint value at trial points while their barrier stays comparable, which halves the

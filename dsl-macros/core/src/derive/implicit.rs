@@ -17,7 +17,7 @@ use std::collections::BTreeSet;
 
 /// Largest mass matrix that is factorized by formulas: some n^3/3 operations, which pivoting and loops
 /// would about double.
-const FORMULAS: usize = 16;
+pub(super) const FORMULAS: usize = 16;
 
 /// A linear system with everything that its solution's derivatives need. In its formulas,
 /// `Multiplier(i)` stands for `mu[i]` and `Unknown(size + i)` for `y[i]`.
@@ -126,7 +126,7 @@ impl Implicit {
 pub(super) fn motion(
     mass: Vec<Sym>,
     right: Vec<Sym>,
-    factorization: &Factorization,
+    factorization: Option<&Factorization>,
     momenta: &[Sym],
     applied: &[Sym],
     inputs: &[Variable],
@@ -160,7 +160,7 @@ pub(super) fn motion(
         .collect();
     let residual = shorter(residual, by_entries);
     let transposed = shorter(transposed, times(&Implicit::multiplier));
-    let solution = (n <= FORMULAS).then(|| factorization.solve(&right));
+    let solution = factorization.map(|factorization| factorization.solve(&right));
     let mut motion = Implicit::new(mass, right, &residual, &transposed, inputs);
     motion.solution = solution;
     motion

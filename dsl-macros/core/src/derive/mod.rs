@@ -233,26 +233,26 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         .then(|| Factorization::of(&mass, n))
         .transpose()
         .map_err(singular)?;
-    let stepwise = Factorization::stepwise(&mass, n).map_err(singular)?;
-    let written_out = (n <= WRITTEN_OUT).then_some(&stepwise);
-    let motion = implicit::motion(
-        mass.clone(),
-        right.clone(),
-        &stepwise,
-        &momenta,
-        &applied,
-        &inputs,
-    );
+    let stepwise = (n <= implicit::FORMULAS)
+        .then(|| Factorization::stepwise(&mass, n))
+        .transpose()
+        .map_err(singular)?;
+    let written_out = stepwise.as_ref().filter(|_| n <= WRITTEN_OUT);
+    let motion = || {
+        let (mass, right, factors) = (mass.clone(), right.clone(), stepwise.as_ref());
+        implicit::motion(mass, right, factors, &momenta, &applied, &inputs)
+    };
     let weights: Vec<Sym> = (0..n).map(Implicit::multiplier).collect();
-    let by_elimination = || residual::derivatives(&motion, &stepwise, &weights, &inputs);
+    let by_elimination =
+        |factors: &Factorization| residual::derivatives(&motion(), factors, &weights, &inputs);
     let acceleration = match (&formulas, written_out) {
-        (Some(formulas), _) => Solution::Explicit(Explicit::cheapest(
-            formulas.solve(&right),
-            by_elimination,
-            &inputs,
-        )),
-        (None, Some(_)) => Solution::Explicit(by_elimination()),
-        (None, None) => Solution::Implicit(motion),
+        (Some(formulas), Some(factors)) => {
+            let values = formulas.solve(&right);
+            let written_out = || by_elimination(factors);
+            Solution::Explicit(Explicit::cheapest(values, written_out, &inputs))
+        }
+        (None, Some(factors)) => Solution::Explicit(by_elimination(factors)),
+        (_, None) => Solution::Implicit(motion()),
     };
     let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
     let inertia = contact::Mechanism {
@@ -298,15 +298,27 @@ fn optimal_control(task: &OptimalControl, n: usize, inputs: &[Variable]) -> Cont
 
 /// `v' dL/dv - L` split into the part that vanishes at rest and the rest.
 fn energy(lagrangian: Sym, momenta: &[Sym], velocities: &[Variable]) -> [Sym; 2] {
-    let at_rest = graph::substitute(&[lagrangian], |variable| {
-        matches!(variable, Variable::Velocity(_)).then_some(Sym::ZERO)
-    })[0];
-    let power: Sym = momenta
-        .iter()
-        .zip(velocities)
-        .map(|(&momentum, &velocity)| momentum * Sym::variable(velocity))
-        .sum();
-    [simplify(power - lagrangian + at_rest), -at_rest]
+    let at_rest = |values: &[Sym]| {
+        graph::substitute(values, |variable| {
+            matches!(variable, Variable::Velocity(_)).then_some(Sym::ZERO)
+        })
+    };
+    let rest = at_rest(&[lagrangian])[0];
+    // Without terms linear in the velocities, the kinetic energy is what the Lagrangian says.
+    let quadratic = at_rest(momenta)
+        .into_iter()
+        .all(|momentum| simplify(momentum).is_structural_zero());
+    let kinetic = if quadratic {
+        lagrangian - rest
+    } else {
+        let power: Sym = momenta
+            .iter()
+            .zip(velocities)
+            .map(|(&momentum, &velocity)| momentum * Sym::variable(velocity))
+            .sum();
+        power - lagrangian + rest
+    };
+    [simplify(kinetic), -rest]
 }
 
 /// Nonzero derivatives of `outputs` with respect to `inputs`, row by row.

@@ -178,3 +178,57 @@ fn partials(node: &Node) -> Vec<(Sym, Sym)> {
         Node::Kept(inner) => vec![(*inner, Sym::ONE)],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Function, Function2, gradient, partial, reset};
+    use super::*;
+
+    #[test]
+    fn hessian_agrees_with_two_sweeps_at_a_point() {
+        reset();
+        let inputs: Vec<Variable> = (0..3).map(Variable::Coordinate).collect();
+        let [x, y, z] = [0, 1, 2].map(|i| Sym::variable(Variable::Coordinate(i)));
+        let shared = (x * y + z.call(Function::Sin)).kept();
+        let root = (shared.square() + Sym::ONE).power(-1) * x.call2(Function2::Power, y)
+            + shared.call(Function::Exp) * shared
+            + y.call2(Function2::Atan2, shared) / z
+            + (x + y.square()).call(Function::Ln).power(6)
+            + x.call2(Function2::Power, x);
+        let found = hessian(root, &inputs);
+        let slopes = gradient(root, &inputs);
+        let at = |variable| match variable {
+            Variable::Coordinate(i) => [0.7, 1.9, -0.4][usize::from(i)],
+            other => panic!("{other:?} is no input"),
+        };
+        for (i, &slope) in slopes.iter().enumerate() {
+            for (j, &input) in inputs.iter().enumerate().take(i + 1) {
+                let wanted = partial(&[slope], input);
+                let entry = found.get(&(i, j)).copied().unwrap_or(Sym::ZERO);
+                let values = crate::testing::run(&[entry, wanted[0]], at);
+                // Some fifty roundings of numbers up to 100.
+                let error = (values[0] - values[1]).abs();
+                assert!(
+                    error < 1e-12 * values[1].abs().max(1.0),
+                    "{i} {j}: {values:?}"
+                );
+            }
+        }
+        // What no pair of inputs has in common has no entry.
+        let separate = hessian(x.call(Function::Exp) + y * z, &inputs);
+        let places: Vec<(usize, usize)> = separate.keys().copied().collect();
+        assert_eq!(places, [(0, 0), (2, 1)]);
+    }
+
+    #[test]
+    fn kept_values_keep_signs_and_hide_terms() {
+        reset();
+        let [x, y] = [0, 1].map(|i| Sym::variable(Variable::Coordinate(i)));
+        let kept = (x + y).kept();
+        assert_eq!((-(x * y)).kept(), -((x * y).kept()));
+        assert_eq!(x.kept(), x);
+        assert_eq!(kept - kept, Sym::ZERO);
+        assert_ne!(kept - x, y);
+        assert_eq!(partial(&[kept - x], Variable::Coordinate(0)), [Sym::ZERO]);
+    }
+}

@@ -90,6 +90,7 @@ pub(super) fn chart(chosen: &ChosenScene, grids: &[Grid]) -> Result<Option<Chart
     let mut runs: Vec<Run> = Vec::with_capacity(total);
     for (line, grid) in grids.iter().enumerate() {
         for &intervals in grid.intervals {
+            progress.say(&format!("{name}: {}, {intervals} intervals", grid.name()));
             let problem = Problem::of(model, intervals);
             let solution = ocp::solve(model, &problem, &grid.settings(), &mut |_| true)
                 .map_err(|error| chosen.refuse(&error))?;

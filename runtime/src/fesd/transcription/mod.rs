@@ -24,6 +24,8 @@
 mod derivatives;
 mod guess;
 mod modes;
+mod names;
+mod neighbours;
 mod program;
 mod task;
 
@@ -219,10 +221,11 @@ impl<'a> Transcription<'a> {
             {
                 *slot = Some(control);
             }
-            for place in self.dcs.first_algebraic()..self.dcs.local_variables() {
+            let first = self.dcs.first_algebraic();
+            for (place, slot) in variables.iter_mut().enumerate().skip(first) {
                 let switching = place < self.dcs.first_product() && self.dcs.is_switching(place);
                 if !boundary || switching {
-                    variables[place] = Some(self.take(1));
+                    *slot = Some(self.take(1));
                 }
             }
             blocks.push(Block {

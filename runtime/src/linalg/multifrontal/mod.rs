@@ -20,6 +20,25 @@ use symbolic::{Node, Symbolic};
 use super::{FactorizationError, Inertia, KktFactorization, SymmetricPattern};
 
 /// Multifrontal factorization with pivoting, `S P' L B L' P S` for a matrix equilibrated by a diagonal `S`.
+///
+/// # Examples
+/// The inertia of `[1 2; 2 0]`, one primal and one dual row, and a solve:
+///
+/// ```
+/// use hangtime::linalg::{KktFactorization, MultifrontalLdl, SymmetricPattern};
+///
+/// let (pattern, map) = SymmetricPattern::new(2, &[(0, 0), (1, 0)]).ok_or("an entry outside")?;
+/// let mut values = vec![0.0; pattern.stored()];
+/// values[map[0]] = 1.0;
+/// values[map[1]] = 2.0;
+/// let mut factorization = MultifrontalLdl::new(&pattern, 1)?;
+/// let inertia = factorization.factor(&values, 0.0, 0.0)?;
+/// assert_eq!((inertia.positive, inertia.negative, inertia.zero), (1, 1, 0));
+/// let mut x = [5.0, 2.0];
+/// factorization.solve(&mut x);
+/// assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 2.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct MultifrontalLdl {
     primal: usize,
     symbolic: Symbolic,

@@ -5,8 +5,8 @@ use super::dop853::Dop853;
 use super::dynamics::Dynamics;
 use super::locate::{self, Sample};
 
-/// Crossings of one switching function on the continuous extension that true steps may refute before the step counts as
-/// too long.
+/// Crossings of one switching function on the continuous extension that true steps may refute before the step
+/// counts as too long.
 const FALSE_ALARMS: usize = 20;
 /// A crossing less deep than this share of the range of values within the step is confirmed by a true
 /// step: it may be an error of the continuous extension.
@@ -133,8 +133,8 @@ impl EventSearch {
         Outcome::Nothing
     }
 
-    /// What counts as zero for the value of a switching function if the continuous extension is exact: one that starts
-    /// below zero and grows is no crossing.
+    /// What counts as zero for the value of a switching function if the continuous extension is exact: one that
+    /// starts below zero and grows is no crossing.
     fn least_zero(&self, dynamics: &Dynamics<'_>, step: Step<'_>, function: usize) -> f64 {
         let zero = dynamics.zero_value(function, step.y);
         zero.max(-2.0 * step.start_values[function])
