@@ -287,7 +287,14 @@ impl<'a> FiniteElement<'a> {
     fn iterate(&mut self) -> Result<(), ElementError> {
         let mut last_change = f64::INFINITY;
         for iteration in 0..MAX_ITERATIONS {
-            self.evaluate_residual()?;
+            self.evaluate_residual().map_err(|error| {
+                // Far from its start the iteration diverged; that says nothing of the model.
+                if iteration == 0 {
+                    error
+                } else {
+                    ElementError::NotConverged
+                }
+            })?;
             if iteration == 0 && self.active().is_empty() && self.is_solved() {
                 // The prediction already satisfies the stage equations (constant acceleration).
                 return Ok(());
@@ -306,7 +313,7 @@ impl<'a> FiniteElement<'a> {
             self.counts.iterations += 1;
             let change = self.relative_change();
             if !change.is_finite() {
-                return Err(ElementError::NotFinite);
+                return Err(ElementError::NotConverged);
             }
             let contraction = change / last_change;
             if change <= CONVERGED

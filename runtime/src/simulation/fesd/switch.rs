@@ -229,7 +229,8 @@ impl<'a> Detector<'a> {
             if released && gap < -start.rounding.gap {
                 let depth = DEEP * element.length() * start.speed;
                 if (start.velocities[i] > start.rounding.velocity || gap < -depth)
-                    && let Some(switch) = self.return_after_release(element, i, k, start.rounding.gap)
+                    && let Some(switch) =
+                        self.return_after_release(element, i, k, start.rounding.gap)
                 {
                     keep_first(&mut first, switch);
                     self.interpolate(element, k);
