@@ -189,14 +189,15 @@ pub(crate) fn run<'o>(
 }
 
 /// As [`run`], from a point without multipliers, or from the end of an earlier run.
-pub(crate) fn run_from_point(
+pub(crate) fn run_from_point<'o>(
     problem: &mut dyn NlpProblem,
     settings: &Settings,
     products: &mut Products,
     path: &mut dyn BarrierPath,
     point: Option<&[f64]>,
+    observer: Option<&'o mut Observer<'o>>,
 ) -> Result<Solution, InputError> {
-    run_loop(problem, settings, products, path, (point, None), None)
+    run_loop(problem, settings, products, path, (point, None), observer)
 }
 
 fn run_loop<'o>(

@@ -42,14 +42,15 @@ pub struct Settings {
     pub maximum_seconds: f64,
     /// First barrier parameter; default 0.1, > 0. Small values suit warm starts.
     pub initial_barrier_parameter: f64,
-    /// How the barrier parameter falls; default monotone. Adaptive takes a sixth fewer iterations over the programs of
-    /// BENCHMARKS.md, of which each costs more. A warm start keeps its own until it makes progress. Restoration phases and complementarity problems, whose
-    /// relaxation is tied to the barrier, are always monotone.
+    /// How the barrier parameter falls; default monotone. Adaptive takes fewer iterations on most programs of
+    /// BENCHMARKS.md, but each costs more. A warm start keeps its own parameter until it makes progress. Restoration
+    /// phases and complementarity problems, whose relaxation is tied to the barrier, are always monotone.
     pub barrier_strategy: BarrierStrategy,
-    /// Shortened steps in a row after which full steps are tried without a test for three iterations; default 10,
-    /// 0 = never.
+    /// Shortened steps in a row after which full steps are tried without a test for three iterations; default 0 =
+    /// never, 10 is usual. Infeasible problems may then end without being called so.
     pub watchdog_steps: usize,
-    /// Most steps in a row that only lower the optimality error, before the restoration phase; default 10, 0 = none.
+    /// Most steps in a row that only lower the optimality error, before the restoration phase; default 0 = none, 10 is
+    /// usual.
     pub soft_restoration_steps: usize,
     /// Least absolute distance of the first point from its bounds; default 1e-2, > 0.
     pub bound_push: f64,
@@ -81,8 +82,8 @@ impl Default for Settings {
             maximum_seconds: f64::INFINITY,
             initial_barrier_parameter: 0.1,
             barrier_strategy: BarrierStrategy::Monotone,
-            watchdog_steps: 10,
-            soft_restoration_steps: 10,
+            watchdog_steps: 0,
+            soft_restoration_steps: 0,
             bound_push: 1e-2,
             bound_fraction: 1e-2,
             bound_relaxation: 0.0,

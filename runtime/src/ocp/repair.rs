@@ -174,7 +174,7 @@ impl Pressure<'_, '_> {
         sequence.ordered(self.intervals)
     }
 
-    /// Sequences with a flight inserted where a contact force is held at 0, and with a contact or a touch inserted
+    /// Sequences with a flight inserted where a contact force is held at 0, and with a contact inserted
     /// where a gap is held at 0: together with the stuck switches of [`directed`](Self::directed) these
     /// are the places where gap and force vanish together. A flight that passes a surface at the gap margin is
     /// none of them.
@@ -228,32 +228,22 @@ impl Pressure<'_, '_> {
         let mut found: Vec<Sequence> = Vec::new();
         let intervals = self.intervals as f64;
         for (contact, closes, time) in places {
-            let switch = |closes, touches, time: f64| {
+            let mut sequence = self.sequence.clone();
+            for (closes, time) in [(closes, time - INSERTED), (!closes, time + INSERTED)] {
                 let time = time.clamp(0.0, intervals - STUCK);
-                Switch {
+                sequence.switches.push(Switch {
                     contact,
                     closes,
-                    touches,
+                    touches: false,
                     interval: time.floor() as usize,
                     place: Place::Inside,
                     time,
-                }
-            };
-            let mut inserted = vec![vec![
-                switch(closes, false, time - INSERTED),
-                switch(!closes, false, time + INSERTED),
-            ]];
-            if closes {
-                inserted.push(vec![switch(true, true, time)]);
+                });
             }
-            for switches in inserted {
-                let mut sequence = self.sequence.clone();
-                sequence.switches.extend(switches);
-                if let Some(sequence) = sequence.ordered(self.intervals)
-                    && !found.iter().any(|s| s.signature() == sequence.signature())
-                {
-                    found.push(sequence);
-                }
+            if let Some(sequence) = sequence.ordered(self.intervals)
+                && !found.iter().any(|s| s.signature() == sequence.signature())
+            {
+                found.push(sequence);
             }
         }
         found

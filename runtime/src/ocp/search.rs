@@ -9,6 +9,7 @@ use super::repair::Pressure;
 use super::sequence::{Sequence, Signature};
 use super::settings::{Formulation, Guess, Settings};
 use super::solution::{Counts, Solution, Stationarity, Status, TimeFreezingReport};
+use crate::model::contact_point;
 use crate::nlp;
 use crate::rk::ButcherTableau;
 use crate::simulation::{InputError, SimulationStatus};
@@ -26,6 +27,9 @@ const NEIGHBOUR_BARRIERS: [f64; 2] = [1e-2, 1e-3];
 const NEIGHBOUR_ITERATIONS: usize = 150;
 /// Gap below which a flight counts as touching, relative to the gap margin.
 const TOUCHING: f64 = 0.1;
+/// Normal velocity of a touch below which it grazes, relative to what the acceleration of the contact does in the phase
+/// before it.
+const GRAZING: f64 = 1e-3;
 /// Most switches of short contacts and flights for which a sequence is tried with them, too.
 const SHORT_SWITCHES: usize = 2;
 
@@ -193,6 +197,9 @@ impl<'a> Search<'a, '_> {
                 self.undecided |= !matches!(self.failure, Some((nlp::Status::Infeasible, _)));
                 return Ok(false);
             };
+            if self.grazes(&program, &solution.x) {
+                return Ok(false);
+            }
             let objective = solution.objective;
             if let Some(best) = &self.best
                 && objective > best.solution.objective - IMPROVEMENT * objective.abs().max(1.0)
@@ -216,6 +223,29 @@ impl<'a> Search<'a, '_> {
             cuts.extend(new);
         }
         Ok(false)
+    }
+
+    /// Whether a touch has no impact worth the name: a motion that grazes a surface, which no simulation follows.
+    fn grazes(&self, program: &Collocation, x: &[f64]) -> bool {
+        let model = program.model;
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let mut input = vec![0.0; declaration.inputs()];
+        let mut point = vec![0.0; contact_point::length(n)];
+        let solved = program.solved(x);
+        let touched = |index: usize| program.sequence.switches[index].touches;
+        program.phases.iter().zip(&solved).any(|(phase, solved)| {
+            let (Some(contact), Some(index)) = (phase.closing, phase.ends_with) else {
+                return false;
+            };
+            let Some(end) = solved.states.last().filter(|_| touched(index)) else {
+                return false;
+            };
+            input[..2 * n].copy_from_slice(end);
+            model.contact(contact, &input, &mut point);
+            let unit = self.setting.units.force[contact] * solved.length;
+            point[contact_point::NORMAL_VELOCITY] > -GRAZING * unit
+        })
     }
 
     /// What the motion has to keep between the stages.

@@ -345,6 +345,10 @@ impl NlpProblem for TimeFreezing<'_> {
             .hessian_values(x, weight, multipliers, values);
     }
 
+    fn variable_name(&self, index: usize) -> String {
+        self.transcription.variable_name(index)
+    }
+
     fn constraint_name(&self, index: usize) -> String {
         self.transcription.constraint_name(index)
     }
@@ -355,8 +359,16 @@ impl Mpcc for TimeFreezing<'_> {
         self.transcription.complementarities()
     }
 
+    fn complementarity_name(&self, index: usize) -> String {
+        self.transcription.complementarity_name(index)
+    }
+
     fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
         self.transcription.vanishing_sides(x, vanishes)
+    }
+
+    fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
+        self.transcription.neighbour(index, x, vanishes)
     }
 }
 

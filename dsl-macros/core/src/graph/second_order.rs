@@ -202,8 +202,8 @@ mod tests {
             other => panic!("{other:?} is no input"),
         };
         for (i, &slope) in slopes.iter().enumerate() {
-            for j in 0..=i {
-                let wanted = partial(&[slope], inputs[j]);
+            for (j, &input) in inputs.iter().enumerate().take(i + 1) {
+                let wanted = partial(&[slope], input);
                 let entry = found.get(&(i, j)).copied().unwrap_or(Sym::ZERO);
                 let values = crate::testing::run(&[entry, wanted[0]], at);
                 // Some fifty roundings of numbers up to 100.

@@ -72,7 +72,9 @@
 
   let now = first;
   const show = (time) => {
-    now = Math.min(Math.max(time, first), last);
+    now = Math.max(time, first);
+    // A slider keeps fewer digits than the end has.
+    if (now > last - 1e-9 * (last - first)) now = last;
     const k = frameAt(now);
     const next = Math.min(k + 1, data.time.length - 1);
     const share = next > k ? (now - data.time[k]) / (data.time[next] - data.time[k]) : 0;

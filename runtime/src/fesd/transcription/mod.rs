@@ -24,6 +24,8 @@
 mod derivatives;
 mod guess;
 mod modes;
+mod names;
+mod neighbours;
 mod program;
 mod task;
 

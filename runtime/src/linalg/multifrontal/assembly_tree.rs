@@ -185,7 +185,7 @@ mod tests {
     fn new_children_come_before_parents_and_every_column_once() {
         // a long chain with a leaf at every second link
         let n = 400;
-        let above = |j: usize| if j % 2 == 0 { j + 1 } else { j + 2 };
+        let above = |j: usize| j + 1 + j % 2;
         let below = fill((0..n).map(|j| within(vec![above(j)], n)).collect());
         let tree = AssemblyTree::new(n, |j| &below[j]);
         let mut place = vec![usize::MAX; n];
