@@ -470,7 +470,7 @@ pub(crate) fn friction_coefficients(model: &dyn Model) -> Vec<f64> {
         .collect()
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 

@@ -303,3 +303,49 @@ impl Scene<3, 0> for RoughCrate {
         })
     }
 }
+
+/// A unit mass between the surfaces `z + y >= 0` and `z - 2 y >= 0`.
+#[derive(Debug, Clone)]
+pub struct Wedge {
+    pub friction: f64,
+    pub restitution: f64,
+}
+
+impl Scene<2, 0> for Wedge {
+    fn coordinates(&self) -> [&'static str; 2] {
+        ["y", "z"]
+    }
+    fn contacts(&self) -> &'static [&'static str] {
+        &["left", "right"]
+    }
+    fn mass<D: Number>(&self, _q: &[D; 2]) -> [[D; 2]; 2] {
+        let (one, o) = (D::from(1.0), D::from(0.0));
+        [[one, o], [o, one]]
+    }
+    fn force<D: Number>(&self, _q: &[D; 2], _v: &[D; 2], _u: &[D; 0]) -> [D; 2] {
+        [D::from(0.0), D::from(-GRAVITY)]
+    }
+    fn potential(&self, q: &[f64; 2]) -> f64 {
+        GRAVITY * q[1]
+    }
+    fn gap<D: Number>(&self, contact: usize, q: &[D; 2]) -> D {
+        if contact == 0 {
+            q[1] + q[0]
+        } else {
+            q[1] - q[0] * 2.0
+        }
+    }
+    fn restitution(&self, _contact: usize) -> f64 {
+        self.restitution
+    }
+    fn friction(&self, _contact: usize) -> f64 {
+        self.friction
+    }
+    fn sliding<D: Number>(&self, contact: usize, _q: &[D; 2], v: &[D; 2]) -> Option<D> {
+        Some(if contact == 0 {
+            v[0] - v[1]
+        } else {
+            v[0] + v[1] * 2.0
+        })
+    }
+}

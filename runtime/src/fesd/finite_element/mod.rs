@@ -43,6 +43,9 @@ const ROUNDING: f64 = 1e-12;
 /// Contraction above which the Jacobian is evaluated anew.
 const SLOW: f64 = 0.05;
 
+/// Most times longer than the previous element that an element may be to be predicted from it.
+const MOST_GROWTH: f64 = 16.0;
+
 /// Why an element has no solution here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ElementError {
@@ -204,12 +207,26 @@ impl<'a> FiniteElement<'a> {
             self.factorized = false;
         }
         self.length = h;
+        // What a much shorter element says of its rates is rounding error, multiplied.
+        self.has_previous &= h <= MOST_GROWTH * self.previous_length;
         for stage in self.inputs_of_stages.chunks_exact_mut(self.inputs) {
             stage[2 * self.n..2 * self.n + u.len()].copy_from_slice(u);
         }
         self.evaluate_start(u);
         self.predict(h);
-        self.iterate()?;
+        let predicted = self.has_previous;
+        let mut outcome = self.iterate();
+        if outcome.is_err() {
+            self.factorized = false;
+            if predicted {
+                // The prediction may have led astray.
+                self.has_previous = false;
+                self.evaluate_start(u);
+                self.predict(h);
+                outcome = self.iterate();
+            }
+        }
+        outcome?;
         self.finish()?;
         self.previous.clone_from(&self.unknowns);
         self.previous_length = h;
@@ -270,7 +287,14 @@ impl<'a> FiniteElement<'a> {
     fn iterate(&mut self) -> Result<(), ElementError> {
         let mut last_change = f64::INFINITY;
         for iteration in 0..MAX_ITERATIONS {
-            self.evaluate_residual()?;
+            self.evaluate_residual().map_err(|error| {
+                // Far from its start the iteration diverged; that says nothing of the model.
+                if iteration == 0 {
+                    error
+                } else {
+                    ElementError::NotConverged
+                }
+            })?;
             if iteration == 0 && self.active().is_empty() && self.is_solved() {
                 // The prediction already satisfies the stage equations (constant acceleration).
                 return Ok(());
@@ -289,7 +313,7 @@ impl<'a> FiniteElement<'a> {
             self.counts.iterations += 1;
             let change = self.relative_change();
             if !change.is_finite() {
-                return Err(ElementError::NotFinite);
+                return Err(ElementError::NotConverged);
             }
             let contraction = change / last_change;
             if change <= CONVERGED
@@ -304,7 +328,6 @@ impl<'a> FiniteElement<'a> {
             }
             last_change = change;
         }
-        self.factorized = false;
         Err(ElementError::NotConverged)
     }
 

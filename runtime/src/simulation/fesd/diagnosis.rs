@@ -5,6 +5,10 @@ use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
 use crate::simulation::{Diagnosis, SimulationStatus};
 
+/// Normal acceleration for a unit force of a sliding contact, 1 without friction, below which the failure of
+/// short elements is that of the contact law.
+const NEARLY_JAMMED: f64 = 1e-2;
+
 impl Driver<'_> {
     pub(super) fn note(&mut self, text: &str) {
         if !self.notes.iter().any(|note| note == text) {
@@ -26,6 +30,31 @@ impl Driver<'_> {
         }
     }
 
+    /// Whether the friction of a sliding contact presses nearly as much as its force lifts, so that the forces
+    /// grow without bound.
+    pub(super) fn nearly_jams(&self) -> bool {
+        self.active.iter().any(|held| {
+            let sense = held.tangential.sense();
+            sense != 0.0 && self.contacts.lift_in_slip(held.contact, sense) < NEARLY_JAMMED
+        })
+    }
+
+    /// The status of a run whose elements become ever shorter, the last of them up to `end`.
+    pub(super) fn too_short(&self, step: usize, end: f64) -> SimulationStatus {
+        if self.nearly_jams() {
+            return self.stopped(step, &Stop::Mode(ModeError::Jammed));
+        }
+        SimulationStatus::StepLimit(self.diagnosis(
+            step,
+            self.active.first().map(|held| held.contact),
+            format!(
+                "too many elements, the last of {:.1e} s: forces grow without bound here, or the tolerance \
+                 is below what the model's functions resolve; raise the tolerance",
+                end - self.state.time
+            ),
+        ))
+    }
+
     /// Why no force satisfies the contact law: friction that presses more than the contact force lifts, or
     /// else the directions.
     fn jamming(&self) -> String {
@@ -38,17 +67,33 @@ impl Driver<'_> {
             .map(|(i, sense)| (i, sense, self.contacts.lift_in_slip(i, sense)))
             .min_by(|a, b| a.2.total_cmp(&b.2));
         match pressed {
-            Some((i, sense, lift)) if lift <= 0.0 => format!(
+            Some((i, sense, lift)) if lift < NEARLY_JAMMED => format!(
                 "no impulse or force satisfies the contact law (jamming): when `{}` slides {} its friction \
-                 presses more than the contact force lifts (1 -+ mu n'e = {lift:.3} <= 0, Painleve's \
+                 presses as much as the contact force lifts, or more (1 -+ mu n'e = {lift:.1e}, Painleve's \
                  paradox); lower the friction or keep away from this position",
                 self.model.declaration().contacts[i].name,
                 if sense > 0.0 { "forward" } else { "backward" },
             ),
+            _ if self.several_bounce(gap) => {
+                "no impulse satisfies the contact law: restitution sends several \
+                 contacts back at once, and their friction does not let them go; lower either"
+                    .into()
+            }
             _ => "no impulse or force satisfies the contact law (jamming); look at the impulse \
                   direction of the contacts that touch"
                 .into(),
         }
+    }
+
+    /// Whether several contacts with friction and restitution touch and close.
+    fn several_bounce(&self, gap: f64) -> bool {
+        let bounces = |i: &&usize| {
+            self.contacts.friction(**i) > 0.0
+                && self.restitution[**i] > 0.0
+                && self.contacts.gap(**i).abs() <= gap
+                && self.contacts.normal_velocity(**i) < 0.0
+        };
+        self.all_contacts.iter().filter(bounces).count() > 1
     }
 
     pub(super) fn stopped(&self, step: usize, stop: &Stop) -> SimulationStatus {

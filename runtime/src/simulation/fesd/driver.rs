@@ -1,5 +1,6 @@
 //! The stepping loop: elements, switches, impacts, and what is recorded of them.
 
+use super::mode_change::EnergyGains;
 use super::switch::Detector;
 use super::{Fesd, StepFormulation};
 use crate::fesd::active_contact::{ActiveContact, force_count};
@@ -23,8 +24,13 @@ const TOUCHING_VELOCITY: f64 = 1e-9;
 const AT_REST: f64 = 1e-12;
 /// Halvings of the elements of a step before it counts as failed.
 const MAX_HALVINGS: usize = 8;
+/// The same under error control, where each halves the length that lasts.
+const MAX_CONTROLLED_HALVINGS: usize = 24;
 /// Switches within a hundredth of the horizon before the contact mode counts as ambiguous.
 const MAX_SWITCHES: usize = 200;
+
+/// Attempts at a segment within a hundredth of the horizon: of them some are rejected, some lead to a switch.
+const MAX_ATTEMPTS: usize = 10_000;
 
 /// Largest share of the horizon that an element may take under error control: a flight has no error, but
 /// passes over ground.
@@ -127,6 +133,7 @@ pub(super) struct Driver<'a> {
     pub(super) restitution: Vec<f64>,
     /// Ends of bounce cascades, one entry a contact.
     pub(super) cascades: Vec<Cascades>,
+    pub(super) energy_gains: Option<EnergyGains>,
     pub(super) events: Vec<Event>,
     pub(super) trajectory: Trajectory,
     pub(super) residuals: Residuals,
@@ -178,6 +185,7 @@ impl<'a> Driver<'a> {
             rough: declaration.contacts.iter().any(|c| c.friction.is_some()),
             restitution: (0..contacts).map(|i| restitution(model, i)).collect(),
             cascades: vec![Cascades::default(); contacts],
+            energy_gains: None,
             events: Vec::new(),
             trajectory: Trajectory::default(),
             residuals: Residuals::default(),
@@ -198,6 +206,7 @@ impl<'a> Driver<'a> {
             ));
         }
         self.note_cascades();
+        self.note_energy_gains();
         let newton = self.element.counts;
         let other = self.next_element.counts;
         self.counts.newton = newton.iterations + other.iterations;
@@ -245,7 +254,7 @@ impl<'a> Driver<'a> {
         let begin = self.state.time;
         let shortest = 1e-14 * self.horizon;
         let mut halvings = 0;
-        let mut switches = 0;
+        let (mut switches, mut attempts) = (0, 0);
         let mut counted_from = begin;
         let mut size = ProblemSize::default();
         while end - self.state.time > shortest {
@@ -261,14 +270,20 @@ impl<'a> Driver<'a> {
                 continue;
             }
             let (segment_end, elements) = self.plan(begin, segment_end, end, halvings);
+            if self.state.time - counted_from > 0.01 * self.horizon {
+                (switches, attempts) = (0, 0);
+                counted_from = self.state.time;
+            }
+            attempts += 1;
+            let vanishes = self.settings.tolerance.is_some() && self.proposed_length <= shortest;
+            if attempts > MAX_ATTEMPTS || vanishes {
+                return Err(self.too_short(step, segment_end));
+            }
             match self.segment(segment_end, elements, shortest, &mut size) {
                 Ok(Segment::Rejected) => {}
+                Ok(Segment::Completed) if self.settings.tolerance.is_some() => halvings = 0,
                 Ok(Segment::Completed) => halvings = halvings.saturating_sub(1),
                 Ok(Segment::Switched) => {
-                    if self.state.time - counted_from > 0.01 * self.horizon {
-                        switches = 0;
-                        counted_from = self.state.time;
-                    }
                     switches += 1;
                     if switches > MAX_SWITCHES {
                         return Err(SimulationStatus::AmbiguousContact(self.diagnosis(
@@ -284,7 +299,15 @@ impl<'a> Driver<'a> {
                     }
                 }
                 Err(stop @ Stop::Mode(_)) => return Err(self.stopped(step, &stop)),
-                Err(_) if halvings < MAX_HALVINGS => halvings += 1,
+                Err(_) if halvings < self.most_halvings() => {
+                    halvings += 1;
+                    if self.settings.tolerance.is_some() {
+                        self.proposed_length = 0.5 * (segment_end - self.segment_start.time);
+                    }
+                }
+                Err(_) if self.nearly_jams() => {
+                    return Err(self.stopped(step, &Stop::Mode(ModeError::Jammed)));
+                }
                 Err(stop @ Stop::Element(ElementError::NotFinite)) => {
                     return Err(self.stopped(step, &stop));
                 }
@@ -306,6 +329,14 @@ impl<'a> Driver<'a> {
         Ok(())
     }
 
+    /// Halvings before a segment counts as failed.
+    fn most_halvings(&self) -> usize {
+        match self.settings.tolerance {
+            None => MAX_HALVINGS,
+            Some(_) => MAX_CONTROLLED_HALVINGS,
+        }
+    }
+
     /// End and number of elements of the next segment: equal elements up to `segment_end`, or the length
     /// that the error control proposes.
     fn plan(&self, begin: f64, segment_end: f64, end: f64, halvings: usize) -> (f64, usize) {
@@ -315,7 +346,7 @@ impl<'a> Driver<'a> {
             let elements = (self.settings.elements as f64 * share).round() as usize;
             return (segment_end, elements.max(1) << halvings);
         }
-        let length = self.proposed_length / (1 << halvings) as f64;
+        let length = self.proposed_length;
         if remaining <= 1.01 * length {
             (segment_end, 1)
         } else {
@@ -396,7 +427,17 @@ impl<'a> Driver<'a> {
             self.carry_out(switch)?;
             return Ok(Segment::Switched);
         }
-        let located = self.locate(switch, length, count, recorded)?;
+        let located = match self.locate(switch, length, count, recorded) {
+            Ok(located) => located,
+            Err(stop) => {
+                // Whoever tries again starts where this segment did.
+                self.trajectory.truncate(recorded);
+                self.numerical_time = start_numerical_time;
+                self.state.copy_from(&self.segment_start);
+                self.evaluate_state()?;
+                return Err(stop);
+            }
+        };
         self.add_size(count, true, size);
         self.carry_out(located)?;
         Ok(Segment::Switched)

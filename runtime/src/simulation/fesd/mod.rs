@@ -66,6 +66,8 @@ pub struct Fesd {
     pub auxiliary_acceleration: f64,
     /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
     /// ends infinite sequences of bounces, with a note. Default none, which means `1e-6 max(1, |v|)`.
+    /// Where several contacts touch, bounces that stay within the gap of a closed contact, 1e-9 of the largest
+    /// coordinate, end as well.
     pub rest_velocity: Option<f64>,
 }
 

@@ -3,12 +3,25 @@
 use super::driver::Driver;
 use super::switch::{Switch, SwitchKind};
 use crate::fesd::active_contact::{Tangential, find};
-use crate::fesd::contacts::ModeError;
+use crate::fesd::contacts::{ModeError, dot};
 use crate::simulation::{Event, EventKind};
 use crate::time_freezing::clock;
 
 /// Rest velocity where none is set, relative to the largest velocity.
 const REST: f64 = 1e-6;
+
+/// Kinetic energies are compared to this relative accuracy.
+const SAME_ENERGY: f64 = 1e-12;
+
+/// Impacts that raised the kinetic energy.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EnergyGains {
+    count: usize,
+    /// Time \[s\] and contact of the first one.
+    first: (f64, usize),
+    /// Kinetic energies before and after the first one \[J\].
+    energies: (f64, f64),
+}
 
 /// What the change of a tangential state is called.
 pub(super) fn sliding_event(before: Tangential, after: Tangential) -> Option<EventKind> {
@@ -73,11 +86,19 @@ impl Driver<'_> {
         // A flight lower than the rounding error of its gap is none: impacts that follow each other ever
         // faster end in contact.
         let lowest = self.gap_rounding();
-        let slow = (2.0 * self.contacts.largest_scale(&touching) * lowest).sqrt();
+        let scale = self.contacts.largest_scale(&touching);
+        let slow = (2.0 * scale * lowest).sqrt();
+        // Beside another contact a bounce that stays within the gap of a closed contact is none either: the
+        // next impact finds both closed.
+        let smallest_bounce = if touching.len() > 1 {
+            (2.0 * scale * tolerance.gap).sqrt()
+        } else {
+            slow
+        };
         let v_before = self.state.v.clone();
         let mut ended = Vec::new();
         if !closing.is_empty() {
-            ended = self.impact(&touching, &closing, slow)?;
+            ended = self.impact(&touching, &closing, smallest_bounce)?;
         }
         let previous = self.active.clone();
         let mut active = std::mem::take(&mut self.active);
@@ -126,34 +147,79 @@ impl Driver<'_> {
     }
 
     /// The velocity jump of an impact of the `closing` contacts in which all `touching` ones take part.
-    /// Contacts slower than the rest velocity, or at most `slow` afterwards, do not bounce; returns those with
-    /// restitution among them, with their speed.
+    /// Contacts slower than the rest velocity, or at most `smallest_bounce` afterwards, do not bounce; returns
+    /// those with restitution among them, with their speed.
     fn impact(
         &mut self,
         touching: &[usize],
         closing: &[usize],
-        slow: f64,
+        smallest_bounce: f64,
     ) -> Result<Vec<(usize, f64)>, ModeError> {
         let rest = self.rest_velocity();
         let mut ended = Vec::new();
         let mut restitution = vec![0.0; touching.len()];
         for (e, &i) in restitution.iter_mut().zip(touching) {
             let speed = -self.contacts.normal_velocity(i);
-            if speed > rest && self.restitution[i] * speed > slow {
+            if speed > rest && self.restitution[i] * speed > smallest_bounce {
                 *e = self.restitution[i];
             } else if self.restitution[i] > 0.0 && closing.contains(&i) {
                 ended.push((i, speed));
             }
         }
+        let elastic = restitution.iter().any(|e| *e > 0.0);
+        let before = if elastic { self.kinetic_energy() } else { 0.0 };
         let mut impulses = Vec::new();
         self.contacts
             .impact(touching, &restitution, &mut impulses, &mut self.state.v)?;
         self.numerical_time += clock::jump(&impulses, self.settings.auxiliary_acceleration);
         self.write_input();
+        if elastic {
+            self.compare_energies(before, closing);
+        }
         if touching.len() > 1 {
             self.note("simultaneous impacts follow Moreau's law (all touching contacts in one linear complementarity problem)");
         }
         Ok(ended)
+    }
+
+    /// Kinetic energy at the present state, `v' M v / 2`, at the position last written to the input vector.
+    fn kinetic_energy(&self) -> f64 {
+        let (n, v) = (self.n, &self.state.v);
+        let mut mass = vec![0.0; n * n];
+        self.model.mass_matrix(&self.x, &mut mass);
+        let momentum = mass.chunks_exact(n).map(|row| dot(row, v));
+        0.5 * momentum.zip(v).map(|(p, v)| p * v).sum::<f64>()
+    }
+
+    /// Remembers an impact of the `closing` contacts that raised the kinetic energy.
+    fn compare_energies(&mut self, before: f64, closing: &[usize]) {
+        let after = self.kinetic_energy();
+        let Some(&contact) = closing.first() else {
+            return;
+        };
+        if after > before * (1.0 + SAME_ENERGY) {
+            let gains = self.energy_gains.get_or_insert(EnergyGains {
+                count: 0,
+                first: (self.state.time, contact),
+                energies: (before, after),
+            });
+            gains.count += 1;
+        }
+    }
+
+    /// Says whether impacts raised the kinetic energy.
+    pub(super) fn note_energy_gains(&mut self) {
+        let Some(gains) = self.energy_gains else {
+            return;
+        };
+        let ((time, contact), (before, after)) = (gains.first, gains.energies);
+        self.note(&format!(
+            "{} impacts raise the kinetic energy, the first of `{}` at {time:.6} s from {before:.6e} to \
+             {after:.6e}: restitution in the normal direction alone does so where friction or several \
+             contacts couple; lower the restitution",
+            gains.count,
+            self.model.declaration().contacts[contact].name
+        ));
     }
 
     /// Remembers the bounces that the contacts in `ended`, which came with the given speeds and stay, did not

@@ -229,7 +229,8 @@ impl<'a> Detector<'a> {
             if released && gap < -start.rounding.gap {
                 let depth = DEEP * element.length() * start.speed;
                 if (start.velocities[i] > start.rounding.velocity || gap < -depth)
-                    && let Some(switch) = self.return_after_release(element, i, k)
+                    && let Some(switch) =
+                        self.return_after_release(element, i, k, start.rounding.gap)
                 {
                     keep_first(&mut first, switch);
                     self.interpolate(element, k);
@@ -272,30 +273,34 @@ impl<'a> Detector<'a> {
     }
 
     /// The entry of a contact that was released at the start of the element and is closed at sample `k`: if
-    /// its gap is positive somewhere before, it falls through zero in between.
+    /// its gap is positive somewhere before, by more than rounding error, it falls through zero in between.
     fn return_after_release(
         &mut self,
         element: &FiniteElement<'_>,
         contact: usize,
         k: usize,
+        gap_rounding: f64,
     ) -> Option<Switch> {
         let mut value = |theta: f64| {
             self.tableau.dense_weights(theta, &mut self.scratch);
             element.interpolate(theta, &self.scratch, &mut self.x);
             self.model.gap(contact, &self.x)
         };
+        // Flights lower than the rounding error end in contact; of higher ones one of the places is close to
+        // the top.
+        let lowest = 0.5 * gap_rounding;
         let violated = self.thetas[k];
         let mut right = violated;
         let mut left = 0.5 * violated;
         for _ in 0..30 {
-            if value(left) > 0.0 {
+            if value(left) > lowest {
                 break;
             }
             right = left;
             left *= 0.5;
         }
         let height = value(left);
-        if height <= 0.0 {
+        if height <= lowest {
             return None;
         }
         let slope = (value(right) - height) / ((right - left) * element.length());
