@@ -27,6 +27,9 @@
 //! so that `s_i = D_i lambda_t,i` is measured like `r_i`. Gap and sliding velocity must be scaled
 //! alike: normal and tangential part of one velocity.
 //!
+//! A contact that *holds* coordinates acts on the system in which those are locked: `M^-1` in `w`, `D` and `e`
+//! is then the inverse inertia of that system, with zeros in the rows and columns of the held coordinates.
+//!
 //! Every kernel reads one *input vector* `x = (q, v, u)`, with the physical time appended if the
 //! scene depends on it explicitly ([`Declaration::explicit_time`]).
 
