@@ -26,7 +26,7 @@ pub fn simulate(model: &BouncingBall) -> Result<Simulation, Box<dyn Error>> {
 fn main() -> Result<(), Box<dyn Error>> {
     let model = BouncingBall::default();
     let simulation = simulate(&model)?;
-    let impacts = simulation
+    let mut impacts = simulation
         .events
         .iter()
         .filter(|event| event.kind == EventKind::Impact);
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             event.v_after[0]
         );
     }
-    if let Some(last) = impacts.last() {
+    if let Some(last) = impacts.next_back() {
         let fall = (2.0 * model.height / model.g).sqrt();
         let rest = fall * (1.0 + model.e) / (1.0 - model.e);
         println!(

@@ -279,6 +279,10 @@ fn pump_track_equations_read_as_a_person_would_write_them() {
             .map(|equation| equation.right)
             .collect::<String>()
     };
+    assert_eq!(
+        right("kinetic energy"),
+        "m_b*(y'^2 + (s' + a*k*y'*sin(k*y))^2)/2 + m_r*(y'^2 + (s' + a*k*y'*sin(k*y) + l')^2)/2"
+    );
     assert_eq!(right("y''"), "0");
     assert_eq!(right("s''"), "-g - a*k^2*cos(k*y)*y'^2 - u/m_b");
     assert_eq!(right("l''"), "u/m_r + u/m_b");

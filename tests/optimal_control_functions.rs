@@ -15,7 +15,7 @@ hangtime::model! {
             m: kg = 2, l: cm = 60, g: m/s^2 = 9.81, omega: 1/s = 2, w: 1/N^2 = 0.1, h: m = 1.5,
             haste: 1/s = 3, target: m = 2,
         }
-        coordinates { y: m in -5..=5, theta: deg, z: cm }
+        coordinates { y: m in -5..=5, theta: deg in -0.5..=-0.1 [rad], z: cm }
         controls    { u: N in -10..=10, torque: N m }
         let tip = (y + l*sin(theta), z - l*cos(theta))
         lagrangian  m/2*|dot((y, z))|^2 + m/4*|dot(tip)|^2 - m*g*z
@@ -198,6 +198,12 @@ fn declaration_carries_the_task_of_optimal_control() {
     cart.free_start_bounds(&mut lower, &mut upper);
     assert_eq!(lower, [f64::NEG_INFINITY, 30.0, 0.0]);
     assert_eq!(upper, [f64::INFINITY, 50.0, 3.0]);
+    // The unit behind the upper bound is meant for both.
+    let (mut lower, mut upper) = ([f64::NAN; 5], [f64::NAN; 5]);
+    cart.bounds(&mut lower, &mut upper);
+    // Two roundings of numbers below 1.
+    let bounds = [lower[1] * DEGREE + 0.5, upper[1] * DEGREE + 0.1];
+    assert!(bounds.iter().all(|error| error.abs() < 1e-15), "{bounds:?}");
 }
 
 #[test]

@@ -52,7 +52,7 @@ fn energy(model: &dyn Model, q: &[f64], v: &[f64]) -> f64 {
     parts.iter().sum()
 }
 
-fn impacts(simulation: &Simulation) -> impl Iterator<Item = &Event> {
+fn impacts(simulation: &Simulation) -> impl DoubleEndedIterator<Item = &Event> {
     let events = simulation.events.iter();
     events.filter(|event| event.kind == EventKind::Impact)
 }
@@ -74,7 +74,7 @@ fn bouncing_ball_times_follow_the_geometric_series() {
         expected += flight;
     }
     // The flights that the cut-off leaves out are a geometric series as well.
-    let last = impacts(&simulation).last().unwrap();
+    let last = impacts(&simulation).next_back().unwrap();
     let speed = -last.v_before[0];
     let rest = fall * (1.0 + model.e) / (1.0 - model.e);
     let left_out = 2.0 * model.e * speed / (model.g * (1.0 - model.e));

@@ -231,7 +231,7 @@
 ///   impulses of an impact. `mu` is an expression of parameters, at least 0.
 /// - `sliding v`: the sliding velocity, a sum of velocities times functions of positions that vanishes at
 ///   rest. Scale it like the gap: normal and tangential part of one velocity. It follows by itself for one
-///   point mass in two Cartesian coordinates (`M` is a number times the identity), as
+///   point mass in two Cartesian coordinates (`M` is a number times the identity) on a surface at rest, as
 ///   `v_t = n_z y' - n_y z'`: to the right on ground below.
 /// - `along (w_1, ..)`: another direction `w`, one component a coordinate, in their order. Not together
 ///   with friction, whose normal force acts along `M^-1 n`.

@@ -3,11 +3,17 @@
 //! [`scenes`] is the only place that knows which scenes exist; the command line and the tests read
 //! names, parameters, pictures and published results from there.
 
+mod bouncing_ball;
+mod elastic_box;
+mod incline;
 mod published;
 mod pump_track;
 mod scene;
 mod ski_jump;
 
+pub use bouncing_ball::BouncingBall;
+pub use elastic_box::ElasticBox;
+pub use incline::Incline;
 pub use published::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
     PublishedPoint, Quantity, Reference, Task,
@@ -19,6 +25,12 @@ pub use ski_jump::SkiJump;
 /// All shipped scenes, in the order in which they are listed.
 #[must_use]
 pub fn scenes() -> &'static [Scene] {
-    const SCENES: &[Scene] = &[ski_jump::SCENE, pump_track::SCENE];
+    const SCENES: &[Scene] = &[
+        ski_jump::SCENE,
+        pump_track::SCENE,
+        bouncing_ball::SCENE,
+        incline::SCENE,
+        elastic_box::SCENE,
+    ];
     SCENES
 }

@@ -18,7 +18,7 @@
 use hangtime::model::Model;
 
 use crate::published;
-use crate::scene::{GroundLine, Plane, Scene, Variant};
+use crate::scene::{GroundLine, Plane, Scene, Variant, parameter};
 
 /// The scene; its forms differ in the law of the impact.
 macro_rules! pump_track {
@@ -116,12 +116,7 @@ const POINTS: usize = 200;
 
 /// Height of the track above its lowest point at `y` [m].
 fn track(model: &dyn Model, y: f64) -> f64 {
-    let value = |name: &str| {
-        let parameters = model.declaration().parameters;
-        let index = parameters.iter().position(|known| known.name == name);
-        index.map_or(f64::NAN, |index| model.parameter(index))
-    };
-    value("a") * (1.0 - (value("k") * y).cos())
+    parameter(model, "a") * (1.0 - (parameter(model, "k") * y).cos())
 }
 
 /// Bike and rider.

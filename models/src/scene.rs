@@ -62,3 +62,32 @@ impl Scene {
         (self.variants[0].model)()
     }
 }
+
+/// Points of a ground line.
+const POINTS: usize = 200;
+
+/// The value of the parameter called `name`; not a number if there is none.
+pub(crate) fn parameter(model: &dyn Model, name: &str) -> f64 {
+    let parameters = model.declaration().parameters;
+    let index = parameters.iter().position(|known| known.name == name);
+    index.map_or(f64::NAN, |index| model.parameter(index))
+}
+
+/// The surfaces of a scene with the coordinates `(y, z)` whose gaps are linear in the height `z`: where each gap
+/// vanishes, from one horizontal position to another.
+pub(crate) fn heights(model: &dyn Model, from: f64, to: f64) -> Vec<GroundLine> {
+    let height = |contact: usize, y: f64| {
+        let [low, high] = [0.0, 1.0].map(|z| model.gap(contact, &[y, z, 0.0, 0.0]));
+        low / (low - high)
+    };
+    let contacts = model.declaration().contacts.iter().enumerate();
+    contacts
+        .map(|(contact, declared)| GroundLine {
+            name: declared.name,
+            points: (0..=POINTS)
+                .map(|i| from + (to - from) * i as f64 / POINTS as f64)
+                .map(|y| [y, height(contact, y)])
+                .collect(),
+        })
+        .collect()
+}

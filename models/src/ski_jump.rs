@@ -4,10 +4,8 @@
 //! Control: Ski Jumping and Accelerating a Bike Without Pedaling", section III-A; the numbers are
 //! those of the authors' scripts and of the data of their Fig. 3.
 
-use hangtime::model::Model;
-
 use crate::published;
-use crate::scene::{GroundLine, Plane, Scene, Variant};
+use crate::scene::{Plane, Scene, Variant, heights};
 
 hangtime::model! {
     /// A ski jumper: a point mass that slides off a curved table and lands on a straight slope.
@@ -55,28 +53,7 @@ pub(crate) const SCENE: Scene = Scene {
         bodies: &["jumper"],
         links: &[],
         positions: |_, q| vec![[q[0], q[1]]],
-        ground,
+        ground: heights,
     }),
     published: published::ski_jump::CASES,
 };
-
-/// Points of a ground line.
-const POINTS: usize = 200;
-
-/// The surfaces, from the gaps: at `z = 0` a gap is the negative height of its surface.
-fn ground(model: &dyn Model, from: f64, to: f64) -> Vec<GroundLine> {
-    let height = |contact: usize, y: f64| -model.gap(contact, &[y, 0.0, 0.0, 0.0]);
-    model
-        .declaration()
-        .contacts
-        .iter()
-        .enumerate()
-        .map(|(contact, declared)| GroundLine {
-            name: declared.name,
-            points: (0..=POINTS)
-                .map(|i| from + (to - from) * i as f64 / POINTS as f64)
-                .map(|y| [y, height(contact, y)])
-                .collect(),
-        })
-        .collect()
-}

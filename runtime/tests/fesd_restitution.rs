@@ -204,6 +204,6 @@ fn rest_velocity_decides_how_many_bounces_are_carried_out() {
         .unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "rest velocity = -1 : must be at least 0 and finite (m/s)"
+        "rest velocity = -1: must be at least 0 and finite (m/s)"
     );
 }

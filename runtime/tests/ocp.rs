@@ -236,7 +236,7 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
         intervals: 0,
         ..problem.clone()
     };
-    insta::assert_snapshot!(refuse(&no_intervals), @"number of control intervals = 0 : must be in 1..=10000");
+    insta::assert_snapshot!(refuse(&no_intervals), @"number of control intervals = 0: must be in 1..=10000");
     let far = Problem {
         goals: vec![Goal {
             component: Component::Velocity(7),
@@ -244,7 +244,7 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
         }],
         ..problem.clone()
     };
-    insta::assert_snapshot!(refuse(&far), @"index of a coordinate in objective or goal = 7 : must be below 1, the number of coordinates");
+    insta::assert_snapshot!(refuse(&far), @"index of a coordinate in objective or goal = 7: must be below 1, the number of coordinates");
     let falling = Problem {
         q: vec![0.0],
         v: vec![-1.0],
@@ -254,7 +254,7 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
     let mut settings = Settings::default();
     settings.stages = 1;
     let error = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap_err();
-    insta::assert_snapshot!(error, @"Runge-Kutta stages = 1 : must be in 2..=9");
+    insta::assert_snapshot!(error, @"Runge-Kutta stages = 1: must be in 2..=9");
 }
 
 #[test]
@@ -278,6 +278,7 @@ fn every_guess_of_the_hopping_mass_ends_at_the_same_optimum() {
         let mut settings = Settings::default();
         settings.guess = guess;
         let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
+        let guess = &settings.guess;
         assert_eq!(solution.status, Status::Solved, "{guess:?}");
         assert!((solution.objective - best).abs() < 1e-6, "{guess:?}");
     }
@@ -362,7 +363,7 @@ fn time_freezing_formulation_polished_finds_both_local_optima_of_the_hopping_mas
     settings.starts = 1;
     settings.guess = Guess::Rest;
     let error = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap_err();
-    insta::assert_snapshot!(error, @"guess Rest of the time-freezing formulation is not supported; choose `Straight` or `Ride`");
+    insta::assert_snapshot!(error, @"guess Rest of the time-freezing formulation is not supported; choose `Straight`, `Ride` or `Previous`");
 }
 
 #[test]

@@ -212,9 +212,9 @@ fn mobility<M: Oracle, D: DualNum<Primitive = f64> + Copy>(
     let mut m = mass(model, x);
     let n = m.len();
     for &held in model.declaration().contacts[contact].held {
-        for i in 0..n {
-            m[held][i] = D::from(0.0);
-            m[i][held] = D::from(0.0);
+        m[held].fill(D::from(0.0));
+        for row in &mut m {
+            row[held] = D::from(0.0);
         }
         m[held][held] = D::from(1.0);
         b[held] = D::from(0.0);

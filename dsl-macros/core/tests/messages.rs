@@ -166,7 +166,9 @@ texts! {
         "E07: `z/1 [s]` is no sliding velocity: that is a sum of velocities times functions of positions, zero at rest, such as `dot(y)`";
     friction_beyond_a_point_mass: messages
         "S { parameters { m: kg = 1, mu = 0.3 } coordinates { y: m, z: m, s: m } lagrangian m/2*|dot((y, z, s))|^2 surface wall: y >= 0 impact wall: inelastic, friction mu }" =>
-        "E20: `friction` of `wall` needs the sliding velocity, which follows by itself for one point mass in two Cartesian coordinates only; add it, scaled like the gap, as in `impact wall: ..., friction mu, sliding dot(y)`";
+        "E20: `friction` of `wall` needs the sliding velocity, which follows by itself for one point mass in two Cartesian coordinates on a surface at rest only; add that of the touching point along the surface, scaled like the gap, as in `impact wall: ..., friction mu, sliding dot(y)`";
+    friction_on_a_moving_surface: beside "surface wall: z >= 1 [m/s]*t impact wall: inelastic, friction 0.3" =>
+        "E20: `friction` of `wall` needs the sliding velocity, which follows by itself for one point mass in two Cartesian coordinates on a surface at rest only; add that of the touching point along the surface, scaled like the gap, as in `impact wall: ..., friction 0.3, sliding dot(y)`";
     everything_held: beside "surface wall: y >= 0 impact wall: inelastic, holding y" =>
         "E09: all coordinates that the gap of `wall` depends on are held, so no impulse can stop the motion into it; hold fewer";
     sliding_held: beside "surface wall: y >= 0 impact wall: inelastic, holding z, friction 0.1, sliding dot(z)" =>

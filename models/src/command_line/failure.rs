@@ -46,7 +46,10 @@ pub(crate) fn did_you_mean<'a>(
     const SIMILAR: f64 = 0.7;
     candidates
         .into_iter()
-        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .map(|candidate| {
+            let similarity = strsim::jaro_winkler(&name.to_lowercase(), &candidate.to_lowercase());
+            (similarity, candidate)
+        })
         .filter(|&(similarity, _)| similarity >= SIMILAR)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| format!("; did you mean `{candidate}`?"))
@@ -87,6 +90,7 @@ mod tests {
     fn did_you_mean_far_name_suggests_nothing() {
         let names = ["start_y", "m", "g"];
         assert_eq!(did_you_mean("starty", names), "; did you mean `start_y`?");
+        assert_eq!(did_you_mean("START_Y", names), "; did you mean `start_y`?");
         assert_eq!(did_you_mean("velocity", names), "");
     }
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::Report;
 use super::arguments::ListArguments;
 use super::json::{SCHEMA, to_line};
-use super::table::{headed, table};
+use super::table::{described, headed};
 
 #[derive(Serialize)]
 struct Document {
@@ -104,12 +104,16 @@ fn parameters(scene: &SceneEntry) -> String {
             parameter.documentation.trim().to_owned(),
         ]
     });
-    let choices = scene.variants.iter().flatten().map(|variant| {
-        vec![
-            variant.name.to_owned(),
-            variant.choice.to_owned(),
-            "form of the scene".to_owned(),
-        ]
-    });
-    table(["parameter", "default", ""], numbers.chain(choices))
+    let mut choices: Vec<Vec<String>> = Vec::new();
+    for variant in scene.variants.iter().flatten() {
+        match choices.iter_mut().find(|row| row[0] == variant.name) {
+            Some(row) => row[2] = format!("{} or {}", row[2], variant.choice),
+            None => choices.push(vec![
+                variant.name.to_owned(),
+                variant.choice.to_owned(),
+                format!("Form of the scene: {}", variant.choice),
+            ]),
+        }
+    }
+    described(["parameter", "default", ""], numbers.chain(choices))
 }

@@ -38,6 +38,11 @@ pub(crate) struct MethodSettings {
 }
 
 impl MethodSettings {
+    /// Name of the method.
+    pub(crate) fn name(&self) -> &'static str {
+        self.name
+    }
+
     /// Steps over the horizon, for methods that have them.
     pub(crate) fn steps(&self) -> Option<usize> {
         self.steps

@@ -34,14 +34,14 @@ pub(crate) struct Section {
 
 const STYLE: &str = "\
 :root{color-scheme:light dark}
-body{font:16px/1.5 system-ui,sans-serif;max-width:66rem;margin:2rem auto;padding:0 1rem;color:#1f2430;background:#ffffff}
+body{font:16px/1.5 system-ui,sans-serif;max-width:74rem;margin:2rem auto;padding:0 1rem;color:#1f2430;background:#ffffff}
 h1,h2{line-height:1.2}
 figure{margin:1.5rem 0;overflow-x:auto}
 svg{max-width:100%;height:auto}
 .table{overflow-x:auto}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.9rem}
 th,td{padding:.3rem .7rem;text-align:right;border-bottom:1px solid #8a919e66;white-space:nowrap}
-th:first-child,td:first-child{text-align:left}
+th:first-child,td:first-child{text-align:left;white-space:pre}
 a{color:inherit}
 @media (prefers-color-scheme:dark){body{color:#dfe3ea;background:#14171c}}
 ";

@@ -33,6 +33,12 @@ impl Progress {
         }
     }
 
+    /// Says what is being done.
+    pub(crate) fn say(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+        self.bar.tick();
+    }
+
     /// Moves the bar to `reached`.
     pub(crate) fn reach(&mut self, reached: f64) {
         let now = Instant::now();
@@ -56,6 +62,8 @@ pub(crate) struct SolveProgress {
     bar: ProgressBar,
     next: Instant,
     interrupt: Interrupt,
+    /// Best objective of all programs, whichever start they belong to.
+    best: Option<f64>,
 }
 
 impl SolveProgress {
@@ -70,6 +78,7 @@ impl SolveProgress {
             bar,
             next: Instant::now(),
             interrupt,
+            best: None,
         }
     }
 
@@ -80,9 +89,12 @@ impl SolveProgress {
             self.bar.set_message("stopping");
             return false;
         }
+        if let Some(best) = progress.best {
+            self.best = Some(self.best.map_or(best, |known| known.min(best)));
+        }
         if now >= self.next {
             self.next = now + PATIENCE;
-            self.bar.set_message(line(progress));
+            self.bar.set_message(line(progress, self.best));
         }
         true
     }
@@ -95,10 +107,8 @@ impl Drop for SolveProgress {
 }
 
 /// One iteration in words.
-fn line(progress: &ocp::Progress) -> String {
-    let best = progress
-        .best
-        .map_or_else(String::new, |best| format!(", best objective {best:.7}"));
+fn line(progress: &ocp::Progress, best: Option<f64>) -> String {
+    let best = best.map_or_else(String::new, |best| format!(", best objective {best:.7}"));
     format!(
         "{}: program {}, iteration {}, residuals primal {:.0e} dual {:.0e} complementarity {:.0e}{best}",
         progress.step,

@@ -3,7 +3,7 @@
 use hangtime::model::Model;
 use hangtime::simulation::InputError;
 use hangtime_models::{Scene, scenes};
-use hangtime_units::Quantity;
+use hangtime_units::{Quantity, UnitError};
 
 use super::arguments::SceneArguments;
 use super::failure::{BadInput, did_you_mean};
@@ -108,7 +108,7 @@ fn split_all(settings: &[String]) -> Result<Vec<(&str, &str)>, BadInput> {
         let (name, value) = setting
             .split_once('=')
             .map(|(name, value)| (name.trim(), value.trim()))
-            .filter(|(name, _)| !name.is_empty())
+            .filter(|(name, value)| !name.is_empty() && !value.is_empty())
             .ok_or_else(|| {
                 BadInput::new(format!(
                     "setting `{setting}` of --set: write NAME=VALUE or NAME=VALUE[UNIT], such as \
@@ -154,9 +154,16 @@ fn choose(scene: &'static Scene, pairs: &[(&str, &str)]) -> Result<Form, BadInpu
                     words.join(" ")
                 })
                 .collect();
+            let names = scene.variants.iter().flat_map(|variant| variant.settings);
+            let given: Vec<String> = pairs
+                .iter()
+                .filter(|(name, _)| names.clone().any(|(choice, _)| choice == name))
+                .map(|(name, value)| format!("{name}={value}"))
+                .collect();
             BadInput::new(format!(
-                "scene `{}` has no such form; choose one of: {}",
+                "scene `{}` has no form `{}`; choose one of: {}",
                 scene.name,
+                given.join(" "),
                 forms.join(", ")
             ))
         })
@@ -168,7 +175,13 @@ fn quantity(name: &str, text: &str, declared: &str) -> Result<f64, BadInput> {
         .and_then(|quantity| quantity.in_unit(declared))
         .map_err(|error| {
             let unit = if declared.is_empty() { "1" } else { declared };
-            BadInput::new(format!("parameter `{name}` [{unit}]: {error}"))
+            let remedy = match &error {
+                UnitError::Different { .. } => {
+                    format!("; leave the unit out, or write one that converts to {unit}")
+                }
+                _ => String::new(),
+            };
+            BadInput::new(format!("parameter `{name}` [{unit}]: {error}{remedy}"))
         })?;
     if value.is_finite() {
         Ok(value)
@@ -235,7 +248,7 @@ mod tests {
         let refusal = chosen(&["law=other"]).unwrap_err();
         assert_eq!(
             refusal,
-            "scene `two-forms` has no such form; choose one of: law=paper, law=holding"
+            "scene `two-forms` has no form `law=other`; choose one of: law=paper, law=holding"
         );
     }
 }

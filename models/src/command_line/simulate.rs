@@ -37,7 +37,7 @@ pub(super) fn run(arguments: &SimulateArguments) -> Result<Report, BadInput> {
     if let Some(directory) = directory {
         let files = ResultFiles {
             stem: chosen.scene.name.to_owned(),
-            title: format!("{}, {}", chosen.scene.name, method.settings),
+            title: format!("{}, {}", chosen.scene.name, method.settings.name()),
             chosen: &chosen,
             simulation: &simulation,
             json: &json,
@@ -93,7 +93,10 @@ pub(crate) fn facts(method: &ChosenMethod, simulation: &Simulation) -> Vec<[Stri
 
 /// A number for people: ten decimals, or an exponent where they would fill the line.
 fn digits(value: f64) -> String {
-    if value.abs() < 1e7 {
+    if value.abs() < 5e-11 {
+        // Rounding has a sign that means nothing.
+        format!("{:.10}", 0.0)
+    } else if value.abs() < 1e7 {
         format!("{value:.10}")
     } else {
         format!("{value:.10e}")

@@ -95,6 +95,7 @@ fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
                 ));
             }
             settings.stages = arguments.stages.unwrap_or(settings.stages);
+            settings.elements = arguments.elements.unwrap_or(settings.elements);
         }
         SolveFormulation::TimeFreezing => {
             let mut freezing = TimeFreezingSettings::default();
@@ -146,6 +147,10 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
         method.name, method.scheme, method.stages, method.intervals, method.elements, method.starts
     );
     let _ = writeln!(text, "status        {}", solution.status.name());
+    if solution.motion.is_none() {
+        let _ = writeln!(text, "CPU time      {}", seconds(solution.seconds));
+        return text;
+    }
     let _ = writeln!(text, "objective     {:.10}", solution.objective);
     let _ = writeln!(text, "final time    {:.10} s", solution.horizon);
     let _ = writeln!(text, "stationarity  {}", solution.stationarity.name());

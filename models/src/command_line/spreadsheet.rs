@@ -43,6 +43,10 @@ pub(crate) fn trajectory_csv(declaration: &Declaration, trajectory: &Trajectory)
             .iter()
             .map(|contact| format!("contact force {}", contact.name)),
     );
+    let contacts = declaration.contacts.iter();
+    if !trajectory.friction_force.is_empty() {
+        header.extend(contacts.map(|contact| format!("friction force {}", contact.name)));
+    }
     csv_text(
         &header,
         (0..trajectory.time.len()).map(|k| {
@@ -52,6 +56,7 @@ pub(crate) fn trajectory_csv(declaration: &Declaration, trajectory: &Trajectory)
                 .chain(&trajectory.v[k])
                 .chain(&trajectory.u[k])
                 .chain(&trajectory.contact_force[k])
+                .chain(trajectory.friction_force.get(k).into_iter().flatten())
                 .map(f64::to_string)
                 .collect()
         }),

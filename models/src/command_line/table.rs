@@ -9,6 +9,28 @@ where
     H::Item: Into<String>,
     R: IntoIterator<Item = Vec<String>>,
 {
+    aligned(header, rows, |column, _| column > 0)
+}
+
+/// Lines up `rows` whose last column is text.
+pub(crate) fn described<H, R>(header: H, rows: R) -> String
+where
+    H: IntoIterator,
+    H::Item: Into<String>,
+    R: IntoIterator<Item = Vec<String>>,
+{
+    aligned(header, rows, |column, columns| {
+        column > 0 && column + 1 < columns
+    })
+}
+
+/// Lines up `rows`; `right` tells from the index of a column and their number which ones go to the right.
+fn aligned<H, R>(header: H, rows: R, right: impl Fn(usize, usize) -> bool) -> String
+where
+    H: IntoIterator,
+    H::Item: Into<String>,
+    R: IntoIterator<Item = Vec<String>>,
+{
     let mut table = Table::new();
     table
         .load_preset(presets::NOTHING)
@@ -17,9 +39,10 @@ where
     for row in rows {
         table.add_row(row);
     }
+    let columns = table.column_count();
     for (index, column) in table.column_iter_mut().enumerate() {
         column.set_padding((if index == 0 { 2 } else { 1 }, 1));
-        if index > 0 {
+        if right(index, columns) {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }

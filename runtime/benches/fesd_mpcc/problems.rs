@@ -30,12 +30,11 @@ impl Case {
         problem.horizon = Horizon::Fixed(duration);
         let mut settings = TimeFreezingSettings::default();
         (settings.scheme, settings.stages, settings.elements) = (scheme, stages, elements);
-        let family = match scheme {
-            Scheme::GaussLegendre => "Gauss",
-            _ => "Radau",
-        };
         Self {
-            name: format!("{name}, {duration} s, {family} {stages}, {elements} elements"),
+            name: format!(
+                "{name}, {duration} s, {} {stages}, {elements} elements",
+                family(scheme)
+            ),
             model: Box::new(model),
             problem,
             settings,
@@ -43,7 +42,7 @@ impl Case {
     }
 
     /// The pump track in least time.
-    fn pump_track(speed: f64, intervals: usize, stages: usize) -> Self {
+    fn pump_track(speed: f64, intervals: usize, (scheme, stages): (Scheme, usize)) -> Self {
         let mut model = PumpTrack::default();
         let parameters = model.declaration().parameters;
         if let Some(index) = parameters.iter().position(|known| known.name == "speed") {
@@ -55,9 +54,12 @@ impl Case {
         };
         let problem = Problem::new(&model, Objective::time(), vec![goal], intervals);
         let mut settings = TimeFreezingSettings::default();
-        settings.stages = stages;
+        (settings.scheme, settings.stages) = (scheme, stages);
         Self {
-            name: format!("pump track, {speed} km/h, {intervals} intervals, Radau {stages}"),
+            name: format!(
+                "pump track, {speed} km/h, {intervals} intervals, {} {stages}",
+                family(scheme)
+            ),
             model: Box::new(model),
             problem,
             settings,
@@ -71,6 +73,13 @@ impl Case {
     /// Whether the guess is a simulation.
     pub(crate) fn is_step(&self) -> bool {
         self.problem.goals.is_empty()
+    }
+}
+
+fn family(scheme: Scheme) -> &'static str {
+    match scheme {
+        Scheme::GaussLegendre => "Gauss",
+        _ => "Radau",
     }
 }
 
@@ -133,10 +142,13 @@ pub(crate) fn cases() -> Vec<Case> {
             0.1,
             (Radau, 2, 3),
         ),
-        Case::pump_track(10.0, 10, 2),
-        Case::pump_track(15.0, 10, 2),
-        Case::pump_track(22.0, 10, 2),
-        Case::pump_track(15.0, 10, 1),
+        Case::pump_track(10.0, 10, (Radau, 2)),
+        Case::pump_track(15.0, 10, (Radau, 2)),
+        Case::pump_track(22.0, 10, (Radau, 2)),
+        Case::pump_track(15.0, 10, (Radau, 1)),
+        Case::pump_track(10.0, 10, (Gauss, 2)),
+        Case::pump_track(15.0, 10, (Gauss, 2)),
+        Case::pump_track(22.0, 10, (Gauss, 2)),
         Case::step("ball falls", Ball::default(), ball, 0.5, (Radau, 2, 4)),
         Case::step("ball falls", Ball::default(), ball, 0.7, (Radau, 3, 3)),
         Case::step("ball falls", Ball::default(), ball, 0.9, (Gauss, 2, 3)),

@@ -1,7 +1,7 @@
 //! Times and counts of the solvers.
 //!
 //! ```text
-//! cargo bench -p hangtime --bench solver -- [nlp [NAME [TIMES]]|text DIRECTORY|scaling|mpcc]
+//! cargo bench -p hangtime --bench solver -- [nlp [NAME [TIMES]]|text DIRECTORY|strategies|scaling|mpcc]
 //! ```
 //!
 //! `nlp` solves the nonlinear programs, or one of them, the given number of times; `text` writes them as text after checking that the text says
@@ -16,7 +16,7 @@ mod timed;
 
 use cpu_time::ThreadTime;
 use hangtime::mpcc::{self, RelaxationRule};
-use hangtime::nlp::{self, LinearSolver, NlpProblem, Settings};
+use hangtime::nlp::{self, BarrierStrategy, LinearSolver, NlpProblem, Settings};
 use problems::Stated;
 use timed::Timed;
 
@@ -31,6 +31,7 @@ fn main() {
             nonlinear_programs(word(1), word(2).and_then(|k| k.parse().ok()).unwrap_or(5))
         }
         Some("text") => write_texts(word(1).unwrap_or(".")),
+        Some("strategies") => strategies(),
         Some("scaling") => scaling(),
         Some("mpcc") => complementarity_problems(),
         _ => {
@@ -42,10 +43,11 @@ fn main() {
 }
 
 /// Columns of [`run`].
-const HEADING: &str = "problem variables rows factorization status iterations factorizations cpu evaluation linear rest objective violation";
+const HEADING: &str = "problem variables rows factorization status iterations factorizations cpu start evaluation linear rest objective violation";
 
 /// Solves one problem `times` times and prints the line of the fastest run: CPU seconds in all, of evaluations, of
-/// factorizations and solves, and of everything else, the start included.
+/// factorizations and solves, and of everything else; `start` are those of a run without iterations, analysis of the
+/// pattern included.
 fn run(stated: Stated, times: usize, linear_solver: LinearSolver) {
     let name = stated.name;
     let mut problem = Timed::new(stated.problem);
@@ -55,13 +57,18 @@ fn run(stated: Stated, times: usize, linear_solver: LinearSolver) {
     settings.maximum_seconds = 120.0;
     let mut best: Option<(f64, String)> = None;
     for _ in 0..times {
+        let mut without = settings.clone();
+        without.maximum_iterations = 0;
+        let clock = ThreadTime::now();
+        let _ = nlp::solve(&mut problem, &without);
+        let start = clock.elapsed().as_secs_f64();
         problem.seconds = 0.0;
-        let start = ThreadTime::now();
+        let clock = ThreadTime::now();
         let result = nlp::solve(&mut problem, &settings);
-        let seconds = start.elapsed().as_secs_f64();
+        let seconds = clock.elapsed().as_secs_f64();
         let line = match result {
             Ok(s) => format!(
-                "{} {} {linear_solver:?} {:?} {} {} {seconds:.5} {:.5} {:.5} {:.5} {:.10e} {:.1e}",
+                "{} {} {linear_solver:?} {:?} {} {} {seconds:.5} {start:.5} {:.5} {:.5} {:.5} {:.10e} {:.1e}",
                 problem.variables(),
                 problem.constraints(),
                 s.status,
@@ -104,6 +111,75 @@ fn write_texts(directory: &str) {
             Ok(()) => println!("{}", path.display()),
             Err(error) => eprintln!("{}: {error}", path.display()),
         }
+    }
+}
+
+/// Iterations and CPU seconds over the Hock-Schittkowski problems and the larger ones, with and without the parts of the
+/// method that can be left out.
+fn strategies() {
+    let settings = |barrier_strategy, watchdog_steps, soft_restoration_steps| {
+        let mut settings = Settings::default();
+        settings.barrier_strategy = barrier_strategy;
+        settings.watchdog_steps = watchdog_steps;
+        settings.soft_restoration_steps = soft_restoration_steps;
+        settings.maximum_iterations = 1000;
+        settings.maximum_seconds = 60.0;
+        settings
+    };
+    let text = include_str!("../../tests/data/hock_schittkowski.txt");
+    println!(
+        "strategy watchdog soft | solved iterations of 158 | solved iterations cpu of the larger ones | failures"
+    );
+    for (strategy, watchdog, soft) in [
+        (BarrierStrategy::Monotone, 0, 0),
+        (BarrierStrategy::Monotone, 10, 0),
+        (BarrierStrategy::Monotone, 0, 10),
+        (BarrierStrategy::Monotone, 10, 10),
+        (BarrierStrategy::Adaptive, 0, 0),
+        (BarrierStrategy::Adaptive, 10, 10),
+    ] {
+        let settings = settings(strategy, watchdog, soft);
+        let mut failures = Vec::new();
+        let mut total = |name: &str, problem: &mut dyn NlpProblem| -> (usize, usize, String) {
+            match nlp::solve(problem, &settings) {
+                Ok(s) if s.status.is_solved() => {
+                    (1, s.counts.iterations, format!("{:.9e}", s.objective))
+                }
+                Ok(s) => {
+                    failures.push(format!("{name}: {}", s.status));
+                    (0, 0, String::new())
+                }
+                Err(error) => {
+                    failures.push(format!("{name}: {error}"));
+                    (0, 0, String::new())
+                }
+            }
+        };
+        let (mut small, mut large) = ((0, 0), (0, 0));
+        for mut problem in solver_support::read_problems(text) {
+            let name = problem.name.clone();
+            let (solved, iterations, _) = total(&name, &mut problem);
+            small = (small.0 + solved, small.1 + iterations);
+        }
+        let mut seconds = 0.0;
+        let mut each = Vec::new();
+        for (name, make) in problems::problems() {
+            let mut problem = make().problem;
+            let clock = ThreadTime::now();
+            let (solved, iterations, objective) = total(name, &mut problem);
+            seconds += clock.elapsed().as_secs_f64();
+            large = (large.0 + solved, large.1 + iterations);
+            each.push(format!("{name} {iterations} {objective}"));
+        }
+        println!(
+            "{strategy:?} {watchdog} {soft} | {} {} | {} {} {seconds:.2} | {}",
+            small.0,
+            small.1,
+            large.0,
+            large.1,
+            failures.join("; ")
+        );
+        println!("    {}", each.join(", "));
     }
 }
 

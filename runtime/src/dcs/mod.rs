@@ -3,4 +3,4 @@
 
 mod heaviside;
 
-pub(crate) use heaviside::{Group, HeavisideSystem};
+pub(crate) use heaviside::{ALPHA, Group, HeavisideSystem, P, W};

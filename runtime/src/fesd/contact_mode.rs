@@ -110,7 +110,7 @@ impl Contacts<'_> {
             }
         }
         self.share_friction(&mut strict, &shares)?;
-        self.bind_edges(&mut strict, &mut undecided)?;
+        self.drop_held(&mut strict, &mut undecided)?;
         if !undecided.is_empty() {
             self.select_by_jerk(x, active, &mut strict, &undecided)?;
             self.share_friction(&mut strict, &shares)?;
@@ -120,17 +120,25 @@ impl Contacts<'_> {
         Ok(())
     }
 
-    /// Contacts on the edge of their cone whose sliding velocity the others hold need no decision.
-    fn bind_edges(
+    /// Conditions on velocities that the strictly active contacts hold need no decision: a contact on the edge
+    /// of its cone stays there, one without a force needs none.
+    fn drop_held(
         &self,
         active: &mut [ActiveContact],
         undecided: &mut Vec<Undecided>,
     ) -> Result<(), ModeError> {
         for k in (0..undecided.len()).rev() {
-            if let Undecided::Edge { contact, sense } = undecided[k]
-                && !self.is_independent(active, contact)?
-            {
-                undecided.remove(k);
+            let line = match undecided[k] {
+                Undecided::Edge { contact, sense } => Line::Tangent { contact, sense },
+                Undecided::Normal { contact, .. } => Line::Normal {
+                    contact,
+                    slope: 0.0,
+                },
+            };
+            if self.is_independent(active, line)? {
+                continue;
+            }
+            if let Undecided::Edge { contact, sense } = undecided.remove(k) {
                 for held in active.iter_mut().filter(|held| held.contact == contact) {
                     held.tangential = Tangential::bound(sense);
                 }

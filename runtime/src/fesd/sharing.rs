@@ -19,8 +19,9 @@ pub(super) struct Share {
 }
 
 impl Contacts<'_> {
-    /// Lets only independent contacts of `active` stick, those farthest from the edge of their cone first;
-    /// the others keep the force that `shares` says.
+    /// Lets only independent contacts of `active` stick: first those inside their cone whose friction is not
+    /// zero, which a basic solution has for independent contacts only, so that the others keep the force that
+    /// `shares` says.
     pub(super) fn share_friction(
         &self,
         active: &mut [ActiveContact],
@@ -41,9 +42,9 @@ impl Contacts<'_> {
         if sticking.is_empty() {
             return Ok(());
         }
-        sticking.sort_by(|&a, &b| {
-            let margin = |k: usize| share(active[k].contact).margin;
-            margin(b).total_cmp(&margin(a))
+        sticking.sort_by_key(|&k| {
+            let share = share(active[k].contact);
+            (share.friction == 0.0, share.margin == 0.0)
         });
         for &k in &sticking {
             active[k].tangential = Tangential::Idle;
@@ -54,7 +55,11 @@ impl Contacts<'_> {
                 friction,
                 margin,
             } = share(active[k].contact);
-            active[k].tangential = if self.is_independent(active, contact)? {
+            let tangent = Line::Tangent {
+                contact,
+                sense: 1.0,
+            };
+            active[k].tangential = if self.is_independent(active, tangent)? {
                 Tangential::Sticking
             } else if margin > 0.0 {
                 Tangential::Idle
@@ -73,19 +78,14 @@ impl Contacts<'_> {
         self.share_friction(active, &[])
     }
 
-    /// Whether the sliding velocity of `contact` is free while the `active` contacts hold theirs.
+    /// Whether the velocity of `line` is free while the `active` contacts hold theirs.
     pub(super) fn is_independent(
         &self,
         active: &[ActiveContact],
-        contact: usize,
+        line: Line,
     ) -> Result<bool, ModeError> {
-        let lines = unbiased_lines(active);
-        let tangent = Line::Tangent {
-            contact,
-            sense: 1.0,
-        };
-        let own = self.coupling(tangent, tangent);
-        let free = self.reduced_couplings(&lines, &[tangent])?;
+        let own = self.coupling(line, line);
+        let free = self.reduced_couplings(&unbiased_lines(active), &[line])?;
         Ok(free[0] > DEPENDENT * own)
     }
 

@@ -18,6 +18,21 @@ pub struct SingularMatrix {
 ///
 /// # Errors
 /// [`SingularMatrix`] names the first column without a pivot.
+///
+/// # Examples
+/// `[0 2; 1 1] x = (2, 3)` needs an exchange of rows:
+///
+/// ```
+/// use hangtime::linalg::dense;
+///
+/// let mut a = [0.0, 2.0, 1.0, 1.0];
+/// let mut pivots = [0; 2];
+/// dense::factorize(&mut a, &mut pivots)?;
+/// let mut x = [2.0, 3.0];
+/// dense::solve(&a, &pivots, &mut x);
+/// assert_eq!(x, [2.0, 1.0]);
+/// # Ok::<(), dense::SingularMatrix>(())
+/// ```
 pub fn factorize(a: &mut [f64], pivots: &mut [usize]) -> Result<(), SingularMatrix> {
     let n = pivots.len();
     debug_assert_eq!(a.len(), n * n);

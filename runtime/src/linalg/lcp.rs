@@ -19,6 +19,18 @@ pub enum LcpError {
 ///
 /// # Errors
 /// [`LcpError::Ray`] if the method ends on a ray, [`LcpError::NotFinite`] for bad data.
+///
+/// # Examples
+/// With `M = [2 1; 1 2]` and `q = (-3, 1)` only the first unknown is positive, `z = (3/2, 0)`:
+///
+/// ```
+/// use hangtime::linalg::lcp;
+///
+/// let mut z = [0.0; 2];
+/// lcp::solve(&[2.0, 1.0, 1.0, 2.0], &[-3.0, 1.0], &mut z)?;
+/// assert_eq!(z, [1.5, 0.0]);
+/// # Ok::<(), lcp::LcpError>(())
+/// ```
 pub fn solve(m: &[f64], q: &[f64], z: &mut [f64]) -> Result<(), LcpError> {
     let n = q.len();
     debug_assert_eq!(m.len(), n * n);

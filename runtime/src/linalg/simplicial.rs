@@ -20,6 +20,25 @@ use super::{FactorizationError, Inertia, KktFactorization, SymmetricPattern};
 /// pivoting a saddle point matrix is only factorizable in every order when it is quasi-definite, and
 /// the static shifts make it so wherever `W` allows. They are part of the factors but not of the
 /// system: [`super::RefinedSolver`] removes their effect by refinement. The inertia is that of `D`.
+///
+/// # Examples
+/// The inertia of `[1 2; 2 0]`, one primal and one dual row, and a solve:
+///
+/// ```
+/// use hangtime::linalg::{KktFactorization, SimplicialLdl, SymmetricPattern};
+///
+/// let (pattern, map) = SymmetricPattern::new(2, &[(0, 0), (1, 0)]).ok_or("an entry outside")?;
+/// let mut values = vec![0.0; pattern.stored()];
+/// values[map[0]] = 1.0;
+/// values[map[1]] = 2.0;
+/// let mut factorization = SimplicialLdl::new(&pattern, 1)?;
+/// let inertia = factorization.factor(&values, 0.0, 0.0)?;
+/// assert_eq!((inertia.positive, inertia.negative, inertia.zero), (1, 1, 0));
+/// let mut x = [5.0, 2.0];
+/// factorization.solve(&mut x);
+/// assert!((x[0] - 1.0).abs() < 1e-8 && (x[1] - 2.0).abs() < 1e-8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct SimplicialLdl {
     primal: usize,
     static_primal: f64,

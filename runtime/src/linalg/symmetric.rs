@@ -4,6 +4,25 @@
 ///
 /// Every diagonal position is present, so that a shift of the diagonal never changes the pattern. Row
 /// indices of a column are increasing, hence the diagonal entry comes first.
+///
+/// # Examples
+/// `A = [2 1; 1 0]` from its entries, the off-diagonal one in two parts, and `A (1, 1)`:
+///
+/// ```
+/// use hangtime::linalg::SymmetricPattern;
+///
+/// let entries = [(0, 0), (1, 0), (0, 1)];
+/// let (pattern, map) = SymmetricPattern::new(2, &entries).ok_or("an entry outside the matrix")?;
+/// assert_eq!(pattern.stored(), 3);
+/// let mut values = vec![0.0; pattern.stored()];
+/// for (&position, a) in map.iter().zip([2.0, 0.25, 0.75]) {
+///     values[position] += a;
+/// }
+/// let mut y = [0.0; 2];
+/// pattern.multiply_add(&values, &[1.0, 1.0], &mut y);
+/// assert_eq!(y, [3.0, 1.0]);
+/// # Ok::<(), &str>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct SymmetricPattern {
     dimension: usize,

@@ -1,12 +1,148 @@
-//! The smooth program that remains when some variables are fixed at zero.
+//! The smooth program that remains when some variables are fixed at zero, and its solution.
 
-use super::Mpcc;
-use crate::nlp::NlpProblem;
+use super::{Mpcc, Settings};
+use crate::nlp::{self, NlpProblem, WarmStart};
+
+/// Dual shift below which convergence is fast even for dependent rows.
+const LEAST_SHIFT: f64 = 1e-9;
+/// Steps in a row that leave more than this share of the violation ask for a smaller dual shift.
+const SLOW: f64 = 0.5;
+const SLOW_STEPS: usize = 4;
+/// Violation below which slow steps are those of the shift, not those of a program that is far from linear.
+const NEAR: f64 = 1e-1;
+/// Steps cut below 0.05 in a row that end a run.
+const SHORT: f64 = 0.05;
+const SHORT_STEPS: usize = 6;
+/// Violation up to which a point is accepted.
+const FEASIBLE: f64 = 1e-9;
+/// Most iterations of an attempt.
+const ITERATIONS: usize = 40;
+
+/// How a program is solved.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Attempt {
+    barrier_parameter: f64,
+    /// Damps the steps of programs with dependent rows or more equations than variables: the larger, the fewer
+    /// iterations most of them take. It is reduced where it makes convergence slow.
+    dual_shift: f64,
+}
+
+impl Attempt {
+    pub(crate) const fn new(barrier_parameter: f64, dual_shift: f64) -> Self {
+        Self {
+            barrier_parameter,
+            dual_shift,
+        }
+    }
+}
+
+/// Totals of all programs.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Work {
+    pub(crate) iterations: usize,
+    pub(crate) factorizations: usize,
+}
+
+/// Watches the steps of a run.
+#[derive(Default)]
+struct Progress {
+    /// Steps in a row cut to nothing: a wrong choice of sides.
+    short: usize,
+    /// Steps in a row that hardly reduced the violation: the dual shift is too large.
+    slow: usize,
+    violation: f64,
+    barrier_parameter: f64,
+}
+
+impl Progress {
+    /// Takes in an iteration; `false` if the run shall stop.
+    fn goes_on(&mut self, info: &nlp::IterationInfo) -> bool {
+        let step = info.step_length_primal;
+        let short = info.iteration > 0 && step < SHORT;
+        let slow = info.iteration > 0
+            && info.barrier_parameter == self.barrier_parameter
+            && step > 0.3
+            && info.primal_infeasibility > SLOW * self.violation;
+        self.short = if short { self.short + 1 } else { 0 };
+        self.slow = if slow { self.slow + 1 } else { 0 };
+        self.violation = info.primal_infeasibility;
+        self.barrier_parameter = info.barrier_parameter;
+        self.short < SHORT_STEPS && !self.is_slow()
+    }
+
+    fn is_slow(&self) -> bool {
+        self.slow >= SLOW_STEPS && (10.0 * FEASIBLE..NEAR).contains(&self.violation)
+    }
+}
+
+/// Solves the program in which the variables `vanishes` are zero, from a point with multipliers; `None` if that
+/// fails.
+pub(crate) fn solve_branch(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    vanishes: &[bool],
+    start: &nlp::Solution,
+    attempt: Attempt,
+    work: &mut Work,
+) -> Option<nlp::Solution> {
+    let mut branch = Branch {
+        problem,
+        fixed: vanishes,
+    };
+    let mut warm = WarmStart {
+        barrier_parameter: attempt.barrier_parameter,
+        ..WarmStart::from_solution(start)
+    };
+    let mut dual_shift = attempt.dual_shift;
+    let mut left = ITERATIONS;
+    let tolerance = settings.interior_point.tolerance;
+    let solution = loop {
+        let barrier_parameter = warm.barrier_parameter;
+        let interior_point = nlp::Settings {
+            tolerance: (1e-2 * tolerance).max(1e-11),
+            constraint_tolerance: FEASIBLE,
+            acceptable_tolerance: tolerance,
+            acceptable_iterations: 5,
+            initial_barrier_parameter: barrier_parameter,
+            maximum_iterations: left,
+            bound_push: 1e-2 * barrier_parameter,
+            bound_fraction: 1e-2 * barrier_parameter,
+            bound_relaxation: 0.0,
+            permanent_dual_shift: dual_shift,
+            ..settings.interior_point.clone()
+        };
+        let mut progress = Progress::default();
+        let mut observer = |info: &nlp::IterationInfo| progress.goes_on(info);
+        let solution = nlp::solve_from(
+            &mut branch,
+            &interior_point,
+            Some(&warm),
+            Some(&mut observer),
+        )
+        .ok()?;
+        work.iterations += solution.counts.iterations;
+        work.factorizations += solution.counts.factorizations;
+        left = left.saturating_sub(solution.counts.iterations);
+        if !progress.is_slow() || dual_shift <= LEAST_SHIFT || left == 0 {
+            break solution;
+        }
+        dual_shift = (1e-2 * dual_shift).max(LEAST_SHIFT);
+        warm = WarmStart::from_solution(&solution);
+    };
+    // residuals decide, not the status: a program with as many equations as variables may end with a
+    // failed line search at an exact solution
+    let multipliers = solution.multipliers.iter();
+    let scale = multipliers.fold(1.0, |a: f64, y| a.max(y.abs()));
+    let accepted = solution.residuals.primal <= FEASIBLE
+        && solution.residuals.dual <= tolerance * scale
+        && solution.residuals.complementarity <= tolerance * scale;
+    accepted.then_some(solution)
+}
 
 /// A complementarity problem without its pairs, with some variables fixed at zero.
-pub(crate) struct Branch<'a> {
-    pub(crate) problem: &'a mut dyn Mpcc,
-    pub(crate) fixed: &'a [bool],
+struct Branch<'a> {
+    problem: &'a mut dyn Mpcc,
+    fixed: &'a [bool],
 }
 
 impl NlpProblem for Branch<'_> {

@@ -1,9 +1,10 @@
 //! From the relaxed solution to an exact one: fix one side of each pair and solve the smooth program.
 
-use super::branch::Branch;
+use super::branch::{Attempt, Work, solve_branch};
 use super::certificate::Certifier;
+use super::forced::mark_forced;
 use super::{Certificate, Mpcc, Settings};
-use crate::nlp::{self, WarmStart};
+use crate::nlp;
 
 /// An exact point.
 #[derive(Debug, Clone)]
@@ -11,27 +12,41 @@ pub(crate) struct Exact {
     pub(crate) solution: nlp::Solution,
     pub(crate) certificate: Certificate,
     pub(crate) repairs: usize,
+    pub(crate) neighbours: usize,
 }
 
-/// Totals of the crossovers.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Work {
-    pub(crate) iterations: usize,
-    pub(crate) factorizations: usize,
+impl Exact {
+    /// A solved branch with its certificate.
+    fn new(
+        problem: &mut dyn Mpcc,
+        settings: &Settings,
+        vanishes: &[bool],
+        mut solution: nlp::Solution,
+    ) -> Self {
+        clean(problem, vanishes, &mut solution);
+        Self {
+            certificate: certify(problem, settings, &solution),
+            solution,
+            repairs: 0,
+            neighbours: 0,
+        }
+    }
 }
 
-/// Most iterations of one crossover.
-const ITERATIONS: usize = 30;
-/// Attempts (barrier parameter, dual shift) from a relaxed point. The shift damps the steps of programs with
-/// dependent rows or more equations than variables: with 1e-5 most crossovers take 3 to 6 iterations, with
-/// 1e-8 six to ten, but a few need the smaller one.
-const FROM_RELAXED: [(f64, f64); 3] = [(1e-6, 1e-5), (1e-6, 1e-8), (1e-3, 1e-8)];
-/// Attempts after a step along a descent direction.
-const FROM_DESCENT: [(f64, f64); 2] = [(1e-4, 1e-5), (1e-2, 1e-8)];
-/// Steps cut below 0.05 in a row that end a crossover.
-const SHORT_STEPS: usize = 6;
-/// Violation up to which a crossover is accepted.
-const FEASIBLE: f64 = 1e-9;
+/// From a run that goes on if this fails.
+pub(crate) const PAUSED: [Attempt; 1] = [Attempt::new(1e-6, 1e-5)];
+/// From the end of a relaxed run.
+pub(crate) const FINAL: [Attempt; 3] = [
+    Attempt::new(1e-6, 1e-5),
+    Attempt::new(1e-6, 1e-7),
+    Attempt::new(1e-3, 1e-8),
+];
+/// After a step along a descent direction, the first also from another choice of sides.
+const NEAR: [Attempt; 3] = [
+    Attempt::new(1e-4, 1e-5),
+    Attempt::new(1e-6, 1e-7),
+    Attempt::new(1e-2, 1e-8),
+];
 
 /// Which variables to fix at zero: the choice of the problem if it has one, else the smaller side of each
 /// pair.
@@ -65,70 +80,13 @@ fn vanishing_sides(problem: &dyn Mpcc, x: &[f64], nu: &[f64], zero: f64) -> Vec<
     vanishes
 }
 
-/// Solves the program with the given sides fixed, from a point with multipliers.
-fn solve_branch(
-    problem: &mut dyn Mpcc,
-    settings: &Settings,
-    vanishes: &[bool],
-    start: &nlp::Solution,
-    (barrier_parameter, dual_shift): (f64, f64),
-    work: &mut Work,
-) -> Option<nlp::Solution> {
-    let interior_point = nlp::Settings {
-        tolerance: (1e-2 * settings.interior_point.tolerance).max(1e-11),
-        constraint_tolerance: FEASIBLE,
-        acceptable_tolerance: settings.interior_point.tolerance,
-        acceptable_iterations: 5,
-        initial_barrier_parameter: barrier_parameter,
-        maximum_iterations: ITERATIONS,
-        bound_push: 1e-2 * barrier_parameter,
-        bound_fraction: 1e-2 * barrier_parameter,
-        bound_relaxation: 0.0,
-        permanent_dual_shift: dual_shift,
-        ..settings.interior_point.clone()
-    };
-    let warm = WarmStart {
-        barrier_parameter,
-        ..WarmStart::from_solution(start)
-    };
-    let mut branch = Branch {
-        problem,
-        fixed: vanishes,
-    };
-    // a wrong choice of sides shows as a row of steps cut to nothing
-    let mut short_steps = 0;
-    let mut observer = |info: &nlp::IterationInfo| {
-        let short = info.iteration > 0 && info.step_length_primal < 0.05;
-        short_steps = if short { short_steps + 1 } else { 0 };
-        short_steps < SHORT_STEPS
-    };
-    let solution = nlp::solve_from(
-        &mut branch,
-        &interior_point,
-        Some(&warm),
-        Some(&mut observer),
-    )
-    .ok()?;
-    work.iterations += solution.counts.iterations;
-    work.factorizations += solution.counts.factorizations;
-    // residuals decide, not the status: a program with as many equations as variables may end with a
-    // failed line search at an exact solution
-    let tolerance = settings.interior_point.tolerance;
-    let scale = solution
-        .multipliers
-        .iter()
-        .fold(1.0, |a: f64, y| a.max(y.abs()));
-    let accepted = solution.residuals.primal <= FEASIBLE
-        && solution.residuals.dual <= tolerance * scale
-        && solution.residuals.complementarity <= tolerance * scale;
-    accepted.then_some(solution)
-}
-
-/// Crossover from a relaxed solution, with repairs while the certificate finds descent.
+/// Crossover from a relaxed solution, with repairs while the certificate finds descent; if its objective is at
+/// most `limit`, neighbouring choices of sides are tried too.
 pub(crate) fn cross_over(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     relaxed: &nlp::Solution,
+    (attempts, limit): (&[Attempt], f64),
     work: &mut Work,
 ) -> Option<Exact> {
     let mut vanishes = vanishing_sides(
@@ -137,52 +95,102 @@ pub(crate) fn cross_over(
         &relaxed.multipliers_lower,
         settings.zero_tolerance,
     );
-    let found = FROM_RELAXED
-        .into_iter()
-        .find_map(|attempt| solve_branch(problem, settings, &vanishes, relaxed, attempt, work));
-    let mut solution = found?;
-    clean(problem, &vanishes, &mut solution);
-    let mut certificate = certify(problem, settings, &solution);
-    let mut repairs = 0;
-    while repairs < settings.maximum_repairs {
-        let Some(descent) = &certificate.descent else {
+    mark_forced(problem, &relaxed.x, &mut vanishes);
+    let solution = attempts
+        .iter()
+        .find_map(|&attempt| solve_branch(problem, settings, &vanishes, relaxed, attempt, work))?;
+    let mut exact = Exact::new(problem, settings, &vanishes, solution);
+    while exact.repairs < settings.maximum_repairs {
+        let Some(next) = repair(problem, settings, &exact, &mut vanishes, work) else {
             break;
         };
-        // the branch that contains the descent direction
-        for &k in &certificate.biactive {
-            let (i, j) = problem.complementarities()[k];
-            let first = descent[i] <= descent[j];
-            vanishes[i] = first;
-            vanishes[j] = !first;
+        exact = Exact {
+            repairs: exact.repairs + 1,
+            ..next
+        };
+    }
+    if exact.solution.objective <= limit && exact.certificate.b_stationary == Some(true) {
+        improve(problem, settings, &mut exact, &mut vanishes, work);
+    }
+    Some(exact)
+}
+
+/// A lower point of the branch that contains the descent direction of the certificate.
+fn repair(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    exact: &Exact,
+    vanishes: &mut [bool],
+    work: &mut Work,
+) -> Option<Exact> {
+    let descent = exact.certificate.descent.as_ref()?;
+    for &k in &exact.certificate.biactive {
+        let (i, j) = problem.complementarities()[k];
+        let first = descent[i] <= descent[j];
+        vanishes[i] = first;
+        vanishes[j] = !first;
+    }
+    for &(i, j) in problem.complementarities() {
+        if !vanishes[i] && !vanishes[j] {
+            let first = exact.solution.x[i] <= exact.solution.x[j];
+            vanishes[if first { i } else { j }] = true;
         }
-        for k in 0..problem.complementarities().len() {
-            let (i, j) = problem.complementarities()[k];
-            if !vanishes[i] && !vanishes[j] {
-                let side = if solution.x[i] <= solution.x[j] { i } else { j };
-                vanishes[side] = true;
+    }
+    mark_forced(problem, &exact.solution.x, vanishes);
+    let mut start = exact.solution.clone();
+    for (x, d) in start.x.iter_mut().zip(descent) {
+        *x += 1e-3 * d;
+    }
+    let solution = NEAR.iter().find_map(|&attempt| {
+        solve_branch(problem, settings, vanishes, &start, attempt, work)
+            .filter(|next| next.objective < exact.solution.objective)
+    })?;
+    Some(Exact::new(problem, settings, vanishes, solution))
+}
+
+/// Tries the neighbours that the problem knows of, in their order, and goes on from each that is certified and
+/// better, until none is or [`Settings::maximum_neighbours`] are tried.
+fn improve(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    exact: &mut Exact,
+    vanishes: &mut Vec<bool>,
+    work: &mut Work,
+) {
+    loop {
+        let mut improved = false;
+        for index in 0.. {
+            if exact.neighbours >= settings.maximum_neighbours {
+                return;
+            }
+            let mut start = exact.solution.clone();
+            let mut sides = vanishes.clone();
+            if !problem.neighbour(index, &mut start.x, &mut sides) {
+                break;
+            }
+            exact.neighbours += 1;
+            mark_forced(problem, &start.x, &mut sides);
+            let solution = solve_branch(problem, settings, &sides, &start, NEAR[0], work);
+            let objective = exact.solution.objective;
+            let least = 10.0 * settings.interior_point.tolerance * objective.abs().max(1.0);
+            let Some(solution) = solution.filter(|s| s.objective < objective - least) else {
+                continue;
+            };
+            let next = Exact::new(problem, settings, &sides, solution);
+            if next.certificate.b_stationary == Some(true) {
+                *exact = Exact {
+                    repairs: exact.repairs,
+                    neighbours: exact.neighbours,
+                    ..next
+                };
+                *vanishes = sides;
+                improved = true;
             }
         }
-        let mut start = solution.clone();
-        for (x, d) in start.x.iter_mut().zip(descent) {
-            *x += 1e-3 * d;
+        if !improved {
+            return;
         }
-        repairs += 1;
-        let next = FROM_DESCENT
-            .into_iter()
-            .find_map(|attempt| solve_branch(problem, settings, &vanishes, &start, attempt, work));
-        let Some(mut next) = next else { break };
-        clean(problem, &vanishes, &mut next);
-        if next.objective >= solution.objective {
-            break;
-        }
-        solution = next;
-        certificate = certify(problem, settings, &solution);
     }
-    Some(Exact {
-        solution,
-        certificate,
-        repairs,
-    })
 }
 
 /// Multipliers of fixed sides have either sign; one number says it.

@@ -4,17 +4,51 @@
 //!     min f(x)  s.t.  c_l <= c(x) <= c_u,  x_l <= x <= x_u,  0 <= x_i  _|_  x_j >= 0  for all pairs
 //! ```
 //!
-//! One warm interior point run relaxes every pair to `x_i x_j <= sigma` (Scholtes) and drives `sigma`
-//! to zero together with the barrier parameter; a crossover fixes one side of each pair and solves the
-//! remaining smooth program exactly; a certificate then says what kind of stationary point it is.
+//! # Method
+//! One warm interior point run relaxes every pair (Scholtes, SIAM Journal on Optimization 11, 2001),
+//!
+//! ```text
+//!     x_i x_j <= sigma,
+//! ```
+//!
+//! and drives `sigma` to zero together with the barrier parameter `mu`; how, a [`RelaxationRule`] says. The product
+//! keeps its slack `s` and multiplier `r` to itself: eliminated from the Newton system, a pair adds the block
+//! `[0, r; r, 0] + (r/s) [x_j^2, x_i x_j; x_i x_j, x_i^2]`. Other rules take over where one fails:
+//!
+//! ```text
+//!     RollOff        sigma = mu^2 / (mu^2 + 1e-6)
+//!     Elastic        min f + s / sigma,  x_i x_j <= s,  sigma = 1, 0.1, ...
+//!     Continuation   sigma in steps whose length follows the iterations of the last one
+//!     Proportional   sigma = 10 mu
+//!     Homotopy       sigma = 1, 0.1, ..., 1e-8 in separate solves, for comparison
+//! ```
+//!
+//! At `sigma = 1e-5` a *crossover* fixes one side of each pair at zero, the smaller one or those that
+//! [`Mpcc::vanishing_sides`] says, and with it all that linear rows then force to zero, and solves the remaining
+//! smooth program to full accuracy: `min(x_i, x_j) = 0` exactly. If that fails, the run goes on to the final `sigma`
+//! and crosses over from there.
+//!
+//! A *certificate* follows. With the multipliers `nu_i`, `nu_j` of a pair with `x_i = x_j = 0` the point is strongly
+//! stationary if both are nonnegative; else branch and bound over the sides of these pairs looks for a descent
+//! direction of the linear program with complementarity constraints
+//!
+//! ```text
+//!     min grad f'd  s.t.  linearized active constraints,  0 <= d_i  _|_  d_j >= 0,  |d|_inf <= 1.
+//! ```
+//!
+//! None means B-stationary: certified. A direction leads to another choice of sides and a lower point. Last, choices
+//! next to the certified one that the problem knows of ([`Mpcc::neighbour`]) are tried for a better objective.
 
 mod branch;
 mod certificate;
 mod crossover;
 mod driver;
+mod elastic;
+mod forced;
 mod linear_program;
 mod problem;
 mod relaxation;
+mod run;
 mod settings;
 mod solution;
 

@@ -13,6 +13,10 @@ pub enum RelaxationRule {
     Continuation,
     /// `sigma = 10 mu`: fastest, but prone to poor local minima.
     Proportional,
+    /// The l-infinity elastic mode: `min f + s / sigma` s.t. `x_i x_j <= s` for all pairs, with one slack
+    /// `s >= 0`, for `sigma = 1, 0.1, ...` until `s` vanishes (Anitescu, SIAM Journal on Optimization 15, 2005). The
+    /// most robust rule where the relaxed problem becomes infeasible, at the price of a row for each pair.
+    Elastic,
     /// A sequence of separate solves with `sigma = 1, 0.1, ..., 1e-8`, each from the last point; for
     /// comparison (Scholtes 2001).
     Homotopy,
@@ -35,6 +39,9 @@ pub struct Settings {
     pub crossover: bool,
     /// Most changes of the fixed sides after the first crossover; default 10.
     pub maximum_repairs: usize,
+    /// Most neighbouring choices of the fixed sides ([`Mpcc::neighbour`](super::Mpcc::neighbour)) that are tried for
+    /// a better objective after a certified crossover; default 100, 0 = none.
+    pub maximum_neighbours: usize,
     /// A paired variable below this counts as zero when points are classified; default 1e-7, > 0.
     pub zero_tolerance: f64,
     /// Most linear programs that a certificate of B-stationarity may solve; default 200.
@@ -52,12 +59,14 @@ impl Default for Settings {
             interior_point,
             rules: vec![
                 RelaxationRule::RollOff,
+                RelaxationRule::Elastic,
                 RelaxationRule::Continuation,
                 RelaxationRule::Proportional,
             ],
             final_relaxation: 1e-8,
             crossover: true,
             maximum_repairs: 10,
+            maximum_neighbours: 100,
             zero_tolerance: 1e-7,
             maximum_certificate_programs: 200,
         }

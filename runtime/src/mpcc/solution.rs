@@ -86,6 +86,8 @@ pub struct Solution {
     pub crossover_iterations: usize,
     /// Changes of the fixed sides after the first crossover.
     pub repairs: usize,
+    /// Neighbouring choices of the fixed sides that were tried for a better objective.
+    pub neighbours: usize,
     /// Factorizations of all runs.
     pub factorizations: usize,
     /// Log of the relaxed run that led to the point.

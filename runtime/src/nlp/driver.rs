@@ -1,5 +1,6 @@
 //! Entry points: from the user's problem to the loop and back.
 
+use super::adaptive_barrier::AdaptiveBarrier;
 use super::barrier::{BarrierPath, Monotone};
 use super::barrier_problem::BarrierProblem;
 use super::formulation::Formulation;
@@ -7,7 +8,7 @@ use super::iterate::Iterate;
 use super::scaling::interior;
 use super::solution::diagnose;
 use super::solver::{Core, Loop, Observer, Outcome};
-use super::{InputError, NlpProblem, Residuals, Settings, Solution, Status};
+use super::{BarrierStrategy, InputError, NlpProblem, Residuals, Settings, Solution, Status};
 
 /// A point with multipliers to start from, for instance those of an earlier [`Solution`].
 #[derive(Debug, Clone, PartialEq)]
@@ -188,14 +189,15 @@ pub(crate) fn run<'o>(
 }
 
 /// As [`run`], from a point without multipliers, or from the end of an earlier run.
-pub(crate) fn run_from_point(
+pub(crate) fn run_from_point<'o>(
     problem: &mut dyn NlpProblem,
     settings: &Settings,
     products: &mut Products,
     path: &mut dyn BarrierPath,
     point: Option<&[f64]>,
+    observer: Option<&'o mut Observer<'o>>,
 ) -> Result<Solution, InputError> {
-    run_loop(problem, settings, products, path, (point, None), None)
+    run_loop(problem, settings, products, path, (point, None), observer)
 }
 
 fn run_loop<'o>(
@@ -211,6 +213,9 @@ fn run_loop<'o>(
     let mut core = Core::new(formulation, settings, observer)?;
     let main = BarrierProblem::main(&core.formulation);
     let mut main_loop = Loop::new(&mut core, main, path, false);
+    if settings.barrier_strategy == BarrierStrategy::Adaptive && products.pairs.is_empty() {
+        main_loop.adaptive = Some(AdaptiveBarrier::new(settings.tolerance, start.is_some()));
+    }
     first_point(&mut main_loop);
     if !main_loop.evaluate_iterate() {
         let what = not_finite(&main_loop);

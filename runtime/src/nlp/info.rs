@@ -8,7 +8,7 @@ pub struct IterationInfo {
     pub iteration: usize,
     /// Whether the iteration belongs to the restoration phase.
     pub restoration: bool,
-    /// Objective, unscaled (of the original problem, also in the restoration phase).
+    /// Objective, unscaled; in the restoration phase that of its own problem.
     pub objective: f64,
     /// Constraint violation `|c|_inf`, scaled.
     pub primal_infeasibility: f64,
@@ -33,6 +33,7 @@ pub struct IterationInfo {
     /// Factorizations of the iteration.
     pub factorizations: usize,
     /// How the step was accepted: `f` Armijo, `h` filter, `F`/`H` the same after a second-order
-    /// correction, `t` tiny step, `R` after restoration, ` ` none.
+    /// correction, `t` tiny step, `w` full step of the watchdog, `s` soft restoration, `R` after restoration,
+    /// ` ` none.
     pub acceptance: char,
 }

@@ -5,13 +5,32 @@
 //! | column | meaning |
 //! |---|---|
 //! | `iter` | iteration number, `r` appended in the restoration phase |
-//! | `objective` | unscaled objective |
+//! | `objective` | unscaled objective; in the restoration phase that of its own problem |
 //! | `inf_pr`, `inf_du`, `inf_co` | primal and dual infeasibility and complementarity, scaled |
 //! | `lg(mu)`, `lg(sg)` | decimal logarithm of barrier and relaxation parameter |
 //! | `\|\|d\|\|` | largest entry of the step |
 //! | `lg(rg)` | decimal logarithm of the Hessian shift, `-` without |
 //! | `alpha_du`, `alpha_pr` | dual and primal step length, with the letter of the acceptance |
 //! | `ls`, `fa` | trial points, factorizations |
+//!
+//! # Examples
+//! The log of a run as it happens, here into a buffer:
+//!
+//! ```
+//! use hangtime::nlp::{self, ElementProblemBuilder, IterationInfo, Settings, Target, iteration_log};
+//!
+//! let mut builder = ElementProblemBuilder::new();
+//! let x = builder.variable(1.0, f64::INFINITY, 3.0);
+//! builder.linear(Target::Objective, 1.0, x);
+//! let mut problem = builder.build()?;
+//! let mut log = Vec::new();
+//! iteration_log::write_heading(&mut log)?;
+//! let mut observer = |info: &IterationInfo| iteration_log::write_line(&mut log, info).is_ok();
+//! let solution = nlp::solve_from(&mut problem, &Settings::default(), None, Some(&mut observer))?;
+//! assert!(solution.status.is_solved());
+//! assert_eq!(String::from_utf8(log)?.lines().count(), 1 + solution.history.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::io::{self, Write};
 

@@ -17,6 +17,8 @@ pub(crate) enum Acceptance {
     Filter,
     /// The step is below the resolution of the numbers.
     Tiny,
+    /// A full step of the watchdog, taken without a test.
+    Watchdog,
 }
 
 impl Acceptance {
@@ -29,6 +31,7 @@ impl Acceptance {
             (Self::Filter, false) => 'h',
             (Self::Filter, true) => 'H',
             (Self::Tiny, _) => 't',
+            (Self::Watchdog, _) => 'w',
         }
     }
 }
@@ -97,6 +100,9 @@ impl Loop<'_, '_, '_, '_> {
     }
 
     pub(crate) fn line_search(&mut self) -> Search {
+        if let Some(search) = self.watchdog_step() {
+            return search;
+        }
         let alpha_max = self.longest_step(&self.direction);
         let reference = Reference {
             theta: self.values.theta(),
@@ -105,34 +111,51 @@ impl Loop<'_, '_, '_, '_> {
                 .barrier_function(&self.iterate.v, self.values.objective, self.mu),
             slope: self.slope(&self.direction.v),
         };
-        let mut search = Search {
-            acceptance: Acceptance::Tiny,
-            alpha: alpha_max,
-            alpha_max,
-            trials: 0,
-            corrected: false,
-            filter_rejected: false,
-        };
         if self.is_tiny() && self.take_trial(alpha_max, false) {
+            return Search {
+                acceptance: Acceptance::Tiny,
+                alpha: alpha_max,
+                alpha_max,
+                trials: 0,
+                corrected: false,
+                filter_rejected: false,
+            };
+        }
+        if let Some(search) = self.begin_watchdog(&reference, alpha_max) {
             return search;
         }
+        let search = self.backtrack(&reference, alpha_max, alpha_max);
+        self.watchdog.see(&search);
+        search
+    }
+
+    /// Halves the step from `first` on until the point is acceptable; a second-order correction belongs to the longest
+    /// step only.
+    pub(crate) fn backtrack(
+        &mut self,
+        reference: &Reference,
+        alpha_max: f64,
+        first: f64,
+    ) -> Search {
+        let mut search = Search::failed(0);
+        search.alpha_max = alpha_max;
         let alpha_min = smallest_step(reference.theta, reference.slope, self.theta_min);
-        let mut alpha = alpha_max;
+        let mut alpha = first;
         loop {
             search.trials += 1;
             if self.take_trial(alpha, false) {
-                let (acceptance, filter_rejected) = self.judge(&reference, alpha, alpha);
+                let (acceptance, filter_rejected) = self.judge(reference, alpha, alpha);
                 if acceptance != Acceptance::None {
-                    self.augment_filter(acceptance, &reference);
+                    self.augment_filter(acceptance, reference);
                     search.acceptance = acceptance;
                     search.alpha = alpha;
                     return search;
                 }
                 search.filter_rejected = filter_rejected;
-                if search.trials == 1 && self.trial_values.theta() >= reference.theta {
-                    let acceptance = self.second_order_correction(&reference, alpha);
+                if alpha == alpha_max && self.trial_values.theta() >= reference.theta {
+                    let acceptance = self.second_order_correction(reference, alpha);
                     if acceptance != Acceptance::None {
-                        self.augment_filter(acceptance, &reference);
+                        self.augment_filter(acceptance, reference);
                         search.acceptance = acceptance;
                         search.alpha = self.longest_step(&self.correction);
                         search.corrected = true;
@@ -212,7 +235,7 @@ impl Loop<'_, '_, '_, '_> {
         }
     }
 
-    fn augment_filter(&mut self, acceptance: Acceptance, reference: &Reference) {
+    pub(crate) fn augment_filter(&mut self, acceptance: Acceptance, reference: &Reference) {
         if acceptance == Acceptance::Filter {
             self.filter.add(reference.theta, reference.phi);
         }

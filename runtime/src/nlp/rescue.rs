@@ -1,4 +1,4 @@
-//! What to do when no step is found: larger shifts, restoration, or the end.
+//! What to do when no step is found: larger shifts, soft restoration, restoration, or the end.
 
 use super::Status;
 use super::restoration::Restored;
@@ -32,6 +32,9 @@ impl Loop<'_, '_, '_, '_> {
                 Status::StepTooSmall
             };
             return Some(self.outcome(status));
+        }
+        if had_direction && self.soft_restoration_step() {
+            return None;
         }
         self.restore(0.9)
     }

@@ -2,15 +2,17 @@
 
 use std::time::Instant;
 
+use super::adaptive_barrier::AdaptiveBarrier;
 use super::barrier::{BarrierPath, Level, PathStep};
 use super::barrier_problem::{BarrierProblem, Values};
 use super::filter::Filter;
 use super::formulation::Formulation;
 use super::inertia_correction::InertiaCorrection;
-use super::iterate::{Iterate, longest_primal_step};
+use super::iterate::{Iterate, longest_dual_step, longest_primal_step};
 use super::kkt_system::KktSystem;
 use super::line_search::{Acceptance, Search};
 use super::residuals::{OptimalityError, complementarity, error_scales, lagrangian_gradient};
+use super::watchdog::Watchdog;
 use super::{InputError, IterationInfo, Settings, Status};
 
 /// Receives each line of the log as it is made; `false` stops the run.
@@ -101,6 +103,10 @@ pub(crate) struct Loop<'c, 'a, 'o, 'p> {
     pub(crate) acceptable: usize,
     pub(crate) degenerate: usize,
     pub(crate) last_restoration: Option<usize>,
+    pub(crate) adaptive: Option<AdaptiveBarrier>,
+    pub(crate) watchdog: Watchdog,
+    /// Steps of the soft restoration in a row.
+    pub(crate) soft_steps: usize,
     pub(crate) info: IterationInfo,
 }
 
@@ -151,6 +157,9 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             acceptable: 0,
             degenerate: 0,
             last_restoration: None,
+            adaptive: None,
+            watchdog: Watchdog::default(),
+            soft_steps: 0,
             info: IterationInfo {
                 acceptance: ' ',
                 ..IterationInfo::default()
@@ -246,7 +255,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             if let Some(status) = self.stop_test(&error) {
                 return self.outcome(status);
             }
-            if let Some(status) = self.update_barrier() {
+            if let Some(status) = self.update_adaptive_barrier() {
                 return self.outcome(status);
             }
             let count = self.core.kkt.factorizations;
@@ -370,7 +379,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
     }
 
     /// Moves along the path while the current problem is solved.
-    fn update_barrier(&mut self) -> Option<Status> {
+    pub(crate) fn update_barrier(&mut self) -> Option<Status> {
         let mut forced = self.tiny_steps >= 2;
         if self.tiny_steps >= 2 {
             self.tiny_steps = 0;
@@ -410,10 +419,11 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
     }
 
     /// Sets new parameters; `true` if `sigma` changed, which moves the slacks of products.
-    fn change_parameters(&mut self, mu: f64, sigma: f64) -> bool {
+    pub(crate) fn change_parameters(&mut self, mu: f64, sigma: f64) -> bool {
         self.mu = mu;
         self.tau = fraction_to_boundary(mu);
         self.filter.clear();
+        self.watchdog.reset();
         self.level_iterations = 0;
         self.jams = 0;
         let changed = sigma != self.sigma;
@@ -462,6 +472,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
         let mut floor = self.shift_floor;
         let mut dual_shift = core.settings.permanent_dual_shift;
         for _ in 0..4 {
+            let core = &mut *self.core;
             core.kkt
                 .assemble(&self.problem, &self.iterate, self.mu, false);
             if !self.inertia.factorize(
@@ -477,6 +488,8 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                 }
                 return false;
             }
+            self.choose_centring();
+            let core = &mut *self.core;
             let quality = core.kkt.direction(
                 &self.problem,
                 &self.iterate,
@@ -504,6 +517,13 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
     /// Largest primal step along `direction`.
     pub(crate) fn longest_step(&self, direction: &Iterate) -> f64 {
         longest_primal_step(&self.problem, &self.iterate.v, &direction.v, self.tau)
+    }
+
+    /// Largest step of the bound multipliers along `direction`.
+    pub(crate) fn longest_dual_step(&self, direction: &Iterate) -> f64 {
+        longest_dual_step(&self.iterate.z_lower, &direction.z_lower, self.tau).min(
+            longest_dual_step(&self.iterate.z_upper, &direction.z_upper, self.tau),
+        )
     }
 }
 

@@ -32,6 +32,22 @@ pub struct ProblemStatistics {
 
 impl ProblemStatistics {
     /// Counts of `problem`; evaluates nothing.
+    ///
+    /// # Examples
+    /// ```
+    /// use hangtime::nlp::{ElementProblemBuilder, ProblemStatistics, Target};
+    ///
+    /// let mut builder = ElementProblemBuilder::new();
+    /// let x = [(0.0, 1.0), (0.0, f64::INFINITY)].map(|(l, u)| builder.variable(l, u, 0.5));
+    /// let row = builder.row(1.0, 1.0);
+    /// for x in x {
+    ///     builder.linear(Target::Row(row), 1.0, x);
+    /// }
+    /// let statistics = ProblemStatistics::of(&builder.build()?);
+    /// assert_eq!((statistics.two_sided, statistics.lower_bounded), (1, 1));
+    /// assert_eq!((statistics.equalities, statistics.jacobian_entries), (1, 2));
+    /// # Ok::<(), hangtime::nlp::InputError>(())
+    /// ```
     pub fn of(problem: &dyn NlpProblem) -> Self {
         let (n, m) = (problem.variables(), problem.constraints());
         let mut statistics = Self {

@@ -1,6 +1,6 @@
 //! From an accepted step to the next iterate.
 
-use super::iterate::{longest_dual_step, safeguarded};
+use super::iterate::safeguarded;
 use super::line_search::{Acceptance, Search};
 use super::solver::Loop;
 
@@ -14,10 +14,7 @@ impl Loop<'_, '_, '_, '_> {
             &self.direction
         };
         self.info.step_norm = direction.v.iter().fold(0.0, |a: f64, d| a.max(d.abs()));
-        let alpha_dual =
-            longest_dual_step(&self.iterate.z_lower, &direction.z_lower, self.tau).min(
-                longest_dual_step(&self.iterate.z_upper, &direction.z_upper, self.tau),
-            );
+        let alpha_dual = self.longest_dual_step(direction);
         std::mem::swap(&mut self.iterate.v, &mut self.trial);
         std::mem::swap(&mut self.values, &mut self.trial_values);
         let m = self.problem.m;
@@ -37,6 +34,7 @@ impl Loop<'_, '_, '_, '_> {
         self.info.trials = search.trials;
         self.info.acceptance = search.acceptance.letter(search.corrected);
         self.stalls = 0;
+        self.soft_steps = 0;
         if search.acceptance == Acceptance::Tiny {
             self.tiny_steps += 1;
         } else {

@@ -1,7 +1,7 @@
 //! The phase that finds the digits: collocation of high order with a given contact sequence.
 //!
-//! One Radau IIA element a phase (a part of a control interval between two switches), of length `h`,
-//! with the closed contacts `A`:
+//! A phase is a part of a control interval between two switches. On each of its Radau IIA elements (one, unless the
+//! grid is refined), of length `h`, with the closed contacts `A`:
 //!
 //! ```text
 //! sum_j C_mj Q_j = h V_m + sum_A d_i eta_i      g_i(Q_m) = 0,  v_n,i(Q_m, V_m) = 0,  r_i >= 0     i in A
@@ -11,9 +11,9 @@
 //! (stabilised index 2: Gear, Leimkuhler, Gupta 1985; order `2 s - 1` in `q` and `v`). The unknowns `r_i` are
 //! normal accelerations times `h`, so that the system stays regular for short phases. Between phases:
 //! an opening inside an interval happens where the force vanishes, `r_i = 0`; one at a jump of the
-//! controls where `r_i >= 0` before and the normal acceleration is `>= 0` after it; a closing where
-//! `g_i = 0`, followed by the impact map `v+ = v + sum_B d_i p_i`, `v_n,i(v+) = 0` for all contacts `B`
-//! closed afterwards.
+//! controls where `r_i >= 0` before and the normal acceleration is `>= 0` after it; a closing or a touch where
+//! `g_i = 0`, followed by the impact map `v+ = v + sum_B d_i p_i`, `v_n,i(v+) = -e_i v_n,i(v)` for all contacts `B`
+//! closed there. A touch leaves its contact open; without a bounce the normal acceleration is `>= 0` after it.
 //!
 //! A coordinate whose acceleration depends on nothing but the controls is a parabola on each interval,
 //! so a bound holds at all times if and only if the shifted control points `b_0, b_1, b_2` of the parabola
@@ -64,10 +64,10 @@ pub(super) struct Stage {
     pub(super) gap_rows: Vec<usize>,
 }
 
-/// One phase and where its unknowns are.
+/// One element of a phase and where its unknowns are.
 pub(super) struct Phase {
     pub(super) interval: usize,
-    /// Index in its interval, and the number of phases there.
+    /// Index in its interval, and the number of elements there.
     pub(super) index: (usize, usize),
     pub(super) closed: Vec<usize>,
     /// State `(q, v)` at the start, after any jump.
@@ -80,7 +80,7 @@ pub(super) struct Phase {
     pub(super) openings: Vec<(usize, usize)>,
     /// The switch at the end inside the interval, as an index into the sequence.
     pub(super) ends_with: Option<usize>,
-    /// The contact that closes at the end.
+    /// The contact that closes or is touched at the end.
     pub(super) closing: Option<usize>,
 }
 

@@ -2,16 +2,22 @@
 
 use super::cuts::excess;
 use super::path::Path;
+use super::previous::Previous;
 use super::search::{Local, Search};
 use super::sequence::Sequence;
 use super::solution::{Size, Solution, Stationarity, Status};
 use crate::nlp;
 use crate::simulation::{
-    EventDriven, EventKind, InputError, Residuals, Simulation, SimulationStatus, Simulator as _,
+    ControlSignal, EventDriven, EventKind, InputError, Residuals, Simulation, SimulationStatus,
+    Simulator as _,
 };
 
 /// Points of the re-simulation in each interval.
 const OUTPUTS: usize = 10;
+
+/// Rounds in which the grid is refined where the re-simulation does not confirm a plan, and most elements of a phase.
+const REFINEMENTS: usize = 2;
+const MOST_ELEMENTS: usize = 8;
 
 impl<'a> Search<'a, '_> {
     pub(super) fn simulate(&self, path: &Path, tolerance: f64) -> Result<Simulation, InputError> {
@@ -33,7 +39,7 @@ impl<'a> Search<'a, '_> {
         let initially = forces.map(|forces| forces.iter().map(|&f| f > 0.0).collect());
         Sequence::read(
             initially.unwrap_or_default(),
-            &replay.events,
+            replay,
             path.horizon / intervals as f64,
             intervals,
         )
@@ -66,6 +72,24 @@ impl<'a> Search<'a, '_> {
         );
         let mut solution = self.finish(local, stationarity)?;
         let first = self.setting.tableau;
+        let coarse = self.elements.clone();
+        for _ in 0..REFINEMENTS {
+            if self.watch.stopped
+                || solution.status != Status::Unconfirmed
+                || !self.refine_grid(&path)?
+            {
+                break;
+            }
+            self.best = None;
+            self.attempt(&sequence, &path, &[])?;
+            let Some(better) = self.best.take() else {
+                break;
+            };
+            sequence.clone_from(&better.sequence);
+            path.clone_from(&better.path);
+            solution = self.finish(better, stationarity)?;
+        }
+        self.elements = coarse;
         for tableau in &self.tableaus[1..] {
             if self.watch.stopped || solution.status != Status::Unconfirmed {
                 break;
@@ -84,6 +108,45 @@ impl<'a> Search<'a, '_> {
         Ok(solution)
     }
 
+    /// Doubles the elements of the intervals over which the plan departs most from a simulation that starts where
+    /// the plan does; says whether there are any.
+    fn refine_grid(&mut self, path: &Path) -> Result<bool, InputError> {
+        let problem = self.setting.problem;
+        let n = problem.q.len();
+        let intervals = problem.intervals;
+        let length = path.horizon / intervals as f64;
+        let simulator = EventDriven {
+            tolerance: self.settings.resimulation_tolerance,
+            output_times: 1,
+            ..EventDriven::default()
+        };
+        let mut refined = false;
+        for k in 0..intervals {
+            let start = path.at(k as f64 * length, true);
+            let end = path.at((k + 1) as f64 * length, false);
+            let controls = ControlSignal::PiecewiseConstant {
+                times: vec![0.0],
+                values: vec![path.controls[k].clone()],
+            };
+            let motion = problem.initial_value_problem(&start[..2 * n], length, controls);
+            // A start that rounding puts below a surface tells nothing about the accuracy.
+            let Ok(simulation) = simulator.simulate(self.setting.model, &motion, &mut |_| {})
+            else {
+                continue;
+            };
+            let Some(reached) = simulation.trajectory.q.last() else {
+                continue;
+            };
+            let error = largest_difference(reached, &end[..n]);
+            let share = self.settings.largest_distance / intervals as f64;
+            if error > share && self.elements[k] < MOST_ELEMENTS {
+                self.elements[k] *= 2;
+                refined = true;
+            }
+        }
+        Ok(refined)
+    }
+
     /// Re-simulates a motion and compares.
     fn finish(
         &mut self,
@@ -95,16 +158,13 @@ impl<'a> Search<'a, '_> {
         let planned = best.path.at(best.path.horizon, true);
         let reached = replay.trajectory.q.last();
         let distance = match (&replay.status, reached) {
-            (SimulationStatus::Solved, Some(q)) => q
-                .iter()
-                .zip(&planned[..n])
-                .fold(0.0, |largest: f64, (a, b)| largest.max((a - b).abs())),
+            (SimulationStatus::Solved, Some(q)) => largest_difference(q, &planned[..n]),
             _ => f64::INFINITY,
         };
         let read = self.read(&replay, &best.path);
-        let kinds = |sequence: &Sequence| -> Vec<(usize, bool)> {
+        let kinds = |sequence: &Sequence| -> Vec<(usize, bool, bool)> {
             let switches = sequence.switches.iter();
-            switches.map(|s| (s.contact, s.closes)).collect()
+            switches.map(|s| (s.contact, s.closes, s.touches)).collect()
         };
         let agrees =
             distance <= self.settings.largest_distance && kinds(&read) == kinds(&best.sequence);
@@ -142,7 +202,8 @@ impl<'a> Search<'a, '_> {
             residuals,
             planned_events: planned_events.collect(),
             excess: excess(&best.program, &best.solution.x, self.limits()),
-            controls: best.path.controls,
+            controls: best.path.controls.clone(),
+            previous: Some(Previous::new(best.path, best.sequence)),
             motion: Some(replay),
             violations: best.solution.violations,
             size,
@@ -152,6 +213,11 @@ impl<'a> Search<'a, '_> {
             optima: Vec::new(),
         })
     }
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    let pairs = a.iter().zip(b);
+    pairs.fold(0.0, |largest: f64, (a, b)| largest.max((a - b).abs()))
 }
 
 /// Largest `min(g, r)` over all stages and contacts: 0 by construction wherever one of them is fixed.

@@ -140,7 +140,11 @@ pub(super) fn between_stages(
         let mut next = 0;
         while next < program.phases.len() {
             let open = |phase: &usize| !program.phases[*phase].closed.contains(&contact);
-            let flight: Vec<usize> = (next..program.phases.len()).take_while(open).collect();
+            // A flight ends where the contact closes or is touched.
+            let lands = |phase: &usize| program.phases[*phase].closing == Some(contact);
+            let until = (next..program.phases.len()).find(lands);
+            let until = until.map_or(program.phases.len(), |last| last + 1);
+            let flight: Vec<usize> = (next..until).take_while(open).collect();
             next += flight.len().max(1);
             let depth = DEPTH * limits.margin;
             for (phase, theta, between) in lows(&flight, &mut gap, (limits.gap, depth)) {

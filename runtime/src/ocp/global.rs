@@ -22,6 +22,8 @@ const COARSE: [(usize, &[RelaxationRule]); 2] = [
     ),
     (2, &[RelaxationRule::RollOff, RelaxationRule::Continuation]),
 ];
+/// Least number of elements of the whole motion in the coarsest program; with fewer intervals they are divided.
+const LEAST_ELEMENTS: usize = 24;
 /// Last relaxation and first barrier parameter of the first programs.
 const COARSE_RELAXATION: (f64, f64) = (1e-3, 1e-1);
 /// Rules of the refined programs.
@@ -55,12 +57,14 @@ impl Search<'_, '_> {
     pub(super) fn global(&mut self, guess: &Path) -> Result<Vec<Relaxed>, InputError> {
         let mut coarse: Vec<Relaxed> = Vec::new();
         let mut unsolved = 0;
+        let intervals = self.setting.problem.intervals;
+        let finer = LEAST_ELEMENTS.div_ceil(intervals);
         for (elements, rules) in COARSE {
             for &rule in rules {
                 if self.watch.stopped {
                     return Ok(Vec::new());
                 }
-                let found = self.relaxed(guess, elements, rule, COARSE_RELAXATION)?;
+                let found = self.relaxed(guess, finer * elements, rule, COARSE_RELAXATION)?;
                 unsolved += usize::from(found.is_none());
                 insert(&mut coarse, found);
             }
@@ -77,8 +81,12 @@ impl Search<'_, '_> {
                 if self.watch.stopped || index >= FINE_ALTERNATIVES && !fine.is_empty() {
                     break;
                 }
-                let found =
-                    self.relaxed(start, self.settings.refined_elements, rule, FINE_RELAXATION)?;
+                let found = self.relaxed(
+                    start,
+                    finer * self.settings.refined_elements,
+                    rule,
+                    FINE_RELAXATION,
+                )?;
                 let solved = found.is_some();
                 insert(&mut fine, found);
                 if solved && !hard {

@@ -51,6 +51,7 @@ mod global;
 mod kernel;
 mod limits;
 mod path;
+mod previous;
 mod problem;
 mod program;
 mod progress;
@@ -67,6 +68,7 @@ mod time_freezing;
 mod time_freezing_search;
 mod transcribe;
 
+pub use previous::Previous;
 pub use problem::{Component, Goal, Horizon, Objective, Problem};
 pub use progress::{Observer, Progress};
 pub use settings::{BoundsAt, Formulation, Guess, PathPoints, Settings};

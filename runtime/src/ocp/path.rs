@@ -9,7 +9,7 @@ use crate::simulation::{ControlSignal, EventDriven, InputError, Simulation, Simu
 const SAMPLES: usize = 4;
 
 /// States over time, piecewise linear, with controls on equal intervals.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Path {
     /// Length \[s\].
     pub(super) horizon: f64,
@@ -26,7 +26,7 @@ impl Path {
     pub(super) fn guess(
         model: &dyn Model,
         problem: &Problem,
-        guess: Guess,
+        guess: &Guess,
         bounds: (&[f64], &[f64]),
     ) -> Result<Self, InputError> {
         let straight = Self::straight(model, problem, bounds);
@@ -34,7 +34,8 @@ impl Path {
             Guess::Straight => Ok(straight),
             Guess::Rest => Ok(straight.at_rest(model, problem)),
             Guess::Ride => straight.ride(model, problem),
-            Guess::Perturbed { seed } => Ok(straight.perturbed(model, problem, seed, bounds)),
+            Guess::Perturbed { seed } => Ok(straight.perturbed(model, problem, *seed, bounds)),
+            Guess::Previous(previous) => previous.path(model, problem),
         }
     }
 

@@ -8,6 +8,8 @@ use crate::nlp;
 const CLOSE: f64 = 1.1;
 /// A switch nearer to the end of its interval than this share of it sticks there.
 const STUCK: f64 = 0.01;
+/// A contact shorter than this many intervals may be no more than a touch.
+const TOUCH: f64 = 1.5;
 /// Where a moved switch is started, as a distance from the end it came through.
 const ENTRY: f64 = 0.05;
 /// Half the length of an inserted contact or flight, in intervals.
@@ -68,6 +70,7 @@ impl Pressure<'_, '_> {
                 found.extend(self.sequence.without((i, j)).ordered(self.intervals));
             }
         }
+        found.extend(self.touches_and_contacts());
         for closes in [false, true] {
             for (index, switch) in switches.iter().enumerate() {
                 if switch.place == Place::Start || switch.closes != closes {
@@ -119,6 +122,46 @@ impl Pressure<'_, '_> {
             if pressed {
                 let time = k as f64 - ENTRY;
                 found.extend(self.moved(index, k.checked_sub(1), Place::Inside, time));
+            }
+        }
+        found
+    }
+
+    /// Sequences with a touch in the place of a short contact, and with a short contact in the
+    /// place of a touch after which nothing pulls the contact open.
+    fn touches_and_contacts(&self) -> Vec<Sequence> {
+        let switches = &self.sequence.switches;
+        let mut found = Vec::new();
+        for (i, j) in self.sequence.neighbours() {
+            let (first, second) = (&switches[i], &switches[j]);
+            if first.stays() && !second.closes && second.time - first.time < TOUCH {
+                let mut sequence = self.sequence.clone();
+                sequence.switches[i].touches = true;
+                sequence.switches.remove(j);
+                found.extend(sequence.ordered(self.intervals));
+            }
+        }
+        let threshold = self.threshold();
+        for (index, switch) in switches.iter().enumerate().filter(|(_, s)| s.touches) {
+            let phases = self.program.phases.iter();
+            let pressed = phases
+                .flat_map(|phase| &phase.openings)
+                .any(|&(contact, row)| {
+                    contact == switch.contact && self.solution.multipliers[row].abs() > threshold
+                });
+            if pressed {
+                let mut sequence = self.sequence.clone();
+                sequence.switches[index].touches = false;
+                let time = (switch.time + INSERTED).min(self.intervals as f64 - STUCK);
+                sequence.switches.push(Switch {
+                    closes: false,
+                    touches: false,
+                    interval: time.floor() as usize,
+                    place: Place::Inside,
+                    time,
+                    ..*switch
+                });
+                found.extend(sequence.ordered(self.intervals));
             }
         }
         found
@@ -183,13 +226,15 @@ impl Pressure<'_, '_> {
         };
         places.retain(|&(contact, _, time)| !near(contact, time));
         let mut found: Vec<Sequence> = Vec::new();
+        let intervals = self.intervals as f64;
         for (contact, closes, time) in places {
             let mut sequence = self.sequence.clone();
             for (closes, time) in [(closes, time - INSERTED), (!closes, time + INSERTED)] {
-                let time = time.clamp(0.0, self.intervals as f64 - STUCK);
+                let time = time.clamp(0.0, intervals - STUCK);
                 sequence.switches.push(Switch {
                     contact,
                     closes,
+                    touches: false,
                     interval: time.floor() as usize,
                     place: Place::Inside,
                     time,

@@ -7,8 +7,9 @@ use super::path::Path;
 use super::progress::Watch;
 use super::repair::Pressure;
 use super::sequence::{Sequence, Signature};
-use super::settings::{Formulation, Settings};
+use super::settings::{Formulation, Guess, Settings};
 use super::solution::{Counts, Solution, Stationarity, Status, TimeFreezingReport};
+use crate::model::contact_point;
 use crate::nlp;
 use crate::rk::ButcherTableau;
 use crate::simulation::{InputError, SimulationStatus};
@@ -26,6 +27,9 @@ const NEIGHBOUR_BARRIERS: [f64; 2] = [1e-2, 1e-3];
 const NEIGHBOUR_ITERATIONS: usize = 150;
 /// Gap below which a flight counts as touching, relative to the gap margin.
 const TOUCHING: f64 = 0.1;
+/// Normal velocity of a touch below which it grazes, relative to what the acceleration of the contact does in the phase
+/// before it.
+const GRAZING: f64 = 1e-3;
 /// Most switches of short contacts and flights for which a sequence is tried with them, too.
 const SHORT_SWITCHES: usize = 2;
 
@@ -43,6 +47,8 @@ pub(super) struct Search<'a, 's> {
     pub(super) setting: Setting<'a>,
     /// Schemes of growing order; the first one serves the search.
     pub(super) tableaus: &'a [ButcherTableau],
+    /// Finite elements of a phase in each interval; more where errors ask for them.
+    pub(super) elements: Vec<usize>,
     pub(super) settings: &'s Settings,
     pub(super) watch: Watch<'s>,
     pub(super) counts: Counts,
@@ -59,21 +65,23 @@ impl<'a> Search<'a, '_> {
     pub(super) fn run(&mut self, guess: &Path) -> Result<Solution, InputError> {
         let mut found: Vec<(Local<'a>, Stationarity)> = Vec::new();
         let settings = self.settings;
+        if let Guess::Previous(previous) = &settings.guess {
+            let relaxed = previous.relaxed(guess, self.setting.problem.intervals);
+            self.attempt_and_repair(relaxed, &mut found)?;
+        }
+        // Without a previous motion, or too far from it: search.
         let relaxed = match &settings.formulation {
+            _ if !found.is_empty() || self.watch.stopped => Vec::new(),
             Formulation::Phases => self.global(guess)?,
             Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
         };
-        for global in relaxed.into_iter().take(settings.refined_motions) {
+        let bouncing = self.bouncing(guess)?;
+        let relaxed = relaxed.into_iter().take(settings.refined_motions);
+        for global in bouncing.into_iter().chain(relaxed) {
             if self.watch.stopped {
                 break;
             }
-            self.read_and_attempt(global)?;
-            let stationarity = self.repair()?;
-            if let Some(best) = self.best.take() {
-                let objective = best.solution.objective;
-                let place = found.partition_point(|(l, _)| l.solution.objective < objective);
-                found.insert(place, (best, stationarity));
-            }
+            self.attempt_and_repair(global, &mut found)?;
         }
         // The best that the re-simulation confirms, or else the best.
         let mut result: Option<Solution> = None;
@@ -91,6 +99,41 @@ impl<'a> Search<'a, '_> {
             Some(solution) => solution,
             None => self.failed(),
         })
+    }
+
+    /// The motion under the guessed controls, where a contact bounces: the global phase knows no bounce.
+    fn bouncing(&self, guess: &Path) -> Result<Option<Relaxed>, InputError> {
+        let model = self.setting.model;
+        let mut contacts = 0..model.declaration().contacts.len();
+        if contacts.all(|contact| model.restitution(contact) == 0.0) {
+            return Ok(None);
+        }
+        let replay = self.simulate(guess, self.settings.replay_tolerance)?;
+        if replay.status != SimulationStatus::Solved {
+            return Ok(None);
+        }
+        let (horizon, controls) = (guess.horizon, guess.controls.clone());
+        Ok(Some(Relaxed {
+            objective: f64::INFINITY,
+            sequence: self.read(&replay, guess),
+            path: Path::of_simulation(model, &replay, horizon, controls),
+        }))
+    }
+
+    /// Adds the local optimum that a relaxed motion leads to, the best first.
+    fn attempt_and_repair(
+        &mut self,
+        global: Relaxed,
+        found: &mut Vec<(Local<'a>, Stationarity)>,
+    ) -> Result<(), InputError> {
+        self.read_and_attempt(global)?;
+        let stationarity = self.repair()?;
+        if let Some(best) = self.best.take() {
+            let objective = best.solution.objective;
+            let place = found.partition_point(|(l, _)| l.solution.objective < objective);
+            found.insert(place, (best, stationarity));
+        }
+        Ok(())
     }
 
     /// Attempts the sequences that a relaxed motion suggests. It and the event-driven motion under the same
@@ -117,7 +160,10 @@ impl<'a> Search<'a, '_> {
             short <= SHORT_SWITCHES
         });
         let raw = raw.map(|(sequence, path)| (sequence.clone(), path));
-        for (sequence, path) in tidied.chain(raw) {
+        let touching = candidates
+            .iter()
+            .filter_map(|(sequence, path)| Some((sequence.touching()?, path)));
+        for (sequence, path) in tidied.chain(raw).chain(touching) {
             let Some(sequence) = sequence.ordered(self.setting.problem.intervals) else {
                 continue;
             };
@@ -151,6 +197,9 @@ impl<'a> Search<'a, '_> {
                 self.undecided |= !matches!(self.failure, Some((nlp::Status::Infeasible, _)));
                 return Ok(false);
             };
+            if self.grazes(&program, &solution.x) {
+                return Ok(false);
+            }
             let objective = solution.objective;
             if let Some(best) = &self.best
                 && objective > best.solution.objective - IMPROVEMENT * objective.abs().max(1.0)
@@ -176,6 +225,29 @@ impl<'a> Search<'a, '_> {
         Ok(false)
     }
 
+    /// Whether a touch has no impact worth the name: a motion that grazes a surface, which no simulation follows.
+    fn grazes(&self, program: &Collocation, x: &[f64]) -> bool {
+        let model = program.model;
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let mut input = vec![0.0; declaration.inputs()];
+        let mut point = vec![0.0; contact_point::length(n)];
+        let solved = program.solved(x);
+        let touched = |index: usize| program.sequence.switches[index].touches;
+        program.phases.iter().zip(&solved).any(|(phase, solved)| {
+            let (Some(contact), Some(index)) = (phase.closing, phase.ends_with) else {
+                return false;
+            };
+            let Some(end) = solved.states.last().filter(|_| touched(index)) else {
+                return false;
+            };
+            input[..2 * n].copy_from_slice(end);
+            model.contact(contact, &input, &mut point);
+            let unit = self.setting.units.force[contact] * solved.length;
+            point[contact_point::NORMAL_VELOCITY] > -GRAZING * unit
+        })
+    }
+
     /// What the motion has to keep between the stages.
     pub(super) fn limits(&self) -> Limits<'a> {
         Limits {
@@ -197,7 +269,7 @@ impl<'a> Search<'a, '_> {
         barriers: &[f64],
     ) -> Result<Option<(Collocation<'a>, nlp::Solution)>, InputError> {
         for &barrier in barriers {
-            let mut program = Collocation::new(self.setting, sequence, guess, cuts);
+            let mut program = Collocation::new(self.setting, sequence, guess, cuts, &self.elements);
             let mut settings = nlp::Settings {
                 tolerance: self.settings.tolerance,
                 constraint_tolerance: self.settings.tolerance,

@@ -1,6 +1,6 @@
 //! Which contact closes and opens when: the contact sequence of a motion.
 
-use crate::simulation::{Event, EventKind};
+use crate::simulation::{Event, EventKind, Simulation};
 
 /// Events nearer to an interval end than this share of the interval lie on it.
 const AT_THE_END: f64 = 1e-7;
@@ -18,11 +18,14 @@ pub(super) enum Place {
     Inside,
 }
 
-/// A contact closes or opens.
+/// A contact closes, opens, or is touched: an impact after which it is open again, because it bounces or because it is
+/// pulled away.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Switch {
     pub(super) contact: usize,
     pub(super) closes: bool,
+    /// Whether a closing is no more than a touch.
+    pub(super) touches: bool,
     pub(super) interval: usize,
     pub(super) place: Place,
     /// When, in units of intervals; a guess until solved.
@@ -37,21 +40,54 @@ pub(super) struct Sequence {
 }
 
 /// What tells two sequences apart, whatever the times.
-pub(super) type Signature = Vec<(usize, bool, usize, Place)>;
+pub(super) type Signature = Vec<(usize, bool, bool, usize, Place)>;
+
+impl Switch {
+    /// Whether the contact is closed afterwards.
+    pub(super) fn stays(&self) -> bool {
+        self.closes && !self.touches
+    }
+}
+
+/// Whether an impact is followed by flight: the contact does not open later, and carries no force until the next event.
+fn touches(simulation: &Simulation, index: usize) -> bool {
+    let event = &simulation.events[index];
+    let own = |other: &&Event| other.contact == event.contact;
+    let next = simulation.events[index + 1..].iter().find(own);
+    let until = next.map_or(f64::INFINITY, |next| next.time);
+    if event.kind != EventKind::Impact
+        || next.is_some_and(|next| next.kind == EventKind::LiftOff && next.time > event.time)
+    {
+        return false;
+    }
+    let trajectory = &simulation.trajectory;
+    let mut forces = trajectory.time.iter().zip(&trajectory.contact_force);
+    !forces.any(|(&time, forces)| time > event.time && time < until && forces[event.contact] > 0.0)
+}
 
 impl Sequence {
-    /// Reads the sequence from the events of a simulation with control intervals of length `interval`.
+    /// Reads the sequence from a simulation with control intervals of length `interval`.
     pub(super) fn read(
         initially: Vec<bool>,
-        events: &[Event],
+        simulation: &Simulation,
         interval: f64,
         intervals: usize,
     ) -> Self {
         let last = intervals as f64 * (1.0 - AT_THE_END);
-        let switches = events
+        let switching = |kind| {
+            matches!(
+                kind,
+                EventKind::Impact | EventKind::Contact | EventKind::LiftOff
+            )
+        };
+        let switches = simulation
+            .events
             .iter()
-            .filter(|event| event.time > 0.0 && event.time / interval < last)
-            .map(|event| {
+            .enumerate()
+            .filter(|(_, event)| event.time > 0.0 && event.time / interval < last)
+            .filter(|(_, event)| switching(event.kind))
+            .map(|(index, event)| {
+                let touches = touches(simulation, index);
                 let time = event.time / interval;
                 let closes = event.kind != EventKind::LiftOff;
                 let nearest = time.round();
@@ -64,6 +100,7 @@ impl Sequence {
                 Switch {
                     contact: event.contact,
                     closes,
+                    touches,
                     interval: (index as usize).min(intervals - 1),
                     place,
                     time,
@@ -74,11 +111,11 @@ impl Sequence {
             initially,
             switches,
         };
-        // A contact that stays closed may report another impact.
+        // A contact that stays closed may report another impact, and one that was only touched an opening.
         let mut closed = sequence.initially.clone();
         sequence.switches.retain(|switch| {
             let changes = closed[switch.contact] != switch.closes;
-            closed[switch.contact] = switch.closes;
+            closed[switch.contact] = switch.stays();
             changes
         });
         sequence
@@ -107,6 +144,7 @@ impl Sequence {
                 switches.push(Switch {
                     contact,
                     closes: is,
+                    touches: false,
                     interval,
                     place: if at_jump { Place::Start } else { Place::Inside },
                     time: start + shift * (ends[element] - start),
@@ -124,7 +162,7 @@ impl Sequence {
     pub(super) fn signature(&self) -> Signature {
         let switches = self.switches.iter();
         switches
-            .map(|s| (s.contact, s.closes, s.interval, s.place))
+            .map(|s| (s.contact, s.closes, s.touches, s.interval, s.place))
             .collect()
     }
 
@@ -142,7 +180,7 @@ impl Sequence {
             {
                 return None;
             }
-            closed[switch.contact] = switch.closes;
+            closed[switch.contact] = switch.stays();
         }
         Some(self)
     }
@@ -164,6 +202,28 @@ impl Sequence {
         sequence
     }
 
+    /// With touches in the place of contacts that are too short to be meant as such; `None` if there are none.
+    pub(super) fn touching(&self) -> Option<Self> {
+        let mut sequence = self.clone();
+        let mut openings = Vec::new();
+        for (i, j) in self.neighbours() {
+            let (first, second) = (&self.switches[i], &self.switches[j]);
+            if first.stays() && !second.closes && second.time - first.time < SHORT_CONTACT {
+                sequence.switches[i].touches = true;
+                openings.push(j);
+            }
+        }
+        if openings.is_empty() {
+            return None;
+        }
+        let mut index = 0;
+        sequence.switches.retain(|_| {
+            index += 1;
+            !openings.contains(&(index - 1))
+        });
+        Some(sequence)
+    }
+
     /// Without contacts and flights too short to be meant: shortest contacts first.
     pub(super) fn tidied(mut self) -> Self {
         for (closes, limit) in [(true, SHORT_CONTACT), (false, SHORT_FLIGHT)] {
@@ -172,7 +232,13 @@ impl Sequence {
                     |&(i, j): &(usize, usize)| self.switches[j].time - self.switches[i].time;
                 let shortest = self
                     .neighbours()
-                    .filter(|pair| self.switches[pair.0].closes == closes)
+                    .filter(|&(i, j)| {
+                        let (first, second) = (&self.switches[i], &self.switches[j]);
+                        first.stays() == closes
+                            && second.stays() != closes
+                            && !first.touches
+                            && !second.touches
+                    })
                     .min_by(|a, b| duration(a).total_cmp(&duration(b)));
                 match shortest {
                     Some(pair) if duration(&pair) < limit => self = self.without(pair),

@@ -1,11 +1,12 @@
 //! What the caller may choose.
 
+use super::previous::Previous;
 use super::time_freezing::TimeFreezingSettings;
 use crate::rk::ButcherTableau;
 use crate::simulation::InputError;
 
-/// Where the global phase starts; every guess is made from the model and the problem alone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// Where the global phase starts; every guess but a previous motion is made from the model and the problem alone.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub enum Guess {
     /// Coordinates with a goal move to it at constant speed, everything else rests.
     #[default]
@@ -19,6 +20,9 @@ pub enum Guess {
         /// Equal seeds give equal guesses.
         seed: u64,
     },
+    /// The motion of an earlier [`Solution`](super::Solution) of the same scene, for other parameters or another
+    /// number of intervals. Its contact sequence is tried first; there is no global search unless that fails.
+    Previous(Box<Previous>),
 }
 
 /// How the contact sequence is found.
@@ -68,7 +72,10 @@ pub struct Settings {
     /// guesses and discretizations; default 1, at least 1. The best result is returned, with the distinct local
     /// optima; it does not depend on the number of threads.
     pub starts: usize,
-    /// Radau IIA stages of a phase; default 4, in `2..=9`. Order `2 n - 1`. More are taken where the re-simulation
+    /// Finite elements of a phase at the start; default 1, at least 1. More are taken in the intervals that the
+    /// re-simulation of each of them shows to be inaccurate.
+    pub elements: usize,
+    /// Radau IIA stages of an element; default 4, in `2..=9`. Order `2 n - 1`. More are taken where the re-simulation
     /// does not confirm a plan.
     pub stages: usize,
     /// Where the bounds of coordinates hold; default at all times.
@@ -82,7 +89,8 @@ pub struct Settings {
     pub gap_margin: f64,
     /// Most motions of the global phase that are refined, the best first; default 2, at least 1.
     pub refined_motions: usize,
-    /// Elements an interval of the contact-implicit programs that are refined; default 4, at least 1.
+    /// Elements an interval of the contact-implicit programs that are refined; default 4, at least 1. With few intervals
+    /// there are more.
     pub refined_elements: usize,
     /// Most programs, those of the global phase included; default 60.
     pub maximum_programs: usize,
@@ -103,6 +111,7 @@ impl Default for Settings {
             formulation: Formulation::default(),
             guess: Guess::default(),
             starts: 1,
+            elements: 1,
             stages: 4,
             bounds: BoundsAt::default(),
             path_points: PathPoints::default(),
@@ -144,6 +153,7 @@ impl Settings {
         }
         for (what, value) in [
             ("starts", self.starts),
+            ("elements", self.elements),
             ("refined motions", self.refined_motions),
             ("refined elements", self.refined_elements),
             ("most programs", self.maximum_programs),
@@ -158,13 +168,16 @@ impl Settings {
                 });
             }
         }
-        let supported = matches!(self.guess, Guess::Straight | Guess::Ride);
+        let supported = matches!(
+            self.guess,
+            Guess::Straight | Guess::Ride | Guess::Previous(_)
+        );
         if let Formulation::TimeFreezing(_) = self.formulation
             && !supported
         {
             return Err(InputError::Unsupported {
                 what: format!("guess {:?} of the time-freezing formulation", self.guess),
-                remedy: "choose `Straight` or `Ride`".into(),
+                remedy: "choose `Straight`, `Ride` or `Previous`".into(),
             });
         }
         Ok(())

@@ -1,5 +1,6 @@
 //! What the caller keeps.
 
+use super::previous::Previous;
 use crate::mpcc;
 use crate::nlp::{self, NlpProblem, Violation};
 use crate::simulation::{EventKind, Residuals, Simulation};
@@ -205,6 +206,9 @@ pub struct Solution {
     pub seconds: f64,
     /// The complementarity problem before the polish, where it was asked for.
     pub time_freezing: Option<TimeFreezingReport>,
+    /// The motion as a start for a neighbouring problem, for [`Guess::Previous`](super::Guess::Previous); absent
+    /// without a plan.
+    pub previous: Option<Previous>,
     /// The distinct local optima that the starts ended at, the best first.
     pub optima: Vec<Optimum>,
 }
@@ -235,6 +239,7 @@ impl Solution {
             counts,
             seconds: 0.0,
             time_freezing: None,
+            previous: None,
             optima: Vec::new(),
         }
     }

@@ -45,7 +45,7 @@ pub(super) fn solve_once(
     let clock = ThreadTime::try_now();
     let (lower, upper) = bounds(model);
     let bounds = (&lower[..], &upper[..]);
-    let guess = Path::guess(model, problem, settings.guess, bounds)?;
+    let guess = Path::guess(model, problem, &settings.guess, bounds)?;
     let units = Units::new(model, &guess, bounds);
     let stages = (settings.stages..=ButcherTableau::MAX_STAGES).step_by(MORE_STAGES);
     let tableaus: Vec<ButcherTableau> = stages
@@ -70,6 +70,7 @@ pub(super) fn solve_once(
     let mut search = Search {
         setting,
         tableaus: &tableaus,
+        elements: vec![settings.elements; problem.intervals],
         settings,
         watch: Watch::new(observer),
         counts: Counts::default(),

@@ -84,7 +84,7 @@ fn variant(settings: &Settings, start: usize) -> Settings {
             variant.refined_elements = REFINED_ELEMENTS[start % REFINED_ELEMENTS.len()];
         }
         Formulation::TimeFreezing(freezing) => {
-            variant.guess = if start % 2 == 0 {
+            variant.guess = if start.is_multiple_of(2) {
                 Guess::Straight
             } else {
                 Guess::Ride

@@ -8,7 +8,7 @@ use crate::model::{ConstraintRelation, Model, OptimalControlDeclaration};
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
 use crate::rk::{ButcherTableau, Scheme};
-use crate::simulation::InputError;
+use crate::simulation::{InitialValueProblem, InputError};
 use crate::time_freezing::TimeFreezingSystem;
 
 /// Shortest and longest horizon relative to the guess, where it is free.
@@ -98,6 +98,7 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
     ) -> Result<Self, InputError> {
         problem.check(model)?;
+        InitialValueProblem::check_inelastic(model, "time-freezing optimal control")?;
         let refuse = |what: &str, value: f64, bound: String| {
             Err(InputError::OutOfRange {
                 what: what.into(),
@@ -344,6 +345,10 @@ impl NlpProblem for TimeFreezing<'_> {
             .hessian_values(x, weight, multipliers, values);
     }
 
+    fn variable_name(&self, index: usize) -> String {
+        self.transcription.variable_name(index)
+    }
+
     fn constraint_name(&self, index: usize) -> String {
         self.transcription.constraint_name(index)
     }
@@ -354,8 +359,16 @@ impl Mpcc for TimeFreezing<'_> {
         self.transcription.complementarities()
     }
 
+    fn complementarity_name(&self, index: usize) -> String {
+        self.transcription.complementarity_name(index)
+    }
+
     fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
         self.transcription.vanishing_sides(x, vanishes)
+    }
+
+    fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
+        self.transcription.neighbour(index, x, vanishes)
     }
 }
 

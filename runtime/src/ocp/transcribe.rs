@@ -21,6 +21,8 @@ pub(super) struct Builder<'a, 's> {
     pub(super) program: Program<'a>,
     pub(super) guess: &'s Path,
     pub(super) cuts: &'s [Cut],
+    /// Finite elements of a phase in each interval.
+    elements: &'s [usize],
     pub(super) frame: Frame<'a>,
     phases: Vec<Phase>,
     closed: Vec<usize>,
@@ -29,12 +31,13 @@ pub(super) struct Builder<'a, 's> {
 }
 
 impl<'a> Collocation<'a> {
-    /// The program of a sequence, started at `guess`.
+    /// The program of a sequence, started at `guess`, with `elements` of each interval's phases.
     pub(super) fn new(
         setting: Setting<'a>,
         sequence: &Sequence,
         guess: &Path,
         cuts: &[Cut],
+        elements: &[usize],
     ) -> Self {
         let (model, problem) = (setting.model, setting.problem);
         let mut program = Program::new(model);
@@ -53,6 +56,7 @@ impl<'a> Collocation<'a> {
             program,
             guess,
             cuts,
+            elements,
             frame,
             phases: Vec::new(),
             closed: closed.filter(|(_, c)| **c).map(|(i, _)| i).collect(),
@@ -121,10 +125,14 @@ impl Builder<'_, '_> {
             all.filter(move |(_, s)| s.interval == interval && s.place == place)
         };
         let (mut openings, mut before) = (Vec::new(), self.state.clone());
+        let mut touched: Vec<usize> = Vec::new();
         for (_, switch) in here(Place::Start) {
             if switch.closes {
                 let time = self.guess.horizon * interval as f64 * share;
-                self.close(switch.contact, &format!("interval {}", interval - 1), time);
+                self.close(switch, &format!("interval {}", interval - 1), time);
+                if switch.touches {
+                    touched.push(switch.contact);
+                }
                 before.clone_from(&self.state);
             } else {
                 self.closed.retain(|&contact| contact != switch.contact);
@@ -132,6 +140,7 @@ impl Builder<'_, '_> {
             }
         }
         let inside: Vec<(usize, &Switch)> = here(Place::Inside).collect();
+        let elements = self.elements[interval];
         let length = self.guess.horizon / self.setting.problem.intervals as f64;
         let count = inside.len() + 1;
         let margin = GUESS_MARGIN.min(0.5 / count as f64);
@@ -187,14 +196,26 @@ impl Builder<'_, '_> {
                 Some(before) if before.closes => Vec::new(),
                 Some(before) => vec![before.contact],
             };
-            self.phase(
-                interval,
-                (p, count),
-                (scale, factor),
-                times,
-                (ending, closing),
-                &opened,
-            );
+            for e in 0..elements {
+                let (first, last) = (e == 0, e + 1 == elements);
+                let time = |e: usize| times.0 + e as f64 / elements as f64 * (times.1 - times.0);
+                self.phase(
+                    interval,
+                    (p * elements + e, count * elements),
+                    (scale, factor / elements as f64),
+                    (time(e), time(e + 1)),
+                    (ending.filter(|_| last), closing.filter(|_| last)),
+                    if first {
+                        (&opened, &touched)
+                    } else {
+                        (&[], &[])
+                    },
+                );
+            }
+            touched = match ending {
+                Some((_, switch)) if switch.touches => vec![switch.contact],
+                _ => Vec::new(),
+            };
             begin = end;
         }
         self.node(interval, &before);
@@ -207,7 +228,7 @@ impl Builder<'_, '_> {
         (scale, factor): (usize, f64),
         (from, to): (f64, f64),
         (ending, closing): (Option<(usize, &Switch)>, Option<usize>),
-        opened: &[usize],
+        (opened, touched): (&[usize], &[usize]),
     ) {
         let Setting {
             model,
@@ -363,7 +384,10 @@ impl Builder<'_, '_> {
         }
         // The normal acceleration after an opening at a jump of the controls: the slope of the normal
         // velocity, which starts from 0.
-        for &i in opened.iter().filter(|_| index.0 == 0) {
+        // The same after a touch without a bounce.
+        let jump = opened.iter().filter(|_| index.0 == 0);
+        let plastic = touched.iter().filter(|&&i| model.restitution(i) == 0.0);
+        for &i in jump.chain(plastic) {
             let name = format!("opening of `{}` at the start of {label}", contacts[i].name);
             let row = program.row(name, 0.0, f64::INFINITY);
             let slopes = lagrange(tableau, 0.0, true);
@@ -387,7 +411,7 @@ impl Builder<'_, '_> {
     /// What happens at the end of a phase.
     fn switch(&mut self, switch: &Switch, phase: &Phase, label: &str, time: f64) {
         if switch.closes {
-            self.close(switch.contact, label, time);
+            self.close(switch, label, time);
             return;
         }
         let slot = phase.closed.iter().position(|&i| i == switch.contact);
@@ -397,10 +421,10 @@ impl Builder<'_, '_> {
         self.closed.retain(|&contact| contact != switch.contact);
     }
 
-    /// The impact map where a contact closes.
-    fn close(&mut self, contact: usize, label: &str, time: f64) {
+    /// The impact map where a contact closes or is touched, `v_n+ = -e v_n-` for all contacts that are closed then.
+    fn close(&mut self, switch: &Switch, label: &str, time: f64) {
         let (n, program) = (self.n, &mut self.program);
-        self.closed.push(contact);
+        self.closed.push(switch.contact);
         self.closed.sort_unstable();
         let model = self.setting.model;
         let contacts = model.declaration().contacts;
@@ -430,9 +454,18 @@ impl Builder<'_, '_> {
             let row = program.row(name, 0.0, 0.0);
             let uses = vec![(row, 1, 1.0)];
             program.block(&Kernel::Contact(i), [&q, &after[n..], &[], &[]], None, uses);
+            let restitution = model.restitution(i);
+            if restitution > 0.0 {
+                let uses = vec![(row, 1, restitution)];
+                let v = &self.state[n..];
+                program.block(&Kernel::Contact(i), [&q, v, &[], &[]], None, uses);
+            }
         }
         let kernel = Kernel::Push(self.closed.clone());
         program.block(&kernel, [&q, &[], &[], &impulses], None, uses);
+        if switch.touches {
+            self.closed.retain(|&contact| contact != switch.contact);
+        }
         self.state = after;
     }
 }
@@ -476,7 +509,7 @@ mod tests {
         let problem = problem(&model);
         let (lower, upper) = bounds(&model);
         let bounds = (&lower[..], &upper[..]);
-        let guess = Path::guess(&model, &problem, Guess::Perturbed { seed: 3 }, bounds).unwrap();
+        let guess = Path::guess(&model, &problem, &Guess::Perturbed { seed: 3 }, bounds).unwrap();
         let units = Units::new(&model, &guess, bounds);
         let mut coarse = ContactImplicit::new(&model, &problem, 2, &guess, &units, bounds);
         let report = check_derivatives(&mut coarse.program, None).unwrap();
@@ -501,6 +534,7 @@ mod tests {
         let switch = |closes, interval, place, time| Switch {
             contact: 0,
             closes,
+            touches: false,
             interval,
             place,
             time,
@@ -526,8 +560,8 @@ mod tests {
             cut((0, 1), 2, CutKind::Departure(0)),
             cut((0, 1), 2, CutKind::Path(0)),
         ];
-        let mut fine = Collocation::new(setting, &sequence, &guess, &cuts);
-        assert_eq!(fine.phases.len(), 5);
+        let mut fine = Collocation::new(setting, &sequence, &guess, &cuts, &[1, 2, 1]);
+        assert_eq!(fine.phases.len(), 6);
         let report = check_derivatives(&mut fine.program, None).unwrap();
         assert!(report.worst() < DIFFERENCE, "{:?}", report.worst_entry());
     }

@@ -17,7 +17,8 @@ const CONVERGED: f64 = 1e-13;
 /// Moreau-Jean time stepping with `theta = 1/2`.
 ///
 /// ```text
-/// q_m = q + h/2 v,   v+ = v + h a(q + h/4 (v + v+), (v + v+)/2) + sum_i d_i p_i + e_i s_i,   q+ = q + h/2 (v + v+)
+/// v+ = v + h a(q + h/4 (v + v+), (v + v+)/2) + sum_i d_i p_i + e_i s_i
+/// q_m = q + h/2 v,   q+ = q + h/2 (v + v+)
 /// 0 <= p_i  _|_  n_i' v+ + restitution_i min(n_i' v, 0) >= 0
 /// |s_i| <= mu_i p_i,   s_i v_t,i+ = -mu_i p_i |v_t,i+|,   v_t,i+ = b_i' v+
 /// ```

@@ -71,7 +71,7 @@ pub enum InputError {
         value: f64,
     },
     /// A number lies outside the values that make sense.
-    #[error("{what} = {value} {unit}: must be {bound}")]
+    #[error("{what} = {}: must be {bound}", with_unit(*value, unit))]
     OutOfRange {
         /// Which number.
         what: String,
@@ -130,6 +130,11 @@ pub enum InputError {
         /// Name of the surface.
         contact: String,
     },
+}
+
+/// A number and its unit, or the number alone.
+fn with_unit(value: f64, unit: &str) -> String {
+    format!("{value} {unit}").trim_end().to_owned()
 }
 
 impl InitialValueProblem {

@@ -412,3 +412,50 @@ impl Scene<2, 0> for Bowl {
         Some((q[0] * v[1] - q[1] * v[0]) / (q[0] * q[0] + q[1] * q[1]).sqrt())
     }
 }
+
+/// A carriage `y` of unit mass, pressed onto its rail by its weight, that drags a brake by a crank: the brake's
+/// velocity is `y' cos y`, zero at the dead points of the crank.
+#[derive(Debug, Clone)]
+pub struct CrankBrake {
+    pub friction: f64,
+}
+
+impl CrankBrake {
+    pub fn model(self) -> HandWritten<Self, 2, 0> {
+        HandWritten::new(self)
+    }
+}
+
+impl Scene<2, 0> for CrankBrake {
+    fn coordinates(&self) -> [&'static str; 2] {
+        ["y", "z"]
+    }
+
+    fn contacts(&self) -> &'static [&'static str] {
+        &["brake"]
+    }
+
+    fn mass<D: Number>(&self, _q: &[D; 2]) -> [[D; 2]; 2] {
+        diagonal([1.0; 2])
+    }
+
+    fn force<D: Number>(&self, _q: &[D; 2], _v: &[D; 2], _u: &[D; 0]) -> [D; 2] {
+        [D::from(0.0), D::from(-GRAVITY)]
+    }
+
+    fn potential(&self, q: &[f64; 2]) -> f64 {
+        GRAVITY * q[1]
+    }
+
+    fn gap<D: Number>(&self, _contact: usize, q: &[D; 2]) -> D {
+        q[1]
+    }
+
+    fn friction(&self, _contact: usize) -> f64 {
+        self.friction
+    }
+
+    fn sliding<D: Number>(&self, _contact: usize, q: &[D; 2], v: &[D; 2]) -> Option<D> {
+        Some(q[0].cos() * v[0])
+    }
+}

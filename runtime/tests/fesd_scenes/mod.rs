@@ -233,3 +233,73 @@ impl Scene<3, 0> for Body {
         })
     }
 }
+
+/// A crate `(y, z, angle)` of unit mass between floor, left wall and right wall, all with friction: each of
+/// the four corners against each of the three surfaces.
+#[derive(Debug, Clone)]
+pub struct RoughCrate {
+    pub half_width: f64,
+    pub half_height: f64,
+    pub half_room: f64,
+    pub friction: f64,
+}
+
+impl RoughCrate {
+    pub fn model(self) -> HandWritten<Self, 3, 0> {
+        HandWritten::new(self)
+    }
+
+    /// Corner of a contact in the frame of the crate.
+    fn corner(&self, contact: usize) -> (f64, f64) {
+        let sign = |bit: usize| if contact & bit == 0 { 1.0 } else { -1.0 };
+        (sign(1) * self.half_width, sign(2) * self.half_height)
+    }
+}
+
+impl Scene<3, 0> for RoughCrate {
+    fn coordinates(&self) -> [&'static str; 3] {
+        ["y", "z", "angle"]
+    }
+    fn contacts(&self) -> &'static [&'static str] {
+        &[
+            "floor 1", "floor 2", "floor 3", "floor 4", "left 1", "left 2", "left 3", "left 4",
+            "right 1", "right 2", "right 3", "right 4",
+        ]
+    }
+    fn mass<D: Number>(&self, _q: &[D; 3]) -> [[D; 3]; 3] {
+        let (one, o) = (D::from(1.0), D::from(0.0));
+        let inertia = D::from((self.half_width.powi(2) + self.half_height.powi(2)) / 3.0);
+        [[one, o, o], [o, one, o], [o, o, inertia]]
+    }
+    fn force<D: Number>(&self, _q: &[D; 3], _v: &[D; 3], _u: &[D; 0]) -> [D; 3] {
+        [D::from(0.0), D::from(-GRAVITY), D::from(0.0)]
+    }
+    fn potential(&self, q: &[f64; 3]) -> f64 {
+        GRAVITY * q[1]
+    }
+    fn gap<D: Number>(&self, contact: usize, q: &[D; 3]) -> D {
+        let (across, up) = self.corner(contact);
+        let (sin, cos) = q[2].sin_cos();
+        let (y, z) = (
+            q[0] + cos * across - sin * up,
+            q[1] + sin * across + cos * up,
+        );
+        match contact / 4 {
+            0 => z,
+            1 => y + self.half_room,
+            _ => -y + self.half_room,
+        }
+    }
+    fn friction(&self, _contact: usize) -> f64 {
+        self.friction
+    }
+    fn sliding<D: Number>(&self, contact: usize, q: &[D; 3], v: &[D; 3]) -> Option<D> {
+        let (across, up) = self.corner(contact);
+        let (sin, cos) = q[2].sin_cos();
+        Some(if contact < 4 {
+            v[0] - v[2] * (sin * across + cos * up)
+        } else {
+            v[1] + v[2] * (cos * across - sin * up)
+        })
+    }
+}

@@ -365,7 +365,7 @@ fn complete(
             braked(sliding, &friction, surface, held, checker)?;
             sliding
         }
-        None if held.is_empty() && is_point_mass(lagrangian, n) => {
+        None if held.is_empty() && is_at_rest(surface) && is_point_mass(lagrangian, n) => {
             let normal = normal(surface.gap, 2);
             let velocity = |i| Sym::variable(Variable::Velocity(i));
             simplify(normal[1] * velocity(0) - normal[0] * velocity(1))
@@ -374,8 +374,8 @@ fn complete(
             let first = &checker.coordinates[0].name.text;
             let message = format!(
                 "`friction` of `{0}` needs the sliding velocity, which follows by itself for one point mass \
-                 in two Cartesian coordinates only; add it, scaled like the gap, as in `impact {0}: ..., \
-                 friction {1}, sliding dot({first})`",
+                 in two Cartesian coordinates on a surface at rest only; add that of the touching point along \
+                 the surface, scaled like the gap, as in `impact {0}: ..., friction {1}, sliding dot({first})`",
                 surface.name.text,
                 checker.shown_coefficient(&friction)
             );
@@ -425,6 +425,11 @@ impl Checker<'_> {
             _ => "mu".to_owned(),
         }
     }
+}
+
+/// Whether a surface does not move: of one that moves, the gap does not tell how it moves along itself.
+fn is_at_rest(surface: &super::Surface) -> bool {
+    !graph::depends_on(surface.gap, |variable| variable == Variable::Time)
 }
 
 /// Whether the mass matrix is one mass times the identity of two coordinates.

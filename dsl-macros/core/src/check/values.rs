@@ -66,10 +66,8 @@ impl Checker<'_> {
         unit: Option<&WrittenUnit>,
         name: &str,
     ) -> Checked<(Sym, Sym)> {
-        let shared = match &upper.kind {
-            Kind::Number {
-                unit: Some(shared), ..
-            } if is_bare(lower) => shared.unit.scale / scene::scale(unit),
+        let shared = match own_unit(upper) {
+            Some(shared) if is_bare(lower) => shared.unit.scale / scene::scale(unit),
             _ => 1.0,
         };
         let what = format!("a bound of `{name}`");
@@ -346,6 +344,15 @@ impl Checker<'_> {
         }
         self.horizon = Some(value);
         Ok(())
+    }
+}
+
+/// The unit of a number that carries one, possibly with a sign.
+fn own_unit(expr: &Expr) -> Option<&WrittenUnit> {
+    match &expr.kind {
+        Kind::Number { unit, .. } => unit.as_ref(),
+        Kind::Negate(inner) => own_unit(inner),
+        _ => None,
     }
 }
 

@@ -298,15 +298,27 @@ fn optimal_control(task: &OptimalControl, n: usize, inputs: &[Variable]) -> Cont
 
 /// `v' dL/dv - L` split into the part that vanishes at rest and the rest.
 fn energy(lagrangian: Sym, momenta: &[Sym], velocities: &[Variable]) -> [Sym; 2] {
-    let at_rest = graph::substitute(&[lagrangian], |variable| {
-        matches!(variable, Variable::Velocity(_)).then_some(Sym::ZERO)
-    })[0];
-    let power: Sym = momenta
-        .iter()
-        .zip(velocities)
-        .map(|(&momentum, &velocity)| momentum * Sym::variable(velocity))
-        .sum();
-    [simplify(power - lagrangian + at_rest), -at_rest]
+    let at_rest = |values: &[Sym]| {
+        graph::substitute(values, |variable| {
+            matches!(variable, Variable::Velocity(_)).then_some(Sym::ZERO)
+        })
+    };
+    let rest = at_rest(&[lagrangian])[0];
+    // Without terms linear in the velocities, the kinetic energy is what the Lagrangian says.
+    let quadratic = at_rest(momenta)
+        .into_iter()
+        .all(|momentum| simplify(momentum).is_structural_zero());
+    let kinetic = if quadratic {
+        lagrangian - rest
+    } else {
+        let power: Sym = momenta
+            .iter()
+            .zip(velocities)
+            .map(|(&momentum, &velocity)| momentum * Sym::variable(velocity))
+            .sum();
+        power - lagrangian + rest
+    };
+    [simplify(kinetic), -rest]
 }
 
 /// Nonzero derivatives of `outputs` with respect to `inputs`, row by row.

@@ -4,7 +4,7 @@ use super::readable::{formula, formula_with};
 use crate::derive::{
     ContactEquations, ControlEquations, Equations, InverseInertia, Solution, simplify,
 };
-use crate::graph::{self, Function, Sym, Variable};
+use crate::graph::{self, Sym, Variable};
 use crate::scene::{CheckedScene, Condition, Contact, OptimalControl};
 use crate::words;
 
@@ -184,20 +184,16 @@ impl List<'_> {
     }
 
     /// The auxiliary dynamics of time-freezing, `(q, v, t)' = f_aux` while the clock stands still, and
-    /// where they act.
-    ///
-    /// Without restitution `v' = a_n (d -+ mu e)` with any `a_n > 0`; with it, a spring and a damper in
-    /// the gap, `q' = d v_n` and `v' = d (-k_n g - c_n v_n)`, whose damping follows from the coefficient
-    /// of restitution. Sources: Nurkanovic, Sartor, Albrecht, Diehl, "A time-freezing approach for
-    /// numerical optimal control of nonsmooth differential equations with state jumps" (2021), for the
-    /// elastic law; Nurkanovic, Albrecht, Brogliato, Diehl, "The time-freezing reformulation for numerical
-    /// optimal control of complementarity Lagrangian systems with state jumps" (2023), for the inelastic
-    /// one and for friction.
+    /// where they act: `v' = a_bar (d -+ mu e)` with any `a_bar > 0`, while the gap is negative and closing.
+    /// With restitution the gap goes on moving while the coordinates rest, and opens again at `e^2` times
+    /// that rate, so that it has the velocity `-e v_n-` where it is zero again. Sources: Nurkanovic,
+    /// Albrecht, Brogliato, Diehl, "The time-freezing reformulation for numerical optimal control of
+    /// complementarity Lagrangian systems with state jumps" (Automatica 158, 2023), for the inelastic law
+    /// and friction.
     fn auxiliary_dynamics(&mut self, contact: &Contact, derived: &ContactEquations) {
         let name = &contact.name.text;
-        let elastic = contact.restitution.is_some();
-        let frozen = if elastic {
-            format!("gap({name}) < 0")
+        let frozen = if contact.restitution.is_some() {
+            format!("gap({name}) < 0, which goes on by gap({name})' while q rests")
         } else {
             format!("gap({name}) < 0 and gap({name})' < 0")
         };
@@ -207,96 +203,42 @@ impl List<'_> {
             (Some(friction), Some(tangent)) => {
                 let tangential =
                     Some(self.components(&tangent.rows.values[1..])).filter(|e| !e.is_empty());
-                let coupling = match tangential {
-                    Some(e) => product(&derived.normal, e),
-                    None => Sym::ONE,
-                };
-                let coupled = elastic && !coupling.is_structural_zero();
                 for (region, sign, shown) in [("slip > 0", -1.0, '-'), ("slip < 0", 1.0, '+')] {
                     let mu = friction.coefficient.scaled(sign);
-                    // So that the normal velocity is that of spring and damper.
-                    let scale = if elastic {
-                        simplify(Sym::ONE + mu * coupling).power(-2)
-                    } else {
-                        Sym::ONE
-                    };
                     let direction: Option<Vec<Sym>> = normal.zip(tangential).map(|(d, e)| {
                         let pairs = d.iter().zip(e);
-                        pairs
-                            .map(|(&d, &e)| simplify((d + mu * e) * scale))
-                            .collect()
+                        pairs.map(|(&d, &e)| simplify(d + mu * e)).collect()
                     });
-                    let mut words = format!("(d({name}) {shown} friction({name})*e({name}))");
-                    if coupled {
-                        words += &format!("/(1 {shown} friction({name})*n'e({name}))");
-                    }
-                    let field = self.field(name, direction.as_deref(), &words, elastic);
+                    let words = format!("(d({name}) {shown} friction({name})*e({name}))");
+                    let field = self.field(direction.as_deref(), &words);
                     self.all.push((format!("f_aux({name}, {region})"), field));
                 }
             }
             _ => {
-                let field = self.field(name, normal, &format!("d({name})"), elastic);
+                let field = self.field(normal, &format!("d({name})"));
                 self.all.push((format!("f_aux({name})"), field));
             }
         }
-        if let Some(coefficient) = contact.restitution {
-            self.damper(name, coefficient);
+        if contact.restitution.is_some() {
+            self.all.push((
+                format!("f_aux({name}) opening"),
+                format!("restitution({name})^2*f_aux({name}) where gap({name})' > 0"),
+            ));
         }
     }
 
     /// Rates of coordinates, velocities and clock for a direction of the impulse, which is called `words`
     /// where there is no formula for it, or a long one.
-    fn field(
-        &self,
-        contact: &str,
-        direction: Option<&[Sym]>,
-        words: &str,
-        elastic: bool,
-    ) -> String {
-        let gap = format!("gap({contact})");
-        let names = ["a_n", "k_n", "c_n", gap.as_str(), &format!("{gap}'")].map(str::to_owned);
-        let [a_n, k_n, c_n, gap, rate] =
-            [0, 1, 2, 3, 4].map(|i| Sym::variable(Variable::Argument(i)));
-        let (moving, force) = if elastic {
-            (rate, -(k_n * gap) - c_n * rate)
-        } else {
-            (Sym::ZERO, a_n)
-        };
+    fn field(&self, direction: Option<&[Sym]>, words: &str) -> String {
+        let a_bar = Sym::variable(Variable::Argument(0));
         let written = direction.and_then(|direction| {
-            let along = |factor: Sym| direction.iter().map(move |&d| simplify(factor * d));
-            let components: Vec<Sym> = along(moving).chain(along(force)).collect();
-            self.short(&components, &names)
+            let rates: Vec<Sym> = direction.iter().map(|&d| simplify(a_bar * d)).collect();
+            self.short(&rates, &["a_bar".to_owned()])
         });
-        if let Some(components) = written {
-            return format!("({}, 0)", components.join(", "));
+        match written {
+            Some(rates) => format!("({}{}, 0)", "0, ".repeat(rates.len()), rates.join(", ")),
+            None => format!("(0, a_bar*{words}, 0)"),
         }
-        let along = |factor: Sym| match formula_with(self.scene, factor, &names) {
-            zero if zero == "0" => zero,
-            sum if sum.contains(' ') => format!("({sum})*{words}"),
-            single => format!("{single}*{words}"),
-        };
-        format!("({}, {}, 0)", along(moving), along(force))
-    }
-
-    /// `c_n = 2 |ln e| sqrt(k_n / (pi^2 + ln^2 e))`: the half oscillation of a linear spring and damper
-    /// turns a velocity into `-e` times itself.
-    fn damper(&mut self, contact: &str, coefficient: Sym) {
-        let names = [
-            "k_n".to_owned(),
-            "pi".to_owned(),
-            format!("restitution({contact})"),
-        ];
-        let [k_n, pi, named] = [0, 1, 2].map(|i| Sym::variable(Variable::Argument(i)));
-        let e = if coefficient.as_number().is_some() {
-            named
-        } else {
-            coefficient
-        };
-        let logarithm = e.call(Function::Ln);
-        let root = (k_n / (pi.square() + logarithm.square())).power(1);
-        let right = (logarithm * root).scaled(-2.0);
-        let right = formula_with(self.scene, right, &names);
-        self.all.push((format!("c_n({contact})"), right));
     }
 }
 
@@ -309,8 +251,4 @@ fn names(cost: &str, has: Option<Sym>, kind: &str, conditions: &[Condition]) -> 
         .into_iter()
         .chain(conditions)
         .collect()
-}
-
-fn product(a: &[Sym], b: &[Sym]) -> Sym {
-    simplify(a.iter().zip(b).map(|(&a, &b)| a * b).sum())
 }

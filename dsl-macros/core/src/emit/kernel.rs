@@ -13,6 +13,8 @@ const CHUNK: usize = 400;
 /// One emitted function.
 pub(crate) struct Kernel {
     pub(crate) name: String,
+    /// Position among all kernels: names of surfaces may make two names of kernels equal.
+    index: usize,
     pub(crate) tape: Tape,
     /// Whether it is evaluated again and again, so that its cost is of interest.
     pub(crate) listed: bool,
@@ -21,9 +23,10 @@ pub(crate) struct Kernel {
 }
 
 impl Kernel {
-    pub(crate) fn new(name: impl Into<String>, outputs: &[Sym], listed: bool) -> Self {
+    pub(crate) fn new(index: usize, name: &str, outputs: &[Sym], listed: bool) -> Self {
         Self {
-            name: name.into(),
+            name: name.to_owned(),
+            index,
             tape: Tape::of(outputs),
             listed,
             at_the_end: false,
@@ -32,7 +35,7 @@ impl Kernel {
 
     /// Name of the emitted function.
     pub(crate) fn function(&self) -> String {
-        format!("__{}", self.name)
+        format!("__{}_{}", self.index, self.name)
     }
 
     /// The function `fn(p: &Scene, x: &[f64], y: &[f64], out: &mut [f64])`, with `y` the multipliers or

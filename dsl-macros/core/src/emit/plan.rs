@@ -155,7 +155,7 @@ struct System {
 impl Builder<'_> {
     /// Adds a kernel; the call of it.
     fn call(&mut self, name: &str, outputs: &[Sym], x: &str, y: &str, out: &str) -> String {
-        let kernel = Kernel::new(name, outputs, true);
+        let kernel = Kernel::new(self.kernels.len(), name, outputs, true);
         let call = format!("{}(self, {x}, {y}, {out})", kernel.function());
         self.kernels.push(kernel);
         call
@@ -163,7 +163,7 @@ impl Builder<'_> {
 
     /// Adds a kernel of the parameters alone, evaluated once.
     fn unlisted(&mut self, name: &str, outputs: &[Sym], out: &str) -> String {
-        let kernel = Kernel::new(name, outputs, false);
+        let kernel = Kernel::new(self.kernels.len(), name, outputs, false);
         let call = format!("{}(self, &[], &[], {out})", kernel.function());
         self.kernels.push(kernel);
         call

@@ -3,7 +3,7 @@
 use super::plan::Plan;
 use super::readable::formula;
 use crate::ast::{Documentation, Name, WrittenUnit};
-use crate::scene::{CheckedScene, Contact, Coordinate, Parameter};
+use crate::scene::{CheckedScene, Contact, Coordinate, OptimalControl, Parameter};
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 use std::fmt::Write;
@@ -188,9 +188,12 @@ fn scene_documentation(scene: &CheckedScene, plan: &Plan) -> String {
     }
     if scene.explicit_time {
         page.push_str(
-            "\nThe scene depends on the physical time `t`; in the time-freezing reformulation that is \
+            "\nThe scene depends on the physical time `t` (see `hangtime explain E14`); in the time-freezing reformulation that is \
              the clock state.\n",
         );
+    }
+    if let Some(task) = &scene.optimal_control {
+        page.push_str(&optimal_control(scene, task));
     }
     page.push_str("\n# Derived functions\n\n| function | operations | values |\n|---|---|---|\n");
     for kernel in plan.listed() {
@@ -215,6 +218,49 @@ fn scene_documentation(scene: &CheckedScene, plan: &Plan) -> String {
         page.push('\n');
     }
     page.push_str("```\n");
+    page
+}
+
+/// The section about optimal control.
+fn optimal_control(scene: &CheckedScene, task: &OptimalControl) -> String {
+    let mut page = "\n# Optimal control\n\n".to_owned();
+    let costs = [
+        (
+            task.running_cost.is_some(),
+            "the integral of a running cost",
+        ),
+        (task.final_cost.is_some(), "a final cost"),
+    ];
+    let costs: Vec<&str> = costs
+        .iter()
+        .filter(|(declared, _)| *declared)
+        .map(|&(_, cost)| cost)
+        .collect();
+    if !costs.is_empty() {
+        let _ = writeln!(page, "- minimized: {}", costs.join(" and "));
+    }
+    for (what, conditions) in [
+        ("constraint", &task.constraints),
+        ("at the end", &task.goals),
+    ] {
+        for condition in conditions {
+            let documentation = sentence(&text(&condition.documentation));
+            let _ = writeln!(page, "- {what} `{}`{documentation}", condition.name);
+        }
+    }
+    if task.free_time {
+        page.push_str("- to be found: the final time\n");
+    }
+    let n = scene.coordinates.len();
+    for &(index, _) in &task.free_start {
+        let name = &scene.coordinates[index % n].name.text;
+        let shown = if index < n {
+            name.clone()
+        } else {
+            format!("dot({name})")
+        };
+        let _ = writeln!(page, "- to be found: `{shown}` at the start");
+    }
     page
 }
 

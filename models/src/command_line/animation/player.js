@@ -14,12 +14,14 @@
   const [left, right, bottom, top] = data.frame;
   const width = 900;
   const scale = Math.min(width / (right - left), 560 / (top - bottom));
-  const room = data.largest_force > 0 ? 30 : 0;
-  const height = (top - bottom) * scale + room;
+  const tall = (top - bottom) * scale;
+  const longest = Math.max(40, Math.min(110, 0.4 * tall));
+  // Contact forces mostly point upwards; the one at the top of the picture is to be seen, too.
+  const room = data.largest_force > 0 ? 0.8 * longest : 0;
+  const height = tall + room;
   const shift = (width - (right - left) * scale) / 2;
   const x = (y) => shift + (y - left) * scale;
   const y = (z) => room + (top - z) * scale;
-  const longest = Math.max(40, Math.min(110, 0.4 * height));
   stage.setAttribute("viewBox", `0 0 ${width} ${height}`);
 
   const draw = (name, attributes, parent = stage) => {
@@ -70,7 +72,9 @@
 
   let now = first;
   const show = (time) => {
-    now = Math.min(Math.max(time, first), last);
+    now = Math.max(time, first);
+    // A slider keeps fewer digits than the end has.
+    if (now > last - 1e-9 * (last - first)) now = last;
     const k = frameAt(now);
     const next = Math.min(k + 1, data.time.length - 1);
     const share = next > k ? (now - data.time[k]) / (data.time[next] - data.time[k]) : 0;

@@ -7,14 +7,10 @@ use super::{COLOURS, GREY, SIZE, layout, svg};
 
 /// Free space around the motion, as a share of its larger extent.
 const MARGIN: f64 = 0.06;
-/// What axes, labels and title take of a figure's width and height [px].
-const FRAME: (f64, f64) = (90.0, 140.0);
-/// A motion that is flatter than this has its legend below, where it covers nothing.
-const FLAT: f64 = 0.45;
-/// Legend below a figure: its columns, the height of a row [px], and entries for start, impact and publication.
-const LEGEND_COLUMNS: usize = 3;
-const LEGEND_ROW: f64 = 18.0;
-const OTHER_ENTRIES: usize = 4;
+/// What axes, labels, title and legend take of a figure's width and height [px].
+const FRAME: (f64, f64) = (280.0, 110.0);
+/// Least height of a figure [px], for the legend beside it.
+const LEAST_HEIGHT: f64 = 280.0;
 /// Colours of published positions, of the start and of impacts.
 const PUBLISHED: &str = COLOURS[7];
 const START: &str = COLOURS[2];
@@ -108,23 +104,16 @@ impl Motion {
         }
         let [(left, right), (bottom, top)] = self.frame();
         let aspect = (top - bottom) / (right - left);
-        let flat = aspect < FLAT;
-        let entries = 2 * self.paths.len() + self.ground.len() + OTHER_ENTRIES;
-        let legend = LEGEND_ROW * entries.div_ceil(LEGEND_COLUMNS) as f64;
-        let height = FRAME.1 + legend + (SIZE.0 - FRAME.0) * aspect;
+        let height = FRAME.1 + (SIZE.0 - FRAME.0) * aspect;
         let layout = layout(&plots, &self.title, self.axes[0], self.axes[1])
-            .with_height(if flat { height } else { SIZE.1 })
+            .with_height(height.clamp(LEAST_HEIGHT, SIZE.1))
             .with_equal_aspect()
             .with_clamp_axis()
             .with_x_axis_min(left)
             .with_x_axis_max(right)
             .with_y_axis_min(bottom)
             .with_y_axis_max(top)
-            .with_legend_position(if flat {
-                LegendPosition::OutsideBottomColumns
-            } else {
-                LegendPosition::OutsideRightTop
-            });
+            .with_legend_position(LegendPosition::OutsideRightTop);
         svg(plots, layout)
     }
 

@@ -30,6 +30,7 @@ pub(super) fn run(out: &Path) -> Result<Report, BadInput> {
     let mut progress = Progress::new("reproduce", cases.len() as f64);
     let mut reproduced = Vec::with_capacity(cases.len());
     for (done, (scene, published)) in cases.into_iter().enumerate() {
+        progress.say(published.title);
         reproduced.push(reproduce(scene, published)?);
         progress.reach((done + 1) as f64);
     }

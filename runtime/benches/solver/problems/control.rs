@@ -12,17 +12,23 @@ enum Horizon {
     Unknown(f64, f64, f64),
 }
 
+/// Bounds and start of a state at a node.
+type State = ((f64, f64), f64);
+
+/// Text of a cost, of states and control.
+type Cost = dyn Fn(&[String], &str) -> String;
+
 /// What the unknowns of a control problem are.
 struct Grid<'g> {
     name: &'g str,
     intervals: usize,
     horizon: Horizon,
     /// Bounds and start of the states at node `k`.
-    states: &'g dyn Fn(usize) -> Vec<((f64, f64), f64)>,
+    states: &'g dyn Fn(usize) -> Vec<State>,
     control: (f64, f64),
     /// Right-hand sides and cost of the time integral as text, of states and control.
     rates: &'g dyn Fn(&[String], &str) -> Vec<String>,
-    cost: Option<&'g dyn Fn(&[String], &str) -> String>,
+    cost: Option<&'g Cost>,
 }
 
 /// A node and what its functions are added to.
@@ -41,7 +47,7 @@ fn ends(
     first: &[f64],
     last: &[Option<f64>],
     guess: &dyn Fn(f64) -> Vec<f64>,
-) -> impl Fn(usize) -> Vec<((f64, f64), f64)> {
+) -> impl Fn(usize) -> Vec<State> {
     move |k| {
         let start = guess(k as f64 / intervals as f64);
         let bound = |i: usize| match (k, last[i]) {

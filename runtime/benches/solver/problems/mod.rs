@@ -134,8 +134,11 @@ fn random(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
+/// A problem's name, and how to build it.
+type Named = (&'static str, fn() -> Stated);
+
 /// The problems of the comparison, by name, built one at a time.
-pub(crate) fn problems() -> Vec<(&'static str, fn() -> Stated)> {
+pub(crate) fn problems() -> Vec<Named> {
     vec![
         ("lukvle1", || chained::luksan_vlcek_1(5000, false)),
         ("lukvli1", || chained::luksan_vlcek_1(5000, true)),

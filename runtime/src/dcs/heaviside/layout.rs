@@ -9,8 +9,8 @@ pub(crate) const ALPHA: usize = 0;
 pub(super) const BETA: usize = 1;
 pub(crate) const LAMBDA_PLUS: usize = 2;
 pub(super) const LAMBDA_MINUS: usize = 3;
-pub(super) const P: usize = 4;
-pub(super) const W: usize = 5;
+pub(crate) const P: usize = 4;
+pub(crate) const W: usize = 5;
 
 /// Algebraic variables of one friction, and their offsets.
 const PER_FRICTION: usize = 4;
@@ -56,6 +56,27 @@ impl HeavisideSystem<'_> {
     /// Number of algebraic equations.
     pub(crate) fn algebraic_equations(&self) -> usize {
         self.product_row(2) - self.states() + self.contacts.saturating_sub(1)
+    }
+
+    /// Symbol of the algebraic variable at `place`, and the contact it belongs to; none for lifted products.
+    pub(crate) fn algebraic_symbol(&self, place: usize) -> Option<(&'static str, usize)> {
+        let part = |place: usize, first: usize, symbols: &[&'static str], contacts: &[usize]| {
+            let k = place - first;
+            let contact = contacts.get(k / symbols.len())?;
+            Some((symbols[k % symbols.len()], *contact))
+        };
+        let (friction, rebound) = (self.friction_place(0, 0), self.rebound_place(0, 0));
+        if place < self.first_algebraic() || place >= self.first_product() {
+            None
+        } else if place < friction {
+            let contacts: Vec<usize> = (0..self.contacts).collect();
+            let symbols = ["alpha", "beta", "lp", "ln", "p", "w"];
+            part(place, self.first_algebraic(), &symbols, &contacts)
+        } else if place < rebound {
+            part(place, friction, &["b+", "b-", "c+", "c-"], &self.rough)
+        } else {
+            part(place, rebound, &["f", "r"], &self.elastic)
+        }
     }
 
     /// Length of the local vector `xi`.
@@ -214,7 +235,7 @@ impl HeavisideSystem<'_> {
     pub(crate) fn switching_row(&self, row: usize) -> Option<usize> {
         let contacts = 3 * self.contacts;
         if row < contacts {
-            (row % 3 > 0).then(|| 2 * (row / 3) + row % 3 - 1)
+            (!row.is_multiple_of(3)).then(|| 2 * (row / 3) + row % 3 - 1)
         } else if row < contacts + 2 * self.rough.len() {
             let row = row - contacts;
             (row % 2 == 1).then(|| 2 * self.contacts + row / 2)

@@ -44,10 +44,10 @@
 mod derivatives;
 mod layout;
 
-pub(crate) use layout::{ALPHA, Group, LAMBDA_PLUS};
+pub(crate) use layout::{ALPHA, Group, LAMBDA_PLUS, P, W};
 
 use crate::time_freezing::TimeFreezingSystem;
-use layout::{BETA, C_MINUS, C_PLUS, FALL, LAMBDA_MINUS, P, RISE, SLIP_MINUS, SLIP_PLUS, W};
+use layout::{BETA, C_MINUS, C_PLUS, FALL, LAMBDA_MINUS, RISE, SLIP_MINUS, SLIP_PLUS};
 
 /// The step form of a time-freezing system; evaluates local rows and their derivatives.
 pub(crate) struct HeavisideSystem<'a> {

@@ -24,6 +24,8 @@
 mod derivatives;
 mod guess;
 mod modes;
+mod names;
+mod neighbours;
 mod program;
 mod task;
 
@@ -219,10 +221,11 @@ impl<'a> Transcription<'a> {
             {
                 *slot = Some(control);
             }
-            for place in self.dcs.first_algebraic()..self.dcs.local_variables() {
+            let first = self.dcs.first_algebraic();
+            for (place, slot) in variables.iter_mut().enumerate().skip(first) {
                 let switching = place < self.dcs.first_product() && self.dcs.is_switching(place);
                 if !boundary || switching {
-                    variables[place] = Some(self.take(1));
+                    *slot = Some(self.take(1));
                 }
             }
             blocks.push(Block {
@@ -430,7 +433,22 @@ mod tests {
         }
     }
 
-    fn worst_derivative(tableau: &ButcherTableau, bead: &Bead, free: bool) -> f64 {
+    crate::model! {
+        /// The same bead, which rubs on the floor, and bounces off the wall and rubs on it.
+        RoughBead {
+            parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5, c: kg/s = 0.3 }
+            coordinates { y: m, z: m }
+            controls { u: N }
+            lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+            forces { y: u - c*dot(y) }
+            surface floor: z - sin(k*y)/(4*k) >= 0
+            surface wall: 1[m] - y - k*z^2/8 >= 0
+            impact floor: inelastic, friction 0.4, sliding dot(y) + cos(k*y)/4*dot(z)
+            impact wall: restitution 0.6, friction 0.2, sliding dot(z) - k*z/4*dot(y)
+        }
+    }
+
+    fn worst_derivative(tableau: &ButcherTableau, bead: &dyn Model, free: bool) -> f64 {
         let system = TimeFreezingSystem::new(bead, 50.0);
         let start = State {
             time: 0.3,
@@ -468,15 +486,40 @@ mod tests {
 
     #[test]
     fn derivatives_agree_with_differences_for_both_kinds_of_schemes() {
-        let bead = Bead::default();
-        assert_eq!(bead.declaration().contacts.len(), 2);
+        let (bead, rough) = (Bead::default(), RoughBead::default());
+        let beads: [&dyn Model; 2] = [&bead, &rough];
         for scheme in [Scheme::RadauIia, Scheme::GaussLegendre] {
             let tableau = ButcherTableau::new(scheme, 2).expect("two stages");
-            for free in [false, true] {
+            for (bead, free) in beads.into_iter().flat_map(|b| [(b, false), (b, true)]) {
                 // Central differences of functions of size 100 with steps of 6e-6.
-                let worst = worst_derivative(&tableau, &bead, free);
+                let worst = worst_derivative(&tableau, bead, free);
                 assert!(worst < 1e-6, "{scheme:?}: {worst:e}");
             }
         }
+    }
+
+    #[test]
+    fn laws_add_unknowns_to_the_contacts_that_have_them_only() {
+        let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
+        let sizes = |model: &dyn Model| {
+            let start = State {
+                time: 0.0,
+                q: vec![0.2, 0.4],
+                v: vec![1.5, -0.7],
+            };
+            let task = Task::step(&start, &[0.8], 0.25, 3);
+            let system = TimeFreezingSystem::new(model, 50.0);
+            let program = Transcription::new(HeavisideSystem::new(system), &tableau, task);
+            (program.variables, program.constraints, program.pairs.len())
+        };
+        let (plain, rough) = (sizes(&Bead::default()), sizes(&RoughBead::default()));
+        // An element and stage: 7 states, 12 step variables, one product; an element: its length, 8 sums.
+        assert_eq!(plain.0, 3 * (2 * 20 + 9) + 1);
+        assert_eq!(plain.2, 3 * (2 * 2 + 4));
+        // Two frictions add 4 unknowns, 2 rows and a pair a stage, a restitution 2 unknowns and a row; each of
+        // the three adds 4 sums and 2 pairs an element.
+        assert_eq!(rough.0 - plain.0, 3 * (2 * 10 + 12));
+        assert_eq!(rough.1 - plain.1, 3 * (2 * 5 + 12));
+        assert_eq!(rough.2 - plain.2, 3 * (2 * 2 + 6));
     }
 }

@@ -1,6 +1,6 @@
 //! The program as the solver sees it.
 
-use super::{Controls, EQUILIBRATION, Element, Interval, SHORTEST, SUMS, Transcription};
+use super::{Controls, EQUILIBRATION, SHORTEST, SUMS, Transcription};
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
 
@@ -220,30 +220,12 @@ impl NlpProblem for Transcription<'_> {
         self.hessian = pattern;
     }
 
+    fn variable_name(&self, index: usize) -> String {
+        self.name_of_variable(index)
+    }
+
     fn constraint_name(&self, index: usize) -> String {
-        if index >= self.goal_rows {
-            return format!("goal {}", index - self.goal_rows);
-        }
-        let before = |interval: &Interval| interval.rows <= index;
-        let k = self.intervals.partition_point(before).saturating_sub(1);
-        match index - self.intervals[k].rows {
-            0 => format!("sum of the element lengths of interval {k}"),
-            1 => format!("clock at the end of interval {k}"),
-            _ => {
-                let before = |element: &Element| element.collocation_rows <= index;
-                let e = self.elements.partition_point(before).saturating_sub(1);
-                let element = &self.elements[e];
-                let e = e % self.task.elements;
-                let kind = if index >= element.sum_rows {
-                    "cross complementarity"
-                } else if index >= element.blocks[0].algebraic_rows {
-                    "switching functions"
-                } else {
-                    "collocation"
-                };
-                format!("{kind} of element {e} of interval {k}")
-            }
-        }
+        self.name_of_constraint(index)
     }
 }
 
@@ -252,8 +234,16 @@ impl Mpcc for Transcription<'_> {
         &self.pairs
     }
 
+    fn complementarity_name(&self, index: usize) -> String {
+        self.name_of_pair(index)
+    }
+
     fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
         self.mark_vanishing(x, vanishes);
         true
+    }
+
+    fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
+        self.shift_switch(index, x, vanishes)
     }
 }

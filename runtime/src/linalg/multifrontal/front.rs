@@ -224,10 +224,11 @@ impl Front<'_> {
     fn eliminate_one(&mut self, p: usize) -> Pivot {
         let rows = self.rows;
         let d = self.at(p, p);
+        let inverse = 1.0 / d;
         let (head, tail) = self.panel.split_at_mut((p + 1) * rows);
         let pivot_column = &mut head[p * rows..];
         for column in tail[..(self.summed - p - 1) * rows].chunks_exact_mut(rows) {
-            let factor = column[p] / d;
+            let factor = column[p] * inverse;
             if factor != 0.0 {
                 for (c, l) in column[p + 1..].iter_mut().zip(&pivot_column[p + 1..]) {
                     *c -= factor * l;
@@ -235,7 +236,7 @@ impl Front<'_> {
             }
         }
         for l in &mut pivot_column[p + 1..] {
-            *l /= d;
+            *l *= inverse;
         }
         Pivot::One(d)
     }
@@ -244,12 +245,13 @@ impl Front<'_> {
         let rows = self.rows;
         let (a, b, c) = (self.at(p, p), self.at(p + 1, p), self.at(p + 1, p + 1));
         let determinant = a * c - b * b;
+        // the inverse of the block is [i, j; j, k]
+        let (i, j, k) = (c / determinant, -b / determinant, a / determinant);
         let (head, tail) = self.panel.split_at_mut((p + 2) * rows);
         let (first, second) = head[p * rows..].split_at_mut(rows);
         for column in tail[..(self.summed - p - 2) * rows].chunks_exact_mut(rows) {
             let (u, v) = (column[p], column[p + 1]);
-            let f = (c * u - b * v) / determinant;
-            let g = (a * v - b * u) / determinant;
+            let (f, g) = (i * u + j * v, j * u + k * v);
             if f != 0.0 || g != 0.0 {
                 for ((x, l), m) in column[p + 2..]
                     .iter_mut()
@@ -262,8 +264,8 @@ impl Front<'_> {
         }
         for (l, m) in first[p + 2..].iter_mut().zip(&mut second[p + 2..]) {
             let (u, v) = (*l, *m);
-            *l = (c * u - b * v) / determinant;
-            *m = (a * v - b * u) / determinant;
+            *l = i * u + j * v;
+            *m = j * u + k * v;
         }
         // the coupling belongs to the block, not to L
         first[p + 1] = 0.0;

@@ -10,6 +10,7 @@
 //! column is postponed to a front, its rows are known from the pattern, and entries and Schur complements go to places
 //! computed once; only fronts that inherit columns look places up.
 
+mod assembly_tree;
 mod front;
 mod symbolic;
 
@@ -19,6 +20,25 @@ use symbolic::{Node, Symbolic};
 use super::{FactorizationError, Inertia, KktFactorization, SymmetricPattern};
 
 /// Multifrontal factorization with pivoting, `S P' L B L' P S` for a matrix equilibrated by a diagonal `S`.
+///
+/// # Examples
+/// The inertia of `[1 2; 2 0]`, one primal and one dual row, and a solve:
+///
+/// ```
+/// use hangtime::linalg::{KktFactorization, MultifrontalLdl, SymmetricPattern};
+///
+/// let (pattern, map) = SymmetricPattern::new(2, &[(0, 0), (1, 0)]).ok_or("an entry outside")?;
+/// let mut values = vec![0.0; pattern.stored()];
+/// values[map[0]] = 1.0;
+/// values[map[1]] = 2.0;
+/// let mut factorization = MultifrontalLdl::new(&pattern, 1)?;
+/// let inertia = factorization.factor(&values, 0.0, 0.0)?;
+/// assert_eq!((inertia.positive, inertia.negative, inertia.zero), (1, 1, 0));
+/// let mut x = [5.0, 2.0];
+/// factorization.solve(&mut x);
+/// assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 2.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct MultifrontalLdl {
     primal: usize,
     symbolic: Symbolic,
@@ -73,6 +93,8 @@ impl MultifrontalLdl {
         let factor = symbolic.nodes.iter().map(panel).sum();
         let largest = symbolic.nodes.iter().map(|node| node.rows.len()).max();
         let largest = largest.unwrap_or(0);
+        let below = |node: &Node| node.rows.len() - node.columns;
+        let rest = symbolic.nodes.iter().map(below).max().unwrap_or(0).pow(2);
         Ok(Self {
             primal,
             scale: vec![1.0; n],
@@ -80,11 +102,11 @@ impl MultifrontalLdl {
             work: vec![0.0; n],
             entries: vec![0.0; pattern.stored()],
             local: vec![0; n],
-            rest: Vec::new(),
+            rest: Vec::with_capacity(rest),
             index: Vec::with_capacity(largest),
             product: Vec::new(),
             gathered: Vec::with_capacity(largest),
-            blocks: Vec::new(),
+            blocks: Vec::with_capacity(symbolic.stack()),
             postponed: Vec::new(),
             records: Vec::new(),
             pivots: Vec::with_capacity(n),

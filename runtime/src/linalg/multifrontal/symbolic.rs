@@ -1,4 +1,4 @@
-//! Elimination tree, supernodes and row structures.
+//! Rows and places of the fronts.
 
 use std::ops::Range;
 
@@ -9,6 +9,7 @@ use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 
+use super::assembly_tree::{AssemblyTree, Supernode};
 use crate::linalg::{FactorizationError, SymmetricPattern};
 
 /// A node of the assembly tree. Everything about its front is known in advance as long as no column was postponed to
@@ -55,11 +56,6 @@ pub(crate) struct Symbolic {
     pub(crate) diagonal: Vec<u32>,
 }
 
-const NONE: usize = usize::MAX;
-
-/// Most columns of a node that is still merged with its parent.
-const LARGEST: usize = 64;
-
 impl Symbolic {
     pub(crate) fn new(pattern: &SymmetricPattern) -> Result<Self, FactorizationError> {
         let n = pattern.dimension();
@@ -87,24 +83,18 @@ impl Symbolic {
             Some(permutation) => permutation.arrays().0.to_vec(),
             None => (0..n).collect(),
         };
-        let column = |j: usize| &factor.row_idx()[factor.col_ptr()[j]..factor.col_ptr()[j + 1]];
-        let parent: Vec<usize> = (0..n)
-            .map(|j| column(j).get(1).copied().unwrap_or(NONE))
-            .collect();
-
-        let post = postorder(&parent);
-        let mut position = vec![0; n];
-        for (new, &old) in post.iter().enumerate() {
-            position[old] = new;
-        }
-        let permutation: Vec<u32> = post.iter().map(|&j| order[j] as u32).collect();
-        let structure = |j: usize, rows: &mut Vec<u32>| {
-            let below = column(post[j]).get(1..).unwrap_or_default();
-            rows.clear();
-            rows.extend(below.iter().map(|&i| position[i] as u32));
-            rows.sort_unstable();
+        // the diagonal comes first in a column of the factor, then the parent in the elimination tree
+        let below = |j: usize| {
+            let column = factor.col_ptr()[j]..factor.col_ptr()[j + 1];
+            factor.row_idx()[column].get(1..).unwrap_or_default()
         };
-        let (supernodes, rows) = supernodes(n, &structure);
+        let tree = AssemblyTree::new(n, below);
+        let permutation: Vec<u32> = tree
+            .columns
+            .iter()
+            .map(|&j| order[j as usize] as u32)
+            .collect();
+        let (supernodes, rows) = tree.supernodes(below);
 
         let mut inverse = vec![0_u32; n];
         for (new, &old) in permutation.iter().enumerate() {
@@ -125,6 +115,24 @@ impl Symbolic {
         }
         symbolic.add_entries(pattern, &inverse, &supernodes);
         Ok(symbolic)
+    }
+
+    /// Most entries that the stack of Schur complements holds while no column is postponed.
+    pub(crate) fn stack(&self) -> usize {
+        let mut sizes: Vec<usize> = Vec::new();
+        let (mut now, mut most) = (0, 0);
+        for node in &self.nodes {
+            for _ in 0..node.children {
+                now -= sizes.pop().unwrap_or(0);
+            }
+            if !node.is_root {
+                let size = (node.rows.len() - node.columns).pow(2);
+                sizes.push(size);
+                now += size;
+                most = most.max(now);
+            }
+        }
+        most
     }
 
     /// Nodes, with the places of their rows in their parents' fronts.
@@ -231,97 +239,6 @@ impl Symbolic {
     }
 }
 
-/// Postorder of a forest given by parents.
-fn postorder(parent: &[usize]) -> Vec<usize> {
-    let n = parent.len();
-    let mut first_child = vec![NONE; n];
-    let mut sibling = vec![NONE; n];
-    let mut roots = Vec::new();
-    for j in (0..n).rev() {
-        if parent[j] == NONE {
-            roots.push(j);
-        } else {
-            sibling[j] = first_child[parent[j]];
-            first_child[parent[j]] = j;
-        }
-    }
-    roots.reverse();
-    let mut order = Vec::with_capacity(n);
-    let mut stack = Vec::new();
-    for root in roots {
-        stack.push(root);
-        while let Some(&top) = stack.last() {
-            let child = first_child[top];
-            if child == NONE {
-                stack.pop();
-                order.push(top);
-            } else {
-                first_child[top] = sibling[child];
-                stack.push(child);
-            }
-        }
-    }
-    order
-}
-
-/// Whether merging a child of `child_columns` columns and `child_rows` rows below into its parent of
-/// `columns` and `rows` pays: no or few zeros, or a child too small to be worth a front of its own.
-fn merges(child_columns: usize, child_rows: usize, columns: usize, rows: usize) -> bool {
-    let added = columns + rows - child_rows;
-    let zeros = child_columns * added;
-    added == 0
-        || child_columns < 4
-        || (child_columns < 16 && zeros * 5 < (columns + child_columns) * (columns + rows))
-        || zeros * 20 < (columns + child_columns) * (columns + rows)
-}
-
-/// Columns `first..end` of the permuted matrix with the number of rows below them.
-#[derive(Debug, Clone, Copy)]
-struct Supernode {
-    first: usize,
-    end: usize,
-    below: usize,
-}
-
-/// Columns merged with their parents where [`merges`] says so, and the rows of each: its columns, then those below.
-fn supernodes(n: usize, structure: &dyn Fn(usize, &mut Vec<u32>)) -> (Vec<Supernode>, Vec<u32>) {
-    let mut nodes: Vec<Supernode> = Vec::new();
-    // rows below the nodes found so far, one list after the other
-    let mut below: Vec<u32> = Vec::new();
-    let mut rows = Vec::new();
-    for j in 0..n {
-        structure(j, &mut rows);
-        let mut first = j;
-        // the last node is a child of j exactly if its first row below is j
-        if let Some(&last) = nodes.last() {
-            let start = below.len() - last.below;
-            let columns = last.end - last.first;
-            if below.get(start) == Some(&(j as u32))
-                && columns < LARGEST
-                && merges(columns, last.below, 1, rows.len())
-            {
-                first = last.first;
-                below.truncate(start);
-                nodes.pop();
-            }
-        }
-        below.extend_from_slice(&rows);
-        nodes.push(Supernode {
-            first,
-            end: j + 1,
-            below: rows.len(),
-        });
-    }
-    let mut all = Vec::with_capacity(n + below.len());
-    let mut start = 0;
-    for node in &nodes {
-        all.extend((node.first..node.end).map(|j| j as u32));
-        all.extend_from_slice(&below[start..start + node.below]);
-        start += node.below;
-    }
-    (nodes, all)
-}
-
 /// The node that eliminates each column.
 fn owners(n: usize, nodes: &[Supernode]) -> Vec<u32> {
     let mut owner = vec![0; n];
@@ -334,15 +251,6 @@ fn owners(n: usize, nodes: &[Supernode]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn postorder_children_come_before_parents() {
-        // 0 and 1 are children of 3, 2 is a child of 4, 3 a child of 4
-        let order = postorder(&[3, 3, 4, 4, NONE]);
-        let place = |j| order.iter().position(|&k| k == j).unwrap();
-        assert!(place(0) < place(3) && place(1) < place(3));
-        assert!(place(2) < place(4) && place(3) < place(4));
-    }
 
     #[test]
     fn new_dense_matrix_is_one_supernode() {

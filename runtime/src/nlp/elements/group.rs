@@ -7,7 +7,7 @@ use num_dual::{Dual2SVec64, DualSVec64};
 use super::{Element, Target};
 
 /// Stands for the objective until the number of rows is known.
-const OBJECTIVE: usize = usize::MAX;
+pub(crate) const OBJECTIVE: usize = usize::MAX;
 
 /// A value's contribution to a target.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,6 @@
 //! The finished problem: patterns, places, evaluation with memory of the last point.
 
-use super::group::Group;
+use super::group::OBJECTIVE;
 use super::{ElementProblemBuilder, Target};
 use crate::nlp::{InputError, NlpProblem};
 
@@ -56,6 +56,7 @@ impl Point {
 impl ElementProblem {
     pub(super) fn new(mut builder: ElementProblemBuilder) -> Result<Self, InputError> {
         let (n, m) = (builder.start.len(), builder.row_bounds.len());
+        check_indices(&builder)?;
         let index = |target: Target| match target {
             Target::Objective => m,
             Target::Row(row) => row,
@@ -73,7 +74,6 @@ impl ElementProblem {
         for group in &mut builder.groups {
             group.place_objective(m);
         }
-        check_indices(&builder.groups, &linear, &constants, (n, m))?;
 
         let mut first: Vec<(usize, usize)> = linear.iter().map(|&(t, v, _)| (t, v)).collect();
         let mut second = Vec::new();
@@ -158,30 +158,38 @@ impl ElementProblem {
     }
 }
 
-fn check_indices(
-    groups: &[Box<dyn Group>],
-    linear: &[(usize, usize, f64)],
-    constants: &[(usize, f64)],
-    (n, m): (usize, usize),
-) -> Result<(), InputError> {
+/// Checks every term before the objective takes the place after the last row.
+fn check_indices(builder: &ElementProblemBuilder) -> Result<(), InputError> {
+    let (n, m) = (builder.start.len(), builder.row_bounds.len());
     let mut fault = None;
-    let mut check = |target: usize, variable: Option<usize>| {
-        if target > m {
+    let mut check_row = |target: usize| {
+        if target != OBJECTIVE && target >= m {
             fault = Some(("row", target, m));
         }
-        if let Some(variable) = variable.filter(|&v| v >= n) {
+    };
+    let index = |target: Target| match target {
+        Target::Objective => OBJECTIVE,
+        Target::Row(row) => row,
+    };
+    for &(target, _, _) in &builder.linear {
+        check_row(index(target));
+    }
+    for &(target, _) in &builder.constants {
+        check_row(index(target));
+    }
+    for group in &builder.groups {
+        group.first_positions(&mut |target, _| check_row(target));
+    }
+    let mut check_variable = |variable: usize| {
+        if variable >= n {
             fault = Some(("variable", variable, n));
         }
     };
-    for &(target, variable, _) in linear {
-        check(target, Some(variable));
+    for &(_, _, variable) in &builder.linear {
+        check_variable(variable);
     }
-    for &(target, _) in constants {
-        check(target, None);
-    }
-    for group in groups {
-        group.first_positions(&mut |target, variable| check(target, Some(variable)));
-        group.second_positions(&mut |row, _| check(0, Some(row)));
+    for group in &builder.groups {
+        group.second_positions(&mut |row, _| check_variable(row));
     }
     match fault {
         None => Ok(()),

@@ -4,7 +4,7 @@
 use super::contact_problem::ContactProblem;
 use super::contact_state::{ContactState, Direction};
 use super::coulomb::{CoulombSolution, TangentialLaw};
-use super::dop853::Dop853;
+use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch};
 use super::impact::Undetermined;
 
@@ -320,17 +320,19 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
     {
         return;
     }
+    let n = dynamics.n;
     let zero_velocity = dynamics.zero_velocity(y);
-    dynamics.load(t, y);
-    for slot in 0..dynamics.active.len() {
-        dynamics.evaluate_sides(dynamics.active[slot]);
-    }
+    let mut slope = vec![0.0; y.len()];
+    dynamics.derivative(t, y, &mut slope);
     let mut held = mode.to_vec();
     for (i, state) in held.iter_mut().enumerate() {
-        if let ContactState::Slip(direction) = *state
-            && dynamics.sliding_velocity(i).abs() <= zero_velocity
-            && dynamics.holds(i)
-        {
+        let ContactState::Slip(direction) = *state else {
+            continue;
+        };
+        let (_, acceleration) = dynamics.contact_accelerations(i, &slope[n..2 * n]);
+        let rests = dynamics.sliding_velocity(i).abs() <= zero_velocity
+            && acceleration.abs() <= BIACTIVE * dynamics.sliding_acceleration_scale(i);
+        if rests && dynamics.holds(i) {
             *state = ContactState::Held(direction);
         }
     }

@@ -9,8 +9,8 @@ use crate::model::contact_point;
 /// Flights lower than this times `max(1, |q|)` are none: a gap is known to about this. It ends the
 /// geometric sequence of impacts of, for example, a rocking block.
 const LOWEST_FLIGHT: f64 = 1e-14;
-/// Bounces lower than this times `max(1, |q|)` are left out: ten times the lowest flight.
-const LOWEST_BOUNCE: f64 = 1e-13;
+/// Bounces lower than this times `max(1, |q|)` are left out: ten times the gap of a closed contact.
+const LOWEST_BOUNCE: f64 = 1e-11;
 /// Kinetic energies are compared to this relative accuracy.
 const SAME_ENERGY: f64 = 1e-12;
 
@@ -167,12 +167,20 @@ pub(in crate::simulation) fn impact(
             .collect();
     }
     let lowest_flight = LOWEST_FLIGHT * largest(&y[..n]).max(1.0);
+    let closed_gap = dynamics.closed_gap(y);
     dynamics.load(t, y);
     dynamics.evaluate_free_acceleration();
     for (i, velocity) in closed.into_iter().zip(velocities) {
         dynamics.evaluate_contact(i);
         let (acceleration, _) = dynamics.free_normal_acceleration(i);
-        let room = lowest_flight - dynamics.point(i)[contact_point::GAP];
+        // A gap that falls through zero at once, although it grows, has been negative all the time.
+        let never_open = closing == Some(i) && outcome.struck.is_empty();
+        let highest = if never_open {
+            closed_gap
+        } else {
+            lowest_flight
+        };
+        let room = highest - dynamics.point(i)[contact_point::GAP];
         let returns = velocity > 0.0 && velocity * velocity <= -2.0 * acceleration * room;
         if velocity.abs() <= zero_velocity || returns {
             outcome.resting.push(i);

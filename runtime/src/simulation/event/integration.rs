@@ -294,6 +294,8 @@ impl<'a> Integration<'a> {
             self.record();
             self.y[n..2 * n].copy_from_slice(&after);
         }
+        // An impact changes velocities and forces: what has vanished before it may not have done so after.
+        let vanished = vanished.filter(|_| impact.struck.is_empty());
         contact_mode::change(
             &mut self.dynamics,
             &mut self.probe,

@@ -34,15 +34,16 @@ pub(in crate::simulation) fn first_crossing(
     search.halves(from, to, 0)
 }
 
-/// The left end of a crossing, moved back to where the function is positive: `left` itself, or a point
-/// on the way back from `right` to `from`, or `from` if the function is positive nowhere.
+/// The left end of a crossing, moved back to where the function exceeds `rounding`: `left` itself, or a point
+/// on the way back from `right` to `from`, or `from` if the function does so nowhere.
 pub(in crate::simulation) fn positive_before(
     f: &mut impl FnMut(f64) -> f64,
     from: Sample,
     left: Sample,
     right: Sample,
+    rounding: f64,
 ) -> Sample {
-    if left.value > 0.0 {
+    if left.value > rounding {
         return left;
     }
     let mut width = right.at - from.at;
@@ -50,7 +51,7 @@ pub(in crate::simulation) fn positive_before(
         width *= RETREAT;
         let at = from.at + width;
         let value = f(at);
-        if value > 0.0 {
+        if value > rounding {
             return Sample { at, value };
         }
     }
@@ -177,8 +178,15 @@ mod tests {
     fn low_flight_before_a_deep_fall_is_found_behind_it() {
         let f = |x: f64| 1e-6 * x - x * x;
         let sample = |at| Sample { at, value: f(at) };
-        let left = positive_before(&mut |x| f(x), sample(0.0), sample(0.0), sample(1.0));
-        assert!(left.value > 0.0 && left.at < 1e-6);
+        // A start that is positive by rounding error is as good as zero.
+        for start in [0.0, 1e-17] {
+            let from = Sample {
+                at: 0.0,
+                value: start,
+            };
+            let left = positive_before(&mut |x| f(x), from, from, sample(1.0), 1e-15);
+            assert!(left.value > 1e-15 && left.at > 0.0 && left.at < 1e-6);
+        }
         let sinking = |x: f64| -x;
         let from = Sample {
             at: 0.0,
@@ -189,7 +197,7 @@ mod tests {
             value: -1.0,
         };
         assert_eq!(
-            positive_before(&mut |x| sinking(x), from, from, right),
+            positive_before(&mut |x| sinking(x), from, from, right, 1e-15),
             from
         );
     }

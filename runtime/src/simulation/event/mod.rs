@@ -31,20 +31,34 @@ const TOLERANCES: (f64, f64) = (1e-14, 1e-2);
 /// Between events the constrained dynamics of the active contacts `I` are integrated,
 ///
 /// ```text
-/// q' = v,   v' = a + sum_I d_i r_i,   D r = -(n' a + curvature),   D_ij = n_i' d_j
+/// q' = v,   v' = a + sum_I d_i r_i + e_i s_i,   n_i' v' + curvature = 0
+/// a contact that sticks:  b_i' v' + curvature = 0;    one that slips:  s_i = -mu r_i sign(v_t,i)
 /// ```
 ///
 /// by DOP853 (Hairer, Norsett, Wanner, *Solving Ordinary Differential Equations I*, II.5 and II.6: order 8,
 /// error estimates of orders 5 and 3, continuous extension of order 7), and after every step the state is
-/// moved onto `g = 0`, `v_n = 0` along the contact directions, so that nothing drifts. A step ends early where
-/// a gap closes, a contact force vanishes or the controls jump: found on the continuous extension, then
-/// polished by true steps of the method. Moreau's impact law is applied to all closed contacts at once,
-/// `0 <= p _|_ v_n + D p >= 0`, `v+ = v- + sum_i d_i p_i`; the new contact mode follows from the
-/// complementarity of forces and normal accelerations, and where both vanish, from what follows a moment later.
+/// moved onto `g = 0`, `v_n = 0` and, where a contact sticks, `v_t = 0`, so that nothing drifts. A step ends
+/// early where a gap closes, a contact force vanishes, a friction force reaches its limit, a sliding velocity
+/// vanishes or the controls jump: found on the continuous extension, then polished by true steps of the method.
+///
+/// An impact obeys Newton's law in the normal and Coulomb's in the tangential direction, for all closed contacts
+/// at once (Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, 1988),
+///
+/// ```text
+/// v+ = v- + sum_i d_i p_i + e_i s_i
+/// 0 <= p_i _|_ v_n,i+ + restitution_i min(v_n,i-, 0) >= 0,   |s_i| <= mu_i p_i,  s_i v_t,i+ = -mu_i p_i |v_t,i+|
+/// ```
+///
+/// and the new contact mode follows from the same complementarity of forces and accelerations; where that is
+/// undecided, from what follows a moment later. Both problems are solved by enumeration: no solution, or several
+/// with different motions (Painleve's paradox), end the run as
+/// [`AmbiguousContact`](super::SimulationStatus::AmbiguousContact), as does a sliding contact whose force grows
+/// beyond all bounds. An impact that raises the kinetic energy, as Newton's law does where friction or several
+/// contacts couple, is noted.
 ///
 /// Gaps below `1e-12 max(1, |q|)` are closed, dips below zero of a few times that are no impacts, and a flight
 /// lower than `1e-14 max(1, |q|)` is none, which ends geometric sequences of impacts. Up to twelve contacts can
-/// close at one instant.
+/// close at one instant; one with friction that may stick counts twice.
 ///
 /// It shares nothing with the finite element simulation but the model, so that each can check the other.
 ///
@@ -63,7 +77,7 @@ pub struct EventDriven {
     pub max_step: Option<f64>,
     /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
     /// ends infinite sequences of bounces, with a note; default none, which means `sqrt(2 a h)` where the
-    /// contact is pressed with the acceleration `a`: bounces lower than `h = max(tolerance^2, 1e-13)` times
+    /// contact is pressed with the acceleration `a`: bounces lower than `h = max(tolerance^2, 1e-11)` times
     /// `max(1, |q|)` are left out.
     pub rest_velocity: Option<f64>,
     /// Largest number of events before the run ends as
@@ -78,8 +92,8 @@ pub struct EventDriven {
     /// \[unit of the gap / s^2\]; default `100 * 9.81`. Physical results do not depend on it.
     ///
     /// In contact `dtau/dt = 1/p` with `p = prod_i (1 - r_i p / a_bar)`, which is `1 + r/a_bar` for one
-    /// contact. An impact takes `max_i p_i / a_bar`, which is `|v_n| / a_bar` for one contact and for
-    /// several that do not influence each other, with the impulses `p_i` of Moreau's law.
+    /// contact. An impact takes `max_i p_i / a_bar`, with the impulses `p_i` of the impact law: for one contact
+    /// without friction `(1 + restitution) |v_n| / a_bar`.
     pub auxiliary_acceleration: f64,
 }
 

@@ -5,12 +5,14 @@ use super::dop853::Dop853;
 use super::dynamics::Dynamics;
 use super::locate::{self, Sample};
 
-/// Crossings of one switching function on the continuous extension that true steps may refute before the step counts as
-/// too long.
+/// Crossings of one switching function on the continuous extension that true steps may refute before the step
+/// counts as too long.
 const FALSE_ALARMS: usize = 20;
 /// A crossing less deep than this share of the range of values within the step is confirmed by a true
 /// step: it may be an error of the continuous extension.
 const SHALLOW: f64 = 1e-4;
+/// Share of what counts as zero that rounding leaves of a value that vanishes.
+const ROUNDING: f64 = 1e-3;
 /// Halvings of a step on the way back to where the true solution is positive.
 const HALVINGS: usize = 40;
 /// Secant steps before bisection.
@@ -52,7 +54,7 @@ pub(super) struct Found {
 struct Crossing {
     function: usize,
     /// Where the search began; the value there is a true one.
-    from: f64,
+    from: Sample,
     left: Sample,
     right: Sample,
     root: f64,
@@ -131,8 +133,8 @@ impl EventSearch {
         Outcome::Nothing
     }
 
-    /// What counts as zero for the value of a switching function if the continuous extension is exact: one that starts
-    /// below zero and grows is no crossing.
+    /// What counts as zero for the value of a switching function if the continuous extension is exact: one that
+    /// starts below zero and grows is no crossing.
     fn least_zero(&self, dynamics: &Dynamics<'_>, step: Step<'_>, function: usize) -> f64 {
         let zero = dynamics.zero_value(function, step.y);
         zero.max(-2.0 * step.start_values[function])
@@ -151,6 +153,7 @@ impl EventSearch {
                 continue;
             };
             let zero = self.zero[function];
+            let rounding = ROUNDING * dynamics.zero_value(function, step.y);
             let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
             let to = match earliest {
                 None => Sample {
@@ -166,11 +169,11 @@ impl EventSearch {
                 continue;
             }
             if let Some((left, right)) = locate::first_crossing(&mut value, from, to, zero) {
-                let left = locate::positive_before(&mut value, from, left, right);
+                let left = locate::positive_before(&mut value, from, left, right, rounding);
                 let root = locate::root(&mut value, left, right);
                 earliest = Some(Crossing {
                     function,
-                    from: from.at,
+                    from,
                     left,
                     right,
                     root,
@@ -229,7 +232,8 @@ impl EventSearch {
         let zero = self.least_zero(dynamics, step, function);
         let range = dynamics.highest[function] - dynamics.lowest[function];
         let resolution = f64::EPSILON * (step.t.abs() + step.h);
-        let sinks = left.value <= 0.0 || (theta - left.at) * step.h <= resolution;
+        let rounding = ROUNDING * dynamics.zero_value(function, step.y);
+        let sinks = left.value <= rounding || (theta - left.at) * step.h <= resolution;
         if right.at < 1.0 && (sinks || -right.value < SHALLOW * range) {
             let value = self.stepped(dynamics, method, step, function, right.at * step.h);
             if value >= -zero {
@@ -247,13 +251,13 @@ impl EventSearch {
                 if value <= 0.0 {
                     right = Sample { at, value };
                 }
-                (value > 0.0).then_some(Sample { at, value })
+                (value > rounding).then_some(Sample { at, value })
             });
             match positive {
                 Some(sample) => left = sample,
                 None => right = left,
             }
-            from = left.at;
+            from = left;
             theta = left.at;
             slope = (right.value - left.value) / ((right.at - left.at) * step.h);
         } else {
@@ -263,7 +267,14 @@ impl EventSearch {
             slope = (value(after) - value(before)) / ((after - before) * step.h);
         }
 
-        let (mut low, mut high) = (from * step.h, right.at * step.h);
+        // A function that starts at zero has any sign there: the way back ends where it is positive.
+        if from.value <= rounding && left.at > from.at {
+            let value = self.stepped(dynamics, method, step, function, left.at * step.h);
+            if value > rounding {
+                from = left;
+            }
+        }
+        let (mut low, mut high) = (from.at * step.h, right.at * step.h);
         let mut h = theta * step.h;
         let mut f = self.stepped(dynamics, method, step, function, h);
         for iteration in 0..POLISHING {

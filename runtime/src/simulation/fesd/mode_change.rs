@@ -11,7 +11,7 @@ use crate::time_freezing::clock;
 const REST: f64 = 1e-6;
 
 /// What the change of a tangential state is called.
-fn sliding_event(before: Tangential, after: Tangential) -> Option<EventKind> {
+pub(super) fn sliding_event(before: Tangential, after: Tangential) -> Option<EventKind> {
     if before.sense() == after.sense() {
         None
     } else if after.sense() == 0.0 {
@@ -117,18 +117,6 @@ impl Driver<'_> {
         }
         self.element.set_mode(&self.active);
         self.evaluate_state()
-    }
-
-    /// The event of a contact that goes on in another tangential state, if it is one.
-    pub(super) fn push_sliding_event(
-        &mut self,
-        contact: usize,
-        before: Tangential,
-        after: Tangential,
-    ) {
-        if let Some(kind) = sliding_event(before, after) {
-            self.push_event(kind, contact, self.state.v.clone());
-        }
     }
 
     /// Rest velocity at the present state.

@@ -5,6 +5,7 @@
 //! impact is known to the length of an element.
 
 use super::driver::{Driver, Stop};
+use super::mode_change::sliding_event;
 use crate::dcs::HeavisideSystem;
 use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::finite_element::State;
@@ -89,7 +90,8 @@ impl Driver<'_> {
         ))
     }
 
-    /// Jumps of the contacts in `resting` that would be bounces, with the speed at which each comes.
+    /// Bounces that the program leaves out, with the speed at which each contact comes: impacts of the contacts
+    /// in `resting`, and sustained contact of the others, which the equations admit but no bounce leads to.
     fn bounces_left_out(
         &mut self,
         program: &Transcription<'_>,
@@ -98,13 +100,24 @@ impl Driver<'_> {
     ) -> Vec<(usize, f64)> {
         let start = self.state.clone();
         let mut ended = Vec::new();
-        for &i in resting {
+        for i in self.all_contacts.clone() {
             if self.restitution[i] == 0.0 {
                 continue;
             }
-            let jumps = |e: usize| Phase::of(program.mean_alpha(x, e, i)) == Phase::Jump;
+            let phase = |e: usize| Phase::of(program.mean_alpha(x, e, i));
             for e in 0..program.elements() {
-                if !jumps(e) || e > 0 && jumps(e - 1) {
+                if !resting.contains(&i) {
+                    if phase(e) == Phase::Contact {
+                        ended.push((i, f64::INFINITY));
+                    }
+                    continue;
+                }
+                let closed = if e == 0 {
+                    find(&self.active, i).is_some()
+                } else {
+                    phase(e - 1) != Phase::Free
+                };
+                if closed || phase(e) == Phase::Free {
                     continue;
                 }
                 if e > 0 {
@@ -123,6 +136,8 @@ impl Driver<'_> {
     /// Advances to `end` by one complementarity problem in which the contacts in `resting` do not bounce, on
     /// `fewest` elements or a few more; false if it was not solved, or leaves out a bounce.
     fn try_program(&mut self, end: f64, resting: &[usize], fewest: usize) -> Result<bool, Stop> {
+        // A jump that begins to stick has one switch more.
+        let fewest = fewest + usize::from(self.rough);
         let fewest = self.settings.elements.max(fewest);
         for elements in fewest..fewest + ATTEMPTS {
             let system = TimeFreezingSystem::new(self.model, AUXILIARY_ACCELERATION)
@@ -135,6 +150,7 @@ impl Driver<'_> {
             let mut settings = mpcc::Settings::default();
             settings.interior_point.initial_barrier_parameter = BARRIER_PARAMETER;
             settings.interior_point.maximum_iterations = MAX_ITERATIONS;
+            settings.maximum_neighbours = 0;
             let solution = mpcc::solve(&mut program, &settings)
                 .map_err(|_| Stop::Program("the step problem was refused"))?;
             self.counts.interior_point += solution.iterations - solution.crossover_iterations;
@@ -149,6 +165,8 @@ impl Driver<'_> {
             let rest = self.rest_velocity();
             if ended.iter().all(|&(_, speed)| speed <= rest) {
                 self.take(&program, &solution)?;
+                // The clock of the program ends there up to its residual.
+                self.state.time = end;
                 self.end_cascades(&ended);
                 return Ok(true);
             }
@@ -203,10 +221,10 @@ impl Driver<'_> {
                         jump_start.get_or_insert_with(|| before.clone());
                     }
                     (Phase::Contact, Phase::Free) => {
-                        self.push_event(EventKind::LiftOff, i, before.v.clone());
+                        self.push_event_at(&before, EventKind::LiftOff, i, before.v.clone());
                     }
                     (Phase::Free, Phase::Contact) => {
-                        self.push_event(EventKind::Contact, i, before.v.clone());
+                        self.push_event_at(&before, EventKind::Contact, i, before.v.clone());
                     }
                     _ => {}
                 }
@@ -227,8 +245,10 @@ impl Driver<'_> {
                 .evaluate_contacts(&self.x, 0..self.all_contacts.len());
             self.contacts.drop_dependent_sticks(&mut self.active)?;
             for held in self.active.clone() {
-                if let Some(before) = find(&sliding, held.contact) {
-                    self.push_sliding_event(held.contact, before, held.tangential);
+                let earlier = find(&sliding, held.contact);
+                let kind = earlier.and_then(|earlier| sliding_event(earlier, held.tangential));
+                if let Some(kind) = kind {
+                    self.push_event_at(&before, kind, held.contact, before.v.clone());
                 }
             }
             self.evaluate_state()?;
@@ -253,8 +273,19 @@ impl Driver<'_> {
         let Some(begin) = start.take() else {
             return;
         };
-        let present = std::mem::replace(&mut self.state, after.clone());
-        self.push_event(EventKind::Impact, contact, begin.v);
+        self.push_event_at(after, EventKind::Impact, contact, begin.v);
+    }
+
+    /// Records an event at `state`, the boundary of two elements.
+    fn push_event_at(
+        &mut self,
+        state: &State,
+        kind: EventKind,
+        contact: usize,
+        v_before: Vec<f64>,
+    ) {
+        let present = std::mem::replace(&mut self.state, state.clone());
+        self.push_event(kind, contact, v_before);
         self.state = present;
     }
 }

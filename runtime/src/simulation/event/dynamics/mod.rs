@@ -16,7 +16,7 @@ use crate::simulation::{
 /// Dynamics of a model with a set of active contacts `I`, of which `J` stick:
 ///
 /// ```text
-/// v' = a + sum_I d_i r_i + sum_I e_i s_i        s_i = -mu r_i or +mu r_i where contact i slips, 0 without friction
+/// v' = a + sum_I d_i r_i + e_i s_i              s_i = -+ mu r_i where contact i slips, 0 without friction
 /// n_i' v' + curvature = 0  for i in I,          b_i' v' + curvature = 0  for i in J
 /// ```
 ///

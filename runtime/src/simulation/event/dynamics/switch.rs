@@ -12,6 +12,9 @@ const CLOSED_GAP: f64 = 1e-12;
 const ZERO_VELOCITY: f64 = 1e-12;
 /// Normal contact accelerations below this times the accelerations they balance are zero.
 const ZERO_FORCE: f64 = 1e-12;
+/// Sliding velocities up to this are those of a contact that others hold: it is held by rounding error where the
+/// geometry keeps it, and slides where that was so at one instant only.
+const HELD_VELOCITY: f64 = 1e-9;
 /// Value of a switching function that is none.
 const CONSTANT: f64 = 1.0;
 /// A function of time whose zero ends the contact mode; all are positive within it.
@@ -25,6 +28,8 @@ pub(in crate::simulation) enum Switch {
     FrictionLimit(usize, Direction),
     /// The sliding velocity, in its direction, of a contact that slips.
     SlidingVelocity(usize, Direction),
+    /// How far the sliding velocity of a contact that others hold is from counting as sliding.
+    HeldVelocity(usize),
     /// None: a constant.
     Constant(usize),
 }
@@ -36,6 +41,7 @@ impl Switch {
             | Self::NormalForce(i)
             | Self::FrictionLimit(i, _)
             | Self::SlidingVelocity(i, _)
+            | Self::HeldVelocity(i)
             | Self::Constant(i) => i,
         }
     }
@@ -61,6 +67,7 @@ impl Dynamics<'_> {
             (ContactState::Stick, 0) => Switch::FrictionLimit(contact, Direction::Forward),
             (ContactState::Stick, _) => Switch::FrictionLimit(contact, Direction::Backward),
             (ContactState::Slip(direction), 0) => Switch::SlidingVelocity(contact, direction),
+            (ContactState::Held(_), 0) => Switch::HeldVelocity(contact),
             _ => Switch::Constant(contact),
         }
     }
@@ -133,7 +140,7 @@ impl Dynamics<'_> {
             Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
                 ZERO_FORCE * self.force_scale[function].max(self.force_floor[function])
             }
-            Switch::Constant(_) => 0.0,
+            Switch::HeldVelocity(_) | Switch::Constant(_) => 0.0,
         }
     }
 
@@ -154,6 +161,11 @@ impl Dynamics<'_> {
                 self.load(t, y);
                 self.evaluate_tangent(i);
                 direction.sign() * self.sliding_velocity(i)
+            }
+            Switch::HeldVelocity(i) => {
+                self.load(t, y);
+                self.evaluate_tangent(i);
+                HELD_VELOCITY - self.sliding_velocity(i).abs()
             }
             Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
                 self.derivative(t, y, slope);
@@ -184,6 +196,7 @@ impl Dynamics<'_> {
                 Switch::SlidingVelocity(i, direction) => {
                     direction.sign() * self.sliding_velocity(i)
                 }
+                Switch::HeldVelocity(i) => HELD_VELOCITY - self.sliding_velocity(i).abs(),
                 _ => CONSTANT,
             };
         }

@@ -3,8 +3,6 @@
 //! The test serves the page with a script at its end that presses, drags and looks, and sends back what it saw. Set
 //! `HANGTIME_BROWSER` to choose a browser; Chromium and its relatives understand the options.
 
-#![expect(clippy::unwrap_used, reason = "a failed step fails the test")]
-
 use std::fs::File;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
@@ -13,6 +11,8 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
+
+use crate::support::{Scratch, solved};
 
 /// Names under which Chromium and its relatives are installed.
 const BROWSERS: [&str; 5] = [
@@ -184,18 +184,12 @@ fn play(name: &str, arguments: &[&str], check: impl Fn(&Value)) {
         );
         return;
     };
-    let folder =
-        std::env::temp_dir().join(format!("hangtime-player-{name}-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&folder);
-    let run = Command::new(env!("CARGO_BIN_EXE_hangtime"))
-        .args(arguments)
-        .arg("--out")
-        .arg(&folder)
-        .output();
-    assert!(run.unwrap().status.success());
-    let page = std::fs::read_to_string(folder.join(format!("{name}.html"))).unwrap();
-    let (report, console) = visit(&browser, &folder, &page);
-    let _ = std::fs::remove_dir_all(&folder);
+    let scratch = Scratch::new(&format!("player-{name}"));
+    let mut arguments = arguments.to_vec();
+    arguments.extend(["--out", scratch.text()]);
+    solved(&arguments);
+    let page = scratch.read(&format!("{name}.html"));
+    let (report, console) = visit(&browser, &scratch.0, &page);
     assert_eq!(console, "");
     assert_eq!(report["errors"], serde_json::json!([]));
     check(&report);

@@ -1,0 +1,56 @@
+//! A bouncing ball: restitution, and infinitely many impacts in finite time.
+//!
+//! From a height `h` the ball reaches the floor after `sqrt(2 h / g)`, and rests on it after `(1 + e) / (1 - e)` times
+//! that time, for a coefficient of restitution `e`.
+
+use crate::scene::{Plane, Scene, Variant, heights};
+
+hangtime::model! {
+    /// A ball that bounces along a floor.
+    pub BouncingBall {
+        parameters {
+            /// Mass of the ball.
+            m: kg = 1,
+            /// Gravitational acceleration.
+            g: m/s^2 = 9.81,
+            /// Coefficient of restitution.
+            e = 0.8,
+            /// Height of the start.
+            height: m = 1,
+            /// Horizontal speed, which nothing changes.
+            speed: m/s = 0.5,
+        }
+        coordinates {
+            /// Horizontal position.
+            y: m,
+            /// Height.
+            z: m,
+        }
+
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        surface floor: z >= 0
+        impact floor: restitution e
+
+        start { z: height, dot(y): speed }
+        horizon 5 [s]
+    }
+}
+
+/// Its entry in the list of scenes.
+pub(crate) const SCENE: Scene = Scene {
+    name: "bouncing-ball",
+    title: "a ball bounces along a floor and comes to rest after infinitely many impacts",
+    variants: &[Variant {
+        settings: &[],
+        model: || Box::new(BouncingBall::default()),
+    }],
+    plane: Some(Plane {
+        axes: ["y [m]", "z [m]"],
+        unit: "m",
+        bodies: &["ball"],
+        links: &[],
+        positions: |_, q| vec![[q[0], q[1]]],
+        ground: heights,
+    }),
+    published: &[],
+};

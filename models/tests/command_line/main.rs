@@ -1,0 +1,10 @@
+//! The command line, end to end: what the binary prints, writes, and refuses.
+
+#![expect(clippy::unwrap_used, reason = "a failed step fails the test")]
+
+mod player;
+mod refusals;
+mod simulate;
+mod solve;
+mod studies;
+mod support;

@@ -1,0 +1,133 @@
+//! `solve`.
+
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::support::{Scratch, assert_page_shows_its_result, refused, result_files, solved};
+
+#[test]
+fn solve_without_an_objective_says_so() {
+    assert_eq!(
+        refused(&["solve", "ski-jump"]),
+        "scene `ski-jump` declares no objective, so there is nothing to optimize; run `hangtime \
+         simulate ski-jump` instead"
+    );
+}
+
+#[test]
+fn solve_json_has_the_fields_of_the_contract_in_order() {
+    let document = solved(&["solve", "pump-track", "--set", "speed=15km/h", "--json"]);
+    assert_eq!(document.lines().count(), 1);
+    let fields = [
+        "schema",
+        "scene",
+        "parameters",
+        "horizon",
+        "method",
+        "status",
+        "events",
+        "trajectory",
+        "final",
+        "objective",
+        "stationarity",
+        "resimulation_error",
+        "controls",
+        "residuals",
+        "size",
+        "iterations",
+        "seconds",
+    ];
+    let mut places = Vec::new();
+    for field in fields {
+        let place = document.find(&format!("\"{field}\":"));
+        places.push(place.unwrap_or_else(|| panic!("no field `{field}`")));
+    }
+    assert!(places.is_sorted(), "{places:?}");
+    let document: Value = serde_json::from_str(&document).unwrap();
+    for count in ["interior_point", "crossover", "newton", "factorizations"] {
+        assert!(document["iterations"][count].is_u64(), "{count}");
+    }
+    for kind in ["total", "evaluate", "factorize", "solve"] {
+        assert!(document["seconds"][kind].is_f64(), "{kind}");
+    }
+    assert_eq!(document["status"], "solved");
+    assert!((document["horizon"].as_f64().unwrap() - 1.4137689).abs() < 1e-6);
+    assert_eq!(document["controls"].as_array().unwrap().len(), 30);
+    assert_eq!(document["parameters"]["law"], "paper");
+}
+
+#[test]
+fn solve_with_out_writes_data_and_a_picture() {
+    let scratch = Scratch::new("solve");
+    let text = solved(&[
+        "solve",
+        "pump-track",
+        "--intervals",
+        "12",
+        "--out",
+        scratch.text(),
+    ]);
+    assert!(text.contains("final time"), "{text}");
+    assert_eq!(scratch.names(), result_files("pump-track-optimal"));
+    assert_page_shows_its_result(&scratch, "pump-track-optimal");
+}
+
+/// Waits for what another process does.
+fn wait_until(what: &str, condition: impl Fn() -> bool) {
+    // Long enough for a machine with other work; only a broken program waits so long.
+    let end = Instant::now() + Duration::from_secs(60);
+    while !condition() {
+        assert!(Instant::now() < end, "{what} did not happen");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn solve_interrupted_writes_what_it_has_and_ends_with_status_3() {
+    let scratch = Scratch::new("interrupted");
+    // So many intervals take far longer than the test waits.
+    let child = Command::new(env!("CARGO_BIN_EXE_hangtime"))
+        .args([
+            "solve",
+            "pump-track",
+            "--intervals",
+            "2000",
+            "--json",
+            "--out",
+        ])
+        .arg(scratch.text())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The program listens before it makes the directory.
+    wait_until("the output directory", || scratch.0.is_dir());
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(killed.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(
+        stderr.starts_with("error: pump-track: interrupted: stopped"),
+        "{stderr}"
+    );
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["status"], "interrupted");
+    let written: Value = serde_json::from_str(&scratch.read("pump-track-optimal.json")).unwrap();
+    assert_eq!(written, document);
+}
+
+#[test]
+fn solve_that_is_refused_says_why_in_one_line() {
+    let refusal = refused(&["solve", "pump-track", "--stages", "12"]);
+    assert_eq!(
+        refusal,
+        "scene `pump-track`: Runge-Kutta stages = 12: must be in 2..=9"
+    );
+}

@@ -1,0 +1,128 @@
+//! Running the binary, and looking at what it leaves.
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// Runs the binary.
+pub(crate) fn hangtime(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hangtime"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// Standard output of a run that must succeed in silence.
+pub(crate) fn solved(arguments: &[&str]) -> String {
+    let output = hangtime(arguments);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {stderr}");
+    assert_eq!(stderr, "", "{arguments:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+pub(crate) fn json(arguments: &[&str]) -> Value {
+    serde_json::from_str(&solved(arguments)).unwrap()
+}
+
+/// A path for one test, removed at the end.
+pub(crate) struct Scratch(pub(crate) PathBuf);
+
+impl Scratch {
+    pub(crate) fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("hangtime-cli-{name}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        Self(path)
+    }
+
+    pub(crate) fn text(&self) -> &str {
+        self.0.to_str().unwrap()
+    }
+
+    pub(crate) fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = std::fs::read_dir(&self.0)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    pub(crate) fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.0.join(name)).unwrap()
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// One line that says what, where and how to mend it; status 2; nothing on the standard output.
+pub(crate) fn refused(arguments: &[&str]) -> String {
+    let output = hangtime(arguments);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
+    assert_eq!(output.stdout, b"", "{arguments:?}");
+    let line = stderr.strip_prefix("error: ").unwrap_or_else(|| {
+        panic!("{arguments:?} should complain, but printed `{stderr}`");
+    });
+    let line = line.strip_suffix('\n').unwrap();
+    assert!(!line.contains('\n'), "{arguments:?}: {line}");
+    line.to_owned()
+}
+
+/// The files of one result, in alphabetical order.
+pub(crate) fn result_files(stem: &str) -> [String; 6] {
+    [
+        "-events.csv",
+        "-time.svg",
+        "-trajectory.csv",
+        ".html",
+        ".json",
+        ".svg",
+    ]
+    .map(|ending| format!("{stem}{ending}"))
+}
+
+/// The JSON that a page carries in its script element `id`.
+pub(crate) fn embedded(page: &str, id: &str) -> Value {
+    let opening = format!("<script type=\"application/json\" id=\"{id}\">");
+    let (_, rest) = page.split_once(&opening).unwrap();
+    serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
+}
+
+/// The page of a result loads nothing from elsewhere, carries the JSON of the result, and its frames are the motion.
+pub(crate) fn assert_page_shows_its_result(scratch: &Scratch, stem: &str) {
+    let page = scratch.read(&format!("{stem}.html"));
+    for outside in ["<link", " src=", "@import", "url(http", "fetch(", "import "] {
+        assert!(!page.contains(outside), "the page loads `{outside}`");
+    }
+    for (opened, closed) in [
+        ("<script", "</script>"),
+        ("<svg", "</svg>"),
+        ("<div", "</div>"),
+    ] {
+        assert_eq!(page.matches(opened).count(), page.matches(closed).count());
+    }
+    let document: Value = serde_json::from_str(&scratch.read(&format!("{stem}.json"))).unwrap();
+    assert_eq!(embedded(&page, "result"), document);
+    let frames = embedded(&page, "frames");
+    let times = frames["time"].as_array().unwrap();
+    assert!(times.len() >= 200);
+    assert!(times.is_sorted_by(|a, b| a.as_f64() < b.as_f64()));
+    assert_eq!(times.last().unwrap(), &document["final"]["time"]);
+    for rows in ["positions", "forces"] {
+        assert_eq!(frames[rows].as_array().unwrap().len(), times.len());
+    }
+    // Both scenes with pages here have the horizontal position as first coordinate.
+    let end = frames["positions"].as_array().unwrap().last().unwrap();
+    assert_eq!(end[0][0], document["final"]["q"][0]);
+    let events = document["events"].as_array().unwrap();
+    assert_eq!(frames["events"].as_array().unwrap().len(), events.len());
+    for event in events {
+        assert!(times.contains(&event["time"]), "no frame at {event}");
+    }
+}

@@ -1,0 +1,161 @@
+//! Variables that a linear row forces to zero.
+
+use super::Mpcc;
+
+/// Size up to which the room that a row leaves its terms counts as none: sums of numbers of order one.
+const NO_ROOM: f64 = 1e-12;
+
+/// Marks, besides the variables that vanish already, those that a linear row then leaves no other value than
+/// zero, until there are no more: `sum_k a_k x_k <= b` with `a_k > 0`, `x_k >= 0` and `b = 0`.
+///
+/// With all terms of a fixed sum at zero the program would have no interior, and an interior point method no
+/// multipliers to converge to. Presolvers of linear programs call such rows forcing (Andersen and Andersen,
+/// Mathematical Programming 71, 1995). A row counts as linear if its derivatives at two points are the same.
+pub(crate) fn mark_forced(problem: &mut dyn Mpcc, x: &[f64], vanishes: &mut [bool]) {
+    let (n, m) = (problem.variables(), problem.constraints());
+    let (mut lower, mut upper) = (vec![0.0; n], vec![0.0; n]);
+    problem.variable_bounds(&mut lower, &mut upper);
+    // two points inside the bounds that differ in every variable that can move
+    let inside: Vec<f64> = (0..n).map(|i| x[i].clamp(lower[i], upper[i])).collect();
+    let moved: Vec<f64> = (0..n)
+        .map(|i| {
+            let (down, up) = (inside[i] - lower[i], upper[i] - inside[i]);
+            let step = 0.1 + 0.8 / (2.0 + i as f64).sqrt();
+            inside[i]
+                + if up >= down {
+                    step * up.min(1.0)
+                } else {
+                    -step * down.min(1.0)
+                }
+        })
+        .collect();
+    let pattern = problem.jacobian_pattern();
+    let mut values = vec![0.0; pattern.len()];
+    let mut others = vec![0.0; pattern.len()];
+    problem.jacobian_values(&inside, &mut values);
+    problem.jacobian_values(&moved, &mut others);
+    let mut constant = vec![0.0; m];
+    problem.constraint_values(&inside, &mut constant);
+    let mut rows = vec![Some(Vec::new()); m];
+    for ((&(row, column), &value), &other) in pattern.iter().zip(&values).zip(&others) {
+        constant[row] -= value * inside[column];
+        if value != other {
+            rows[row] = None;
+        } else if value != 0.0
+            && let Some(terms) = &mut rows[row]
+        {
+            terms.push((column, value));
+        }
+    }
+    let (mut least, mut most) = (vec![0.0; m], vec![0.0; m]);
+    problem.constraint_bounds(&mut least, &mut most);
+    loop {
+        let mut changed = false;
+        for (row, terms) in rows.iter().enumerate() {
+            let Some(terms) = terms else { continue };
+            let mut rest = constant[row];
+            let mut scale = rest.abs();
+            let (mut positive, mut negative, mut zero_below) = (false, false, true);
+            for &(k, a) in terms {
+                if vanishes[k] {
+                    continue;
+                }
+                if lower[k] == upper[k] {
+                    rest += a * lower[k];
+                    scale += (a * lower[k]).abs();
+                    continue;
+                }
+                positive |= a > 0.0;
+                negative |= a < 0.0;
+                zero_below &= lower[k] == 0.0;
+            }
+            let room = NO_ROOM * (1.0 + scale);
+            let forcing = zero_below
+                && (positive && !negative && most[row] - rest <= room
+                    || negative && !positive && least[row] - rest >= -room);
+            if forcing {
+                for &(k, _) in terms {
+                    changed |= !vanishes[k] && lower[k] < upper[k];
+                    vanishes[k] |= lower[k] < upper[k];
+                }
+            }
+        }
+        if !changed {
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::nlp::NlpProblem;
+
+    /// `x_0 = x_1 + x_2`, `x_2 + x_3 <= 0`, `x_4 x_0 = 0` with all variables nonnegative.
+    struct Sums;
+
+    impl NlpProblem for Sums {
+        fn variables(&self) -> usize {
+            5
+        }
+        fn constraints(&self) -> usize {
+            3
+        }
+        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+            lower.fill(0.0);
+            upper.fill(f64::INFINITY);
+        }
+        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+            lower.copy_from_slice(&[0.5, f64::NEG_INFINITY, 0.0]);
+            upper.copy_from_slice(&[0.5, 3.0, 0.0]);
+        }
+        fn initial_point(&self, x: &mut [f64]) {
+            x.fill(1.0);
+        }
+        fn objective(&mut self, _: &[f64]) -> f64 {
+            0.0
+        }
+        fn gradient(&mut self, _: &[f64], gradient: &mut [f64]) {
+            gradient.fill(0.0);
+        }
+        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
+            c.copy_from_slice(&[0.5 + x[0] - x[1] - x[2], 3.0 + x[2] + x[3], x[4] * x[0]]);
+        }
+        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
+            vec![(0, 0), (0, 1), (0, 2), (1, 2), (1, 3), (2, 0), (2, 4)]
+        }
+        fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
+            values.copy_from_slice(&[1.0, -1.0, -1.0, 1.0, 1.0, x[4], x[0]]);
+        }
+        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
+            vec![(4, 0)]
+        }
+        fn hessian_values(&mut self, _: &[f64], _: f64, y: &[f64], values: &mut [f64]) {
+            values[0] = y[2];
+        }
+    }
+
+    impl Mpcc for Sums {
+        fn complementarities(&self) -> &[(usize, usize)] {
+            &[]
+        }
+    }
+
+    fn forced(vanishing: &[usize]) -> Vec<bool> {
+        let mut vanishes = vec![false; 5];
+        for &i in vanishing {
+            vanishes[i] = true;
+        }
+        mark_forced(&mut Sums, &[0.3, 0.2, 0.1, 0.0, 0.7], &mut vanishes);
+        vanishes
+    }
+
+    #[test]
+    fn mark_forced_empty_sum_takes_its_terms_with_it() {
+        // without x_0 the first row is a sum of two signs: only the second one forces
+        assert_eq!(forced(&[]), [false, false, true, true, false]);
+        assert_eq!(forced(&[0]), [true, true, true, true, false]);
+        // x_1 and x_2 force x_0; the third row is not linear
+        assert_eq!(forced(&[1]), [true, true, true, true, false]);
+    }
+}
