@@ -376,7 +376,7 @@ fn previous_motion_is_a_start_for_a_neighbouring_problem() {
 }
 
 #[test]
-fn few_stages_are_made_up_for_by_more_elements_where_the_error_is() {
+fn more_elements_make_up_for_few_stages() {
     let spring = Spring::default();
     let mut settings = Settings::default();
     settings.stages = 2;
