@@ -289,7 +289,7 @@ impl<'a> FiniteElement<'a> {
         for iteration in 0..MAX_ITERATIONS {
             self.evaluate_residual().map_err(|error| {
                 // Far from its start the iteration diverged; that says nothing of the model.
-                if iteration == 0 {
+                if iteration <= 1 {
                     error
                 } else {
                     ElementError::NotConverged
