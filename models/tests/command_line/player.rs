@@ -47,7 +47,13 @@ element("rate").value = "0.5";
 element("play").click();
 report.pressed = look();
 const pressed = performance.now();
-const frames = (count, then) => requestAnimationFrame((instant) => count > 0 ? frames(count - 1, then) : then(instant));
+let last = pressed;
+report.longest = 0;
+const frames = (count, then) => requestAnimationFrame((instant) => {
+  report.longest = Math.max(report.longest, (instant - last) / 1000);
+  last = instant;
+  count > 0 ? frames(count - 1, then) : then(instant);
+});
 frames(40, (instant) => {
   report.playing = look();
   report.elapsed = (instant - pressed) / 1000;
@@ -61,7 +67,8 @@ frames(40, (instant) => {
     report.end = look();
     element("play").click();
     report.again = look();
-    fetch("report", { method: "POST", body: JSON.stringify(report) });
+    // The server may be gone before it answers.
+    fetch("report", { method: "POST", body: JSON.stringify(report) }).catch(() => {});
   });
 });
 </script>
@@ -205,10 +212,15 @@ fn assert_plays(report: &Value, seconds: f64) {
     assert!((at("dragged") - seconds / 2.0).abs() < SHOWN, "{report}");
     assert_ne!(report["dragged"]["body"], report["start"]["body"]);
     assert_eq!(report["pressed"]["button"], "pause");
-    // At half speed; the visitor sees a frame before or after the player does, and frames of a busy machine are long.
+    // At half speed; the visitor sees a frame before or after the player does, and the player starts its clock with a
+    // frame, so they may be two frames apart.
     let elapsed = report["elapsed"].as_f64().unwrap();
     assert!(at("playing") > 0.0, "{report}");
-    assert!((at("playing") - 0.5 * elapsed).abs() < 0.1, "{report}");
+    let apart = 2.0 * report["longest"].as_f64().unwrap();
+    assert!(
+        (at("playing") - 0.5 * elapsed).abs() < 0.5 * apart + SHOWN,
+        "{report}"
+    );
     assert_ne!(report["playing"]["body"], report["pressed"]["body"]);
     assert_eq!(report["paused"]["button"], "play");
     assert_eq!(report["later"]["clock"], report["paused"]["clock"]);
