@@ -84,7 +84,9 @@ impl Loop<'_, '_, '_, '_> {
         } else {
             0.05
         };
-        if search.alpha < short && self.values.theta > 1e-6 {
+        if search.acceptance == Acceptance::Watchdog {
+            // a step without a test says nothing
+        } else if search.alpha < short && self.values.theta > 1e-6 {
             self.jams += 1;
         } else {
             self.jams = 0;
