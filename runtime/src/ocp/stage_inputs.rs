@@ -103,6 +103,28 @@ impl Builder<'_, '_> {
             .collect()
     }
 
+    /// The path constraints on linear controls at the very start, which is no stage.
+    pub(super) fn first_path_rows(&mut self, phase: &Phase) {
+        let problem = self.setting.problem;
+        let declared = problem.declared(self.setting.model);
+        let Some(declared) = declared.filter(|_| self.setting.shape == ControlShape::Linear) else {
+            return;
+        };
+        let first = usize::from(declared.running_cost);
+        let (from, u) = (2 * self.n, self.frame.controls[0].clone());
+        let reads = |constraint: &usize| {
+            let controls = |column: usize| (from..from + u.len()).contains(&column);
+            let mut entries = declared.path_jacobian.entries.iter();
+            entries.any(|&(row, column)| {
+                row as usize == first + constraint && controls(column as usize)
+            })
+        };
+        let chosen: Vec<usize> = (0..declared.constraints.len()).filter(reads).collect();
+        let inputs = [&phase.start[..self.n], &phase.start[self.n..], &u[..]];
+        self.frame
+            .path_rows_of(&mut self.program, problem, &chosen, inputs, "at the start");
+    }
+
     /// The controls at the share `theta` of a phase.
     pub(super) fn controls_within(&mut self, phase: &Phase, theta: f64, place: &str) -> Vec<usize> {
         let c = self.setting.tableau.c();

@@ -405,6 +405,9 @@ impl Builder<'_, '_> {
             self.frame
                 .path_rows(&mut self.program, problem, [q, v, &u], &place);
         }
+        if (interval, index.0) == (0, 0) {
+            self.first_path_rows(&phase);
+        }
         let program = &mut self.program;
         // The force right at the start of a contact phase, extrapolated from the stages.
         let mut values = vec![0.0; stages];
