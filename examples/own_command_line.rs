@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use hangtime_models::{CommandLine, Plane, Scene, Variant, heights};
 
 hangtime::model! {
-    /// A sledge with a propeller that can be tilted crosses a hollow.
+    /// A sledge with a propeller that can be tilted.
     pub Sledge {
         parameters { m: kg = 100, g: m/s^2 = 9.81, hollow: m = 1 }
         coordinates { y: m, z: m }
@@ -28,7 +28,8 @@ hangtime::model! {
     }
 }
 
-const SCENES: &[Scene] = &[Scene::new(
+/// The scenes of this program.
+pub const SCENES: &[Scene] = &[Scene::new(
     "sledge",
     "a sledge crosses a hollow in least time",
     &[Variant::new(|| Box::new(Sledge::default()))],
