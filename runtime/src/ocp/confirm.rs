@@ -231,14 +231,16 @@ impl Search<'_, '_> {
     /// The first difference in kind between the switches of a plan and of its re-simulation, in words.
     fn disagreement(&self, plan: &Sequence, read: &Sequence, interval: f64) -> Option<String> {
         let contacts = self.setting.model.declaration().contacts;
-        for contact in 0..contacts.len() {
-            if plan.initially[contact] != read.initially.get(contact).copied().unwrap_or(false) {
-                let which = if plan.initially[contact] { "" } else { "not " };
-                return Some(format!(
-                    "`{}` is {which}closed at the start of the plan, other than in the re-simulation",
-                    contacts[contact].name
-                ));
-            }
+        let initially = plan.initially.iter().zip(&read.initially);
+        let other = initially
+            .zip(contacts)
+            .find(|((plan, read), _)| plan != read);
+        if let Some(((&closed, _), contact)) = other {
+            let which = if closed { "" } else { "not " };
+            return Some(format!(
+                "`{}` is {which}closed at the start of the plan, other than in the re-simulation",
+                contact.name
+            ));
         }
         let kind = |s: &Switch| (s.contact, s.closes, s.touches);
         let words = |sequence: &Sequence, index: usize| match sequence.switches.get(index) {
