@@ -40,10 +40,7 @@ hangtime::model! {
 pub(crate) const SCENE: Scene = Scene {
     name: "bouncing-ball",
     title: "a ball bounces along a floor and comes to rest after infinitely many impacts",
-    variants: &[Variant {
-        settings: &[],
-        model: || Box::new(BouncingBall::default()),
-    }],
+    variants: &[Variant::new(|| Box::new(BouncingBall::default()))],
     plane: Some(Plane {
         axes: ["y [m]", "z [m]"],
         unit: "m",

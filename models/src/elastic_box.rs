@@ -42,10 +42,7 @@ hangtime::model! {
 pub(crate) const SCENE: Scene = Scene {
     name: "box",
     title: "a ball bounces in a box and keeps its energy",
-    variants: &[Variant {
-        settings: &[],
-        model: || Box::new(ElasticBox::default()),
-    }],
+    variants: &[Variant::new(|| Box::new(ElasticBox::default()))],
     plane: Some(Plane {
         axes: ["y [m]", "z [m]"],
         unit: "m",

@@ -40,10 +40,7 @@ hangtime::model! {
 pub(crate) const SCENE: Scene = Scene {
     name: "incline",
     title: "a block slides down a rough incline, stops, and sticks",
-    variants: &[Variant {
-        settings: &[],
-        model: || Box::new(Incline::default()),
-    }],
+    variants: &[Variant::new(|| Box::new(Incline::default()))],
     plane: Some(Plane {
         axes: ["y [m]", "z [m]"],
         unit: "m",

@@ -43,10 +43,7 @@ hangtime::model! {
 pub(crate) const SCENE: Scene = Scene {
     name: "ski-jump",
     title: "a point mass slides off a curved table, flies, and lands on a straight slope",
-    variants: &[Variant {
-        settings: &[],
-        model: || Box::new(SkiJump::default()),
-    }],
+    variants: &[Variant::new(|| Box::new(SkiJump::default()))],
     plane: Some(Plane {
         axes: ["y [m]", "z [m]"],
         unit: "m",

@@ -1,7 +1,7 @@
 //! States between the instants that a trajectory keeps.
 
+use crate::Quantity;
 use hangtime::simulation::Trajectory;
-use hangtime_models::Quantity;
 
 /// About how many states a line is drawn through.
 const POINTS: usize = 600;

@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
+use crate::{PublishedData, Scene};
 use hangtime::ocp::{
     self, ControlShape, Formulation, Problem, Settings, Solution, TimeFreezingSettings,
 };
 use hangtime::rk::Scheme;
 use hangtime::simulation::EventKind;
-use hangtime_models::PublishedData;
 
 use super::Report;
 use super::arguments::{ControlsName, SchemeName, SolveArguments, SolveFormulation};
@@ -23,8 +23,11 @@ use super::table::{headed, seconds, table};
 /// Control intervals, unless others are asked for.
 pub(super) const INTERVALS: usize = 30;
 
-pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
-    let chosen = ChosenScene::from_arguments(&arguments.scene)?;
+pub(super) fn run(
+    scenes: &'static [Scene],
+    arguments: &SolveArguments,
+) -> Result<Report, BadInput> {
+    let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
     if chosen.model.declaration().optimal_control.is_none() {
         return Err(BadInput::new(format!(
             "scene `{0}` declares no objective, so there is nothing to optimize; run `hangtime \

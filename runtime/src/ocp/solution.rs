@@ -186,6 +186,8 @@ pub struct Solution {
     pub stationarity: Stationarity,
     /// Largest difference of a final coordinate between plan and re-simulation.
     pub resimulation_error: f64,
+    /// The first contact event in which plan and re-simulation differ, in words.
+    pub disagreement: Option<String>,
     /// Residuals of the plan: violation of its equations and bounds, gradient of the Lagrangian,
     /// and largest `min(gap, normal acceleration)`.
     pub residuals: Residuals,
@@ -229,6 +231,7 @@ impl Solution {
             horizon: f64::NAN,
             stationarity: Stationarity::None,
             resimulation_error: f64::INFINITY,
+            disagreement: None,
             residuals: Residuals {
                 primal: f64::NAN,
                 dual: f64::NAN,
@@ -272,11 +275,17 @@ impl Solution {
                  limit on programs",
                 self.counts.programs
             )),
-            Status::Unconfirmed => Some(format!(
-                "the re-simulation has other contact events than the plan or ends too far from it ({:.1e}); \
-                 raise the number of stages or of intervals, or the gap margin",
-                self.resimulation_error
-            )),
+            Status::Unconfirmed => {
+                let difference = match &self.disagreement {
+                    Some(event) => format!("has other contact events than the plan ({event})"),
+                    None => "ends too far from the plan".to_owned(),
+                };
+                Some(format!(
+                    "the re-simulation {difference}, {:.1e} away at the end; raise the number of stages or of \
+                     intervals, or the gap margin",
+                    self.resimulation_error
+                ))
+            }
             Status::Infeasible => Some(format!(
                 "the goal cannot be reached within the bounds from this guess; {worst}"
             )),
