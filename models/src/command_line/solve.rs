@@ -128,7 +128,7 @@ pub(super) fn facts(method: &SolverSettings, solution: &Solution) -> Vec<[String
             "method",
             format!(
                 "{}, {}, {} stages, {} intervals, {} controls",
-                method.name, method.scheme, method.stages, method.intervals, method.controls
+                method.name, method.scheme, method.stages, method.intervals, method.control_shape
             ),
         ),
         ("status", solution.status.name().to_owned()),
@@ -158,7 +158,7 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
         method.stages,
         method.intervals,
         method.elements,
-        method.controls,
+        method.control_shape,
         method.starts
     );
     let _ = writeln!(text, "status        {}", solution.status.name());

@@ -14,7 +14,7 @@
 use super::control_grid::ControlGrid;
 use super::frame::{Frame, state_name};
 use super::kernel::Kernel;
-use super::path::{Path, Units};
+use super::path::{Path, Units, drive};
 use super::problem::Problem;
 use super::program::Program;
 use super::settings::ControlShape;
@@ -57,9 +57,15 @@ impl<'a> ContactImplicit<'a> {
         let mut elements = Vec::with_capacity(count);
         let mut pairs = Vec::with_capacity(count);
         for element in 0..count {
-            let u = &frame.controls[element / per_interval];
+            let mut u = frame.controls[element / per_interval].clone();
             let time = guess.horizon * (element + 1) as f64 * share;
             let sample = guess.at(time, true);
+            if declaration.explicit_time {
+                let passed = (element + 1) as f64 * share;
+                let name = format!("time after element {element}");
+                u.push(frame.time(&mut program, name, &[(horizon, passed)], time));
+            }
+            let u = &u[..];
             let mut variables = Vec::with_capacity(2 * n + contacts.len());
             for (k, &value) in sample.iter().take(2 * n).enumerate() {
                 let range = if k < n {
@@ -85,13 +91,13 @@ impl<'a> ContactImplicit<'a> {
                 let gap = program.variable(
                     format!("gap `{name}` after element {element}"),
                     (0.0, f64::INFINITY),
-                    gap(model, contact, &sample[..2 * n]),
+                    gap(model, contact, (&sample[..2 * n], time)),
                     units.gap[contact],
                 );
                 let row = program.row(format!("gap `{name}`, element {element}"), 0.0, 0.0);
                 program.linear(row, gap, -1.0);
                 let block = Kernel::Contact(contact);
-                program.block(&block, [&q, &[], &[], &[]], None, vec![(row, 0, 1.0)]);
+                program.block(&block, [&q, &[], u, &[]], None, vec![(row, 0, 1.0)]);
                 program.pair(force, gap);
                 forces.push(force);
                 gaps.push((force, gap));
@@ -164,9 +170,10 @@ impl<'a> ContactImplicit<'a> {
     }
 }
 
-/// Gap of a contact at `(q, v)`, at least 0.
-fn gap(model: &dyn Model, contact: usize, state: &[f64]) -> f64 {
+/// Gap of a contact at `(q, v)` and a time, at least 0.
+fn gap(model: &dyn Model, contact: usize, (state, time): (&[f64], f64)) -> f64 {
     let mut x = state.to_vec();
-    x.resize(model.declaration().inputs(), 0.0);
+    let controls = vec![0.0; model.declaration().controls.len()];
+    x.extend(drive(model, &controls, time));
     model.gap(contact, &x).max(0.0)
 }

@@ -50,6 +50,7 @@ mod cubic_bounds;
 mod cuts;
 mod frame;
 mod global;
+mod grid;
 mod kernel;
 mod limits;
 mod path;

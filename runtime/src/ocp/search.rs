@@ -236,7 +236,6 @@ impl<'a> Search<'a, '_> {
         let model = program.model;
         let declaration = model.declaration();
         let n = declaration.coordinates.len();
-        let mut input = vec![0.0; declaration.inputs()];
         let mut point = vec![0.0; contact_point::length(n)];
         let solved = program.solved(x);
         let touched = |index: usize| program.sequence.switches[index].touches;
@@ -244,11 +243,10 @@ impl<'a> Search<'a, '_> {
             let (Some(contact), Some(index)) = (phase.closing, phase.ends_with) else {
                 return false;
             };
-            let Some(end) = solved.states.last().filter(|_| touched(index)) else {
+            let Some(end) = solved.inputs.last().filter(|_| touched(index)) else {
                 return false;
             };
-            input[..2 * n].copy_from_slice(end);
-            model.contact(contact, &input, &mut point);
+            model.contact(contact, end, &mut point);
             let unit = self.setting.units.force[contact] * solved.length;
             point[contact_point::NORMAL_VELOCITY] > -GRAZING * unit
         })

@@ -4,7 +4,7 @@ use cpu_time::ThreadTime;
 
 use super::control_grid::ControlGrid;
 use super::global::Relaxed;
-use super::path::{Path, with_forces};
+use super::path::{Path, drive, with_forces};
 use super::search::{Search, refused};
 use super::sequence::Sequence;
 use super::settings::Guess;
@@ -106,7 +106,12 @@ impl Search<'_, '_> {
         states.extend(ends.map(|(q, v)| [&q[..], &v[..]].concat()));
         let states = states.into_iter().enumerate().map(|(i, state)| {
             let interval = i.saturating_sub(1) / per_interval;
-            with_forces(model, state, &motion.controls[interval])
+            let time = i.checked_sub(1).map_or(0.0, |end| motion.time[end]);
+            with_forces(
+                model,
+                state,
+                &drive(model, &motion.controls[interval], time),
+            )
         });
         Path {
             states: states.collect(),

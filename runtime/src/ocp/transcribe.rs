@@ -28,6 +28,8 @@ pub(super) struct Builder<'a, 's> {
     phases: Vec<Phase>,
     closed: Vec<usize>,
     pub(super) state: Vec<usize>,
+    /// What drove the motion at the end of the phase before; nothing at the start, at time 0.
+    pub(super) before: Vec<usize>,
     pub(super) n: usize,
 }
 
@@ -62,6 +64,7 @@ impl<'a> Collocation<'a> {
             phases: Vec::new(),
             closed: closed.filter(|(_, c)| **c).map(|(i, _)| i).collect(),
             state,
+            before: Vec::new(),
             n: problem.q.len(),
         };
         builder.free_start();
@@ -260,7 +263,7 @@ impl Builder<'_, '_> {
         let closed = self.closed.clone();
         let label = format!("interval {interval}, phase {}", index.0);
         let stages = tableau.stages();
-        let mut controls = Vec::with_capacity(stages);
+        let mut drives = Vec::with_capacity(stages);
         let part = whole.map(|whole| whole * factor * problem.intervals as f64);
         let length = self.guess.horizon / problem.intervals as f64;
         for (m, c) in tableau.c().iter().enumerate() {
@@ -270,7 +273,7 @@ impl Builder<'_, '_> {
             }
             let guess = (from + c * (to - from)) / length - interval as f64;
             let place = format!("at stage {m} of {label}");
-            controls.push(self.controls_at(interval, &moment, guess, &place));
+            drives.push(self.drive_at(interval, &moment, guess, &place));
         }
         let program = &mut self.program;
         let mut phase = Phase {
@@ -321,7 +324,7 @@ impl Builder<'_, '_> {
             corrections.push(shifts);
             phase.stages.push(Stage {
                 state,
-                controls: std::mem::take(&mut controls[m]),
+                drive: std::mem::take(&mut drives[m]),
                 forces,
                 gap_rows: Vec::new(),
             });
@@ -329,7 +332,7 @@ impl Builder<'_, '_> {
         for (m, corrections) in corrections.iter().enumerate() {
             let Stage {
                 state,
-                controls: u,
+                drive: u,
                 forces,
                 ..
             } = &phase.stages[m];
@@ -359,8 +362,8 @@ impl Builder<'_, '_> {
             program.block(&kernel, [q, v, u, &[]], Some(scale), free_pushes);
             if !closed.is_empty() {
                 let kernel = Kernel::Push(closed.clone());
-                program.block(&kernel, [q, &[], &[], forces], None, pushes);
-                program.block(&kernel, [q, &[], &[], corrections], None, moves);
+                program.block(&kernel, [q, &[], u, forces], None, pushes);
+                program.block(&kernel, [q, &[], u, corrections], None, moves);
             }
             for (i, contact) in contacts.iter().enumerate() {
                 let last = m + 1 == stages;
@@ -385,13 +388,13 @@ impl Builder<'_, '_> {
                     let name = format!("normal velocity of `{}`, stage {m}, {label}", contact.name);
                     uses.push((program.row(name, 0.0, 0.0), 1, 1.0));
                 }
-                program.block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
+                program.block(&Kernel::Contact(i), [q, v, u, &[]], None, uses);
             }
             phase.stages[m].gap_rows = gap_rows;
         }
         for (m, stage) in phase.stages.iter().enumerate() {
             let (q, v) = stage.state.split_at(n);
-            let (u, weight) = (&stage.controls[..], (scale, factor * tableau.b()[m]));
+            let (u, weight) = (&stage.drive[..], (scale, factor * tableau.b()[m]));
             self.frame.running_cost(program, problem, [q, v, u], weight);
             if places.path != PathPoints::Ends || m + 1 == stages {
                 let place = format!("at stage {m} of {label}");
@@ -401,7 +404,7 @@ impl Builder<'_, '_> {
         if places.path == PathPoints::Both && (interval, index.0) != (0, 0) {
             let (q, v) = phase.start.split_at(n);
             let place = format!("at the start of {label}");
-            let u = self.controls_within(&phase, 0.0, &place);
+            let u = self.drive_within(&phase, 0.0, &place);
             self.frame
                 .path_rows(&mut self.program, problem, [q, v, &u], &place);
         }
@@ -432,13 +435,15 @@ impl Builder<'_, '_> {
             for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
                 let (q, v) = stage.state.split_at(n);
                 let uses = vec![(row, 1, *slope)];
-                program.block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
+                let kernel = Kernel::Contact(i);
+                program.block(&kernel, [q, v, &stage.drive, &[]], None, uses);
             }
             phase.openings.push((i, row));
         }
         self.add_cuts(&phase);
         if let Some(stage) = phase.stages.last() {
             self.state.clone_from(&stage.state);
+            self.before.clone_from(&stage.drive);
         }
         if let Some((_, switch)) = ending {
             self.switch(switch, &phase, &label, to);
@@ -458,7 +463,7 @@ impl Builder<'_, '_> {
 
     /// The impact map where a contact closes or is touched, `v_n+ = -e v_n-` for all contacts that are closed then.
     fn close(&mut self, switch: &Switch, label: &str, time: f64) {
-        let (n, program) = (self.n, &mut self.program);
+        let (n, program, drive) = (self.n, &mut self.program, &self.before);
         self.closed.push(switch.contact);
         self.closed.sort_unstable();
         let model = self.setting.model;
@@ -488,16 +493,17 @@ impl Builder<'_, '_> {
             let name = format!("impact of `{}`, end of {label}", contacts[i].name);
             let row = program.row(name, 0.0, 0.0);
             let uses = vec![(row, 1, 1.0)];
-            program.block(&Kernel::Contact(i), [&q, &after[n..], &[], &[]], None, uses);
+            let kernel = Kernel::Contact(i);
+            program.block(&kernel, [&q, &after[n..], drive, &[]], None, uses);
             let restitution = model.restitution(i);
             if restitution > 0.0 {
                 let uses = vec![(row, 1, restitution)];
                 let v = &self.state[n..];
-                program.block(&Kernel::Contact(i), [&q, v, &[], &[]], None, uses);
+                program.block(&kernel, [&q, v, drive, &[]], None, uses);
             }
         }
         let kernel = Kernel::Push(self.closed.clone());
-        program.block(&kernel, [&q, &[], &[], &impulses], None, uses);
+        program.block(&kernel, [&q, &[], drive, &impulses], None, uses);
         if switch.touches {
             self.closed.retain(|&contact| contact != switch.contact);
         }
