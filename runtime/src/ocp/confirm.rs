@@ -8,8 +8,8 @@ use super::sequence::{Sequence, Switch};
 use super::solution::{Size, Solution, Stationarity, Status};
 use crate::nlp;
 use crate::simulation::{
-    ControlSignal, Event, EventDriven, EventKind, InputError, Residuals, Simulation,
-    SimulationStatus, Simulator as _,
+    Event, EventDriven, EventKind, InputError, Residuals, Simulation, SimulationStatus,
+    Simulator as _,
 };
 
 /// A contact that closes within this share of the first interval, from a gap \[its unit\] no larger than this, was
@@ -138,10 +138,7 @@ impl<'a> Search<'a, '_> {
         for k in 0..intervals {
             let start = path.at(k as f64 * length, true);
             let end = path.at((k + 1) as f64 * length, false);
-            let controls = ControlSignal::PiecewiseConstant {
-                times: vec![0.0],
-                values: vec![path.controls[k].clone()],
-            };
+            let controls = path.controls.signal_of(k, length);
             let motion = problem.initial_value_problem(&start[..2 * n], length, controls);
             // A start that rounding puts below a surface tells nothing about the accuracy.
             let Ok(simulation) = simulator.simulate(self.setting.model, &motion, &mut |_| {})
@@ -214,7 +211,8 @@ impl<'a> Search<'a, '_> {
             residuals,
             planned_events: planned_events.collect(),
             excess: excess(&best.program, &best.solution.x, self.limits()),
-            controls: best.path.controls.clone(),
+            controls: best.path.controls.values().to_vec(),
+            shape: best.path.controls.shape(),
             previous: Some(Previous::new(best.path, best.sequence)),
             motion: Some(replay),
             violations: best.solution.violations,

@@ -1,9 +1,11 @@
 //! What the caller keeps.
 
+use super::control_grid::signal;
 use super::previous::Previous;
+use super::settings::ControlShape;
 use crate::mpcc;
 use crate::nlp::{self, NlpProblem, Violation};
-use crate::simulation::{EventKind, Residuals, Simulation};
+use crate::simulation::{ControlSignal, EventKind, Residuals, Simulation};
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -194,8 +196,10 @@ pub struct Solution {
     /// Largest violation of a bound of a coordinate or of a path constraint along the whole plan, if there is any;
     /// of the order of the tolerance unless bounds are asked for at the nodes only.
     pub excess: Option<Excess>,
-    /// Controls of each interval, all of equal length.
+    /// Controls of each interval, all of equal length, or at each node where they are linear in between.
     pub controls: Vec<Vec<f64>>,
+    /// What the controls are on an interval.
+    pub shape: ControlShape,
     /// The event-driven re-simulation of the plan's controls; absent without a plan.
     pub motion: Option<Simulation>,
     /// Worst violated rows, if a program failed.
@@ -236,6 +240,7 @@ impl Solution {
             planned_events: Vec::new(),
             excess: None,
             controls: Vec::new(),
+            shape: ControlShape::default(),
             motion: None,
             violations,
             size: Size::default(),
@@ -245,6 +250,15 @@ impl Solution {
             previous: None,
             optima: Vec::new(),
         }
+    }
+
+    /// The controls over time; none without a plan.
+    #[must_use]
+    pub fn signal(&self) -> ControlSignal {
+        if self.controls.is_empty() {
+            return ControlSignal::Zero;
+        }
+        signal(self.shape, self.horizon, self.controls.clone())
     }
 
     /// Why the run did not end with a certified motion, in one line; `None` if it did.
