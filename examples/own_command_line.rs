@@ -7,7 +7,7 @@
 
 use std::process::ExitCode;
 
-use hangtime_models::{CommandLine, Plane, Scene, Variant, heights};
+use hangtime_models::{CommandLine, Plane, Scene, Variant};
 
 hangtime::model! {
     /// A sledge with a propeller that can be tilted.
@@ -34,14 +34,7 @@ pub const SCENES: &[Scene] = &[Scene::new(
     "a sledge crosses a hollow in least time",
     &[Variant::new(|| Box::new(Sledge::default()))],
 )
-.drawn(Plane {
-    axes: ["y [m]", "z [m]"],
-    unit: "m",
-    bodies: &["sledge"],
-    links: &[],
-    positions: |_, q| vec![[q[0], q[1]]],
-    ground: heights,
-})];
+.drawn(Plane::of_one_body(&["sledge"], ["y [m]", "z [m]"]))];
 
 fn main() -> ExitCode {
     CommandLine::new(SCENES).run(std::env::args_os())

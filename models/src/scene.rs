@@ -66,6 +66,22 @@ impl Variant {
     }
 }
 
+impl Plane {
+    /// A scene of one body, called `body`, whose first two coordinates are a horizontal position and a height in
+    /// metres, above the ground lines of [`heights`].
+    #[must_use]
+    pub const fn of_one_body(body: &'static [&'static str; 1], axes: [&'static str; 2]) -> Self {
+        Self {
+            axes,
+            unit: "m",
+            bodies: body,
+            links: &[],
+            positions: |_, q| vec![[q[0], q[1]]],
+            ground: heights,
+        }
+    }
+}
+
 impl Scene {
     /// A scene that is not drawn in a plane and has no published results.
     #[must_use]
