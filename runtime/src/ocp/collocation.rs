@@ -23,11 +23,12 @@
 //! stages, and between them where a [`Cut`] says so.
 
 use super::control_grid::ControlGrid;
-use super::path::{Path, Units};
+use super::path::Path;
 use super::problem::Problem;
 use super::program::Program;
 use super::sequence::Sequence;
 use super::settings::{BoundsAt, ControlShape, PathPoints};
+use super::units::Units;
 use crate::model::{Model, contact_point};
 use crate::rk::ButcherTableau;
 

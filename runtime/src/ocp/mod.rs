@@ -71,6 +71,7 @@ mod test_scene;
 mod time_freezing;
 mod time_freezing_search;
 mod transcribe;
+mod units;
 
 pub use previous::Previous;
 pub use problem::{Component, Goal, Horizon, Objective, Problem};

@@ -206,9 +206,9 @@ impl<'a> Search<'a, '_> {
             if self.grazes(&program, &solution.x) {
                 return Ok(false);
             }
-            let objective = solution.objective;
+            let (objective, unit) = (solution.objective, program.program.objective_unit());
             if let Some(best) = &self.best
-                && objective > best.solution.objective - IMPROVEMENT * objective.abs().max(1.0)
+                && objective > best.solution.objective - IMPROVEMENT * objective.abs().max(unit)
             {
                 return Ok(false);
             }
@@ -258,6 +258,7 @@ impl<'a> Search<'a, '_> {
             gap: TOUCHING * self.settings.gap_margin,
             margin: self.settings.gap_margin,
             bound: self.settings.tolerance,
+            units: self.setting.units,
             bounds: self.setting.bounds,
             problem: self.setting.problem,
             places: self.setting.places,
@@ -287,10 +288,12 @@ impl<'a> Search<'a, '_> {
             }
             let best = self.best.as_ref().map(|best| best.solution.objective);
             self.watch.begin("collocation", &self.counts, best);
-            let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info);
-            let solution =
+            let unit = program.program.objective_unit();
+            let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
+            let mut solution =
                 nlp::solve_from(&mut program.program, &settings, None, Some(&mut observer))
                     .map_err(|error| refused(&error))?;
+            solution.objective *= unit;
             self.counts.programs += 1;
             self.counts.iterations += solution.counts.iterations;
             self.counts.factorizations += solution.counts.factorizations;
