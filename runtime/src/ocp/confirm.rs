@@ -63,6 +63,7 @@ impl<'a> Search<'a, '_> {
             .take()
             .unwrap_or((nlp::Status::IterationLimit, Vec::new()));
         let status = match status {
+            _ if self.watch.stopped => Status::Interrupted,
             nlp::Status::Infeasible => Status::Infeasible,
             nlp::Status::Interrupted => Status::Interrupted,
             status => Status::Failed(status),

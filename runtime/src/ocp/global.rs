@@ -158,7 +158,7 @@ impl Search<'_, '_> {
             mpcc::Status::Failed(status) => status,
             _ => nlp::Status::Infeasible,
         };
-        self.failure = Some((status, solution.violations));
+        self.note_failure(status, solution.violations);
         Ok(None)
     }
 

@@ -57,7 +57,7 @@ pub(super) struct Search<'a, 's> {
     pub(super) best: Option<Local<'a>>,
     /// Whether a neighbour of the best could not be solved.
     pub(super) undecided: bool,
-    /// Why the last program failed, and its worst rows.
+    /// Why the program that came nearest to a solution failed, and its worst rows.
     pub(super) failure: Option<(nlp::Status, Vec<nlp::Violation>)>,
 }
 
@@ -199,9 +199,12 @@ impl<'a> Search<'a, '_> {
             } else {
                 &BARRIERS[..]
             };
-            let Some((program, solution)) = self.solve(&sequence, &guess, &cuts, barriers)? else {
-                self.undecided |= !matches!(self.failure, Some((nlp::Status::Infeasible, _)));
-                return Ok(false);
+            let (program, solution) = match self.solve(&sequence, &guess, &cuts, barriers)? {
+                Ok(solved) => solved,
+                Err(status) => {
+                    self.undecided |= status != nlp::Status::Infeasible;
+                    return Ok(false);
+                }
             };
             if self.grazes(&program, &solution.x) {
                 return Ok(false);
@@ -264,14 +267,25 @@ impl<'a> Search<'a, '_> {
         }
     }
 
-    /// Solves one program from the first barrier parameter that works.
+    /// Keeps why a program failed, if it came nearer to a solution than those before.
+    pub(super) fn note_failure(&mut self, status: nlp::Status, violations: Vec<nlp::Violation>) {
+        let worst =
+            |violations: &[nlp::Violation]| violations.first().map_or(0.0, |row| row.amount);
+        let nearer = |(_, before): &(_, Vec<nlp::Violation>)| worst(&violations) < worst(before);
+        if self.failure.as_ref().is_none_or(nearer) {
+            self.failure = Some((status, violations));
+        }
+    }
+
+    /// Solves one program from the first barrier parameter that works; else why the last of them failed.
     fn solve(
         &mut self,
         sequence: &Sequence,
         guess: &Path,
         cuts: &[Cut],
         barriers: &[f64],
-    ) -> Result<Option<(Collocation<'a>, nlp::Solution)>, InputError> {
+    ) -> Result<Result<(Collocation<'a>, nlp::Solution), nlp::Status>, InputError> {
+        let mut failure = nlp::Status::IterationLimit;
         for &barrier in barriers {
             let mut program = Collocation::new(self.setting, sequence, guess, cuts, &self.elements);
             let mut settings = nlp::Settings {
@@ -298,14 +312,15 @@ impl<'a> Search<'a, '_> {
                 solution.status,
                 nlp::Status::Solved | nlp::Status::Acceptable
             ) {
-                return Ok(Some((program, solution)));
+                return Ok(Ok((program, solution)));
             }
-            self.failure = Some((solution.status, solution.violations));
+            failure = solution.status;
+            self.note_failure(solution.status, solution.violations);
             if self.watch.stopped {
                 break;
             }
         }
-        Ok(None)
+        Ok(Err(failure))
     }
 
     /// Follows improving neighbours until there is none; says what was proved.
