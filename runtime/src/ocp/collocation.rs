@@ -25,7 +25,7 @@
 use super::path::{Path, Units};
 use super::problem::Problem;
 use super::program::Program;
-use super::sequence::Sequence;
+use super::sequence::{Sequence, Switch};
 use super::settings::{BoundsAt, PathPoints};
 use crate::model::{Model, contact_point};
 use crate::rk::ButcherTableau;
@@ -90,6 +90,8 @@ pub(super) struct Collocation<'a> {
     pub(super) model: &'a dyn Model,
     pub(super) sequence: Sequence,
     pub(super) phases: Vec<Phase>,
+    /// Touches, and the row of the least impact velocity of each.
+    pub(super) touches: Vec<(Switch, usize)>,
     pub(super) tableau: &'a ButcherTableau,
     pub(super) horizon: usize,
     pub(super) controls: Vec<Vec<usize>>,

@@ -1,5 +1,6 @@
 //! The judgement of a plan: an independent simulation under its controls.
 
+use super::attempt::Purpose;
 use super::cuts::excess;
 use super::path::Path;
 use super::previous::Previous;
@@ -81,7 +82,7 @@ impl<'a> Search<'a, '_> {
                 break;
             }
             self.best = None;
-            self.attempt(&sequence, &path, &[])?;
+            self.attempt(&sequence, &path, &[], Purpose::Compare)?;
             let Some(better) = self.best.take() else {
                 break;
             };
@@ -96,7 +97,7 @@ impl<'a> Search<'a, '_> {
             }
             self.setting.tableau = tableau;
             self.best = None;
-            self.attempt(&sequence, &path, &cuts)?;
+            self.attempt(&sequence, &path, &cuts, Purpose::Compare)?;
             let Some(better) = self.best.take() else {
                 break;
             };

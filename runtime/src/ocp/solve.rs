@@ -77,7 +77,6 @@ pub(super) fn solve_once(
         time_freezing: None,
         tried: Vec::new(),
         best: None,
-        undecided: false,
         failure: None,
     };
     let mut solution = search.run(&guess)?;
