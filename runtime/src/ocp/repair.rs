@@ -2,6 +2,7 @@
 
 use super::collocation::Collocation;
 use super::sequence::{Place, Sequence, Switch};
+use super::settings::ControlShape;
 use crate::nlp;
 
 /// Switches of a contact closer than this many intervals may cancel each other.
@@ -95,7 +96,7 @@ impl Pressure<'_, '_> {
                 continue;
             }
             let k = switch.interval;
-            if switch.closes {
+            if switch.closes || self.program.shape == ControlShape::Linear {
                 let time = k as f64 - ENTRY;
                 found.extend(self.moved(index, k.checked_sub(1), Place::Inside, time));
                 found.extend(self.moved(index, Some(k), Place::Inside, k as f64 + ENTRY));

@@ -158,6 +158,18 @@ impl Sequence {
         }
     }
 
+    /// With every opening at a jump of the controls inside the interval before it: controls that do not jump let go
+    /// of a contact where its force vanishes, which may be on either side of the node.
+    pub(super) fn without_jumps(mut self) -> Self {
+        for switch in &mut self.switches {
+            if switch.place == Place::Start && !switch.closes {
+                switch.interval -= 1;
+                switch.place = Place::Inside;
+            }
+        }
+        self
+    }
+
     /// What tells it apart from others.
     pub(super) fn signature(&self) -> Signature {
         let switches = self.switches.iter();

@@ -2,6 +2,7 @@
 
 use cpu_time::ThreadTime;
 
+use super::control_grid::ControlGrid;
 use super::global::Relaxed;
 use super::path::{Path, with_forces};
 use super::search::{Search, refused};
@@ -111,7 +112,7 @@ impl Search<'_, '_> {
             states: states.collect(),
             time: std::iter::once(&0.0).chain(&motion.time).copied().collect(),
             horizon: motion.horizon,
-            controls: motion.controls.clone(),
+            controls: ControlGrid::constant(motion.controls.clone()),
         }
     }
 }
