@@ -1,5 +1,6 @@
 //! The judgement of a plan: an independent simulation under its controls.
 
+use super::attempt::Purpose;
 use super::cuts::excess;
 use super::grid::ROUNDS;
 use super::path::Path;
@@ -94,7 +95,7 @@ impl<'a> Search<'a, '_> {
                 break;
             }
             self.best = None;
-            self.attempt(&sequence, &path, &[])?;
+            self.attempt(&sequence, &path, &[], Purpose::Compare)?;
             let Some(better) = self.best.take() else {
                 break;
             };
@@ -109,7 +110,7 @@ impl<'a> Search<'a, '_> {
             }
             self.setting.tableau = tableau;
             self.best = None;
-            self.attempt(&sequence, &path, &cuts)?;
+            self.attempt(&sequence, &path, &cuts, Purpose::Compare)?;
             let Some(better) = self.best.take() else {
                 break;
             };
