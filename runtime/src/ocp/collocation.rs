@@ -26,7 +26,7 @@ use super::control_grid::ControlGrid;
 use super::path::Path;
 use super::problem::Problem;
 use super::program::Program;
-use super::sequence::Sequence;
+use super::sequence::{Sequence, Switch};
 use super::settings::{BoundsAt, ControlShape, PathPoints};
 use super::units::Units;
 use crate::model::{Model, contact_point};
@@ -94,6 +94,8 @@ pub(super) struct Collocation<'a> {
     pub(super) model: &'a dyn Model,
     pub(super) sequence: Sequence,
     pub(super) phases: Vec<Phase>,
+    /// Touches, and the row of the least impact velocity of each.
+    pub(super) touches: Vec<(Switch, usize)>,
     pub(super) tableau: &'a ButcherTableau,
     pub(super) horizon: usize,
     /// Variables of the controls on each interval, or at each node.

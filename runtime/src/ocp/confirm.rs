@@ -1,5 +1,6 @@
 //! The judgement of a plan: an independent simulation under its controls.
 
+use super::attempt::Purpose;
 use super::cuts::excess;
 use super::grid::ROUNDS;
 use super::path::Path;
@@ -63,6 +64,7 @@ impl<'a> Search<'a, '_> {
             .take()
             .unwrap_or((nlp::Status::IterationLimit, Vec::new()));
         let status = match status {
+            _ if self.watch.stopped => Status::Interrupted,
             nlp::Status::Infeasible => Status::Infeasible,
             nlp::Status::Interrupted => Status::Interrupted,
             status => Status::Failed(status),
@@ -93,7 +95,7 @@ impl<'a> Search<'a, '_> {
                 break;
             }
             self.best = None;
-            self.attempt(&sequence, &path, &[])?;
+            self.attempt(&sequence, &path, &[], Purpose::Compare)?;
             let Some(better) = self.best.take() else {
                 break;
             };
@@ -108,7 +110,7 @@ impl<'a> Search<'a, '_> {
             }
             self.setting.tableau = tableau;
             self.best = None;
-            self.attempt(&sequence, &path, &cuts)?;
+            self.attempt(&sequence, &path, &cuts, Purpose::Compare)?;
             let Some(better) = self.best.take() else {
                 break;
             };

@@ -133,7 +133,7 @@ impl Builder<'_, '_> {
                 } else {
                     1.0
                 };
-                let inside = format!("of `{name}` in interval {interval}");
+                let inside = format!("in the bound of `{name}` over interval {interval}");
                 if shape == ControlShape::Linear {
                     let cubic = Cubic {
                         from: (q0, v0),

@@ -42,6 +42,7 @@
 //! # Ok::<(), hangtime::simulation::InputError>(())
 //! ```
 
+mod attempt;
 mod collocation;
 mod confirm;
 mod contact_implicit;

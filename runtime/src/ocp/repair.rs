@@ -143,6 +143,17 @@ impl Pressure<'_, '_> {
         }
         let threshold = self.threshold();
         for (index, switch) in switches.iter().enumerate().filter(|(_, s)| s.touches) {
+            let mut touches = self.program.touches.iter();
+            let grazes = touches.any(|(touch, row)| {
+                (touch.contact, touch.interval, touch.place)
+                    == (switch.contact, switch.interval, switch.place)
+                    && self.solution.multipliers[*row].abs() > threshold
+            });
+            if grazes {
+                let mut sequence = self.sequence.clone();
+                sequence.switches.remove(index);
+                found.extend(sequence.ordered(self.intervals));
+            }
             let phases = self.program.phases.iter();
             let pressed = phases
                 .flat_map(|phase| &phase.openings)

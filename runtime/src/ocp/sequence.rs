@@ -214,6 +214,13 @@ impl Sequence {
         sequence
     }
 
+    /// Without touches; `None` if there are none.
+    pub(super) fn untouched(&self) -> Option<Self> {
+        let mut sequence = self.clone();
+        sequence.switches.retain(|switch| !switch.touches);
+        (sequence.switches.len() < self.switches.len()).then_some(sequence)
+    }
+
     /// With touches in the place of contacts that are too short to be meant as such; `None` if there are none.
     pub(super) fn touching(&self) -> Option<Self> {
         let mut sequence = self.clone();

@@ -66,11 +66,11 @@ impl Search<'_, '_> {
         });
         let near = match solution.status {
             mpcc::Status::Failed(status) => {
-                self.failure = Some((status, solution.violations));
+                self.note_failure(status, solution.violations);
                 status == nlp::Status::Acceptable
             }
             mpcc::Status::Infeasible => {
-                self.failure = Some((nlp::Status::Infeasible, solution.violations));
+                self.note_failure(nlp::Status::Infeasible, solution.violations);
                 false
             }
             _ => true,

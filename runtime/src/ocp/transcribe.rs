@@ -16,6 +16,10 @@ const GUESS_MARGIN: f64 = 0.02;
 /// Shortest phase relative to its interval: in a phase of no length the contact forces are undetermined.
 const SHORTEST: f64 = 2e-3;
 
+/// Least impact velocity of a touch, relative to what the acceleration of the contact does in an interval: a motion
+/// that grazes a surface is none that can be followed.
+const LEAST_IMPACT: f64 = 1e-3;
+
 /// State of the construction.
 pub(super) struct Builder<'a, 's> {
     pub(super) setting: Setting<'a>,
@@ -26,6 +30,7 @@ pub(super) struct Builder<'a, 's> {
     elements: &'s [usize],
     pub(super) frame: Frame<'a>,
     phases: Vec<Phase>,
+    touches: Vec<(Switch, usize)>,
     closed: Vec<usize>,
     pub(super) state: Vec<usize>,
     /// What drove the motion at the end of the phase before; nothing at the start, at time 0.
@@ -62,6 +67,7 @@ impl<'a> Collocation<'a> {
             elements,
             frame,
             phases: Vec::new(),
+            touches: Vec::new(),
             closed: closed.filter(|(_, c)| **c).map(|(i, _)| i).collect(),
             state,
             before: Vec::new(),
@@ -78,6 +84,7 @@ impl<'a> Collocation<'a> {
             model,
             sequence: sequence.clone(),
             phases: builder.phases,
+            touches: builder.touches,
             tableau: setting.tableau,
             horizon: frame.horizon,
             controls: frame.controls,
@@ -515,6 +522,15 @@ impl Builder<'_, '_> {
         let kernel = Kernel::Push(self.closed.clone());
         program.block(&kernel, [&q, &[], drive, &impulses], None, uses);
         if switch.touches {
+            let contact = switch.contact;
+            let length = self.guess.horizon / self.setting.problem.intervals as f64;
+            let least = LEAST_IMPACT * self.setting.units.force[contact] * length;
+            let name = format!("touch of `{}` that ends {label}", contacts[contact].name);
+            let row = program.row(name, f64::NEG_INFINITY, -least);
+            let v = &self.state[n..];
+            let uses = vec![(row, 1, 1.0)];
+            program.block(&Kernel::Contact(contact), [&q, v, &[], &[]], None, uses);
+            self.touches.push((*switch, row));
             self.closed.retain(|&contact| contact != switch.contact);
         }
         self.state = after;
