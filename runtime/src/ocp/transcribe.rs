@@ -77,6 +77,10 @@ impl<'a> Collocation<'a> {
         for interval in 0..problem.intervals {
             builder.interval(interval, &sequence.switches);
         }
+        let last = |switch: &&Switch| switch.interval == problem.intervals;
+        for switch in sequence.switches.iter().filter(last) {
+            builder.close(switch, "the last interval", guess.horizon);
+        }
         let (frame, mut program) = (builder.frame, builder.program);
         frame.finish(&mut program, problem, &builder.state);
         Self {
