@@ -114,11 +114,12 @@ pub fn solve_observed(
     let mut best: Option<Solution> = None;
     let mut infeasible = 0;
     for &rule in &settings.rules {
-        let solution = solve_with(problem, settings, rule, &mut watch)?;
+        let (solution, resumed) = solve_with(problem, settings, rule, &mut watch)?;
         infeasible += usize::from(solution.status == Status::Infeasible);
         let finished = watch.stop.is_some()
+            || best.as_ref().is_some_and(|best| best.status.is_solved())
             || match solution.status {
-                Status::Solved => true,
+                Status::Solved => !(resumed && settings.second_opinion),
                 Status::Relaxed => !settings.crossover,
                 Status::Infeasible => {
                     infeasible >= 2 && rule == RelaxationRule::Elastic
@@ -127,7 +128,7 @@ pub fn solve_observed(
                 _ => false,
             };
         best = Some(match best {
-            Some(best) if rank(&best) <= rank(&solution) => best,
+            Some(best) if compare(&best, &solution).is_le() => best,
             _ => solution,
         });
         if finished {
@@ -212,7 +213,7 @@ where
                 scope.spawn(move || {
                     let mut observer = |_: &nlp::IterationInfo| true;
                     let mut watch = Watch::new(settings, &mut observer);
-                    solve_with(&mut copy, settings, rule, &mut watch)
+                    solve_with(&mut copy, settings, rule, &mut watch).map(|(solution, _)| solution)
                 })
             })
             .collect();
@@ -230,13 +231,7 @@ where
     let factorizations = total(|s| s.factorizations);
     solutions
         .into_iter()
-        .min_by(|a, b| {
-            let ((a_rank, a_value), (b_rank, b_value)) = (rank(a), rank(b));
-            a_rank
-                .cmp(&b_rank)
-                .then(a_value.total_cmp(&b_value))
-                .then(a.objective.total_cmp(&b.objective))
-        })
+        .min_by(compare)
         .map(|best| Solution {
             iterations,
             crossover_iterations,
@@ -255,6 +250,16 @@ where
 fn is_infeasible_without_pairs(problem: &dyn Mpcc, solution: &Solution) -> bool {
     let mut pairs = problem.complementarities().iter();
     pairs.all(|&(i, j)| solution.x[i] * solution.x[j] < BINDING * solution.relaxation_parameter)
+}
+
+/// The better one of two results is less.
+fn compare(a: &Solution, b: &Solution) -> std::cmp::Ordering {
+    let ((a_rank, a_value), (b_rank, b_value)) = (rank(a), rank(b));
+    let by_objective = a.objective.total_cmp(&b.objective);
+    a_rank
+        .cmp(&b_rank)
+        .then(a_value.total_cmp(&b_value))
+        .then(by_objective)
 }
 
 /// The smaller the better.

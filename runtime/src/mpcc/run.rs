@@ -42,16 +42,17 @@ fn make_path(
 /// One relaxed run by one rule, its crossover and its certificate.
 ///
 /// The run pauses where `sigma` is small enough for a crossover; if that does not end at a certified
-/// point near the relaxed objective, the run goes on to the final `sigma` and crosses over again.
+/// point near the relaxed objective, the run goes on to the final `sigma` and crosses over again. Whether it went on
+/// is the second part of the result.
 pub(crate) fn solve_with(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     rule: RelaxationRule,
     watch: &mut Watch<'_>,
-) -> Result<Solution, InputError> {
+) -> Result<(Solution, bool), InputError> {
     match rule {
-        RelaxationRule::Homotopy => return homotopy(problem, settings, watch),
-        RelaxationRule::Elastic => return elastic(problem, settings, watch),
+        RelaxationRule::Homotopy => return Ok((homotopy(problem, settings, watch)?, false)),
+        RelaxationRule::Elastic => return Ok((elastic(problem, settings, watch)?, false)),
         _ => {}
     }
     let interior_point = &settings.interior_point;
@@ -79,7 +80,8 @@ pub(crate) fn solve_with(
             watch,
         )?;
         let end = last(&products);
-        return Ok(finish(problem, settings, rule, relaxed, end, watch));
+        let solution = finish(problem, settings, rule, relaxed, end, watch);
+        return Ok((solution, false));
     }
     let early = nlp::Settings {
         tolerance: PAUSE_TOLERANCE,
@@ -91,7 +93,8 @@ pub(crate) fn solve_with(
     let paused = relax(problem, &early, (&mut products, &mut *path), None, watch)?;
     if paused.status != nlp::Status::Solved {
         let end = last(&products);
-        return Ok(finish(problem, settings, rule, paused, end, watch));
+        let solution = finish(problem, settings, rule, paused, end, watch);
+        return Ok((solution, false));
     }
     let limit = paused.objective + 1e-2 * paused.objective.abs().max(1.0);
     let end = End {
@@ -101,7 +104,7 @@ pub(crate) fn solve_with(
     };
     let first = finish(problem, settings, rule, paused.clone(), end, watch);
     if first.status.is_solved() && first.objective <= limit || watch.stop.is_some() {
-        return Ok(first);
+        return Ok((first, false));
     }
     let mut path = make_path(
         rule,
@@ -130,7 +133,7 @@ pub(crate) fn solve_with(
     let second = finish(problem, settings, rule, relaxed, end, watch);
     let better = first.status.is_solved()
         && (!second.status.is_solved() || first.objective < second.objective);
-    Ok(if better { first } else { second })
+    Ok((if better { first } else { second }, true))
 }
 
 /// A run of the relaxed problem.
