@@ -1,7 +1,9 @@
 //! The elastic form of a complementarity problem: one slack for all products.
 
-use super::Mpcc;
-use crate::nlp::{NlpProblem, Pattern};
+use super::run::{End, Ended, finish, relax};
+use super::watch::Watch;
+use super::{Mpcc, RelaxationRule, Settings};
+use crate::nlp::{self, InputError, NlpProblem, Pattern, Products};
 
 /// The smooth program
 ///
@@ -138,4 +140,109 @@ impl NlpProblem for Elastic<'_> {
             None => self.problem.constraint_name(index),
         }
     }
+}
+
+/// Fraction of the last slack above which a slack counts as unchanged, and how many unchanged ones in a row show
+/// infeasibility: where the pairs can be met, a tenfold weight makes the slack vanish or shrink in proportion.
+const STUCK: f64 = 0.9;
+const STUCK_PROGRAMS: usize = 3;
+
+/// Elastic programs with `sigma = 1, 0.1, ...`, each warm from the one before, until the slack is at most the final
+/// relaxation. A slack that stays as it is while its weight grows is one of local infeasibility.
+pub(crate) fn elastic(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    watch: &mut Watch<'_>,
+) -> Result<Ended, InputError> {
+    let (n, m) = (problem.variables(), problem.constraints());
+    let pairs = problem.complementarities().to_vec();
+    let mut program = Elastic::new(problem);
+    let mut interior_point = settings.interior_point.clone();
+    let tolerance = interior_point.tolerance;
+    let mut warm: Option<nlp::WarmStart> = None;
+    let mut iterations = 0;
+    let mut history = Vec::new();
+    // slack of the last program, and how many in a row left it as it was
+    let (mut last, mut stuck) = (f64::INFINITY, 0);
+    let mut accurate = false;
+    let (mut solution, slack) = loop {
+        let sigma = program.sigma;
+        interior_point.tolerance = if accurate {
+            tolerance
+        } else {
+            tolerance.max(1e-2 * sigma)
+        };
+        let mut path = nlp::Monotone {
+            mu: warm
+                .as_ref()
+                .map_or(interior_point.initial_barrier_parameter, |w| {
+                    w.barrier_parameter
+                }),
+            sigma: 0.0,
+            tolerance: interior_point.tolerance,
+        };
+        interior_point.maximum_iterations = settings
+            .interior_point
+            .maximum_iterations
+            .saturating_sub(iterations);
+        let mut none = Products::default();
+        let mut solution = relax(
+            &mut program,
+            &interior_point,
+            (&mut none, &mut path),
+            warm.as_ref(),
+            watch,
+        )?;
+        iterations += solution.counts.iterations;
+        history.append(&mut solution.history);
+        let slack = sigma * solution.x[n];
+        let solved = solution.status == nlp::Status::Solved;
+        let exact = solved && slack <= settings.final_relaxation;
+        stuck = if slack > STUCK * last { stuck + 1 } else { 0 };
+        last = slack;
+        let infeasible = solved && !exact && stuck >= STUCK_PROGRAMS;
+        let goes_on = solved || solution.status == nlp::Status::Acceptable;
+        if infeasible
+            || !goes_on
+            || sigma <= settings.final_relaxation
+            || (exact && interior_point.tolerance <= tolerance)
+        {
+            if solved && !exact {
+                solution.status = nlp::Status::Infeasible;
+            }
+            break (solution, slack);
+        }
+        // once the slack has vanished only accuracy is missing
+        accurate = exact;
+        let next = if exact {
+            sigma
+        } else {
+            (0.1 * sigma).max(settings.final_relaxation)
+        };
+        let mut start = nlp::WarmStart {
+            barrier_parameter: solution.barrier_parameter.max(1e-2 * next).min(0.1),
+            ..nlp::WarmStart::from_solution(&solution)
+        };
+        // the slack in its new unit
+        start.x[n] = slack / next;
+        (interior_point.bound_push, interior_point.bound_fraction) = (1e-9, 1e-9);
+        program.sigma = next;
+        warm = Some(start);
+    };
+    // the multipliers of the products become part of those of the paired variables
+    for (&(i, j), r) in pairs.iter().zip(&solution.multipliers[m..]) {
+        solution.multipliers_lower[i] -= r * solution.x[j];
+        solution.multipliers_lower[j] -= r * solution.x[i];
+    }
+    solution.objective -= solution.x[n];
+    solution.x.truncate(n);
+    solution.multipliers.truncate(m);
+    solution.multipliers_lower.truncate(n);
+    solution.multipliers_upper.truncate(n);
+    solution.history = history;
+    let (rule, end) = (
+        RelaxationRule::Elastic,
+        End::last(slack.max(settings.final_relaxation)),
+    );
+    Ok(finish(problem, settings, rule, solution, end, watch))
 }
