@@ -77,10 +77,14 @@ impl<'a> Collocation<'a> {
         for interval in 0..problem.intervals {
             builder.interval(interval, &sequence.switches);
         }
+        let last = |switch: &&Switch| switch.interval == problem.intervals;
+        for switch in sequence.switches.iter().filter(last) {
+            builder.close(switch, "the last interval", guess.horizon);
+        }
         let (frame, mut program) = (builder.frame, builder.program);
         frame.finish(&mut program, problem, &builder.state);
         Self {
-            program: program.finish(),
+            program: program.finish(&frame.controls),
             model,
             sequence: sequence.clone(),
             phases: builder.phases,
@@ -96,7 +100,12 @@ impl<'a> Collocation<'a> {
 impl Builder<'_, '_> {
     /// Where initial values are free: contacts closed at the start touch and rest, the others are open.
     fn free_start(&mut self) {
-        let Setting { model, problem, .. } = self.setting;
+        let Setting {
+            model,
+            problem,
+            units,
+            ..
+        } = self.setting;
         let free: Vec<usize> = (0..2 * self.n)
             .filter(|&k| {
                 let (lower, upper) = self.program.bounds(self.frame.start[k]);
@@ -116,11 +125,13 @@ impl Builder<'_, '_> {
             if reads(0) {
                 let upper = if closed { 0.0 } else { f64::INFINITY };
                 let name = format!("gap `{}` at the start", contact.name);
-                uses.push((self.program.row(name, 0.0, upper), 0, 1.0));
+                let row = self.program.row_in(units.gap_rows[i], name, 0.0, upper);
+                uses.push((row, 0, 1.0));
             }
             if closed && reads(1) {
                 let name = format!("normal velocity of `{}` at the start", contact.name);
-                uses.push((self.program.row(name, 0.0, 0.0), 1, 1.0));
+                let row = self.program.row_in(units.gap_rows[i], name, 0.0, 0.0);
+                uses.push((row, 1, 1.0));
             }
             if !uses.is_empty() {
                 let (q, v) = self.frame.start.split_at(self.n);
@@ -311,7 +322,7 @@ impl Builder<'_, '_> {
                         free
                     };
                     let name = format!("{} at stage {m} of {label}", state_name(model, k));
-                    program.variable(name, range, sample[k], 1.0)
+                    program.variable(name, range, sample[k], units.states[k])
                 })
                 .collect();
             let mut forces = Vec::new();
@@ -352,7 +363,7 @@ impl Builder<'_, '_> {
                     "collocation of {}, stage {m}, {label}",
                     state_name(model, k)
                 );
-                let row = program.row(name, 0.0, 0.0);
+                let row = program.row_in(units.states[k], name, 0.0, 0.0);
                 program.linear(row, before, slopes[0]);
                 for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
                     program.linear(row, stage.state[k], *slope);
@@ -388,12 +399,13 @@ impl Builder<'_, '_> {
                 } else {
                     0.0
                 };
-                let row = program.row(name, lower, upper);
+                let row = program.row_in(units.gap_rows[i], name, lower, upper);
                 gap_rows.push(row);
                 let mut uses = vec![(row, 0, 1.0)];
                 if closed.contains(&i) {
                     let name = format!("normal velocity of `{}`, stage {m}, {label}", contact.name);
-                    uses.push((program.row(name, 0.0, 0.0), 1, 1.0));
+                    let row = program.row_in(units.gap_rows[i], name, 0.0, 0.0);
+                    uses.push((row, 1, 1.0));
                 }
                 program.block(&Kernel::Contact(i), [q, v, u, &[]], None, uses);
             }
@@ -424,7 +436,7 @@ impl Builder<'_, '_> {
         tableau.lagrange_values(0.0, &mut values);
         for (slot, &i) in closed.iter().enumerate() {
             let name = format!("force of `{}` at the start of {label}", contacts[i].name);
-            let row = program.row(name, 0.0, f64::INFINITY);
+            let row = program.row_in(units.gap_rows[i], name, 0.0, f64::INFINITY);
             for (stage, weight) in phase.stages.iter().zip(&values) {
                 program.linear(row, stage.forces[slot], *weight);
             }
@@ -437,7 +449,7 @@ impl Builder<'_, '_> {
         let plastic = touched.iter().filter(|&&i| model.restitution(i) == 0.0);
         for &i in jump.chain(plastic) {
             let name = format!("opening of `{}` at the start of {label}", contacts[i].name);
-            let row = program.row(name, 0.0, f64::INFINITY);
+            let row = program.row_in(units.gap_rows[i], name, 0.0, f64::INFINITY);
             let slopes = lagrange(tableau, 0.0, true);
             for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
                 let (q, v) = stage.state.split_at(n);
@@ -473,7 +485,7 @@ impl Builder<'_, '_> {
         let (n, program, drive) = (self.n, &mut self.program, &self.before);
         self.closed.push(switch.contact);
         self.closed.sort_unstable();
-        let model = self.setting.model;
+        let Setting { model, units, .. } = self.setting;
         let contacts = model.declaration().contacts;
         let sample = self.guess.at(time, true);
         let q = self.state[..n].to_vec();
@@ -485,9 +497,10 @@ impl Builder<'_, '_> {
                 "{} after the impact that ends {label}",
                 state_name(model, n + k)
             );
-            let velocity = program.variable(name, free, sample[n + k], 1.0);
+            let unit = units.states[n + k];
+            let velocity = program.variable(name, free, sample[n + k], unit);
             let name = format!("impact on {}, end of {label}", state_name(model, n + k));
-            let row = program.row(name, 0.0, 0.0);
+            let row = program.row_in(unit, name, 0.0, 0.0);
             program.linear(row, velocity, 1.0);
             program.linear(row, self.state[n + k], -1.0);
             uses.push((row, k, -1.0));
@@ -496,9 +509,10 @@ impl Builder<'_, '_> {
         let mut impulses = Vec::new();
         for &i in &self.closed {
             let name = format!("impulse of `{}` that ends {label}", contacts[i].name);
-            impulses.push(program.variable(name, (0.0, f64::INFINITY), 0.0, 1.0));
+            let unit = units.gap_rows[i];
+            impulses.push(program.variable(name, (0.0, f64::INFINITY), 0.0, unit));
             let name = format!("impact of `{}`, end of {label}", contacts[i].name);
-            let row = program.row(name, 0.0, 0.0);
+            let row = program.row_in(unit, name, 0.0, 0.0);
             let uses = vec![(row, 1, 1.0)];
             let kernel = Kernel::Contact(i);
             program.block(&kernel, [&q, &after[n..], drive, &[]], None, uses);
@@ -539,10 +553,10 @@ fn vanish(program: &mut Program, phase: &Phase, contact: usize) {
 mod tests {
     use super::super::collocation::{CutKind, Places, Setting, parabolas};
     use super::super::contact_implicit::ContactImplicit;
-    use super::super::path::Units;
     use super::super::problem::{Goal, Horizon, Objective, Problem, bounds};
     use super::super::settings::{Guess, PathPoints};
     use super::super::test_scene::{Demanding, Sledge};
+    use super::super::units::Units;
     use super::*;
     use crate::nlp::check_derivatives;
     use crate::rk::{ButcherTableau, Scheme};
