@@ -52,6 +52,7 @@ mod cuts;
 mod frame;
 mod global;
 mod kernel;
+mod levels;
 mod limits;
 mod path;
 mod previous;
