@@ -64,6 +64,7 @@ mod frame;
 mod global;
 mod grid;
 mod kernel;
+mod levels;
 mod limits;
 mod path;
 mod previous;

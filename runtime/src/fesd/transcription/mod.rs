@@ -48,6 +48,7 @@ const SPEED_OF_TIME: f64 = 25.0;
 const SUMS: usize = 4;
 
 /// A point at which the step form is evaluated: a Runge-Kutta stage, or the end of an element.
+#[derive(Clone)]
 struct Block {
     /// Variable of each local one, unless it is constant there.
     variables: Vec<Option<usize>>,
@@ -58,6 +59,7 @@ struct Block {
 }
 
 /// One finite element: where its variables and constraints begin.
+#[derive(Clone)]
 struct Element {
     interval: usize,
     length: usize,
@@ -72,6 +74,7 @@ struct Element {
 }
 
 /// One control interval.
+#[derive(Clone)]
 struct Interval {
     /// Variable of the numerical length \[s\].
     length: usize,
@@ -82,6 +85,7 @@ struct Interval {
 }
 
 /// The program of a [`Task`].
+#[derive(Clone)]
 pub(crate) struct Transcription<'a> {
     dcs: HeavisideSystem<'a>,
     tableau: ButcherTableau,
