@@ -81,6 +81,10 @@ impl<'a> Search<'a, '_> {
             Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
         };
         let bouncing = self.bouncing(guess)?;
+        if !relaxed.is_empty() {
+            // Rows of the programs that follow say more than those of relaxed ones.
+            self.failure = None;
+        }
         let relaxed = relaxed.into_iter().take(settings.refined_motions);
         for global in bouncing.into_iter().chain(relaxed) {
             if self.watch.stopped {
