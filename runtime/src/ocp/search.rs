@@ -69,7 +69,7 @@ impl<'a> Search<'a, '_> {
         known.extend(previous.map(|previous| previous.relaxed(guess, intervals)));
         for relaxed in known {
             if found.is_empty() && !self.watch.stopped {
-                self.attempt_and_repair(relaxed, true, &mut found)?;
+                self.attempt_and_repair(relaxed, coarser.is_some(), &mut found)?;
             }
         }
         // Without a previous motion, or too far from it: search.
