@@ -11,23 +11,25 @@
 //! (stabilised index 2: Gear, Leimkuhler, Gupta 1985; order `2 s - 1` in `q` and `v`). The unknowns `r_i` are
 //! normal accelerations times `h`, so that the system stays regular for short phases. Between phases:
 //! an opening inside an interval happens where the force vanishes, `r_i = 0`; one at a jump of the
-//! controls where `r_i >= 0` before and the normal acceleration is `>= 0` after it; a closing or a touch where
-//! `g_i = 0`, followed by the impact map `v+ = v + sum_B d_i p_i`, `v_n,i(v+) = -e_i v_n,i(v)` for all contacts `B`
+//! controls where `r_i >= 0` before and the normal acceleration is `>= 0` after it, and one at a node of linear
+//! controls, which do not jump, where `r_i = 0` before it; a closing or a touch where
+//! `g_i = 0`, possibly at the very end, followed by the impact map `v+ = v + sum_B d_i p_i`, `v_n,i(v+) = -e_i v_n,i(v)` for all contacts `B`
 //! closed there. A touch leaves its contact open; without a bounce the normal acceleration is `>= 0` after it.
 //!
 //! A coordinate whose acceleration depends on nothing but the controls is a parabola on each interval,
 //! so a bound holds at all times if and only if the shifted control points `b_0, b_1, b_2` of the parabola
 //! satisfy `b_0 >= s theta^2`, `b_1 >= -s theta (1 - theta)`, `b_2 >= s (1 - theta)^2` for some `s >= 0` and
 //! `theta` in `[0, 1]`: a nonnegative combination of the Bernstein polynomials and of a square (Lukacs). The
-//! rows have independent gradients also where the coordinate rests on its bound. Other bounds hold at the
-//! stages, and between them where a [`Cut`] says so.
+//! rows have independent gradients also where the coordinate rests on its bound. Under linear controls it is a cubic,
+//! with a condition alike (`cubic_bounds`). Other bounds hold at the stages, and between them where a [`Cut`] says so.
 
 use super::control_grid::ControlGrid;
-use super::path::{Path, Units};
+use super::path::Path;
 use super::problem::Problem;
 use super::program::Program;
 use super::sequence::{Sequence, Switch};
 use super::settings::{BoundsAt, ControlShape, PathPoints};
+use super::units::Units;
 use crate::model::{Model, contact_point};
 use crate::rk::ButcherTableau;
 
@@ -58,8 +60,8 @@ pub(super) struct Cut {
 pub(super) struct Stage {
     /// `q` then `v`.
     pub(super) state: Vec<usize>,
-    /// Controls at the stage; those of the interval where they are constant.
-    pub(super) controls: Vec<usize>,
+    /// Controls at the stage, those of the interval where they are constant, and the time where the model reads it.
+    pub(super) drive: Vec<usize>,
     /// Normal accelerations of the closed contacts times the length of the phase, in the order of
     /// [`Phase::closed`].
     pub(super) forces: Vec<usize>,
@@ -131,7 +133,8 @@ pub(super) fn parabolas(model: &dyn Model, start: &[f64]) -> Vec<bool> {
     let mut x = start.to_vec();
     x.resize(declaration.inputs(), 0.0);
     let mut point = vec![0.0; contact_point::length(n)];
-    let controls = |column: u32| column as usize >= 2 * n;
+    let places = 2 * n..2 * n + declaration.controls.len();
+    let controls = |column: u32| places.contains(&(column as usize));
     let affine = !declaration
         .free_hessian
         .entries
@@ -180,8 +183,8 @@ pub(super) struct SolvedPhase {
     /// Start and length \[s\].
     pub(super) start: f64,
     pub(super) length: f64,
-    /// States `(q, v)` at the start and the stages.
-    pub(super) states: Vec<Vec<f64>>,
+    /// Input vectors of the model at the start and the stages.
+    pub(super) inputs: Vec<Vec<f64>>,
 }
 
 impl Collocation<'_> {
@@ -200,13 +203,22 @@ impl Collocation<'_> {
             .map(|phase| {
                 let length = phase.factor * x[phase.scale];
                 time += length;
-                let stages = phase.stages.iter().map(|stage| values(&stage.state));
+                let mut inputs = vec![values(&phase.start)];
+                let stages = phase.stages.iter();
+                inputs.extend(
+                    stages.map(|stage| [values(&stage.state), values(&stage.drive)].concat()),
+                );
+                // Controls and time are affine over a phase.
+                let (c, last) = (self.tableau.c(), inputs.len() - 1);
+                let share = c[0] / (c[last - 1] - c[0]);
+                for k in inputs[0].len()..inputs[last].len() {
+                    let (from, to) = (inputs[1][k], inputs[last][k]);
+                    inputs[0].push(from - share * (to - from));
+                }
                 SolvedPhase {
                     start: time - length,
                     length,
-                    states: std::iter::once(values(&phase.start))
-                        .chain(stages)
-                        .collect(),
+                    inputs,
                 }
             })
             .collect()
@@ -233,15 +245,15 @@ impl Collocation<'_> {
         }
         for (phase, solved) in self.phases.iter().zip(self.solved(point)) {
             let nodes = std::iter::once(0.0).chain(self.tableau.c().iter().copied());
-            for (index, (node, state)) in nodes.zip(&solved.states).enumerate() {
+            for (index, (node, input)) in nodes.zip(&solved.inputs).enumerate() {
                 let mut forces = vec![0.0; contacts];
                 let stage = &phase.stages[index.saturating_sub(1)];
                 for (&i, &force) in phase.closed.iter().zip(&stage.forces) {
                     forces[i] = x[force] / solved.length;
                 }
                 path.time.push(solved.start + node * solved.length);
-                path.states
-                    .push(state.iter().copied().chain(forces).collect());
+                let state = input[..phase.start.len()].iter().copied();
+                path.states.push(state.chain(forces).collect());
             }
             if let Some(index) = phase.ends_with {
                 let switch = &mut sequence.switches[index];

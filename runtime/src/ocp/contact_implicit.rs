@@ -14,10 +14,11 @@
 use super::control_grid::ControlGrid;
 use super::frame::{Frame, state_name};
 use super::kernel::Kernel;
-use super::path::{Path, Units};
+use super::path::{Path, drive};
 use super::problem::Problem;
 use super::program::Program;
 use super::settings::ControlShape;
+use super::units::Units;
 use crate::model::Model;
 
 /// The program and where its unknowns are.
@@ -57,9 +58,15 @@ impl<'a> ContactImplicit<'a> {
         let mut elements = Vec::with_capacity(count);
         let mut pairs = Vec::with_capacity(count);
         for element in 0..count {
-            let u = &frame.controls[element / per_interval];
+            let mut u = frame.controls[element / per_interval].clone();
             let time = guess.horizon * (element + 1) as f64 * share;
             let sample = guess.at(time, true);
+            if declaration.explicit_time {
+                let passed = (element + 1) as f64 * share;
+                let name = format!("time after element {element}");
+                u.push(frame.time(&mut program, name, &[(horizon, passed)], time));
+            }
+            let u = &u[..];
             let mut variables = Vec::with_capacity(2 * n + contacts.len());
             for (k, &value) in sample.iter().take(2 * n).enumerate() {
                 let range = if k < n {
@@ -68,7 +75,7 @@ impl<'a> ContactImplicit<'a> {
                     free
                 };
                 let name = format!("{} after element {element}", state_name(model, k));
-                variables.push(program.variable(name, range, value, 1.0));
+                variables.push(program.variable(name, range, value, units.states[k]));
             }
             let (q, v): (Vec<usize>, Vec<usize>) =
                 (variables[..n].to_vec(), variables[n..].to_vec());
@@ -85,13 +92,14 @@ impl<'a> ContactImplicit<'a> {
                 let gap = program.variable(
                     format!("gap `{name}` after element {element}"),
                     (0.0, f64::INFINITY),
-                    gap(model, contact, &sample[..2 * n]),
+                    gap(model, contact, (&sample[..2 * n], time)),
                     units.gap[contact],
                 );
-                let row = program.row(format!("gap `{name}`, element {element}"), 0.0, 0.0);
+                let label = format!("gap `{name}`, element {element}");
+                let row = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
                 program.linear(row, gap, -1.0);
                 let block = Kernel::Contact(contact);
-                program.block(&block, [&q, &[], &[], &[]], None, vec![(row, 0, 1.0)]);
+                program.block(&block, [&q, &[], u, &[]], None, vec![(row, 0, 1.0)]);
                 program.pair(force, gap);
                 forces.push(force);
                 gaps.push((force, gap));
@@ -99,11 +107,13 @@ impl<'a> ContactImplicit<'a> {
             let mut uses = Vec::with_capacity(n);
             for k in 0..n {
                 let name = declaration.coordinates[k].name;
-                let row = program.row(format!("motion of `{name}`, element {element}"), 0.0, 0.0);
+                let label = format!("motion of `{name}`, element {element}");
+                let row = program.row_in(units.states[k], label, 0.0, 0.0);
                 program.linear(row, q[k], 1.0);
                 program.linear(row, before[k], -1.0);
                 program.bilinear(row, horizon, v[k], -share);
-                let row = program.row(format!("force on `{name}`, element {element}"), 0.0, 0.0);
+                let label = format!("force on `{name}`, element {element}");
+                let row = program.row_in(units.states[n + k], label, 0.0, 0.0);
                 program.linear(row, v[k], 1.0);
                 program.linear(row, before[n + k], -1.0);
                 uses.push((row, k, -share));
@@ -120,7 +130,7 @@ impl<'a> ContactImplicit<'a> {
         }
         frame.finish(&mut program, problem, &before);
         Self {
-            program: program.finish(),
+            program: program.finish(&frame.controls),
             horizon,
             controls: frame.controls,
             elements,
@@ -164,9 +174,10 @@ impl<'a> ContactImplicit<'a> {
     }
 }
 
-/// Gap of a contact at `(q, v)`, at least 0.
-fn gap(model: &dyn Model, contact: usize, state: &[f64]) -> f64 {
+/// Gap of a contact at `(q, v)` and a time, at least 0.
+fn gap(model: &dyn Model, contact: usize, (state, time): (&[f64], f64)) -> f64 {
     let mut x = state.to_vec();
-    x.resize(model.declaration().inputs(), 0.0);
+    let controls = vec![0.0; model.declaration().controls.len()];
+    x.extend(drive(model, &controls, time));
     model.gap(contact, &x).max(0.0)
 }

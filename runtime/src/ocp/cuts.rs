@@ -4,6 +4,7 @@ use super::collocation::{Collocation, Cut, CutKind, Places, SolvedPhase, lagrang
 use super::problem::Problem;
 use super::settings::BoundsAt;
 use super::solution::Excess;
+use super::units::Units;
 use crate::model::{ConstraintRelation, contact_point};
 
 /// Points of a phase that are looked at.
@@ -20,8 +21,9 @@ pub(super) struct Limits<'a> {
     pub(super) gap: f64,
     /// Gap that a cut asks for.
     pub(super) margin: f64,
-    /// Largest violation of a bound of a coordinate that is let pass.
+    /// Largest violation of a bound of a coordinate, in its unit of `units`, that is let pass.
     pub(super) bound: f64,
+    pub(super) units: &'a Units,
     pub(super) bounds: (&'a [f64], &'a [f64]),
     pub(super) problem: &'a Problem,
     pub(super) places: Places,
@@ -33,8 +35,6 @@ struct Motion<'p, 'm> {
     solved: Vec<SolvedPhase>,
     /// Weights of the states of a phase at its points `i / POINTS`.
     weights: Vec<Vec<f64>>,
-    /// Physical values of the unknowns.
-    x: Vec<f64>,
 }
 
 impl<'p, 'm> Motion<'p, 'm> {
@@ -46,12 +46,11 @@ impl<'p, 'm> Motion<'p, 'm> {
             weights: thetas
                 .map(|theta| lagrange(program.tableau, theta, false))
                 .collect(),
-            x: program.program.physical(x),
         }
     }
 
-    /// Writes the first components of `(q, v)` at the share `theta` of a phase.
-    fn write(&self, phase: usize, theta: f64, state: &mut [f64]) {
+    /// Writes the first components of the model's input vector at the share `theta` of a phase.
+    fn write(&self, phase: usize, theta: f64, input: &mut [f64]) {
         let place = theta * POINTS as f64;
         let between;
         let weights = if place.fract() == 0.0 {
@@ -60,22 +59,11 @@ impl<'p, 'm> Motion<'p, 'm> {
             between = lagrange(self.program.tableau, theta, false);
             &between
         };
-        state.fill(0.0);
-        for (values, weight) in self.solved[phase].states.iter().zip(weights) {
-            for (slot, value) in state.iter_mut().zip(values) {
+        input.fill(0.0);
+        for (values, weight) in self.solved[phase].inputs.iter().zip(weights) {
+            for (slot, value) in input.iter_mut().zip(values) {
                 *slot += weight * value;
             }
-        }
-    }
-
-    /// Writes the controls at the share `theta` of a phase: they are affine in time.
-    fn write_controls(&self, phase: usize, theta: f64, controls: &mut [f64]) {
-        let stages = &self.program.phases[phase].stages;
-        let c = self.program.tableau.c();
-        let share = (theta - c[0]) / (c[c.len() - 1] - c[0]);
-        let ends = stages[0].controls.iter().zip(&stages[c.len() - 1].controls);
-        for (slot, (&from, &to)) in controls.iter_mut().zip(ends) {
-            *slot = self.x[from] + share * (self.x[to] - self.x[from]);
         }
     }
 
@@ -93,14 +81,12 @@ impl<'p, 'm> Motion<'p, 'm> {
         let model = self.program.model;
         let declaration = model.declaration();
         let declared = declaration.optimal_control;
-        let n = declaration.coordinates.len();
         let mut input = vec![0.0; declaration.inputs()];
         let mut values = vec![0.0; declared.map_or(0, |d| d.path_functions())];
         let first = declared.map_or(0, |d| usize::from(d.running_cost));
         let relation = declared.map(|d| d.constraints[constraint].relation);
         move |phase, theta| {
-            self.write(phase, theta, &mut input[..2 * n]);
-            self.write_controls(phase, theta, &mut input[2 * n..]);
+            self.write(phase, theta, &mut input);
             model.path_functions(&input, &mut values);
             let value = values[first + constraint];
             match relation {
@@ -142,7 +128,7 @@ pub(super) fn between_stages(
     };
     for contact in 0..declaration.contacts.len() {
         let mut gap = |phase: usize, theta: f64| {
-            motion.write(phase, theta, &mut input[..n]);
+            motion.write(phase, theta, &mut input);
             model.gap(contact, &input)
         };
         let mut next = 0;
@@ -171,13 +157,13 @@ pub(super) fn between_stages(
         return found;
     }
     let all: Vec<usize> = (0..program.phases.len()).collect();
-    let tolerance = (-limits.bound, limits.bound);
     for k in (0..n).filter(|&k| !parabolas[k]) {
         let bounds = (limits.bounds.0[k], limits.bounds.1[k]);
         if bounds == (f64::NEG_INFINITY, f64::INFINITY) {
             continue;
         }
-        for (phase, theta, _) in lows(&all, &mut motion.inside(k, bounds), tolerance) {
+        let bound = limits.bound * limits.units.states[k];
+        for (phase, theta, _) in lows(&all, &mut motion.inside(k, bounds), (-bound, bound)) {
             found.push(cut(phase, theta, CutKind::Bounds(k)));
         }
     }
@@ -185,7 +171,11 @@ pub(super) fn between_stages(
         if !inequality {
             continue;
         }
-        for (phase, theta, _) in lows(&all, &mut motion.path(constraint), tolerance) {
+        for (phase, theta, _) in lows(
+            &all,
+            &mut motion.path(constraint),
+            (-limits.bound, limits.bound),
+        ) {
             found.push(cut(phase, theta, CutKind::Path(constraint)));
         }
     }
@@ -245,7 +235,6 @@ pub(super) fn excess(program: &Collocation, x: &[f64], limits: Limits) -> Option
 fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> Vec<Cut> {
     let model = program.model;
     let declaration = model.declaration();
-    let mut input = vec![0.0; declaration.inputs()];
     let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
     let slopes = lagrange(program.tableau, 0.0, true);
     let mut found = Vec::new();
@@ -259,9 +248,8 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
                 continue;
             }
             let (mut gap, mut acceleration) = (f64::INFINITY, 0.0);
-            for (node, (state, slope)) in solved.states.iter().zip(&slopes).enumerate() {
-                input[..state.len()].copy_from_slice(state);
-                model.contact(contact, &input, &mut point);
+            for (node, (input, slope)) in solved.inputs.iter().zip(&slopes).enumerate() {
+                model.contact(contact, input, &mut point);
                 if node == 0 {
                     gap = point[contact_point::GAP];
                 }

@@ -1,6 +1,6 @@
 //! Neighbours of a contact sequence: where a solution presses against the sequence it was given.
 
-use super::collocation::Collocation;
+use super::collocation::{Collocation, Stage};
 use super::sequence::{Place, Sequence, Switch};
 use super::settings::ControlShape;
 use crate::nlp;
@@ -52,12 +52,11 @@ impl Pressure<'_, '_> {
         ACTIVE * all.fold(f64::MIN_POSITIVE, |largest, y| largest.max(y.abs()))
     }
 
-    /// Gap of a contact at the state with these variables.
-    fn gap(&self, contact: usize, state: &[usize], x: &[f64]) -> f64 {
-        let model = self.program.model;
-        let mut input: Vec<f64> = state.iter().map(|&i| x[i]).collect();
-        input.resize(model.declaration().inputs(), 0.0);
-        model.gap(contact, &input)
+    /// Gap of a contact at a stage.
+    fn gap(&self, contact: usize, stage: &Stage, x: &[f64]) -> f64 {
+        let variables = stage.state.iter().chain(&stage.drive);
+        let input: Vec<f64> = variables.map(|&i| x[i]).collect();
+        self.program.model.gap(contact, &input)
     }
 
     /// Sequences that the solution points to, the most promising first: without a pair of switches that
@@ -220,7 +219,7 @@ impl Pressure<'_, '_> {
                     let closes = last && phase.closing == Some(contact);
                     if !closes
                         && self.solution.multipliers[row].abs() > threshold
-                        && self.gap(contact, &stage.state, &x) < self.touching
+                        && self.gap(contact, stage, &x) < self.touching
                     {
                         places.push((contact, true, time(*c)));
                     }

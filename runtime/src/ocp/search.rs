@@ -44,8 +44,10 @@ pub(super) struct Search<'a, 's> {
     pub(super) time_freezing: Option<TimeFreezingReport>,
     pub(super) tried: Vec<Tried>,
     pub(super) best: Option<Local<'a>>,
-    /// Why the last program failed, and its worst rows.
+    /// Why the program that came nearest to a solution failed, and its worst rows.
     pub(super) failure: Option<(nlp::Status, Vec<nlp::Violation>)>,
+    /// Why the last program that failed did.
+    pub(super) last_failure: Option<nlp::Status>,
 }
 
 impl<'a> Search<'a, '_> {
@@ -203,7 +205,18 @@ impl<'a> Search<'a, '_> {
         let touching = candidates
             .iter()
             .filter_map(|(sequence, path)| Some((sequence.touching()?, path)));
-        for (sequence, path) in tidied.chain(untouched).chain(raw).chain(touching) {
+        let likely: Vec<(Sequence, &Path)> =
+            tidied.chain(untouched).chain(raw).chain(touching).collect();
+        // The motion may end with its last impact; that is looked at where nothing else has a solution.
+        let intervals = self.setting.problem.intervals;
+        let ending = candidates
+            .iter()
+            .filter_map(|(sequence, path)| Some((sequence.ending(intervals)?, path)));
+        let count = likely.len();
+        for (index, (sequence, path)) in likely.into_iter().chain(ending).enumerate() {
+            if index >= count && self.best.is_some() {
+                break;
+            }
             let Some(sequence) = sequence.ordered(self.setting.problem.intervals) else {
                 continue;
             };
@@ -221,9 +234,21 @@ impl<'a> Search<'a, '_> {
             gap: TOUCHING * self.settings.gap_margin,
             margin: self.settings.gap_margin,
             bound: self.settings.tolerance,
+            units: self.setting.units,
             bounds: self.setting.bounds,
             problem: self.setting.problem,
             places: self.setting.places,
+        }
+    }
+
+    /// Keeps why a program failed, if it came nearer to a solution than those before.
+    pub(super) fn note_failure(&mut self, status: nlp::Status, violations: Vec<nlp::Violation>) {
+        self.last_failure = Some(status);
+        let worst =
+            |violations: &[nlp::Violation]| violations.first().map_or(0.0, |row| row.amount);
+        let nearer = |(_, before): &(_, Vec<nlp::Violation>)| worst(&violations) < worst(before);
+        if self.failure.as_ref().is_none_or(nearer) {
+            self.failure = Some((status, violations));
         }
     }
 

@@ -12,7 +12,8 @@ const SHORT_FLIGHT: f64 = 0.6;
 /// Where in the grid of the controls a switch happens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Place {
-    /// At the jump of the controls at the start of the interval.
+    /// At the jump of the controls at the start of the interval; in the interval after the last one, an impact that
+    /// ends the motion.
     Start,
     /// Inside the interval.
     Inside,
@@ -186,8 +187,10 @@ impl Sequence {
             .sort_by(|a, b| key(a).cmp(&key(b)).then(a.time.total_cmp(&b.time)));
         let mut closed = self.initially.clone();
         for switch in &self.switches {
+            let ends =
+                switch.interval == intervals && switch.place == Place::Start && switch.closes;
             if closed[switch.contact] == switch.closes
-                || switch.interval >= intervals
+                || switch.interval >= intervals && !ends
                 || switch.place == Place::Start && switch.interval == 0
             {
                 return None;
@@ -219,6 +222,18 @@ impl Sequence {
         let mut sequence = self.clone();
         sequence.switches.retain(|switch| !switch.touches);
         (sequence.switches.len() < self.switches.len()).then_some(sequence)
+    }
+
+    /// Up to its last impact, which ends the motion; `None` without impacts.
+    pub(super) fn ending(&self, intervals: usize) -> Option<Self> {
+        let mut sequence = self.clone();
+        let last = sequence.switches.iter().rposition(|s| s.closes)?;
+        sequence.switches.truncate(last + 1);
+        let switch = sequence.switches.last_mut()?;
+        switch.interval = intervals;
+        switch.place = Place::Start;
+        switch.time = intervals as f64;
+        Some(sequence)
     }
 
     /// With touches in the place of contacts that are too short to be meant as such; `None` if there are none.

@@ -200,7 +200,10 @@ pub struct Solution {
     pub controls: Vec<Vec<f64>>,
     /// What the controls are on an interval.
     pub shape: ControlShape,
-    /// The event-driven re-simulation of the plan's controls; absent without a plan.
+    /// Finite elements of a phase in each interval: more than asked for where the re-simulation wanted them.
+    pub elements: Vec<usize>,
+    /// The event-driven re-simulation of the plan's controls; absent without a plan. Of an impact at the final time it
+    /// may show the one side or the other, while the plan, its goals and its objective mean the state after it.
     pub motion: Option<Simulation>,
     /// Worst violated rows, if a program failed.
     pub violations: Vec<Violation>,
@@ -241,6 +244,7 @@ impl Solution {
             excess: None,
             controls: Vec::new(),
             shape: ControlShape::default(),
+            elements: Vec::new(),
             motion: None,
             violations,
             size: Size::default(),

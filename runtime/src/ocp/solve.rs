@@ -4,7 +4,7 @@ use cpu_time::ThreadTime;
 
 use super::collocation::{Places, Setting, parabolas};
 use super::levels;
-use super::path::{Path, Units};
+use super::path::Path;
 use super::previous::Previous;
 use super::problem::{Problem, bounds};
 use super::progress::{Observer, Watch};
@@ -12,6 +12,7 @@ use super::search::Search;
 use super::settings::Settings;
 use super::solution::{Counts, Solution};
 use super::starts;
+use super::units::Units;
 use crate::model::Model;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
@@ -112,6 +113,7 @@ pub(super) fn solve_grid<'s>(
         tried: Vec::new(),
         best: None,
         failure: None,
+        last_failure: None,
     };
     let mut solution = search.run(&guess, start.coarser.as_ref())?;
     solution.time_freezing = search.time_freezing;

@@ -4,7 +4,7 @@ use cpu_time::ThreadTime;
 
 use super::control_grid::ControlGrid;
 use super::global::Relaxed;
-use super::path::{Path, with_forces};
+use super::path::{Path, drive, with_forces};
 use super::search::{Search, refused};
 use super::sequence::Sequence;
 use super::settings::Guess;
@@ -43,7 +43,7 @@ impl Search<'_, '_> {
             self.settings.maximum_iterations.max(ITERATIONS);
         self.watch
             .begin("time-freezing program", &self.counts, None);
-        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info);
+        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, 1.0);
         let solution = mpcc::solve_observed(&mut program, &relaxation, &mut observer)
             .map_err(|error| refused(&error))?;
         self.counts.programs += 1;
@@ -66,11 +66,11 @@ impl Search<'_, '_> {
         });
         let near = match solution.status {
             mpcc::Status::Failed(status) => {
-                self.failure = Some((status, solution.violations));
+                self.note_failure(status, solution.violations);
                 status == nlp::Status::Acceptable
             }
             mpcc::Status::Infeasible => {
-                self.failure = Some((nlp::Status::Infeasible, solution.violations));
+                self.note_failure(nlp::Status::Infeasible, solution.violations);
                 false
             }
             _ => true,
@@ -106,7 +106,12 @@ impl Search<'_, '_> {
         states.extend(ends.map(|(q, v)| [&q[..], &v[..]].concat()));
         let states = states.into_iter().enumerate().map(|(i, state)| {
             let interval = i.saturating_sub(1) / per_interval;
-            with_forces(model, state, &motion.controls[interval])
+            let time = i.checked_sub(1).map_or(0.0, |end| motion.time[end]);
+            with_forces(
+                model,
+                state,
+                &drive(model, &motion.controls[interval], time),
+            )
         });
         Path {
             states: states.collect(),

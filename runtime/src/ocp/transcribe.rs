@@ -33,6 +33,8 @@ pub(super) struct Builder<'a, 's> {
     touches: Vec<(Switch, usize)>,
     closed: Vec<usize>,
     pub(super) state: Vec<usize>,
+    /// What drove the motion at the end of the phase before; nothing at the start, at time 0.
+    pub(super) before: Vec<usize>,
     pub(super) n: usize,
 }
 
@@ -68,16 +70,21 @@ impl<'a> Collocation<'a> {
             touches: Vec::new(),
             closed: closed.filter(|(_, c)| **c).map(|(i, _)| i).collect(),
             state,
+            before: Vec::new(),
             n: problem.q.len(),
         };
         builder.free_start();
         for interval in 0..problem.intervals {
             builder.interval(interval, &sequence.switches);
         }
+        let last = |switch: &&Switch| switch.interval == problem.intervals;
+        for switch in sequence.switches.iter().filter(last) {
+            builder.close(switch, "the last interval", guess.horizon);
+        }
         let (frame, mut program) = (builder.frame, builder.program);
         frame.finish(&mut program, problem, &builder.state);
         Self {
-            program: program.finish(),
+            program: program.finish(&frame.controls),
             model,
             sequence: sequence.clone(),
             phases: builder.phases,
@@ -93,7 +100,12 @@ impl<'a> Collocation<'a> {
 impl Builder<'_, '_> {
     /// Where initial values are free: contacts closed at the start touch and rest, the others are open.
     fn free_start(&mut self) {
-        let Setting { model, problem, .. } = self.setting;
+        let Setting {
+            model,
+            problem,
+            units,
+            ..
+        } = self.setting;
         let free: Vec<usize> = (0..2 * self.n)
             .filter(|&k| {
                 let (lower, upper) = self.program.bounds(self.frame.start[k]);
@@ -113,11 +125,13 @@ impl Builder<'_, '_> {
             if reads(0) {
                 let upper = if closed { 0.0 } else { f64::INFINITY };
                 let name = format!("gap `{}` at the start", contact.name);
-                uses.push((self.program.row(name, 0.0, upper), 0, 1.0));
+                let row = self.program.row_in(units.gap_rows[i], name, 0.0, upper);
+                uses.push((row, 0, 1.0));
             }
             if closed && reads(1) {
                 let name = format!("normal velocity of `{}` at the start", contact.name);
-                uses.push((self.program.row(name, 0.0, 0.0), 1, 1.0));
+                let row = self.program.row_in(units.gap_rows[i], name, 0.0, 0.0);
+                uses.push((row, 1, 1.0));
             }
             if !uses.is_empty() {
                 let (q, v) = self.frame.start.split_at(self.n);
@@ -267,7 +281,7 @@ impl Builder<'_, '_> {
         let closed = self.closed.clone();
         let label = format!("interval {interval}, phase {}", index.0);
         let stages = tableau.stages();
-        let mut controls = Vec::with_capacity(stages);
+        let mut drives = Vec::with_capacity(stages);
         let part = whole.map(|whole| whole * factor * problem.intervals as f64);
         let length = self.guess.horizon / problem.intervals as f64;
         for (m, c) in tableau.c().iter().enumerate() {
@@ -277,7 +291,7 @@ impl Builder<'_, '_> {
             }
             let guess = (from + c * (to - from)) / length - interval as f64;
             let place = format!("at stage {m} of {label}");
-            controls.push(self.controls_at(interval, &moment, guess, &place));
+            drives.push(self.drive_at(interval, &moment, guess, &place));
         }
         let program = &mut self.program;
         let mut phase = Phase {
@@ -308,7 +322,7 @@ impl Builder<'_, '_> {
                         free
                     };
                     let name = format!("{} at stage {m} of {label}", state_name(model, k));
-                    program.variable(name, range, sample[k], 1.0)
+                    program.variable(name, range, sample[k], units.states[k])
                 })
                 .collect();
             let mut forces = Vec::new();
@@ -328,7 +342,7 @@ impl Builder<'_, '_> {
             corrections.push(shifts);
             phase.stages.push(Stage {
                 state,
-                controls: std::mem::take(&mut controls[m]),
+                drive: std::mem::take(&mut drives[m]),
                 forces,
                 gap_rows: Vec::new(),
             });
@@ -336,7 +350,7 @@ impl Builder<'_, '_> {
         for (m, corrections) in corrections.iter().enumerate() {
             let Stage {
                 state,
-                controls: u,
+                drive: u,
                 forces,
                 ..
             } = &phase.stages[m];
@@ -349,7 +363,7 @@ impl Builder<'_, '_> {
                     "collocation of {}, stage {m}, {label}",
                     state_name(model, k)
                 );
-                let row = program.row(name, 0.0, 0.0);
+                let row = program.row_in(units.states[k], name, 0.0, 0.0);
                 program.linear(row, before, slopes[0]);
                 for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
                     program.linear(row, stage.state[k], *slope);
@@ -366,8 +380,8 @@ impl Builder<'_, '_> {
             program.block(&kernel, [q, v, u, &[]], Some(scale), free_pushes);
             if !closed.is_empty() {
                 let kernel = Kernel::Push(closed.clone());
-                program.block(&kernel, [q, &[], &[], forces], None, pushes);
-                program.block(&kernel, [q, &[], &[], corrections], None, moves);
+                program.block(&kernel, [q, &[], u, forces], None, pushes);
+                program.block(&kernel, [q, &[], u, corrections], None, moves);
             }
             for (i, contact) in contacts.iter().enumerate() {
                 let last = m + 1 == stages;
@@ -385,20 +399,21 @@ impl Builder<'_, '_> {
                 } else {
                     0.0
                 };
-                let row = program.row(name, lower, upper);
+                let row = program.row_in(units.gap_rows[i], name, lower, upper);
                 gap_rows.push(row);
                 let mut uses = vec![(row, 0, 1.0)];
                 if closed.contains(&i) {
                     let name = format!("normal velocity of `{}`, stage {m}, {label}", contact.name);
-                    uses.push((program.row(name, 0.0, 0.0), 1, 1.0));
+                    let row = program.row_in(units.gap_rows[i], name, 0.0, 0.0);
+                    uses.push((row, 1, 1.0));
                 }
-                program.block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
+                program.block(&Kernel::Contact(i), [q, v, u, &[]], None, uses);
             }
             phase.stages[m].gap_rows = gap_rows;
         }
         for (m, stage) in phase.stages.iter().enumerate() {
             let (q, v) = stage.state.split_at(n);
-            let (u, weight) = (&stage.controls[..], (scale, factor * tableau.b()[m]));
+            let (u, weight) = (&stage.drive[..], (scale, factor * tableau.b()[m]));
             self.frame.running_cost(program, problem, [q, v, u], weight);
             if places.path != PathPoints::Ends || m + 1 == stages {
                 let place = format!("at stage {m} of {label}");
@@ -408,7 +423,7 @@ impl Builder<'_, '_> {
         if places.path == PathPoints::Both && (interval, index.0) != (0, 0) {
             let (q, v) = phase.start.split_at(n);
             let place = format!("at the start of {label}");
-            let u = self.controls_within(&phase, 0.0, &place);
+            let u = self.drive_within(&phase, 0.0, &place);
             self.frame
                 .path_rows(&mut self.program, problem, [q, v, &u], &place);
         }
@@ -421,7 +436,7 @@ impl Builder<'_, '_> {
         tableau.lagrange_values(0.0, &mut values);
         for (slot, &i) in closed.iter().enumerate() {
             let name = format!("force of `{}` at the start of {label}", contacts[i].name);
-            let row = program.row(name, 0.0, f64::INFINITY);
+            let row = program.row_in(units.gap_rows[i], name, 0.0, f64::INFINITY);
             for (stage, weight) in phase.stages.iter().zip(&values) {
                 program.linear(row, stage.forces[slot], *weight);
             }
@@ -434,18 +449,20 @@ impl Builder<'_, '_> {
         let plastic = touched.iter().filter(|&&i| model.restitution(i) == 0.0);
         for &i in jump.chain(plastic) {
             let name = format!("opening of `{}` at the start of {label}", contacts[i].name);
-            let row = program.row(name, 0.0, f64::INFINITY);
+            let row = program.row_in(units.gap_rows[i], name, 0.0, f64::INFINITY);
             let slopes = lagrange(tableau, 0.0, true);
             for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
                 let (q, v) = stage.state.split_at(n);
                 let uses = vec![(row, 1, *slope)];
-                program.block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
+                let kernel = Kernel::Contact(i);
+                program.block(&kernel, [q, v, &stage.drive, &[]], None, uses);
             }
             phase.openings.push((i, row));
         }
         self.add_cuts(&phase);
         if let Some(stage) = phase.stages.last() {
             self.state.clone_from(&stage.state);
+            self.before.clone_from(&stage.drive);
         }
         if let Some((_, switch)) = ending {
             self.switch(switch, &phase, &label, to);
@@ -465,10 +482,10 @@ impl Builder<'_, '_> {
 
     /// The impact map where a contact closes or is touched, `v_n+ = -e v_n-` for all contacts that are closed then.
     fn close(&mut self, switch: &Switch, label: &str, time: f64) {
-        let (n, program) = (self.n, &mut self.program);
+        let (n, program, drive) = (self.n, &mut self.program, &self.before);
         self.closed.push(switch.contact);
         self.closed.sort_unstable();
-        let model = self.setting.model;
+        let Setting { model, units, .. } = self.setting;
         let contacts = model.declaration().contacts;
         let sample = self.guess.at(time, true);
         let q = self.state[..n].to_vec();
@@ -480,9 +497,10 @@ impl Builder<'_, '_> {
                 "{} after the impact that ends {label}",
                 state_name(model, n + k)
             );
-            let velocity = program.variable(name, free, sample[n + k], 1.0);
+            let unit = units.states[n + k];
+            let velocity = program.variable(name, free, sample[n + k], unit);
             let name = format!("impact on {}, end of {label}", state_name(model, n + k));
-            let row = program.row(name, 0.0, 0.0);
+            let row = program.row_in(unit, name, 0.0, 0.0);
             program.linear(row, velocity, 1.0);
             program.linear(row, self.state[n + k], -1.0);
             uses.push((row, k, -1.0));
@@ -491,20 +509,22 @@ impl Builder<'_, '_> {
         let mut impulses = Vec::new();
         for &i in &self.closed {
             let name = format!("impulse of `{}` that ends {label}", contacts[i].name);
-            impulses.push(program.variable(name, (0.0, f64::INFINITY), 0.0, 1.0));
+            let unit = units.gap_rows[i];
+            impulses.push(program.variable(name, (0.0, f64::INFINITY), 0.0, unit));
             let name = format!("impact of `{}`, end of {label}", contacts[i].name);
-            let row = program.row(name, 0.0, 0.0);
+            let row = program.row_in(unit, name, 0.0, 0.0);
             let uses = vec![(row, 1, 1.0)];
-            program.block(&Kernel::Contact(i), [&q, &after[n..], &[], &[]], None, uses);
+            let kernel = Kernel::Contact(i);
+            program.block(&kernel, [&q, &after[n..], drive, &[]], None, uses);
             let restitution = model.restitution(i);
             if restitution > 0.0 {
                 let uses = vec![(row, 1, restitution)];
                 let v = &self.state[n..];
-                program.block(&Kernel::Contact(i), [&q, v, &[], &[]], None, uses);
+                program.block(&kernel, [&q, v, drive, &[]], None, uses);
             }
         }
         let kernel = Kernel::Push(self.closed.clone());
-        program.block(&kernel, [&q, &[], &[], &impulses], None, uses);
+        program.block(&kernel, [&q, &[], drive, &impulses], None, uses);
         if switch.touches {
             let contact = switch.contact;
             let length = self.guess.horizon / self.setting.problem.intervals as f64;
@@ -533,10 +553,10 @@ fn vanish(program: &mut Program, phase: &Phase, contact: usize) {
 mod tests {
     use super::super::collocation::{CutKind, Places, Setting, parabolas};
     use super::super::contact_implicit::ContactImplicit;
-    use super::super::path::Units;
     use super::super::problem::{Goal, Horizon, Objective, Problem, bounds};
     use super::super::settings::{Guess, PathPoints};
     use super::super::test_scene::{Demanding, Sledge};
+    use super::super::units::Units;
     use super::*;
     use crate::nlp::check_derivatives;
     use crate::rk::{ButcherTableau, Scheme};
