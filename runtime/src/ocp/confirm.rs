@@ -1,6 +1,7 @@
 //! The judgement of a plan: an independent simulation under its controls.
 
 use super::cuts::excess;
+use super::mode::Mode;
 use super::path::Path;
 use super::previous::Previous;
 use super::search::{Local, Search};
@@ -35,10 +36,8 @@ impl<'a> Search<'a, '_> {
 
     pub(super) fn read(&self, replay: &Simulation, path: &Path) -> Sequence {
         let intervals = self.setting.problem.intervals;
-        let forces = replay.trajectory.contact_force.first();
-        let initially = forces.map(|forces| forces.iter().map(|&f| f > 0.0).collect());
         Sequence::read(
-            initially.unwrap_or_default(),
+            self.setting.model,
             replay,
             path.horizon / intervals as f64,
             intervals,
@@ -162,9 +161,9 @@ impl<'a> Search<'a, '_> {
             _ => f64::INFINITY,
         };
         let read = self.read(&replay, &best.path);
-        let kinds = |sequence: &Sequence| -> Vec<(usize, bool, bool)> {
+        let kinds = |sequence: &Sequence| -> Vec<(usize, bool, Mode)> {
             let switches = sequence.switches.iter();
-            switches.map(|s| (s.contact, s.closes, s.touches)).collect()
+            switches.map(|s| (s.contact, s.closes, s.mode)).collect()
         };
         let agrees =
             distance <= self.settings.largest_distance && kinds(&read) == kinds(&best.sequence);
@@ -186,10 +185,11 @@ impl<'a> Search<'a, '_> {
         let size = Size::of(&best.program.program, 0);
         let planned_events = best.sequence.switches.iter().map(|switch| {
             let time = switch.time * best.path.horizon / self.setting.problem.intervals as f64;
-            let kind = if switch.closes {
-                EventKind::Impact
-            } else {
-                EventKind::LiftOff
+            let kind = match switch.mode {
+                _ if switch.closes => EventKind::Impact,
+                Mode::Open => EventKind::LiftOff,
+                Mode::Stick => EventKind::Stick,
+                Mode::Slip(_) | Mode::Frictionless => EventKind::Slip,
             };
             (time, kind, switch.contact)
         });

@@ -28,13 +28,13 @@ pub(super) struct Limits<'a> {
 }
 
 /// The continuous motion of a solved program.
-struct Motion<'p, 'm> {
-    program: &'p Collocation<'m>,
-    solved: Vec<SolvedPhase>,
+pub(super) struct Motion<'p, 'm> {
+    pub(super) program: &'p Collocation<'m>,
+    pub(super) solved: Vec<SolvedPhase>,
     /// Weights of the states of a phase at its points `i / POINTS`.
     weights: Vec<Vec<f64>>,
     /// Physical values of the unknowns.
-    x: Vec<f64>,
+    pub(super) x: Vec<f64>,
 }
 
 impl<'p, 'm> Motion<'p, 'm> {
@@ -51,7 +51,7 @@ impl<'p, 'm> Motion<'p, 'm> {
     }
 
     /// Writes the first components of `(q, v)` at the share `theta` of a phase.
-    fn write(&self, phase: usize, theta: f64, state: &mut [f64]) {
+    pub(super) fn write(&self, phase: usize, theta: f64, state: &mut [f64]) {
         let place = theta * POINTS as f64;
         let between;
         let weights = if place.fract() == 0.0 {
@@ -159,6 +159,7 @@ pub(super) fn between_stages(
         }
     }
     found.extend(departures(program, &motion.solved, limits));
+    found.extend(motion.friction(limits));
     if limits.places.bounds == BoundsAt::Nodes {
         return found;
     }
@@ -274,7 +275,7 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
 
 /// Local minima below the limit of a function over consecutive phases, as (phase, theta, whether the function
 /// exceeds the limit before and after): those of which that is true, and those deeper than the depth.
-fn lows(
+pub(super) fn lows(
     phases: &[usize],
     value: &mut dyn FnMut(usize, f64) -> f64,
     (limit, depth): (f64, f64),

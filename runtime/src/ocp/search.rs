@@ -233,7 +233,7 @@ impl<'a> Search<'a, '_> {
         let mut input = vec![0.0; declaration.inputs()];
         let mut point = vec![0.0; contact_point::length(n)];
         let solved = program.solved(x);
-        let touched = |index: usize| program.sequence.switches[index].touches;
+        let touched = |index: usize| program.sequence.switches[index].touches();
         program.phases.iter().zip(&solved).any(|(phase, solved)| {
             let (Some(contact), Some(index)) = (phase.closing, phase.ends_with) else {
                 return false;
@@ -319,8 +319,8 @@ impl<'a> Search<'a, '_> {
                 touching: TOUCHING * self.settings.gap_margin,
             };
             let directed = pressure.directed();
-            let neighbours: Vec<Sequence> =
-                directed.into_iter().chain(pressure.insertions()).collect();
+            let inserted = pressure.insertions().into_iter().chain(pressure.sliding());
+            let neighbours: Vec<Sequence> = directed.into_iter().chain(inserted).collect();
             let shortened = pressure.shortened();
             let (path, cuts) = (best.path.clone(), best.cuts.clone());
             self.best = Some(best);

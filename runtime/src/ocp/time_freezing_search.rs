@@ -3,6 +3,7 @@
 use cpu_time::ThreadTime;
 
 use super::global::Relaxed;
+use super::mode::{Mode, is_rough, sliding_velocity, zero_velocity};
 use super::path::{Path, with_forces};
 use super::search::{Search, refused};
 use super::sequence::Sequence;
@@ -85,16 +86,31 @@ impl Search<'_, '_> {
         }])
     }
 
-    /// The contacts that are closed in each element; a jump belongs to the contact after it.
+    /// What the contacts do in each element; a jump belongs to the contact after it. How they slide follows from the
+    /// velocity at the end.
     fn sequence_of(&self, motion: &TimeFreezingMotion, elements: usize, path: &Path) -> Sequence {
+        let model = self.setting.model;
         let interval = motion.horizon / self.setting.problem.intervals as f64;
-        let closed: Vec<Vec<bool>> = motion
+        let states = motion.q.iter().zip(&motion.v);
+        let modes: Vec<Vec<Mode>> = motion
             .step_functions
             .iter()
-            .map(|alpha| alpha.iter().map(|&alpha| alpha < OPEN).collect())
+            .zip(states)
+            .map(|(alpha, (q, v))| {
+                let mode = |(contact, &alpha): (usize, &f64)| {
+                    if alpha >= OPEN {
+                        return Mode::Open;
+                    }
+                    let rough = is_rough(model, contact);
+                    let slides =
+                        rough.then(|| sliding_velocity(model, contact, &[&q[..], v].concat()));
+                    Mode::closed(rough, slides.unwrap_or(0.0), zero_velocity(v))
+                };
+                alpha.iter().enumerate().map(mode).collect()
+            })
             .collect();
         let ends: Vec<f64> = motion.time.iter().map(|time| time / interval).collect();
-        Sequence::of_elements(self.closed_at_start(path), &closed, (elements, &ends), 0.0)
+        Sequence::of_elements(self.modes_at_start(path), &modes, (elements, &ends), 0.0)
     }
 
     fn path_of(&self, motion: &TimeFreezingMotion) -> Path {

@@ -2,7 +2,9 @@
 
 use super::collocation::{Collocation, Cut, Phase, Setting, Stage, lagrange};
 use super::frame::{Frame, state_name};
+use super::friction::{Tangential, Turns, start_rows, tangential};
 use super::kernel::Kernel;
+use super::mode::{Mode, sliding_velocity, zero_velocity};
 use super::path::Path;
 use super::program::Program;
 use super::sequence::{Place, Sequence, Switch};
@@ -25,7 +27,8 @@ pub(super) struct Builder<'a, 's> {
     elements: &'s [usize],
     pub(super) frame: Frame<'a>,
     phases: Vec<Phase>,
-    closed: Vec<usize>,
+    impacts: Vec<(usize, Tangential)>,
+    modes: Vec<Mode>,
     pub(super) state: Vec<usize>,
     pub(super) n: usize,
 }
@@ -50,7 +53,6 @@ impl<'a> Collocation<'a> {
             setting.bounds,
         );
         let state = frame.start.clone();
-        let closed = sequence.initially.iter().enumerate();
         let mut builder = Builder {
             setting,
             program,
@@ -59,7 +61,8 @@ impl<'a> Collocation<'a> {
             elements,
             frame,
             phases: Vec::new(),
-            closed: closed.filter(|(_, c)| **c).map(|(i, _)| i).collect(),
+            impacts: Vec::new(),
+            modes: sequence.initially.clone(),
             state,
             n: problem.q.len(),
         };
@@ -74,6 +77,7 @@ impl<'a> Collocation<'a> {
             model,
             sequence: sequence.clone(),
             phases: builder.phases,
+            impacts: builder.impacts,
             tableau: setting.tableau,
             horizon: frame.horizon,
             controls: frame.controls,
@@ -82,6 +86,28 @@ impl<'a> Collocation<'a> {
 }
 
 impl Builder<'_, '_> {
+    /// The closed contacts.
+    fn closed(&self) -> Vec<usize> {
+        let modes = self.modes.iter().enumerate();
+        modes
+            .filter(|(_, m)| !m.is_open())
+            .map(|(i, _)| i)
+            .collect()
+    }
+
+    /// Contacts that are pulled into slip from the start of the motion.
+    fn pulled_at_start(&self) -> Vec<usize> {
+        let Setting { model, problem, .. } = self.setting;
+        let start = problem.start();
+        let zero = zero_velocity(&start[self.n..]);
+        let modes = self.modes.iter().enumerate();
+        modes
+            .filter(|(_, mode)| matches!(mode, Mode::Slip(_)) && !problem.has_free_start(model))
+            .map(|(contact, _)| contact)
+            .filter(|&contact| sliding_velocity(model, contact, &start).abs() <= zero)
+            .collect()
+    }
+
     /// Where initial values are free: contacts closed at the start touch and rest, the others are open.
     fn free_start(&mut self) {
         let Setting { model, problem, .. } = self.setting;
@@ -99,7 +125,8 @@ impl Builder<'_, '_> {
                 let mut entries = contact.jacobian.entries.iter();
                 entries.any(|&(r, column)| r == row && free.contains(&(column as usize)))
             };
-            let closed = self.closed.contains(&i);
+            let mode = self.modes[i];
+            let closed = !mode.is_open();
             let mut uses = Vec::new();
             if reads(0) {
                 let upper = if closed { 0.0 } else { f64::INFINITY };
@@ -110,10 +137,24 @@ impl Builder<'_, '_> {
                 let name = format!("normal velocity of `{}` at the start", contact.name);
                 uses.push((self.program.row(name, 0.0, 0.0), 1, 1.0));
             }
+            let (q, v) = self.frame.start.split_at(self.n);
             if !uses.is_empty() {
-                let (q, v) = self.frame.start.split_at(self.n);
                 self.program
                     .block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
+            }
+            let slides = contact.friction.is_some_and(|friction| {
+                let mut entries = friction.jacobian.entries.iter();
+                entries.any(|&(row, column)| row == 0 && free.contains(&(column as usize)))
+            });
+            let (sign, upper) = match mode {
+                Mode::Slip(direction) => (direction.sign(), f64::INFINITY),
+                _ => (1.0, 0.0),
+            };
+            if slides && matches!(mode, Mode::Stick | Mode::Slip(_)) {
+                let name = format!("sliding velocity of `{}` at the start", contact.name);
+                let uses = vec![(self.program.row(name, 0.0, upper), 0, sign)];
+                self.program
+                    .block(&Kernel::Sliding(i), [q, v, &[], &[]], None, uses);
             }
         }
     }
@@ -122,21 +163,32 @@ impl Builder<'_, '_> {
         let share = 1.0 / self.setting.problem.intervals as f64;
         let here = |place: Place| {
             let all = switches.iter().enumerate();
-            all.filter(move |(_, s)| s.interval == interval && s.place == place)
+            all.filter(move |(_, s)| s.interval == interval && s.place == place && !s.accompanies)
         };
         let (mut openings, mut before) = (Vec::new(), self.state.clone());
         let mut touched: Vec<usize> = Vec::new();
-        for (_, switch) in here(Place::Start) {
+        let mut turns = Turns::default();
+        if interval == 0 {
+            turns.pulled = self.pulled_at_start();
+        }
+        for (index, switch) in here(Place::Start) {
+            let companions = Sequence::companions(switches, index);
+            for switch in std::iter::once(switch).chain(companions) {
+                turns.start(switch, self.modes[switch.contact]);
+            }
             if switch.closes {
                 let time = self.guess.horizon * interval as f64 * share;
-                self.close(switch, &format!("interval {}", interval - 1), time);
-                if switch.touches {
+                let label = format!("interval {}", interval - 1);
+                self.close((index, switch), companions, &label, time);
+                if switch.touches() {
                     touched.push(switch.contact);
                 }
                 before.clone_from(&self.state);
             } else {
-                self.closed.retain(|&contact| contact != switch.contact);
-                openings.push(switch.contact);
+                self.modes[switch.contact] = switch.mode;
+                if switch.opens() {
+                    openings.push(switch.contact);
+                }
             }
         }
         let inside: Vec<(usize, &Switch)> = here(Place::Inside).collect();
@@ -193,9 +245,17 @@ impl Builder<'_, '_> {
             };
             let opened: Vec<usize> = match p.checked_sub(1).map(|before| inside[before].1) {
                 None => openings.clone(),
-                Some(before) if before.closes => Vec::new(),
-                Some(before) => vec![before.contact],
+                Some(before) if before.opens() => vec![before.contact],
+                Some(_) => Vec::new(),
             };
+            match ending {
+                Some((_, switch)) => turns.end(switch, self.modes[switch.contact]),
+                None => switches
+                    .iter()
+                    .filter(|s| s.interval == interval + 1 && s.place == Place::Start)
+                    .filter(|s| !s.accompanies)
+                    .for_each(|s| turns.end(s, self.modes[s.contact])),
+            }
             for e in 0..elements {
                 let (first, last) = (e == 0, e + 1 == elements);
                 let time = |e: usize| times.0 + e as f64 / elements as f64 * (times.1 - times.0);
@@ -210,10 +270,19 @@ impl Builder<'_, '_> {
                     } else {
                         (&[], &[])
                     },
+                    &turns.of_element(first, last),
                 );
             }
+            turns = Turns::default();
+            if let Some((index, switch)) = ending {
+                let companions = Sequence::companions(switches, index);
+                for switch in std::iter::once(switch).chain(companions) {
+                    turns.start(switch, self.modes[switch.contact]);
+                }
+                self.switch((index, switch), companions, (interval, p), times.1);
+            }
             touched = match ending {
-                Some((_, switch)) if switch.touches => vec![switch.contact],
+                Some((_, switch)) if switch.touches() => vec![switch.contact],
                 _ => Vec::new(),
             };
             begin = end;
@@ -229,6 +298,7 @@ impl Builder<'_, '_> {
         (from, to): (f64, f64),
         (ending, closing): (Option<(usize, &Switch)>, Option<usize>),
         (opened, touched): (&[usize], &[usize]),
+        turns: &Turns,
     ) {
         let Setting {
             model,
@@ -240,10 +310,10 @@ impl Builder<'_, '_> {
             places,
             ..
         } = self.setting;
+        let closed = self.closed();
         let (n, program) = (self.n, &mut self.program);
         let contacts = model.declaration().contacts;
         let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let closed = self.closed.clone();
         let u = self.frame.controls[interval].clone();
         let label = format!("interval {interval}, phase {}", index.0);
         let stages = tableau.stages();
@@ -251,11 +321,15 @@ impl Builder<'_, '_> {
             interval,
             index,
             closed: closed.clone(),
+            modes: self.modes.clone(),
             start: self.state.clone(),
             stages: Vec::with_capacity(stages),
             scale,
             factor,
             openings: Vec::new(),
+            pulled: Vec::new(),
+            cones: Vec::new(),
+            yielded: turns.yielded.clone(),
             ends_with: ending.map(|(index, _)| index),
             closing,
         };
@@ -280,15 +354,21 @@ impl Builder<'_, '_> {
                 .collect();
             let mut forces = Vec::new();
             let mut shifts = Vec::new();
+            let mut rubbing = Vec::new();
             for &i in &closed {
                 let name = contacts[i].name;
                 let length = to - from;
-                forces.push(program.variable(
+                let unit = units.force[i] * length;
+                let force = program.variable(
                     format!("force of `{name}` at stage {m} of {label}"),
                     (0.0, f64::INFINITY),
                     sample[2 * n + i] * length,
-                    units.force[i] * length,
-                ));
+                    unit,
+                );
+                forces.push(force);
+                let at = format!("at stage {m} of {label}");
+                let mode = (i, self.modes[i]);
+                rubbing.extend(tangential(program, model, mode, (force, unit), &at));
                 let name = format!("correction of `{name}` at stage {m} of {label}");
                 shifts.push(program.variable(name, free, 0.0, units.gap[i]));
             }
@@ -297,9 +377,11 @@ impl Builder<'_, '_> {
                 state,
                 forces,
                 gap_rows: Vec::new(),
+                tangential: rubbing,
             });
         }
         for (m, corrections) in corrections.iter().enumerate() {
+            let mut rubbing = std::mem::take(&mut phase.stages[m].tangential);
             let Stage { state, forces, .. } = &phase.stages[m];
             let mut gap_rows = Vec::with_capacity(contacts.len());
             let (q, v) = state.split_at(n);
@@ -326,6 +408,12 @@ impl Builder<'_, '_> {
             let kernel = Kernel::Acceleration(Vec::new());
             program.block(&kernel, [q, v, &u, &[]], Some(scale), free_pushes);
             if !closed.is_empty() {
+                for tangential in &mut rubbing {
+                    let place = (turns, m + 1 == stages);
+                    let label = format!("at stage {m} of {label}");
+                    tangential.push(program, model, q, &pushes);
+                    tangential.constrain(program, model, (q, v), place, &label);
+                }
                 let kernel = Kernel::Push(closed.clone());
                 program.block(&kernel, [q, &[], &[], forces], None, pushes);
                 program.block(&kernel, [q, &[], &[], corrections], None, moves);
@@ -356,6 +444,7 @@ impl Builder<'_, '_> {
                 program.block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
             }
             phase.stages[m].gap_rows = gap_rows;
+            phase.stages[m].tangential = rubbing;
         }
         for (m, stage) in phase.stages.iter().enumerate() {
             let (q, v) = stage.state.split_at(n);
@@ -398,34 +487,58 @@ impl Builder<'_, '_> {
             }
             phase.openings.push((i, row));
         }
+        start_rows(program, model, &mut phase, (turns, tableau), &label);
         self.add_cuts(&phase);
         if let Some(stage) = phase.stages.last() {
             self.state.clone_from(&stage.state);
         }
-        if let Some((_, switch)) = ending {
-            self.switch(switch, &phase, &label, to);
-        }
         self.phases.push(phase);
     }
 
-    /// What happens at the end of a phase.
-    fn switch(&mut self, switch: &Switch, phase: &Phase, label: &str, time: f64) {
+    /// What happens at the end of a phase, the one with this (interval, index).
+    fn switch(
+        &mut self,
+        (index, switch): (usize, &Switch),
+        companions: &[Switch],
+        (interval, phase): (usize, usize),
+        time: f64,
+    ) {
         if switch.closes {
-            self.close(switch, label, time);
+            let label = format!("interval {interval}, phase {phase}");
+            self.close((index, switch), companions, &label, time);
             return;
         }
-        let slot = phase.closed.iter().position(|&i| i == switch.contact);
-        if let (Some(slot), Some(stage)) = (slot, phase.stages.last()) {
-            self.program.bound(stage.forces[slot], 0.0, 0.0);
+        if let Some(phase) = self.phases.last().filter(|_| switch.opens()) {
+            let slot = phase.closed.iter().position(|&i| i == switch.contact);
+            if let (Some(slot), Some(stage)) = (slot, phase.stages.last()) {
+                self.program.bound(stage.forces[slot], 0.0, 0.0);
+            }
         }
-        self.closed.retain(|&contact| contact != switch.contact);
+        self.modes[switch.contact] = switch.mode;
     }
 
-    /// The impact map where a contact closes or is touched, `v_n+ = -e v_n-` for all contacts that are closed then.
-    fn close(&mut self, switch: &Switch, label: &str, time: f64) {
+    /// The impact map where a contact closes or is touched, `v_n+ = -e v_n-` for all contacts that are closed then, but
+    /// for companions that it lifts.
+    fn close(
+        &mut self,
+        (index, switch): (usize, &Switch),
+        companions: &[Switch],
+        label: &str,
+        time: f64,
+    ) {
+        let law = |contact: usize, mode: Mode| {
+            let mut all = std::iter::once(switch).chain(companions);
+            match all.find(|switch| switch.contact == contact) {
+                Some(lifted) if lifted.opens() => Mode::Open,
+                Some(switch) => switch.impulse,
+                None => mode,
+            }
+        };
+        let laws: Vec<(usize, Mode)> = (0..self.modes.len())
+            .map(|contact| (contact, law(contact, self.modes[contact])))
+            .filter(|(_, mode)| !mode.is_open())
+            .collect();
         let (n, program) = (self.n, &mut self.program);
-        self.closed.push(switch.contact);
-        self.closed.sort_unstable();
         let model = self.setting.model;
         let contacts = model.declaration().contacts;
         let sample = self.guess.at(time, true);
@@ -447,24 +560,35 @@ impl Builder<'_, '_> {
             after.push(velocity);
         }
         let mut impulses = Vec::new();
-        for &i in &self.closed {
+        for &(i, mode) in &laws {
             let name = format!("impulse of `{}` that ends {label}", contacts[i].name);
-            impulses.push(program.variable(name, (0.0, f64::INFINITY), 0.0, 1.0));
+            let impulse = program.variable(name, (0.0, f64::INFINITY), 0.0, 1.0);
+            impulses.push(impulse);
             let name = format!("impact of `{}`, end of {label}", contacts[i].name);
             let row = program.row(name, 0.0, 0.0);
-            let uses = vec![(row, 1, 1.0)];
-            program.block(&Kernel::Contact(i), [&q, &after[n..], &[], &[]], None, uses);
+            let normal = vec![(row, 1, 1.0)];
+            let v = &after[n..];
+            program.block(&Kernel::Contact(i), [&q, v, &[], &[]], None, normal);
             let restitution = model.restitution(i);
             if restitution > 0.0 {
                 let uses = vec![(row, 1, restitution)];
                 let v = &self.state[n..];
                 program.block(&Kernel::Contact(i), [&q, v, &[], &[]], None, uses);
             }
+            let at = format!("in the impact that ends {label}");
+            if let Some(mut tangential) = tangential(program, model, (i, mode), (impulse, 1.0), &at)
+            {
+                let turns = (&Turns::default(), false);
+                tangential.push(program, model, &q, &uses);
+                tangential.constrain(program, model, (&q, v), turns, &at);
+                self.impacts.push((index, tangential));
+            }
         }
-        let kernel = Kernel::Push(self.closed.clone());
+        let acting: Vec<usize> = laws.iter().map(|law| law.0).collect();
+        let kernel = Kernel::Push(acting);
         program.block(&kernel, [&q, &[], &[], &impulses], None, uses);
-        if switch.touches {
-            self.closed.retain(|&contact| contact != switch.contact);
+        for switch in std::iter::once(switch).chain(companions) {
+            self.modes[switch.contact] = switch.mode;
         }
         self.state = after;
     }
@@ -534,13 +658,19 @@ mod tests {
         let switch = |closes, interval, place, time| Switch {
             contact: 0,
             closes,
-            touches: false,
+            mode: if closes {
+                Mode::Frictionless
+            } else {
+                Mode::Open
+            },
+            impulse: Mode::Frictionless,
+            accompanies: false,
             interval,
             place,
             time,
         };
         let sequence = Sequence {
-            initially: vec![false],
+            initially: vec![Mode::Open],
             switches: vec![
                 switch(true, 0, Place::Inside, 0.4),
                 switch(false, 0, Place::Inside, 0.8),

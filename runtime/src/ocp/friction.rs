@@ -1,0 +1,290 @@
+//! Coulomb friction in the collocation program.
+//!
+//! A closed contact with friction carries `d_i r_i + e_i s_i` in place of `d_i r_i`. With all forces times `h`:
+//!
+//! ```text
+//! slips forward (+) or backward (-)    s_i = -+ mu_i r_i        +- v_t,i(Q_m, V_m) >= 0
+//! sticks                               v_t,i(Q_m, V_m) = 0      mu_i r_i +- s_i >= 0
+//! ```
+//!
+//! The velocity is constrained and its multiplier is an unknown, so that a sticking contact is of index 2 like a closed
+//! one, without position to correct. Slipping ends where `v_t = 0`. Sticking ends inside an interval where its force
+//! reaches the edge of the friction cone, `mu r -+ s = 0`; at a jump of the controls it ends inside the cone, with the
+//! sliding acceleration in the direction of the slip after it. Between the impulses of an impact the law is the same,
+//! with the sliding velocity after the impact (Moreau 1988); a contact that is at rest then may stick or slip.
+
+use super::collocation::{Phase, Stage, lagrange};
+use super::kernel::Kernel;
+use super::mode::{Direction, Mode};
+use super::program::Program;
+use super::sequence::{Place, Switch};
+use crate::model::Model;
+use crate::rk::ButcherTableau;
+
+const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+/// A closed contact with friction at a stage or in an impact: where its unknown and its conditions are.
+pub(super) struct Tangential {
+    pub(super) contact: usize,
+    pub(super) mode: Mode,
+    /// Normal force or impulse.
+    pub(super) normal: usize,
+    /// Tangential force or impulse, if the contact sticks.
+    pub(super) force: Option<usize>,
+    /// Rows that hold on both sides: of the friction cone, towards the direction in which the contact would slip; or
+    /// of the sliding velocity in the direction of the slip.
+    pub(super) rows: Vec<(Direction, usize)>,
+}
+
+/// What happens to contacts with friction at the ends of an element.
+#[derive(Default, Clone)]
+pub(super) struct Turns {
+    /// Contacts at rest that begin to slip at the start, pulled by a jump of the controls, an impact or the reversal of
+    /// their own friction: with an acceleration.
+    pub(super) pulled: Vec<usize>,
+    /// Contacts that begin to slip at the start because their force has reached the edge of the cone: with the rate
+    /// of the acceleration, so that the rows of their sliding velocities would have no interior. Its sign follows from
+    /// the force before.
+    pub(super) yielded: Vec<usize>,
+    /// Contacts whose sliding velocity vanishes at the end.
+    pub(super) stopping: Vec<usize>,
+    /// Contacts whose force reaches the edge of the cone at the end.
+    pub(super) yielding: Vec<(usize, Direction)>,
+    /// Sticking contacts that open at the end: the cone has shrunk to a point.
+    pub(super) opening: Vec<usize>,
+}
+
+impl Turns {
+    /// What a switch asks for at the end of the element before it.
+    pub(super) fn end(&mut self, switch: &Switch, before: Mode) {
+        let inside = switch.place == Place::Inside;
+        match (before, switch.mode) {
+            (Mode::Slip(_), Mode::Stick | Mode::Slip(_)) => self.stopping.push(switch.contact),
+            (Mode::Stick, Mode::Slip(direction)) if inside => {
+                self.yielding.push((switch.contact, direction));
+            }
+            (Mode::Stick, Mode::Open) if inside => self.opening.push(switch.contact),
+            _ => {}
+        }
+    }
+
+    /// What a switch leaves at the start of the element after it.
+    pub(super) fn start(&mut self, switch: &Switch, before: Mode) {
+        let impact = switch.closes || switch.accompanies;
+        match (before, switch.mode) {
+            (_, Mode::Slip(_)) if impact => {
+                if switch.impulse == Mode::Stick {
+                    self.pulled.push(switch.contact);
+                }
+            }
+            (Mode::Stick, Mode::Slip(_)) if switch.place == Place::Inside => {
+                self.yielded.push(switch.contact);
+            }
+            (_, Mode::Slip(_)) => self.pulled.push(switch.contact),
+            _ => {}
+        }
+    }
+
+    /// The part that belongs to one of the elements between two switches.
+    pub(super) fn of_element(&self, first: bool, last: bool) -> Self {
+        let mut turns = self.clone();
+        if !first {
+            (turns.pulled, turns.yielded) = (Vec::new(), Vec::new());
+        }
+        if !last {
+            (turns.stopping, turns.yielding) = (Vec::new(), Vec::new());
+            turns.opening = Vec::new();
+        }
+        turns
+    }
+}
+
+/// Adds the tangential force of a contact that sticks, in the place described by `label`.
+pub(super) fn tangential(
+    program: &mut Program,
+    model: &dyn Model,
+    (contact, mode): (usize, Mode),
+    (normal, unit): (usize, f64),
+    label: &str,
+) -> Option<Tangential> {
+    if !matches!(mode, Mode::Stick | Mode::Slip(_)) {
+        return None;
+    }
+    let name = model.declaration().contacts[contact].name;
+    let force = (mode == Mode::Stick)
+        .then(|| program.variable(format!("friction of `{name}` {label}"), FREE, 0.0, unit));
+    Some(Tangential {
+        contact,
+        mode,
+        normal,
+        force,
+        rows: Vec::new(),
+    })
+}
+
+impl Tangential {
+    /// Adds the effect of the tangential force: `coefficient e_k s` for each (row, k, coefficient).
+    pub(super) fn push(
+        &self,
+        program: &mut Program,
+        model: &dyn Model,
+        q: &[usize],
+        uses: &[(usize, usize, f64)],
+    ) {
+        let (force, ratio) = match (self.force, self.mode) {
+            (Some(force), _) => (force, 1.0),
+            (None, Mode::Slip(direction)) => {
+                let mu = model.friction(self.contact);
+                (self.normal, -direction.sign() * mu)
+            }
+            (None, _) => return,
+        };
+        let uses = uses.iter().map(|&(row, k, c)| (row, k, ratio * c));
+        let kernel = Kernel::Friction(vec![self.contact]);
+        program.block(&kernel, [q, &[], &[], &[force]], None, uses.collect());
+    }
+
+    /// Adds the conditions at a stage or after an impact with the state `(q, v)`; `turns` are those at the end of the
+    /// element if the stage is the last one.
+    pub(super) fn constrain(
+        &mut self,
+        program: &mut Program,
+        model: &dyn Model,
+        (q, v): (&[usize], &[usize]),
+        (turns, last): (&Turns, bool),
+        label: &str,
+    ) {
+        let contact = self.contact;
+        let name = model.declaration().contacts[contact].name;
+        let kernel = Kernel::Sliding(contact);
+        let velocity = |program: &mut Program, sign: f64, bounds: (f64, f64)| {
+            let name = format!("sliding velocity of `{name}` {label}");
+            let row = program.row(name, bounds.0, bounds.1);
+            program.block(&kernel, [q, v, &[], &[]], None, vec![(row, 0, sign)]);
+            row
+        };
+        let Some(force) = self.force else {
+            let Mode::Slip(direction) = self.mode else {
+                return;
+            };
+            let stops = last && turns.stopping.contains(&contact);
+            let lower = if turns.yielded.contains(&contact) && !stops {
+                f64::NEG_INFINITY
+            } else {
+                0.0
+            };
+            let upper = if stops { 0.0 } else { f64::INFINITY };
+            let row = velocity(program, direction.sign(), (lower, upper));
+            if !stops {
+                self.rows.push((direction, row));
+            }
+            return;
+        };
+        velocity(program, 1.0, (0.0, 0.0));
+        if last && turns.opening.contains(&contact) {
+            return;
+        }
+        let edge = turns.yielding.iter().find(|edge| edge.0 == contact);
+        for direction in Direction::BOTH {
+            let (upper, reaches) = match edge.filter(|_| last) {
+                Some(&(_, reached)) if reached != direction => continue,
+                Some(_) => (0.0, true),
+                None => (f64::INFINITY, false),
+            };
+            let name = format!("friction cone of `{name}` {label}");
+            let row = program.row(name, 0.0, upper);
+            reserve(
+                program,
+                (row, 1.0),
+                model.friction(contact),
+                direction,
+                (self.normal, force),
+            );
+            if !reaches {
+                self.rows.push((direction, row));
+            }
+        }
+    }
+}
+
+/// Adds `weight (mu r + sigma s)`, what is left of the friction cone before the contact slips with the sign `sigma`.
+fn reserve(
+    program: &mut Program,
+    (row, weight): (usize, f64),
+    mu: f64,
+    direction: Direction,
+    (normal, force): (usize, usize),
+) {
+    program.linear(row, normal, weight * mu);
+    program.linear(row, force, weight * direction.sign());
+}
+
+/// Adds `mu r + sigma s` of a sticking contact at the weights of the stages to a row.
+pub(super) fn reserve_between(
+    program: &mut Program,
+    model: &dyn Model,
+    (row, contact, direction): (usize, usize, Direction),
+    stages: &[Stage],
+    weights: &[f64],
+) {
+    for (stage, &weight) in stages.iter().zip(weights) {
+        for tangential in stage.tangential.iter().filter(|t| t.contact == contact) {
+            if let Some(force) = tangential.force {
+                let mu = model.friction(contact);
+                let pair = (tangential.normal, force);
+                reserve(program, (row, weight), mu, direction, pair);
+            }
+        }
+    }
+}
+
+/// Adds the sliding acceleration at the start of an element at whose start the contact rests, to a row.
+pub(super) fn sliding_acceleration(
+    program: &mut Program,
+    (row, contact, direction): (usize, usize, Direction),
+    phase: &Phase,
+    tableau: &ButcherTableau,
+) {
+    let slopes = lagrange(tableau, 0.0, true);
+    for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
+        let (q, v) = stage.state.split_at(stage.state.len() / 2);
+        let uses = vec![(row, 0, direction.sign() * slope)];
+        program.block(&Kernel::Sliding(contact), [q, v, &[], &[]], None, uses);
+    }
+}
+
+/// Adds the conditions at the start of an element: the force of a sticking contact, extrapolated from the stages, lies
+/// in its cone; a contact that is pulled into slip begins to move its way.
+pub(super) fn start_rows(
+    program: &mut Program,
+    model: &dyn Model,
+    phase: &mut Phase,
+    (turns, tableau): (&Turns, &ButcherTableau),
+    label: &str,
+) {
+    let mut values = vec![0.0; tableau.stages()];
+    tableau.lagrange_values(0.0, &mut values);
+    let (mut pulled, mut cones) = (Vec::new(), Vec::new());
+    for (contact, mode) in phase.modes.iter().enumerate() {
+        let name = model.declaration().contacts[contact].name;
+        match *mode {
+            Mode::Stick => {
+                for direction in Direction::BOTH {
+                    let name = format!("friction cone of `{name}` at the start of {label}");
+                    let row = program.row(name, 0.0, f64::INFINITY);
+                    let place = (row, contact, direction);
+                    reserve_between(program, model, place, &phase.stages, &values);
+                    cones.push((contact, direction, row));
+                }
+            }
+            Mode::Slip(direction) if turns.pulled.contains(&contact) => {
+                let name = format!("slip of `{name}` at the start of {label}");
+                let row = program.row(name, 0.0, f64::INFINITY);
+                sliding_acceleration(program, (row, contact, direction), phase, tableau);
+                pulled.push((contact, row));
+            }
+            _ => {}
+        }
+    }
+    (phase.pulled, phase.cones) = (pulled, cones);
+}
