@@ -12,6 +12,9 @@
 //! reaches the edge of the friction cone, `mu r -+ s = 0`; at a jump of the controls it ends inside the cone, with the
 //! sliding acceleration in the direction of the slip after it. Between the impulses of an impact the law is the same,
 //! with the sliding velocity after the impact (Moreau 1988); a contact that is at rest then may stick or slip.
+//!
+//! Contacts of one body stop together: the velocity of one of them is asked to vanish. When they yield together, their
+//! forces are all at the edge; how they share the load before is left open.
 
 use super::collocation::{Phase, Stage, lagrange};
 use super::kernel::Kernel;
@@ -48,6 +51,8 @@ pub(super) struct Turns {
     pub(super) yielded: Vec<usize>,
     /// Contacts whose sliding velocity vanishes at the end.
     pub(super) stopping: Vec<usize>,
+    /// The same because they are parts of the body of another one that stops.
+    pub(super) stopped: Vec<usize>,
     /// Contacts whose force reaches the edge of the cone at the end.
     pub(super) yielding: Vec<(usize, Direction)>,
     /// Sticking contacts that open at the end: the cone has shrunk to a point.
@@ -59,6 +64,9 @@ impl Turns {
     pub(super) fn end(&mut self, switch: &Switch, before: Mode) {
         let inside = switch.place == Place::Inside;
         match (before, switch.mode) {
+            (Mode::Slip(_), Mode::Stick | Mode::Slip(_)) if switch.accompanies => {
+                self.stopped.push(switch.contact);
+            }
             (Mode::Slip(_), Mode::Stick | Mode::Slip(_)) => self.stopping.push(switch.contact),
             (Mode::Stick, Mode::Slip(direction)) if inside => {
                 self.yielding.push((switch.contact, direction));
@@ -68,9 +76,8 @@ impl Turns {
         }
     }
 
-    /// What a switch leaves at the start of the element after it.
-    pub(super) fn start(&mut self, switch: &Switch, before: Mode) {
-        let impact = switch.closes || switch.accompanies;
+    /// What a switch leaves at the start of the element after it; `impact` where it belongs to one.
+    pub(super) fn start(&mut self, switch: &Switch, before: Mode, impact: bool) {
         match (before, switch.mode) {
             (_, Mode::Slip(_)) if impact => {
                 if switch.impulse == Mode::Stick {
@@ -92,8 +99,8 @@ impl Turns {
             (turns.pulled, turns.yielded) = (Vec::new(), Vec::new());
         }
         if !last {
-            (turns.stopping, turns.yielding) = (Vec::new(), Vec::new());
-            turns.opening = Vec::new();
+            (turns.stopping, turns.stopped) = (Vec::new(), Vec::new());
+            (turns.yielding, turns.opening) = (Vec::new(), Vec::new());
         }
         turns
     }
@@ -167,6 +174,9 @@ impl Tangential {
             let Mode::Slip(direction) = self.mode else {
                 return;
             };
+            if last && turns.stopped.contains(&contact) {
+                return;
+            }
             let stops = last && turns.stopping.contains(&contact);
             let lower = if turns.yielded.contains(&contact) && !stops {
                 f64::NEG_INFINITY
@@ -287,4 +297,114 @@ pub(super) fn start_rows(
         }
     }
     (phase.pulled, phase.cones) = (pulled, cones);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::collocation::{Collocation, Cut, CutKind, Places, Setting, parabolas};
+    use super::super::contact_implicit::ContactImplicit;
+    use super::super::path::{Path, Units};
+    use super::super::problem::{Problem, bounds};
+    use super::super::sequence::Sequence;
+    use super::super::settings::{BoundsAt, Guess, PathPoints};
+    use super::*;
+    use crate::nlp::check_derivatives;
+    use crate::rk::Scheme;
+
+    /// The central difference of a function with values and derivatives up to 1e3 is good to about 1e-7 of them.
+    const DIFFERENCE: f64 = 1e-5;
+
+    crate::model! {
+        /// A sledge on rough waves, between which it may stick.
+        Rough {
+            parameters { m: kg = 2, g: m/s^2 = 9.81, w: 1/m = 3, mu = 0.4, e = 0.3 }
+            coordinates { y: m, z: m, r: m }
+            controls { u: N in -5..=5, p: N in -3..=3 }
+            fn ground(y) = 0.1[m]*sin(w*y)
+            lagrangian m/2*(dot(y)^2 + (2 + sin(w*r))*dot(z)^2 + dot(r)^2) - m*g*z
+            forces { y: u*cos(w*y), r: p }
+            surface ground: z - ground(y) >= 0
+            surface wall: z + y <= 3 [m]
+            impact ground: friction mu, restitution e
+            impact wall: friction 2*mu
+            minimize time
+            finally { y == 1.5 [m] }
+            start { z: 0.5 [m], dot(y): 1 [m/s] }
+        }
+    }
+
+    #[test]
+    fn derivatives_with_friction_in_all_modes_agree_with_differences() {
+        let model = Rough::default();
+        let problem = Problem::of(&model, 4);
+        let (lower, upper) = bounds(&model);
+        let bounds = (&lower[..], &upper[..]);
+        let guess = Path::guess(&model, &problem, &Guess::Perturbed { seed: 3 }, bounds).unwrap();
+        let units = Units::new(&model, &guess, bounds);
+        let mut coarse = ContactImplicit::new(&model, &problem, 2, &guess, &units, bounds);
+        let report = check_derivatives(&mut coarse.program, None).unwrap();
+        assert!(report.worst() < DIFFERENCE, "{:?}", report.worst_entry());
+
+        let tableau = ButcherTableau::new(Scheme::RadauIia, 3).unwrap();
+        let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
+        let parabolas = parabolas(&model, &start);
+        assert_eq!(parabolas, [false, false, true]);
+        let setting = Setting {
+            model: &model,
+            problem: &problem,
+            tableau: &tableau,
+            units: &units,
+            bounds,
+            parabolas: &parabolas,
+            places: Places {
+                bounds: BoundsAt::AllTimes,
+                path: PathPoints::Both,
+            },
+        };
+        let forward = Mode::Slip(Direction::Forward);
+        let backward = Mode::Slip(Direction::Backward);
+        let switch = |contact, (closes, mode, impulse), place, time: f64| Switch {
+            contact,
+            closes,
+            mode,
+            impulse,
+            accompanies: false,
+            interval: time.floor() as usize,
+            place,
+            time,
+        };
+        let slides = |mode| (false, mode, mode);
+        let sequence = Sequence {
+            initially: vec![Mode::Open; 2],
+            switches: vec![
+                switch(0, (true, Mode::Stick, Mode::Stick), Place::Inside, 0.3),
+                switch(0, slides(forward), Place::Inside, 0.6),
+                switch(0, slides(Mode::Stick), Place::Start, 1.0),
+                switch(0, slides(backward), Place::Start, 2.0),
+                switch(1, (true, backward, backward), Place::Inside, 2.3),
+                Switch {
+                    accompanies: true,
+                    ..switch(0, (false, forward, Mode::Stick), Place::Inside, 2.3)
+                },
+                switch(1, (false, Mode::Open, Mode::Open), Place::Inside, 2.6),
+                switch(0, slides(backward), Place::Inside, 3.5),
+            ],
+        };
+        let sequence = sequence.ordered(4).unwrap();
+        assert!(sequence.switches[5].accompanies);
+        let cut = |phase, interval, kind| Cut {
+            interval,
+            phase,
+            theta: 0.3,
+            kind,
+        };
+        let cuts = [
+            cut((1, 3), 0, CutKind::Cone(0, Direction::Forward)),
+            cut((2, 3), 0, CutKind::Slip(0)),
+        ];
+        let mut fine = Collocation::new(setting, &sequence, &guess, &cuts, &[1, 2, 1, 1]);
+        assert_eq!((fine.phases.len(), fine.impacts.len()), (10, 3));
+        let report = check_derivatives(&mut fine.program, None).unwrap();
+        assert!(report.worst() < DIFFERENCE, "{:?}", report.worst_entry());
+    }
 }

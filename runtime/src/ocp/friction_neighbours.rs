@@ -2,9 +2,26 @@
 //! friction cone, or against the direction of a slip.
 
 use super::collocation::Phase;
-use super::mode::{Mode, is_rough, sliding_velocity, zero_velocity};
+use super::mode::{Direction, Mode, is_rough, sliding_velocity, zero_velocity};
 use super::repair::{ENTRY, INSERTED, Pressure, STUCK};
 use super::sequence::{Place, Sequence, Switch};
+
+/// A change of the way of sliding, for a while.
+struct Change {
+    contact: usize,
+    to: Mode,
+    back: Mode,
+}
+
+/// Without changes that are none any more.
+fn consistent(mut sequence: Sequence) -> Sequence {
+    let mut modes = sequence.initially.clone();
+    sequence.switches.retain(|switch| {
+        let before = std::mem::replace(&mut modes[switch.contact], switch.mode);
+        switch.closes || before != switch.mode
+    });
+    sequence
+}
 
 impl Pressure<'_, '_> {
     fn presses(&self, row: usize) -> bool {
@@ -39,6 +56,7 @@ impl Pressure<'_, '_> {
         let candidates = self
             .beginnings()
             .into_iter()
+            .chain(self.turned())
             .chain(self.inserted_sliding())
             .chain(self.impacts());
         for candidate in candidates {
@@ -67,89 +85,163 @@ impl Pressure<'_, '_> {
     /// With another mode right from the start: where the first change of a contact sticks there, and where a contact
     /// that slips from the start would rather stick.
     fn beginnings(&self) -> Vec<Sequence> {
+        let switches = &self.sequence.switches;
         let mut found = Vec::new();
-        for (index, switch) in self.sequence.switches.iter().enumerate() {
-            let first = !self.sequence.switches[..index]
+        for (index, switch) in switches.iter().enumerate() {
+            let first = !switches[..index]
                 .iter()
-                .any(|other| other.contact == switch.contact);
+                .any(|s| s.contact == switch.contact);
             if first && switch.slides() && !switch.accompanies && switch.time < STUCK {
                 let mut sequence = self.sequence.clone();
-                sequence.switches.remove(index);
-                sequence.initially[switch.contact] = switch.mode;
+                let last = index + Sequence::companions(switches, index).len();
+                for member in sequence.switches.drain(index..=last) {
+                    sequence.initially[member.contact] = member.mode;
+                }
                 found.push(sequence);
             }
         }
         let Some(phase) = self.program.phases.first() else {
             return found;
         };
-        for &(contact, _) in phase.pulled.iter().filter(|pulled| self.presses(pulled.1)) {
-            for (place, time) in [(Place::Inside, ENTRY), (Place::Start, 1.0)] {
-                let mut sequence = self.sequence.clone();
-                let mode = sequence.initially[contact];
-                sequence.initially[contact] = Mode::Stick;
-                let slide = Self::slide(contact, mode, place, time);
-                sequence.switches.push(slide);
+        let pulled: Vec<usize> = phase
+            .pulled
+            .iter()
+            .filter(|pulled| self.presses(pulled.1))
+            .map(|pulled| pulled.0)
+            .collect();
+        for (place, time) in [(Place::Inside, ENTRY), (Place::Start, 1.0)] {
+            let mut sequence = self.sequence.clone();
+            for (index, &contact) in pulled.iter().enumerate() {
+                let mode = std::mem::replace(&mut sequence.initially[contact], Mode::Stick);
+                sequence.switches.push(Switch {
+                    accompanies: index > 0,
+                    ..Self::slide(contact, mode, place, time)
+                });
+            }
+            if !pulled.is_empty() {
                 found.push(sequence);
             }
         }
         found
     }
 
-    /// With another way of sliding inserted for a while.
+    /// With a slip in the place of a stick whose force is held in the cone: a contact that has just come to rest is
+    /// pulled on or back.
+    fn turned(&self) -> Vec<Sequence> {
+        let switches = &self.sequence.switches;
+        let mut found = Vec::new();
+        for (index, switch) in switches.iter().enumerate() {
+            if switch.accompanies || !switch.slides() || switch.mode != Mode::Stick {
+                continue;
+            }
+            let phases = &self.program.phases;
+            let after = match switch.place {
+                Place::Start => phases.iter().find(|p| p.interval == switch.interval),
+                Place::Inside => {
+                    let ended = phases.iter().position(|p| p.ends_with == Some(index));
+                    ended.and_then(|last| phases.get(last + 1))
+                }
+            };
+            let pressed = after.and_then(|phase| {
+                let start = phase.cones.iter().filter(|cone| cone.0 == switch.contact);
+                let stages = phase.stages.iter().flat_map(|stage| &stage.tangential);
+                let stages = stages.filter(|tangential| tangential.contact == switch.contact);
+                start
+                    .map(|&(_, direction, row)| (direction, row))
+                    .chain(stages.flat_map(|t| t.rows.iter().copied()))
+                    .find(|&(_, row)| self.presses(row))
+            });
+            let Some((direction, _)) = pressed else {
+                continue;
+            };
+            let mut sequence = self.sequence.clone();
+            let back = self.sequence.mode_before(index, switch.contact) != Mode::Slip(direction);
+            let companions = Sequence::companions(switches, index).len();
+            for member in index..=index + companions {
+                let before = self.sequence.mode_before(index, switches[member].contact);
+                sequence.switches[member].mode = match before {
+                    Mode::Slip(direction) if back => Mode::Slip(direction.reversed()),
+                    before => before,
+                };
+            }
+            found.push(consistent(sequence));
+        }
+        found
+    }
+
+    /// With another way of sliding inserted for a while, for all contacts together that press for it.
     fn inserted_sliding(&self) -> Vec<Sequence> {
         let x = self.program.program.physical(&self.solution.x);
         let horizon = self.program.horizon_at(&x);
         let intervals = self.intervals as f64;
         let solved = self.program.solved(&self.solution.x);
         let mut found = Vec::new();
-        let mut insert = |contact: usize, mode: Mode, back: Mode, (place, time): (Place, f64)| {
-            let mut sequence = self.sequence.clone();
-            let until = (time + INSERTED).min(intervals - STUCK);
-            if place == Place::Start && time < STUCK {
-                sequence.initially[contact] = mode;
-            } else {
-                let from = match place {
-                    Place::Start => time.round(),
-                    Place::Inside => (time - INSERTED).max(0.0),
-                };
-                let switch = Self::slide(contact, mode, place, from);
-                sequence.switches.push(switch);
-            }
-            let switch = Self::slide(contact, back, Place::Inside, until);
-            sequence.switches.push(switch);
-            found.push(sequence);
-        };
         for (phase, solved) in self.program.phases.iter().zip(&solved) {
             let time = |theta: f64| (solved.start + theta * solved.length) / horizon * intervals;
             // At a jump of the controls the force may leave the cone at once.
-            for &(contact, direction, _) in phase.cones.iter().filter(|c| self.presses(c.2)) {
-                if phase.index.0 == 0 && !self.near(contact, time(0.0)) {
-                    let place = (Place::Start, time(0.0));
-                    insert(contact, Mode::Slip(direction), Mode::Stick, place);
-                }
-            }
+            let cones = phase.cones.iter().filter(|cone| self.presses(cone.2));
+            let changes: Vec<Change> = cones
+                .filter(|cone| phase.index.0 == 0 && !self.near(cone.0, time(0.0)))
+                .map(|&(contact, direction, _)| Change {
+                    contact,
+                    to: Mode::Slip(direction),
+                    back: Mode::Stick,
+                })
+                .collect();
+            found.extend(self.inserted(&changes, (Place::Start, time(0.0))));
             for (stage, c) in phase.stages.iter().zip(self.program.tableau.c()) {
-                for tangential in &stage.tangential {
-                    let (contact, mode) = (tangential.contact, tangential.mode);
-                    let pressed = tangential.rows.iter().find(|(_, row)| self.presses(*row));
-                    let Some(&(direction, _)) = pressed else {
-                        continue;
+                let pressed = stage.tangential.iter().filter_map(|tangential| {
+                    let mut rows = tangential.rows.iter();
+                    let (direction, _) = rows.find(|(_, row)| self.presses(*row))?;
+                    Some((tangential.contact, tangential.mode, *direction))
+                });
+                let pressed: Vec<(usize, Mode, Direction)> = pressed
+                    .filter(|&(contact, ..)| !self.near(contact, time(*c)))
+                    .collect();
+                for turned in [false, true] {
+                    let change = |&(contact, back, direction): &(usize, Mode, Direction)| {
+                        let to = match back {
+                            Mode::Stick => Mode::Slip(direction),
+                            _ if turned => Mode::Slip(direction.reversed()),
+                            _ => Mode::Stick,
+                        };
+                        Change { contact, to, back }
                     };
-                    if self.near(contact, time(*c)) {
-                        continue;
-                    }
-                    let place = (Place::Inside, time(*c));
-                    match mode {
-                        Mode::Stick => insert(contact, Mode::Slip(direction), mode, place),
-                        _ => {
-                            insert(contact, Mode::Stick, mode, place);
-                            insert(contact, Mode::Slip(direction.reversed()), mode, place);
-                        }
-                    }
+                    let changes: Vec<Change> = pressed.iter().map(change).collect();
+                    found.extend(self.inserted(&changes, (Place::Inside, time(*c))));
                 }
             }
         }
         found
+    }
+
+    /// The sequence with changes of the way of sliding from a time on, and back a little later.
+    fn inserted(&self, changes: &[Change], (place, time): (Place, f64)) -> Option<Sequence> {
+        if changes.is_empty() {
+            return None;
+        }
+        let mut sequence = self.sequence.clone();
+        let until = (time + INSERTED).min(self.intervals as f64 - STUCK);
+        let from = match place {
+            Place::Start => time.round(),
+            Place::Inside => (time - INSERTED).max(0.0),
+        };
+        for (index, change) in changes.iter().enumerate() {
+            let accompanies = index > 0;
+            if place == Place::Start && time < STUCK {
+                sequence.initially[change.contact] = change.to;
+            } else {
+                sequence.switches.push(Switch {
+                    accompanies,
+                    ..Self::slide(change.contact, change.to, place, from)
+                });
+            }
+            sequence.switches.push(Switch {
+                accompanies,
+                ..Self::slide(change.contact, change.back, Place::Inside, until)
+            });
+        }
+        Some(sequence)
     }
 
     /// With another law between the impulses of an impact.
@@ -189,13 +281,7 @@ impl Pressure<'_, '_> {
                     };
                     sequence.switches.insert(index + 1, companion);
                 }
-                // A change that comes later must still be one.
-                let mut modes = sequence.initially.clone();
-                sequence.switches.retain(|switch| {
-                    let before = std::mem::replace(&mut modes[switch.contact], switch.mode);
-                    switch.closes || before != switch.mode
-                });
-                found.push(sequence);
+                found.push(consistent(sequence));
             }
         }
         found

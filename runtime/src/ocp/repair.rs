@@ -190,7 +190,7 @@ impl Pressure<'_, '_> {
     /// The sequence without its last switch: the motion may end before it.
     pub(super) fn shortened(&self) -> Option<Sequence> {
         let mut sequence = self.sequence.clone();
-        sequence.switches.pop()?;
+        while sequence.switches.pop()?.accompanies {}
         sequence.ordered(self.intervals)
     }
 

@@ -34,7 +34,8 @@ pub(super) struct Switch {
     /// How it slides right after the impulse that belongs to the switch, if one does: its own, or that of the impact
     /// it accompanies.
     pub(super) impulse: Mode,
-    /// Whether a closed contact switches because of the impact of another one, the switch before it.
+    /// Whether a closed contact switches because another one does, with the switch before it: it is struck by the
+    /// other's impact, or both slide as parts of one body.
     pub(super) accompanies: bool,
     pub(super) interval: usize,
     pub(super) place: Place,
@@ -132,10 +133,15 @@ impl Sequence {
                     if rough { velocity() } else { 0.0 },
                     zero_velocity(&event.v_after),
                 );
-                let struck = |other: &Event| {
-                    other.kind == EventKind::Impact
-                        && other.time == event.time
-                        && other.contact != contact
+                let closes = matches!(event.kind, EventKind::Impact | EventKind::Contact);
+                let slides = matches!(event.kind, EventKind::Stick | EventKind::Slip);
+                let leads = |other: &Event| {
+                    let kind = match other.kind {
+                        EventKind::Impact => true,
+                        EventKind::Stick | EventKind::Slip => slides,
+                        _ => false,
+                    };
+                    kind && other.time == event.time && other.contact != contact
                 };
                 let nearest = time.round();
                 let at_jump = nearest > 0.0 && (time - nearest).abs() < AT_THE_END;
@@ -144,13 +150,12 @@ impl Sequence {
                 } else {
                     (time.floor(), Place::Inside)
                 };
-                let closes = matches!(event.kind, EventKind::Impact | EventKind::Contact);
                 Switch {
                     contact,
                     closes,
                     mode,
                     impulse,
-                    accompanies: rough && !closes && simulation.events[..index].iter().any(struck),
+                    accompanies: rough && !closes && simulation.events[..index].iter().any(leads),
                     interval: (interval as usize).min(intervals - 1),
                     place,
                     time,
@@ -189,7 +194,14 @@ impl Sequence {
         (per_interval, ends): (usize, &[f64]),
         closing: f64,
     ) -> Self {
-        let mut switches = Vec::new();
+        let mut switches: Vec<Switch> = Vec::new();
+        let mut initially = initially;
+        // A contact at rest may be pulled into slip at once.
+        for (before, now) in initially.iter_mut().zip(modes.iter().flatten()) {
+            if let (Mode::Stick, Mode::Slip(_)) = (*before, *now) {
+                *before = *now;
+            }
+        }
         let mut before = &initially;
         for (element, now) in modes.iter().enumerate() {
             for (contact, (&was, &is)) in before.iter().zip(now).enumerate() {
@@ -202,15 +214,17 @@ impl Sequence {
                 let shift = if released { 0.0 } else { closing };
                 let interval = element / per_interval;
                 let at_jump = released && element % per_interval == 0 && element > 0;
+                let time = start + shift * (ends[element] - start);
+                let slides = |s: &Switch| s.slides() && s.time == time;
                 switches.push(Switch {
                     contact,
                     closes,
                     mode: is,
                     impulse: is,
-                    accompanies: false,
+                    accompanies: !closes && !is.is_open() && switches.iter().any(slides),
                     interval,
                     place: if at_jump { Place::Start } else { Place::Inside },
-                    time: start + shift * (ends[element] - start),
+                    time,
                 });
             }
             before = now;
@@ -242,7 +256,7 @@ impl Sequence {
         self.switches
             .sort_by(|a, b| key(a).cmp(&key(b)).then(a.time.total_cmp(&b.time)));
         let mut modes = self.initially.clone();
-        let mut impact: Option<Switch> = None;
+        let mut leader: Option<Switch> = None;
         for switch in &mut self.switches {
             if !switch.follows(modes[switch.contact])
                 || switch.interval >= intervals
@@ -251,10 +265,14 @@ impl Sequence {
                 return None;
             }
             modes[switch.contact] = switch.mode;
-            let struck = |s: Switch| s.closes && key(&s) == key(switch) && s.time == switch.time;
-            switch.accompanies &= impact.is_some_and(struck);
+            let leads = |s: Switch| {
+                (s.closes || s.slides() && switch.slides())
+                    && key(&s) == key(switch)
+                    && s.time == switch.time
+            };
+            switch.accompanies &= leader.is_some_and(leads);
             if !switch.accompanies {
-                impact = Some(*switch);
+                leader = Some(*switch);
             }
         }
         Some(self)

@@ -173,8 +173,8 @@ impl Builder<'_, '_> {
         }
         for (index, switch) in here(Place::Start) {
             let companions = Sequence::companions(switches, index);
-            for switch in std::iter::once(switch).chain(companions) {
-                turns.start(switch, self.modes[switch.contact]);
+            for other in std::iter::once(switch).chain(companions) {
+                turns.start(other, self.modes[other.contact], switch.closes);
             }
             if switch.closes {
                 let time = self.guess.horizon * interval as f64 * share;
@@ -185,10 +185,10 @@ impl Builder<'_, '_> {
                 }
                 before.clone_from(&self.state);
             } else {
-                self.modes[switch.contact] = switch.mode;
                 if switch.opens() {
                     openings.push(switch.contact);
                 }
+                self.enter(switch, companions);
             }
         }
         let inside: Vec<(usize, &Switch)> = here(Place::Inside).collect();
@@ -248,13 +248,19 @@ impl Builder<'_, '_> {
                 Some(before) if before.opens() => vec![before.contact],
                 Some(_) => Vec::new(),
             };
-            match ending {
-                Some((_, switch)) => turns.end(switch, self.modes[switch.contact]),
-                None => switches
-                    .iter()
-                    .filter(|s| s.interval == interval + 1 && s.place == Place::Start)
-                    .filter(|s| !s.accompanies)
-                    .for_each(|s| turns.end(s, self.modes[s.contact])),
+            let ends = |index: usize, switch: &Switch| match ending {
+                Some((first, leader)) => {
+                    let companions = Sequence::companions(switches, first).len();
+                    !leader.closes && (first..=first + companions).contains(&index)
+                }
+                None => switch.interval == interval + 1 && switch.place == Place::Start,
+            };
+            let mut impact = false;
+            for (index, switch) in switches.iter().enumerate() {
+                impact = switch.closes || impact && switch.accompanies;
+                if ends(index, switch) && !impact {
+                    turns.end(switch, self.modes[switch.contact]);
+                }
             }
             for e in 0..elements {
                 let (first, last) = (e == 0, e + 1 == elements);
@@ -276,8 +282,8 @@ impl Builder<'_, '_> {
             turns = Turns::default();
             if let Some((index, switch)) = ending {
                 let companions = Sequence::companions(switches, index);
-                for switch in std::iter::once(switch).chain(companions) {
-                    turns.start(switch, self.modes[switch.contact]);
+                for other in std::iter::once(switch).chain(companions) {
+                    turns.start(other, self.modes[other.contact], switch.closes);
                 }
                 self.switch((index, switch), companions, (interval, p), times.1);
             }
@@ -514,7 +520,14 @@ impl Builder<'_, '_> {
                 self.program.bound(stage.forces[slot], 0.0, 0.0);
             }
         }
-        self.modes[switch.contact] = switch.mode;
+        self.enter(switch, companions);
+    }
+
+    /// Sets the modes after a switch.
+    fn enter(&mut self, switch: &Switch, companions: &[Switch]) {
+        for switch in std::iter::once(switch).chain(companions) {
+            self.modes[switch.contact] = switch.mode;
+        }
     }
 
     /// The impact map where a contact closes or is touched, `v_n+ = -e v_n-` for all contacts that are closed then, but
@@ -587,9 +600,7 @@ impl Builder<'_, '_> {
         let acting: Vec<usize> = laws.iter().map(|law| law.0).collect();
         let kernel = Kernel::Push(acting);
         program.block(&kernel, [&q, &[], &[], &impulses], None, uses);
-        for switch in std::iter::once(switch).chain(companions) {
-            self.modes[switch.contact] = switch.mode;
-        }
+        self.enter(switch, companions);
         self.state = after;
     }
 }
