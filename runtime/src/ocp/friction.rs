@@ -326,7 +326,7 @@ mod tests {
             surface ground: z - ground(y) >= 0
             surface wall: z + y <= 3 [m]
             impact ground: friction mu, restitution e
-            impact wall: friction 2*mu
+            impact wall: inelastic, friction 2*mu
             minimize time
             finally { y == 1.5 [m] }
             start { z: 0.5 [m], dot(y): 1 [m/s] }
