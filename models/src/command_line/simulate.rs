@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
+use crate::{PublishedData, Scene};
 use hangtime::simulation::{InitialValueProblem, Simulation};
-use hangtime_models::PublishedData;
 
 use super::Report;
 use super::arguments::SimulateArguments;
@@ -16,8 +16,11 @@ use super::progress::Progress;
 use super::settings::ChosenScene;
 use super::table::{headed, per_second, seconds, table};
 
-pub(super) fn run(arguments: &SimulateArguments) -> Result<Report, BadInput> {
-    let chosen = ChosenScene::from_arguments(&arguments.scene)?;
+pub(super) fn run(
+    scenes: &'static [Scene],
+    arguments: &SimulateArguments,
+) -> Result<Report, BadInput> {
+    let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
     let method = ChosenMethod::from_arguments(&arguments.method)?;
     let problem = InitialValueProblem::of(chosen.model.as_ref(), arguments.horizon)
         .and_then(|problem| problem.check(chosen.model.as_ref()).map(|()| problem))

@@ -1,8 +1,9 @@
 //! From the relaxed solution to an exact one: fix one side of each pair and solve the smooth program.
 
-use super::branch::{Attempt, Work, solve_branch};
+use super::branch::{Attempt, solve_branch};
 use super::certificate::Certifier;
 use super::forced::mark_forced;
+use super::watch::Watch;
 use super::{Certificate, Mpcc, Settings};
 use crate::nlp;
 
@@ -22,10 +23,11 @@ impl Exact {
         settings: &Settings,
         vanishes: &[bool],
         mut solution: nlp::Solution,
+        watch: &mut Watch<'_>,
     ) -> Self {
         clean(problem, vanishes, &mut solution);
         Self {
-            certificate: certify(problem, settings, &solution),
+            certificate: certify(problem, settings, &solution, watch),
             solution,
             repairs: 0,
             neighbours: 0,
@@ -87,7 +89,7 @@ pub(crate) fn cross_over(
     settings: &Settings,
     relaxed: &nlp::Solution,
     (attempts, limit): (&[Attempt], f64),
-    work: &mut Work,
+    watch: &mut Watch<'_>,
 ) -> Option<Exact> {
     let mut vanishes = vanishing_sides(
         problem,
@@ -98,10 +100,10 @@ pub(crate) fn cross_over(
     mark_forced(problem, &relaxed.x, &mut vanishes);
     let solution = attempts
         .iter()
-        .find_map(|&attempt| solve_branch(problem, settings, &vanishes, relaxed, attempt, work))?;
-    let mut exact = Exact::new(problem, settings, &vanishes, solution);
+        .find_map(|&attempt| solve_branch(problem, settings, &vanishes, relaxed, attempt, watch))?;
+    let mut exact = Exact::new(problem, settings, &vanishes, solution, watch);
     while exact.repairs < settings.maximum_repairs {
-        let Some(next) = repair(problem, settings, &exact, &mut vanishes, work) else {
+        let Some(next) = repair(problem, settings, &exact, &mut vanishes, watch) else {
             break;
         };
         exact = Exact {
@@ -110,7 +112,7 @@ pub(crate) fn cross_over(
         };
     }
     if exact.solution.objective <= limit && exact.certificate.b_stationary == Some(true) {
-        improve(problem, settings, &mut exact, &mut vanishes, work);
+        improve(problem, settings, &mut exact, &mut vanishes, watch);
     }
     Some(exact)
 }
@@ -121,7 +123,7 @@ fn repair(
     settings: &Settings,
     exact: &Exact,
     vanishes: &mut [bool],
-    work: &mut Work,
+    watch: &mut Watch<'_>,
 ) -> Option<Exact> {
     let descent = exact.certificate.descent.as_ref()?;
     for &k in &exact.certificate.biactive {
@@ -142,10 +144,10 @@ fn repair(
         *x += 1e-3 * d;
     }
     let solution = NEAR.iter().find_map(|&attempt| {
-        solve_branch(problem, settings, vanishes, &start, attempt, work)
+        solve_branch(problem, settings, vanishes, &start, attempt, watch)
             .filter(|next| next.objective < exact.solution.objective)
     })?;
-    Some(Exact::new(problem, settings, vanishes, solution))
+    Some(Exact::new(problem, settings, vanishes, solution, watch))
 }
 
 /// Tries the neighbours that the problem knows of, in their order, and goes on from each that is certified and
@@ -155,12 +157,12 @@ fn improve(
     settings: &Settings,
     exact: &mut Exact,
     vanishes: &mut Vec<bool>,
-    work: &mut Work,
+    watch: &mut Watch<'_>,
 ) {
     loop {
         let mut improved = false;
         for index in 0.. {
-            if exact.neighbours >= settings.maximum_neighbours {
+            if exact.neighbours >= settings.maximum_neighbours || watch.stop.is_some() {
                 return;
             }
             let mut start = exact.solution.clone();
@@ -170,13 +172,13 @@ fn improve(
             }
             exact.neighbours += 1;
             mark_forced(problem, &start.x, &mut sides);
-            let solution = solve_branch(problem, settings, &sides, &start, NEAR[0], work);
+            let solution = solve_branch(problem, settings, &sides, &start, NEAR[0], watch);
             let objective = exact.solution.objective;
             let least = 10.0 * settings.interior_point.tolerance * objective.abs().max(1.0);
             let Some(solution) = solution.filter(|s| s.objective < objective - least) else {
                 continue;
             };
-            let next = Exact::new(problem, settings, &sides, solution);
+            let next = Exact::new(problem, settings, &sides, solution, watch);
             if next.certificate.b_stationary == Some(true) {
                 *exact = Exact {
                     repairs: exact.repairs,
@@ -205,11 +207,16 @@ fn clean(problem: &dyn Mpcc, vanishes: &[bool], solution: &mut nlp::Solution) {
     }
 }
 
-fn certify(problem: &mut dyn Mpcc, settings: &Settings, solution: &nlp::Solution) -> Certificate {
+fn certify(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    solution: &nlp::Solution,
+    watch: &mut Watch<'_>,
+) -> Certificate {
     Certifier {
         problem,
         zero_tolerance: settings.zero_tolerance,
         maximum_programs: settings.maximum_certificate_programs,
     }
-    .certify(&solution.x, &solution.multipliers_lower)
+    .certify(&solution.x, &solution.multipliers_lower, watch)
 }

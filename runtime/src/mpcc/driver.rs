@@ -1,6 +1,7 @@
 //! The entry points: rules one after the other, or side by side.
 
 use super::run::{BINDING, solve_with};
+use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
 use crate::nlp::{self, InputError};
 
@@ -59,8 +60,9 @@ pub fn solve(problem: &mut dyn Mpcc, settings: &Settings) -> Result<Solution, In
     solve_observed(problem, settings, &mut |_| true)
 }
 
-/// As [`solve`], with an observer that sees each line of the log of the relaxed runs and can stop them: then the
-/// status is [`Failed`](Status::Failed) with [`nlp::Status::Interrupted`].
+/// As [`solve`], with an observer that sees each iteration of all runs, those of crossovers and certificates
+/// included, and can stop the solve: then the status is [`Failed`](Status::Failed) with
+/// [`nlp::Status::Interrupted`], unless a certified point was known already, which then is the result.
 ///
 /// # Errors
 /// As [`solve`].
@@ -108,39 +110,38 @@ pub fn solve_observed(
 ) -> Result<Solution, InputError> {
     settings.validate()?;
     check_pairs(problem)?;
+    let mut watch = Watch::new(settings, observer);
     let mut best: Option<Solution> = None;
-    let mut iterations = 0;
-    let mut factorizations = 0;
     let mut infeasible = 0;
     for &rule in &settings.rules {
-        let mut solution = solve_with(problem, settings, rule, &mut *observer)?;
-        if solution.status == Status::Failed(nlp::Status::Interrupted) {
-            best = None;
-        }
-        iterations += solution.iterations;
-        factorizations += solution.factorizations;
-        solution.iterations = iterations;
-        solution.factorizations = factorizations;
+        let solution = solve_with(problem, settings, rule, &mut watch)?;
         infeasible += usize::from(solution.status == Status::Infeasible);
-        let finished = match solution.status {
-            Status::Solved | Status::Failed(nlp::Status::Interrupted) => true,
-            Status::Relaxed => !settings.crossover,
-            Status::Infeasible => {
-                infeasible >= 2 && rule == RelaxationRule::Elastic
-                    || is_infeasible_without_pairs(problem, &solution)
-            }
-            _ => false,
-        };
+        let finished = watch.stop.is_some()
+            || match solution.status {
+                Status::Solved => true,
+                Status::Relaxed => !settings.crossover,
+                Status::Infeasible => {
+                    infeasible >= 2 && rule == RelaxationRule::Elastic
+                        || is_infeasible_without_pairs(problem, &solution)
+                }
+                _ => false,
+            };
         best = Some(match best {
-            Some(best) if rank(&best) <= rank(&solution) => Solution {
-                iterations,
-                factorizations,
-                ..best
-            },
+            Some(best) if rank(&best) <= rank(&solution) => best,
             _ => solution,
         });
         if finished {
             break;
+        }
+    }
+    if let Some(best) = &mut best {
+        best.iterations = watch.iterations;
+        best.crossover_iterations = watch.crossover_iterations;
+        best.certificate_iterations = watch.certificate_iterations;
+        best.factorizations = watch.factorizations;
+        // whoever interrupts has to see it
+        if watch.stop == Some(nlp::Status::Interrupted) && !best.status.is_solved() {
+            best.status = Status::Failed(nlp::Status::Interrupted);
         }
     }
     // the list of rules is not empty
@@ -202,17 +203,16 @@ where
 {
     settings.validate()?;
     check_pairs(problem)?;
-    let copies: Vec<(P, RelaxationRule)> = settings
-        .rules
-        .iter()
-        .map(|&rule| (problem.clone(), rule))
-        .collect();
+    let copies = settings.rules.iter().map(|&rule| (problem.clone(), rule));
+    let copies: Vec<(P, RelaxationRule)> = copies.collect();
     let results: Vec<Result<Solution, InputError>> = std::thread::scope(|scope| {
         let threads: Vec<_> = copies
             .into_iter()
             .map(|(mut copy, rule)| {
                 scope.spawn(move || {
-                    solve_with(&mut copy as &mut dyn Mpcc, settings, rule, &mut |_| true)
+                    let mut observer = |_: &nlp::IterationInfo| true;
+                    let mut watch = Watch::new(settings, &mut observer);
+                    solve_with(&mut copy, settings, rule, &mut watch)
                 })
             })
             .collect();
@@ -223,14 +223,15 @@ where
         joined.collect()
     });
     let solutions = results.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let iterations = solutions.iter().map(|s| s.iterations).sum();
-    let factorizations = solutions.iter().map(|s| s.factorizations).sum();
+    let total = |count: fn(&Solution) -> usize| solutions.iter().map(count).sum();
+    let iterations = total(|s| s.iterations);
+    let crossover_iterations = total(|s| s.crossover_iterations);
+    let certificate_iterations = total(|s| s.certificate_iterations);
+    let factorizations = total(|s| s.factorizations);
     solutions
         .into_iter()
         .min_by(|a, b| {
-            let key = |s: &Solution| rank(s);
-            let (a_rank, a_value) = key(a);
-            let (b_rank, b_value) = key(b);
+            let ((a_rank, a_value), (b_rank, b_value)) = (rank(a), rank(b));
             a_rank
                 .cmp(&b_rank)
                 .then(a_value.total_cmp(&b_value))
@@ -238,6 +239,8 @@ where
         })
         .map(|best| Solution {
             iterations,
+            crossover_iterations,
+            certificate_iterations,
             factorizations,
             ..best
         })

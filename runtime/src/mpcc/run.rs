@@ -1,11 +1,12 @@
 //! One rule from start to certificate: relaxed runs, crossover, neighbours.
 
-use super::branch::{Attempt, Work};
+use super::branch::Attempt;
 use super::crossover::{Exact, FINAL, PAUSED, cross_over};
 use super::elastic::Elastic;
 use super::relaxation::{Continuation, Tied, proportional, roll_off};
+use super::watch::{Purpose, Watch};
 use super::{Mpcc, RelaxationRule, Residuals, Settings, Solution, Status};
-use crate::nlp::{self, BarrierPath, InputError, Products, Violation};
+use crate::nlp::{self, BarrierPath, InputError, NlpProblem, Products, Violation};
 
 /// `sigma` and tolerance at which a relaxed run pauses for a first crossover. Fixed sides are reliable
 /// from about `sigma = 1e-4` on; the roll-off rule passes that at `mu = 2e-6`.
@@ -46,11 +47,11 @@ pub(crate) fn solve_with(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     rule: RelaxationRule,
-    observer: &mut nlp::Observer<'_>,
+    watch: &mut Watch<'_>,
 ) -> Result<Solution, InputError> {
     match rule {
-        RelaxationRule::Homotopy => return homotopy(problem, settings, observer),
-        RelaxationRule::Elastic => return elastic(problem, settings, observer),
+        RelaxationRule::Homotopy => return homotopy(problem, settings, watch),
+        RelaxationRule::Elastic => return elastic(problem, settings, watch),
         _ => {}
     }
     let interior_point = &settings.interior_point;
@@ -70,15 +71,15 @@ pub(crate) fn solve_with(
             interior_point.tolerance,
             settings.final_relaxation,
         );
-        let relaxed = nlp::run(
+        let relaxed = relax(
             problem,
             interior_point,
-            &mut products,
-            &mut *path,
+            (&mut products, &mut *path),
             None,
-            Some(&mut *observer),
+            watch,
         )?;
-        return Ok(finish(problem, settings, rule, relaxed, last(&products)));
+        let end = last(&products);
+        return Ok(finish(problem, settings, rule, relaxed, end, watch));
     }
     let early = nlp::Settings {
         tolerance: PAUSE_TOLERANCE,
@@ -87,16 +88,10 @@ pub(crate) fn solve_with(
         ..interior_point.clone()
     };
     let mut path = make_path(rule, start, early.tolerance, PAUSE_RELAXATION);
-    let paused = nlp::run(
-        problem,
-        &early,
-        &mut products,
-        &mut *path,
-        None,
-        Some(&mut *observer),
-    )?;
+    let paused = relax(problem, &early, (&mut products, &mut *path), None, watch)?;
     if paused.status != nlp::Status::Solved {
-        return Ok(finish(problem, settings, rule, paused, last(&products)));
+        let end = last(&products);
+        return Ok(finish(problem, settings, rule, paused, end, watch));
     }
     let limit = paused.objective + 1e-2 * paused.objective.abs().max(1.0);
     let end = End {
@@ -104,8 +99,8 @@ pub(crate) fn solve_with(
         attempts: &PAUSED,
         limit,
     };
-    let first = finish(problem, settings, rule, paused.clone(), end);
-    if first.status.is_solved() && first.objective <= limit {
+    let first = finish(problem, settings, rule, paused.clone(), end, watch);
+    if first.status.is_solved() && first.objective <= limit || watch.stop.is_some() {
         return Ok(first);
     }
     let mut path = make_path(
@@ -123,37 +118,42 @@ pub(crate) fn solve_with(
         ..interior_point.clone()
     };
     let warm = nlp::WarmStart::from_solution(&paused);
-    let mut relaxed = nlp::run(
+    let mut relaxed = relax(
         problem,
         &resumed,
-        &mut products,
-        &mut *path,
+        (&mut products, &mut *path),
         Some(&warm),
-        Some(&mut *observer),
+        watch,
     )?;
-    relaxed.counts.iterations += paused.counts.iterations;
-    relaxed.counts.factorizations += paused.counts.factorizations;
     relaxed.history.splice(0..0, paused.history);
-    let mut second = finish(problem, settings, rule, relaxed, last(&products));
-    second.iterations += first.crossover_iterations;
-    second.crossover_iterations += first.crossover_iterations;
+    let end = last(&products);
+    let second = finish(problem, settings, rule, relaxed, end, watch);
     let better = first.status.is_solved()
         && (!second.status.is_solved() || first.objective < second.objective);
-    if better {
-        return Ok(Solution {
-            iterations: second.iterations,
-            factorizations: second.factorizations,
-            ..first
-        });
-    }
-    Ok(second)
+    Ok(if better { first } else { second })
+}
+
+/// A run of the relaxed problem.
+fn relax(
+    problem: &mut dyn NlpProblem,
+    settings: &nlp::Settings,
+    (products, path): (&mut Products, &mut dyn BarrierPath),
+    start: Option<&nlp::WarmStart>,
+    watch: &mut Watch<'_>,
+) -> Result<nlp::Solution, InputError> {
+    watch.run(
+        Purpose::Relaxed,
+        settings,
+        &mut |_| true,
+        |settings, observer| nlp::run(problem, settings, products, path, start, Some(observer)),
+    )
 }
 
 /// Separate solves with `sigma = 1, 0.1, ...` down to the final one, each from the last point.
 fn homotopy(
     problem: &mut dyn Mpcc,
     settings: &Settings,
-    observer: &mut nlp::Observer<'_>,
+    watch: &mut Watch<'_>,
 ) -> Result<Solution, InputError> {
     let mut products = Products {
         pairs: problem.complementarities().to_vec(),
@@ -161,36 +161,32 @@ fn homotopy(
     };
     let mut sigma: f64 = 1.0;
     let mut last: Option<nlp::Solution> = None;
-    let (mut iterations, mut factorizations) = (0, 0);
     loop {
         let mut path = nlp::Monotone {
             mu: settings.interior_point.initial_barrier_parameter,
             sigma,
             tolerance: settings.interior_point.tolerance,
         };
-        let mut solution = nlp::run_from_point(
-            problem,
+        let point = last.as_ref().map(|s| &s.x[..]);
+        let solution = watch.run(
+            Purpose::Relaxed,
             &settings.interior_point,
-            &mut products,
-            &mut path,
-            last.as_ref().map(|s| &s.x[..]),
-            Some(&mut *observer),
+            &mut |_| true,
+            |settings, observer| {
+                nlp::run_from_point(
+                    problem,
+                    settings,
+                    &mut products,
+                    &mut path,
+                    point,
+                    Some(observer),
+                )
+            },
         )?;
-        iterations += solution.counts.iterations;
-        factorizations += solution.counts.factorizations;
-        solution.counts.iterations = iterations;
-        solution.counts.factorizations = factorizations;
-        let done =
-            sigma <= settings.final_relaxation || solution.status == nlp::Status::Interrupted;
         // a failed step still gives the next one its start, the last one decides
-        if done {
-            return Ok(finish(
-                problem,
-                settings,
-                RelaxationRule::Homotopy,
-                solution,
-                End::last(sigma),
-            ));
+        if sigma <= settings.final_relaxation || watch.stop.is_some() {
+            let (rule, end) = (RelaxationRule::Homotopy, End::last(sigma));
+            return Ok(finish(problem, settings, rule, solution, end, watch));
         }
         last = Some(solution);
         sigma = (0.1 * sigma).max(settings.final_relaxation);
@@ -210,7 +206,7 @@ const STUCK_PROGRAMS: usize = 3;
 fn elastic(
     problem: &mut dyn Mpcc,
     settings: &Settings,
-    observer: &mut nlp::Observer<'_>,
+    watch: &mut Watch<'_>,
 ) -> Result<Solution, InputError> {
     let (n, m) = (problem.variables(), problem.constraints());
     let pairs = problem.complementarities().to_vec();
@@ -218,7 +214,7 @@ fn elastic(
     let mut interior_point = settings.interior_point.clone();
     let tolerance = interior_point.tolerance;
     let mut warm: Option<nlp::WarmStart> = None;
-    let (mut iterations, mut factorizations) = (0, 0);
+    let mut iterations = 0;
     let mut history = Vec::new();
     // slack of the last program, and how many in a row left it as it was
     let (mut last, mut stuck) = (f64::INFINITY, 0);
@@ -243,16 +239,15 @@ fn elastic(
             .interior_point
             .maximum_iterations
             .saturating_sub(iterations);
-        let mut solution = nlp::run(
+        let mut none = Products::default();
+        let mut solution = relax(
             &mut program,
             &interior_point,
-            &mut Products::default(),
-            &mut path,
+            (&mut none, &mut path),
             warm.as_ref(),
-            Some(&mut *observer),
+            watch,
         )?;
         iterations += solution.counts.iterations;
-        factorizations += solution.counts.factorizations;
         history.append(&mut solution.history);
         let slack = sigma * solution.x[n];
         let solved = solution.status == nlp::Status::Solved;
@@ -298,17 +293,12 @@ fn elastic(
     solution.multipliers.truncate(m);
     solution.multipliers_lower.truncate(n);
     solution.multipliers_upper.truncate(n);
-    solution.counts.iterations = iterations;
-    solution.counts.factorizations = factorizations;
     solution.history = history;
-    let end = End::last(slack.max(settings.final_relaxation));
-    Ok(finish(
-        problem,
-        settings,
+    let (rule, end) = (
         RelaxationRule::Elastic,
-        solution,
-        end,
-    ))
+        End::last(slack.max(settings.final_relaxation)),
+    );
+    Ok(finish(problem, settings, rule, solution, end, watch))
 }
 
 /// Where a relaxed run ended and how it crosses over from there.
@@ -341,9 +331,9 @@ fn finish(
     rule: RelaxationRule,
     relaxed: nlp::Solution,
     end: End,
+    watch: &mut Watch<'_>,
 ) -> Solution {
     let sigma = end.sigma;
-    let mut work = Work::default();
     let near = matches!(
         relaxed.status,
         nlp::Status::Solved | nlp::Status::Acceptable
@@ -356,13 +346,11 @@ fn finish(
             settings,
             &relaxed,
             (end.attempts, end.limit),
-            &mut work,
+            watch,
         )
     } else {
         None
     };
-    let iterations = relaxed.counts.iterations + work.iterations;
-    let factorizations = relaxed.counts.factorizations + work.factorizations;
     let (status, point, certificate, (repairs, neighbours)) = match exact {
         Some(Exact {
             solution,
@@ -378,10 +366,12 @@ fn finish(
             (status, solution, Some(certificate), (repairs, neighbours))
         }
         None => {
-            let status = match relaxed.status {
-                nlp::Status::Solved => Status::Relaxed,
-                nlp::Status::Infeasible => Status::Infeasible,
-                status => Status::Failed(status),
+            let status = match (relaxed.status, watch.stop) {
+                // a pause is no end
+                (nlp::Status::Solved, Some(reason)) if settings.crossover => Status::Failed(reason),
+                (nlp::Status::Solved, _) => Status::Relaxed,
+                (nlp::Status::Infeasible, _) => Status::Infeasible,
+                (status, _) => Status::Failed(status),
             };
             (status, relaxed.clone(), None, (0, 0))
         }
@@ -417,11 +407,12 @@ fn finish(
         certificate,
         rule,
         relaxation_parameter: sigma,
-        iterations,
-        crossover_iterations: work.iterations,
+        iterations: watch.iterations,
+        crossover_iterations: watch.crossover_iterations,
+        certificate_iterations: watch.certificate_iterations,
         repairs,
         neighbours,
-        factorizations,
+        factorizations: watch.factorizations,
         history: relaxed.history,
         violations,
         x: point.x,

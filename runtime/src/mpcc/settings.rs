@@ -27,8 +27,12 @@ pub enum RelaxationRule {
 #[non_exhaustive]
 pub struct Settings {
     /// Settings of the interior point runs. The defaults here differ from those of a nonlinear program:
-    /// `permanent_dual_shift` is 1e-10, because Jacobians of complementarity problems lose rank.
+    /// `permanent_dual_shift` is 1e-10, because Jacobians of complementarity problems lose rank. Its
+    /// `maximum_iterations`, here 1000, limit one rule; its `maximum_seconds` limit the whole solve.
     pub interior_point: nlp::Settings,
+    /// Most interior point iterations of the whole solve, those of crossovers and certificates included; default
+    /// 10 000.
+    pub maximum_iterations: usize,
     /// Rules to try, in this order, until one ends at a certified point; default all but the homotopy.
     pub rules: Vec<RelaxationRule>,
     /// Last `sigma`; default 1e-8, > 0.
@@ -57,6 +61,7 @@ impl Default for Settings {
         };
         Self {
             interior_point,
+            maximum_iterations: 10_000,
             rules: vec![
                 RelaxationRule::RollOff,
                 RelaxationRule::Elastic,

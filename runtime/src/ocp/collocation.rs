@@ -23,13 +23,14 @@
 //! rows have independent gradients also where the coordinate rests on its bound. Other bounds hold at the
 //! stages, and between them where a [`Cut`] says so.
 
+use super::control_grid::ControlGrid;
 use super::friction::Tangential;
 use super::mode::{Direction, Mode};
 use super::path::{Path, Units};
 use super::problem::Problem;
 use super::program::Program;
 use super::sequence::Sequence;
-use super::settings::{BoundsAt, PathPoints};
+use super::settings::{BoundsAt, ControlShape, PathPoints};
 use crate::model::{Model, contact_point, tangent_point};
 use crate::rk::ButcherTableau;
 
@@ -64,6 +65,8 @@ pub(super) struct Cut {
 pub(super) struct Stage {
     /// `q` then `v`.
     pub(super) state: Vec<usize>,
+    /// Controls at the stage; those of the interval where they are constant.
+    pub(super) controls: Vec<usize>,
     /// Normal accelerations of the closed contacts times the length of the phase, in the order of
     /// [`Phase::closed`].
     pub(super) forces: Vec<usize>,
@@ -111,7 +114,9 @@ pub(super) struct Collocation<'a> {
     pub(super) impacts: Vec<(usize, Tangential)>,
     pub(super) tableau: &'a ButcherTableau,
     pub(super) horizon: usize,
+    /// Variables of the controls on each interval, or at each node.
     pub(super) controls: Vec<Vec<usize>>,
+    pub(super) shape: ControlShape,
 }
 
 /// Everything that stays the same over all sequences.
@@ -125,6 +130,7 @@ pub(super) struct Setting<'a> {
     /// Whether each coordinate is a parabola on each interval.
     pub(super) parabolas: &'a [bool],
     pub(super) places: Places,
+    pub(super) shape: ControlShape,
 }
 
 /// Where bounds of coordinates and path constraints are imposed.
@@ -236,14 +242,13 @@ impl Collocation<'_> {
         let x = self.program.physical(point);
         let contacts = self.model.declaration().contacts.len();
         let horizon = x[self.horizon];
-        let intervals = self.controls.len() as f64;
+        let controls = self.controls.iter();
+        let controls = controls.map(|controls| controls.iter().map(|&u| x[u]).collect());
+        let controls = ControlGrid::new(self.shape, controls.collect());
+        let intervals = controls.intervals() as f64;
         let mut path = Path {
             horizon,
-            controls: self
-                .controls
-                .iter()
-                .map(|controls| controls.iter().map(|&u| x[u]).collect())
-                .collect(),
+            controls,
             time: Vec::new(),
             states: Vec::new(),
         };

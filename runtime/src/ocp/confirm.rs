@@ -5,13 +5,18 @@ use super::mode::Mode;
 use super::path::Path;
 use super::previous::Previous;
 use super::search::{Local, Search};
-use super::sequence::Sequence;
+use super::sequence::{Sequence, Switch};
 use super::solution::{Size, Solution, Stationarity, Status};
 use crate::nlp;
 use crate::simulation::{
-    ControlSignal, EventDriven, EventKind, InputError, Residuals, Simulation, SimulationStatus,
+    Event, EventDriven, EventKind, InputError, Residuals, Simulation, SimulationStatus,
     Simulator as _,
 };
+
+/// A contact that closes within this share of the first interval, from a gap \[its unit\] no larger than this, was
+/// closed at the start.
+const AT_ONCE: f64 = 1e-3;
+const ON_THE_SURFACE: f64 = 1e-9;
 
 /// Points of the re-simulation in each interval.
 const OUTPUTS: usize = 10;
@@ -36,12 +41,23 @@ impl<'a> Search<'a, '_> {
 
     pub(super) fn read(&self, replay: &Simulation, path: &Path) -> Sequence {
         let intervals = self.setting.problem.intervals;
-        Sequence::read(
-            self.setting.model,
-            replay,
-            path.horizon / intervals as f64,
-            intervals,
-        )
+        let interval = path.horizon / intervals as f64;
+        let mut closed: Vec<bool> = match replay.trajectory.contact_force.first() {
+            Some(forces) => forces.iter().map(|&force| force > 0.0).collect(),
+            None => Vec::new(),
+        };
+        let start = self.setting.problem.start_of(self.setting.model, path);
+        let mut input = vec![0.0; self.setting.model.declaration().inputs()];
+        input[..start.len()].copy_from_slice(&start);
+        // A start that rounding puts above a surface lands at once.
+        for (contact, closed) in closed.iter_mut().enumerate() {
+            let own = |event: &&Event| event.contact == contact;
+            *closed |= self.setting.model.gap(contact, &input) <= ON_THE_SURFACE
+                && replay.events.iter().find(own).is_some_and(|first| {
+                    first.kind != EventKind::LiftOff && first.time < AT_ONCE * interval
+                });
+        }
+        Sequence::read(self.setting.model, &closed, replay, (interval, intervals))
     }
 
     /// A result without a motion.
@@ -123,10 +139,7 @@ impl<'a> Search<'a, '_> {
         for k in 0..intervals {
             let start = path.at(k as f64 * length, true);
             let end = path.at((k + 1) as f64 * length, false);
-            let controls = ControlSignal::PiecewiseConstant {
-                times: vec![0.0],
-                values: vec![path.controls[k].clone()],
-            };
+            let controls = path.controls.signal_of(k, length);
             let motion = problem.initial_value_problem(&start[..2 * n], length, controls);
             // A start that rounding puts below a surface tells nothing about the accuracy.
             let Ok(simulation) = simulator.simulate(self.setting.model, &motion, &mut |_| {})
@@ -161,12 +174,9 @@ impl<'a> Search<'a, '_> {
             _ => f64::INFINITY,
         };
         let read = self.read(&replay, &best.path);
-        let kinds = |sequence: &Sequence| -> Vec<(usize, bool, Mode)> {
-            let switches = sequence.switches.iter();
-            switches.map(|s| (s.contact, s.closes, s.mode)).collect()
-        };
-        let agrees =
-            distance <= self.settings.largest_distance && kinds(&read) == kinds(&best.sequence);
+        let interval = best.path.horizon / self.setting.problem.intervals as f64;
+        let disagreement = self.disagreement(&best.sequence, &read, interval);
+        let agrees = distance <= self.settings.largest_distance && disagreement.is_none();
         let status = if self.watch.stopped {
             Status::Interrupted
         } else if !agrees {
@@ -184,7 +194,7 @@ impl<'a> Search<'a, '_> {
         };
         let size = Size::of(&best.program.program, 0);
         let planned_events = best.sequence.switches.iter().map(|switch| {
-            let time = switch.time * best.path.horizon / self.setting.problem.intervals as f64;
+            let time = switch.time * interval;
             let kind = match switch.mode {
                 _ if switch.closes => EventKind::Impact,
                 Mode::Open => EventKind::LiftOff,
@@ -199,10 +209,12 @@ impl<'a> Search<'a, '_> {
             horizon: best.path.horizon,
             stationarity,
             resimulation_error: distance,
+            disagreement,
             residuals,
             planned_events: planned_events.collect(),
             excess: excess(&best.program, &best.solution.x, self.limits()),
-            controls: best.path.controls.clone(),
+            controls: best.path.controls.values().to_vec(),
+            shape: best.path.controls.shape(),
             previous: Some(Previous::new(best.path, best.sequence)),
             motion: Some(replay),
             violations: best.solution.violations,
@@ -212,6 +224,48 @@ impl<'a> Search<'a, '_> {
             time_freezing: None,
             optima: Vec::new(),
         })
+    }
+}
+
+impl Search<'_, '_> {
+    /// The first difference in kind between the switches of a plan and of its re-simulation, in words.
+    fn disagreement(&self, plan: &Sequence, read: &Sequence, interval: f64) -> Option<String> {
+        let contacts = self.setting.model.declaration().contacts;
+        let initially = plan.initially.iter().zip(&read.initially);
+        let other = initially
+            .zip(contacts)
+            .find(|((plan, read), _)| plan != read);
+        if let Some(((mode, read), contact)) = other {
+            let (mode, read) = (mode.state(), read.state());
+            return Some(format!(
+                "`{}` is {mode} at the start of the plan, and {read} at that of the re-simulation",
+                contact.name
+            ));
+        }
+        let kind = |s: &Switch| (s.contact, s.closes, s.mode);
+        let words = |sequence: &Sequence, index: usize| match sequence.switches.get(index) {
+            None => "nothing".to_owned(),
+            Some(switch) => {
+                let name = contacts[switch.contact].name;
+                let time = switch.time * interval;
+                match (switch.closes, switch.mode) {
+                    (true, Mode::Open) => format!("`{name}` is touched at {time:.6} s"),
+                    (false, Mode::Open) => format!("`{name}` opens at {time:.6} s"),
+                    (true, Mode::Frictionless) => format!("`{name}` closes at {time:.6} s"),
+                    (_, mode) => format!("`{name}` is {} from {time:.6} s on", mode.state()),
+                }
+            }
+        };
+        let longest = plan.switches.len().max(read.switches.len());
+        (0..longest)
+            .find(|&i| plan.switches.get(i).map(kind) != read.switches.get(i).map(kind))
+            .map(|i| {
+                let (planned, simulated) = (words(plan, i), words(read, i));
+                format!(
+                    "switch {}: in the plan {planned}, in the re-simulation {simulated}",
+                    i + 1
+                )
+            })
     }
 }
 

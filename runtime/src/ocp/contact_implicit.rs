@@ -19,12 +19,14 @@
 //! elements: it is a time-stepping scheme. Gaps are variables of their own, in units of the order of
 //! one, so that the relaxed products are balanced.
 
+use super::control_grid::ControlGrid;
 use super::frame::{Frame, state_name};
 use super::kernel::Kernel;
 use super::mode::{Direction, Mode, is_rough, sliding_velocity};
 use super::path::{Path, Units};
 use super::problem::Problem;
 use super::program::Program;
+use super::settings::ControlShape;
 use crate::model::Model;
 
 /// Unknowns of a contact in an element.
@@ -63,7 +65,8 @@ impl<'a> ContactImplicit<'a> {
         let n = declaration.coordinates.len();
         let contacts: Vec<usize> = (0..declaration.contacts.len()).collect();
         let mut program = Program::new(model);
-        let frame = Frame::add(&mut program, model, problem, guess, units, bounds);
+        let shape = ControlShape::Constant;
+        let frame = Frame::add(&mut program, model, problem, (guess, shape), units, bounds);
         let horizon = frame.horizon;
         let count = problem.intervals * per_interval;
         let share = 1.0 / count as f64;
@@ -195,7 +198,7 @@ impl<'a> ContactImplicit<'a> {
         let count = self.elements.len() as f64;
         Path {
             horizon,
-            controls: self.controls.iter().map(values).collect(),
+            controls: ControlGrid::constant(self.controls.iter().map(values).collect()),
             time: (0..states.len())
                 .map(|i| horizon * i as f64 / count)
                 .collect(),

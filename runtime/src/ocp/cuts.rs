@@ -68,6 +68,17 @@ impl<'p, 'm> Motion<'p, 'm> {
         }
     }
 
+    /// Writes the controls at the share `theta` of a phase: they are affine in time.
+    fn write_controls(&self, phase: usize, theta: f64, controls: &mut [f64]) {
+        let stages = &self.program.phases[phase].stages;
+        let c = self.program.tableau.c();
+        let share = (theta - c[0]) / (c[c.len() - 1] - c[0]);
+        let ends = stages[0].controls.iter().zip(&stages[c.len() - 1].controls);
+        for (slot, (&from, &to)) in controls.iter_mut().zip(ends) {
+            *slot = self.x[from] + share * (self.x[to] - self.x[from]);
+        }
+    }
+
     /// Distance of a coordinate from the nearer of its bounds, negative outside.
     fn inside(&self, k: usize, bounds: (f64, f64)) -> impl FnMut(usize, f64) -> f64 + '_ {
         let mut state = vec![0.0; k + 1];
@@ -89,10 +100,7 @@ impl<'p, 'm> Motion<'p, 'm> {
         let relation = declared.map(|d| d.constraints[constraint].relation);
         move |phase, theta| {
             self.write(phase, theta, &mut input[..2 * n]);
-            let controls = &self.program.controls[self.program.phases[phase].interval];
-            for (slot, &u) in input[2 * n..].iter_mut().zip(controls) {
-                *slot = self.x[u];
-            }
+            self.write_controls(phase, theta, &mut input[2 * n..]);
             model.path_functions(&input, &mut values);
             let value = values[first + constraint];
             match relation {

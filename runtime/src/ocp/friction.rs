@@ -60,9 +60,10 @@ pub(super) struct Turns {
 }
 
 impl Turns {
-    /// What a switch asks for at the end of the element before it.
-    pub(super) fn end(&mut self, switch: &Switch, before: Mode) {
-        let inside = switch.place == Place::Inside;
+    /// What a switch asks for at the end of the element before it; `jumps` where the controls may jump between
+    /// intervals.
+    pub(super) fn end(&mut self, switch: &Switch, before: Mode, jumps: bool) {
+        let inside = switch.place == Place::Inside || !jumps;
         match (before, switch.mode) {
             (Mode::Slip(_), Mode::Stick | Mode::Slip(_)) if switch.accompanies => {
                 self.stopped.push(switch.contact);
@@ -76,15 +77,17 @@ impl Turns {
         }
     }
 
-    /// What a switch leaves at the start of the element after it; `impact` where it belongs to one.
-    pub(super) fn start(&mut self, switch: &Switch, before: Mode, impact: bool) {
+    /// What a switch leaves at the start of the element after it; `impact` where it belongs to one, `jumps` where the
+    /// controls may jump between intervals.
+    pub(super) fn start(&mut self, switch: &Switch, before: Mode, impact: bool, jumps: bool) {
+        let inside = switch.place == Place::Inside || !jumps;
         match (before, switch.mode) {
             (_, Mode::Slip(_)) if impact => {
                 if switch.impulse == Mode::Stick {
                     self.pulled.push(switch.contact);
                 }
             }
-            (Mode::Stick, Mode::Slip(_)) if switch.place == Place::Inside => {
+            (Mode::Stick, Mode::Slip(_)) if inside => {
                 self.yielded.push(switch.contact);
             }
             (_, Mode::Slip(_)) => self.pulled.push(switch.contact),
@@ -306,7 +309,7 @@ mod tests {
     use super::super::path::{Path, Units};
     use super::super::problem::{Problem, bounds};
     use super::super::sequence::Sequence;
-    use super::super::settings::{BoundsAt, Guess, PathPoints};
+    use super::super::settings::{BoundsAt, ControlShape, Guess, PathPoints};
     use super::*;
     use crate::nlp::check_derivatives;
     use crate::rk::Scheme;
@@ -349,8 +352,9 @@ mod tests {
         let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
         let parabolas = parabolas(&model, &start);
         assert_eq!(parabolas, [false, false, true]);
-        let setting = Setting {
+        let setting = |shape| Setting {
             model: &model,
+            shape,
             problem: &problem,
             tableau: &tableau,
             units: &units,
@@ -402,9 +406,12 @@ mod tests {
             cut((1, 3), 0, CutKind::Cone(0, Direction::Forward)),
             cut((2, 3), 0, CutKind::Slip(0)),
         ];
-        let mut fine = Collocation::new(setting, &sequence, &guess, &cuts, &[1, 2, 1, 1]);
-        assert_eq!((fine.phases.len(), fine.impacts.len()), (10, 3));
-        let report = check_derivatives(&mut fine.program, None).unwrap();
-        assert!(report.worst() < DIFFERENCE, "{:?}", report.worst_entry());
+        for shape in [ControlShape::Constant, ControlShape::Linear] {
+            let setting = setting(shape);
+            let mut fine = Collocation::new(setting, &sequence, &guess, &cuts, &[1, 2, 1, 1]);
+            assert_eq!((fine.phases.len(), fine.impacts.len()), (10, 3));
+            let report = check_derivatives(&mut fine.program, None).unwrap();
+            assert!(report.worst() < DIFFERENCE, "{:?}", report.worst_entry());
+        }
     }
 }

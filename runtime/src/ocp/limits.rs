@@ -2,10 +2,11 @@
 //! where cuts ask for them.
 
 use super::collocation::{Cut, CutKind, Phase, Setting, lagrange};
+use super::cubic_bounds::{self, Cubic};
 use super::frame::state_name;
 use super::kernel::Kernel;
 use super::program::Program;
-use super::settings::BoundsAt;
+use super::settings::{BoundsAt, ControlShape};
 use super::transcribe::Builder;
 
 impl Builder<'_, '_> {
@@ -62,7 +63,7 @@ impl Builder<'_, '_> {
                 CutKind::Path(constraint) => {
                     let state = self.state_at(phase, cut, 2 * n, &at);
                     let (q, v) = state.split_at(n);
-                    let u = self.frame.controls[phase.interval].clone();
+                    let u = self.controls_within(phase, cut.theta, &at);
                     let (frame, problem) = (&self.frame, self.setting.problem);
                     let inputs = [q, v, &u[..]];
                     frame.path_rows_of(&mut self.program, problem, &[constraint], inputs, &at);
@@ -104,7 +105,7 @@ impl Builder<'_, '_> {
             .collect()
     }
 
-    /// Bounds of the coordinates that are parabolas, over a whole interval.
+    /// Bounds of the coordinates that are parabolas, or cubics under linear controls, over a whole interval.
     pub(super) fn node(&mut self, interval: usize, before: &[usize]) {
         let Setting {
             model,
@@ -112,6 +113,7 @@ impl Builder<'_, '_> {
             parabolas,
             problem,
             places,
+            shape,
             ..
         } = self.setting;
         let (n, program) = (self.n, &mut self.program);
@@ -132,6 +134,16 @@ impl Builder<'_, '_> {
                     1.0
                 };
                 let inside = format!("of `{name}` in interval {interval}");
+                if shape == ControlShape::Linear {
+                    let cubic = Cubic {
+                        from: (q0, v0),
+                        to: (q2, self.state[n + k]),
+                        horizon: self.frame.horizon,
+                        intervals: problem.intervals,
+                    };
+                    cubic_bounds::bound(program, &cubic, (sign, bound, unit), &inside);
+                    continue;
+                }
                 let size = format!("size {inside}");
                 let size = program.variable(size, (0.0, f64::INFINITY), 0.1 * unit, unit);
                 let place = program.variable(format!("extremum {inside}"), (0.0, 1.0), 0.5, 1.0);

@@ -1,6 +1,6 @@
 //! Optimal control of mechanical systems with impacts.
 //!
-//! A [`Problem`] asks for controls, constant on intervals of equal physical length, that take a
+//! A [`Problem`] asks for controls, constant or linear on intervals of equal physical length, that take a
 //! [`Model`](crate::model::Model) to its goals at least cost. [`solve`] goes through phases, each of which
 //! starts where the one before it ended:
 //!
@@ -45,6 +45,8 @@
 mod collocation;
 mod confirm;
 mod contact_implicit;
+mod control_grid;
+mod cubic_bounds;
 mod cuts;
 mod frame;
 mod friction;
@@ -65,6 +67,7 @@ mod sequence;
 mod settings;
 mod solution;
 mod solve;
+mod stage_inputs;
 mod starts;
 #[cfg(test)]
 mod test_scene;
@@ -75,7 +78,7 @@ mod transcribe;
 pub use previous::Previous;
 pub use problem::{Component, Goal, Horizon, Objective, Problem};
 pub use progress::{Observer, Progress};
-pub use settings::{BoundsAt, Formulation, Guess, PathPoints, Settings};
+pub use settings::{BoundsAt, ControlShape, Formulation, Guess, PathPoints, Settings};
 pub use solution::{
     Counts, Excess, Optimum, Size, Solution, Stationarity, Status, TimeFreezingReport,
 };

@@ -61,6 +61,17 @@ impl Mode {
         self == Self::Open
     }
 
+    /// In a word or two.
+    pub(super) fn state(self) -> &'static str {
+        match self {
+            Self::Open => "open",
+            Self::Frictionless => "closed",
+            Self::Stick => "sticking",
+            Self::Slip(Direction::Forward) => "slipping forward",
+            Self::Slip(Direction::Backward) => "slipping backward",
+        }
+    }
+
     /// The mode of a closed contact without friction, or of one that slides at `velocity`.
     pub(super) fn closed(rough: bool, velocity: f64, zero: f64) -> Self {
         if !rough {

@@ -1,5 +1,6 @@
 //! A motion with its controls: what one phase of the solution hands to the next.
 
+use super::control_grid::ControlGrid;
 use super::problem::{Horizon, Problem};
 use super::settings::Guess;
 use crate::model::{Model, contact_point};
@@ -13,8 +14,8 @@ const SAMPLES: usize = 4;
 pub(super) struct Path {
     /// Length \[s\].
     pub(super) horizon: f64,
-    /// Controls of each interval.
-    pub(super) controls: Vec<Vec<f64>>,
+    /// Controls on equal intervals.
+    pub(super) controls: ControlGrid,
     /// Instants \[s\], not decreasing; twice at a jump.
     pub(super) time: Vec<f64>,
     /// `(q, v, r)` at each instant, where `r` are the normal accelerations that the contacts provide.
@@ -68,13 +69,13 @@ impl Path {
             time: (0..=samples)
                 .map(|i| horizon * i as f64 / samples as f64)
                 .collect(),
-            controls: vec![controls.clone(); problem.intervals],
+            controls: ControlGrid::constant(vec![controls.clone(); problem.intervals]),
         }
     }
 
     /// All states as at the start, over 1 s unless the horizon is fixed.
     fn at_rest(mut self, model: &dyn Model, problem: &Problem) -> Self {
-        let state = with_forces(model, problem.start(), &self.controls[0]);
+        let state = with_forces(model, problem.start(), self.controls.start());
         self.states.fill(state);
         if let Horizon::Free { guess: None } = problem.horizon {
             for time in &mut self.time {
@@ -128,13 +129,15 @@ impl Path {
             self.horizon *= factor;
             self.time.iter_mut().for_each(|time| *time *= factor);
         }
-        for controls in &mut self.controls {
+        let mut values = self.controls.values().to_vec();
+        for controls in &mut values {
             for (u, k) in controls.iter_mut().zip(n..) {
                 let range = bounds.1[k] - bounds.0[k];
                 let size = if range.is_finite() { 0.25 * range } else { 0.1 };
                 *u = (*u + size * random()).clamp(bounds.0[k], bounds.1[k]);
             }
         }
+        self.controls = ControlGrid::constant(values);
         let last = (self.states.len() - 1) as f64;
         for (k, target) in problem.targets(model).into_iter().enumerate() {
             let bend = 0.05 * random() * target.map_or(0.0, |target| target - problem.q[k]);
@@ -143,8 +146,8 @@ impl Path {
             }
         }
         for (i, x) in self.states.iter_mut().enumerate() {
-            let interval = (i / SAMPLES).min(problem.intervals - 1);
-            *x = with_forces(model, x[..2 * n].to_vec(), &self.controls[interval]);
+            let controls = self.controls.at(i as f64 / SAMPLES as f64);
+            *x = with_forces(model, x[..2 * n].to_vec(), &controls);
         }
         self
     }
@@ -154,7 +157,7 @@ impl Path {
         model: &dyn Model,
         simulation: &Simulation,
         horizon: f64,
-        controls: Vec<Vec<f64>>,
+        controls: ControlGrid,
     ) -> Self {
         let declaration = model.declaration();
         let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
@@ -184,13 +187,7 @@ impl Path {
 
     /// The controls as a signal.
     pub(super) fn signal(&self) -> ControlSignal {
-        let intervals = self.controls.len();
-        ControlSignal::PiecewiseConstant {
-            times: (0..intervals)
-                .map(|k| self.horizon * k as f64 / intervals as f64)
-                .collect(),
-            values: self.controls.clone(),
-        }
+        self.controls.signal(self.horizon)
     }
 
     /// `(q, v, r)` at time `t`, on the later side of a jump if `after`.
@@ -272,7 +269,7 @@ impl Units {
             }
         });
         let mut x = path.states[0][..2 * n].to_vec();
-        x.extend(&path.controls[0]);
+        x.extend(path.controls.start());
         let accelerations: Vec<f64> = (0..declaration.contacts.len())
             .map(|contact| free_normal_acceleration(model, contact, &x).abs())
             .collect();

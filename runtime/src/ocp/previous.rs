@@ -31,7 +31,7 @@ impl Previous {
             ("states", self.path.states.first(), states),
             (
                 "controls",
-                self.path.controls.first(),
+                self.path.controls.values().first(),
                 declaration.controls.len(),
             ),
         ];
@@ -46,11 +46,8 @@ impl Previous {
             }
         }
         let mut path = self.path.clone();
-        let count = path.controls.len();
-        path.controls = (0..problem.intervals)
-            .map(|k| (k as f64 + 0.5) / problem.intervals as f64 * count as f64)
-            .map(|middle| self.path.controls[(middle as usize).min(count - 1)].clone())
-            .collect();
+        let shape = path.controls.shape();
+        path.controls = path.controls.resampled(shape, problem.intervals);
         if let Horizon::Fixed(horizon) = problem.horizon {
             let factor = horizon / path.horizon;
             path.time.iter_mut().for_each(|time| *time *= factor);
@@ -61,7 +58,7 @@ impl Previous {
 
     /// `path` with the contact sequence on that many intervals.
     pub(super) fn relaxed(&self, path: &Path, intervals: usize) -> Relaxed {
-        let factor = intervals as f64 / self.path.controls.len() as f64;
+        let factor = intervals as f64 / self.path.controls.intervals() as f64;
         let mut sequence = self.sequence.clone();
         for switch in &mut sequence.switches {
             let time = switch.time * factor;

@@ -111,6 +111,11 @@ impl<'a> Program<'a> {
         (self.lower[variable], self.upper[variable])
     }
 
+    /// Where the solver starts, in physical values.
+    pub(super) fn guessed(&self, variable: usize) -> f64 {
+        self.guess[variable]
+    }
+
     /// Narrows the bounds of a variable.
     pub(super) fn bound(&mut self, variable: usize, lower: f64, upper: f64) {
         self.lower[variable] = lower;

@@ -3,6 +3,7 @@
 use super::collocation::Collocation;
 use super::mode::Mode;
 use super::sequence::{Place, Sequence, Switch};
+use super::settings::ControlShape;
 use crate::nlp;
 
 /// Switches of a contact closer than this many intervals may cancel each other.
@@ -104,7 +105,10 @@ impl Pressure<'_, '_> {
                 self.sequence.mode_before(index, switch.contact),
                 Mode::Slip(_)
             );
-            if switch.closes || slips && switch.slides() {
+            if switch.closes
+                || slips && switch.slides()
+                || self.program.shape == ControlShape::Linear
+            {
                 let time = k as f64 - ENTRY;
                 found.extend(self.moved(index, k.checked_sub(1), Place::Inside, time));
                 found.extend(self.moved(index, Some(k), Place::Inside, k as f64 + ENTRY));

@@ -7,7 +7,7 @@ use super::path::Path;
 use super::progress::Watch;
 use super::repair::Pressure;
 use super::sequence::{Sequence, Signature};
-use super::settings::{Formulation, Guess, Settings};
+use super::settings::{ControlShape, Formulation, Guess, Settings};
 use super::solution::{Counts, Solution, Stationarity, Status, TimeFreezingReport};
 use crate::model::contact_point;
 use crate::nlp;
@@ -139,7 +139,13 @@ impl<'a> Search<'a, '_> {
     /// Attempts the sequences that a relaxed motion suggests. It and the event-driven motion under the same
     /// controls may disagree where the motion is sensitive, and short contacts may be meant or not: all are
     /// candidates, the likely ones first.
-    fn read_and_attempt(&mut self, global: Relaxed) -> Result<(), InputError> {
+    fn read_and_attempt(&mut self, mut global: Relaxed) -> Result<(), InputError> {
+        if self.setting.shape == ControlShape::Linear {
+            global.sequence = global.sequence.without_jumps();
+            let intervals = self.setting.problem.intervals;
+            global.path.controls =
+                (global.path.controls).resampled(ControlShape::Linear, intervals);
+        }
         let replay = self.simulate(&global.path, self.settings.replay_tolerance)?;
         let mut candidates = vec![(global.sequence, global.path)];
         if replay.status == SimulationStatus::Solved {

@@ -97,12 +97,13 @@ fn touches(simulation: &Simulation, index: usize) -> bool {
 }
 
 impl Sequence {
-    /// Reads the sequence from a simulation with control intervals of length `interval`.
+    /// Reads the sequence from a simulation with control intervals of length `interval` and the contacts that are closed
+    /// at the start.
     pub(super) fn read(
         model: &dyn Model,
+        closed: &[bool],
         simulation: &Simulation,
-        interval: f64,
-        intervals: usize,
+        (interval, intervals): (f64, usize),
     ) -> Self {
         let last = intervals as f64 * (1.0 - AT_THE_END);
         let trajectory = &simulation.trajectory;
@@ -162,16 +163,20 @@ impl Sequence {
                 }
             })
             .collect();
-        let forces = trajectory.contact_force.first();
-        let initially = forces.map(|forces| {
-            let mode = |(contact, &force): (usize, &f64)| match force > 0.0 {
-                true => mode_at(contact, 0.0),
-                false => Mode::Open,
+        let initially = closed.iter().enumerate().map(|(contact, &closed)| {
+            if !closed {
+                return Mode::Open;
+            }
+            // One that lands at once is closed from then on.
+            let own = |event: &&Event| event.contact == contact;
+            let landing = match simulation.events.iter().find(own) {
+                Some(first) if trajectory.contact_force[0][contact] <= 0.0 => first.time,
+                _ => 0.0,
             };
-            forces.iter().enumerate().map(mode).collect()
+            mode_at(contact, landing)
         });
         let mut sequence = Self {
-            initially: initially.unwrap_or_default(),
+            initially: initially.collect(),
             switches,
         };
         // A contact that stays closed may report another impact, and one that was only touched an opening.
@@ -233,6 +238,19 @@ impl Sequence {
             switches,
             initially,
         }
+    }
+
+    /// With every opening, and every slip, at a jump of the controls inside the interval before it: controls that do
+    /// not jump let go of a contact where its force vanishes or leaves the friction cone, which may be on either side
+    /// of the node.
+    pub(super) fn without_jumps(mut self) -> Self {
+        for switch in &mut self.switches {
+            if switch.place == Place::Start && !switch.closes {
+                switch.interval -= 1;
+                switch.place = Place::Inside;
+            }
+        }
+        self
     }
 
     /// What tells it apart from others.

@@ -36,6 +36,28 @@ pub enum Formulation {
     TimeFreezing(TimeFreezingSettings),
 }
 
+/// Controls on the intervals of a problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ControlShape {
+    /// Constant on each interval; they may jump between intervals.
+    #[default]
+    Constant,
+    /// Linear on each interval and continuous over the ends of the intervals: one value a node, one node more than
+    /// intervals. Bounds at the nodes hold everywhere. The contact sequence is looked for with constant controls.
+    Linear,
+}
+
+impl ControlShape {
+    /// Name used on the command line and in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Linear => "linear",
+        }
+    }
+}
+
 /// Where the bounds of coordinates hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum BoundsAt {
@@ -66,6 +88,8 @@ pub enum PathPoints {
 pub struct Settings {
     /// How the contact sequence is found; default [`Formulation::Phases`].
     pub formulation: Formulation,
+    /// Controls on each interval; default constant.
+    pub controls: ControlShape,
     /// Where the global phase starts; default [`Guess::Straight`].
     pub guess: Guess,
     /// Number of starts that are solved side by side, the first one with these settings, the others with other
@@ -109,6 +133,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             formulation: Formulation::default(),
+            controls: ControlShape::default(),
             guess: Guess::default(),
             starts: 1,
             elements: 1,

@@ -66,6 +66,7 @@ pub(super) fn solve_once(
             bounds: settings.bounds,
             path: settings.path_points,
         },
+        shape: settings.controls,
     };
     let mut search = Search {
         setting,

@@ -2,6 +2,7 @@
 
 use cpu_time::ThreadTime;
 
+use super::control_grid::ControlGrid;
 use super::global::Relaxed;
 use super::mode::{Mode, is_rough, sliding_velocity, zero_velocity};
 use super::path::{Path, with_forces};
@@ -127,7 +128,7 @@ impl Search<'_, '_> {
             states: states.collect(),
             time: std::iter::once(&0.0).chain(&motion.time).copied().collect(),
             horizon: motion.horizon,
-            controls: motion.controls.clone(),
+            controls: ControlGrid::constant(motion.controls.clone()),
         }
     }
 }

@@ -8,7 +8,8 @@ use super::mode::{Mode, sliding_velocity, zero_velocity};
 use super::path::Path;
 use super::program::Program;
 use super::sequence::{Place, Sequence, Switch};
-use super::settings::{BoundsAt, PathPoints};
+use super::settings::{BoundsAt, ControlShape, PathPoints};
+use super::stage_inputs::Elapsed;
 
 /// Least distance of a guessed switch from the ends of its interval and from other switches, relative to the length
 /// of the interval.
@@ -48,7 +49,7 @@ impl<'a> Collocation<'a> {
             &mut program,
             model,
             problem,
-            guess,
+            (guess, setting.shape),
             setting.units,
             setting.bounds,
         );
@@ -81,6 +82,7 @@ impl<'a> Collocation<'a> {
             tableau: setting.tableau,
             horizon: frame.horizon,
             controls: frame.controls,
+            shape: setting.shape,
         }
     }
 }
@@ -167,6 +169,7 @@ impl Builder<'_, '_> {
         };
         let (mut openings, mut before) = (Vec::new(), self.state.clone());
         let mut touched: Vec<usize> = Vec::new();
+        let jumps = self.setting.shape == ControlShape::Constant;
         let mut turns = Turns::default();
         if interval == 0 {
             turns.pulled = self.pulled_at_start();
@@ -174,7 +177,7 @@ impl Builder<'_, '_> {
         for (index, switch) in here(Place::Start) {
             let companions = Sequence::companions(switches, index);
             for other in std::iter::once(switch).chain(companions) {
-                turns.start(other, self.modes[other.contact], switch.closes);
+                turns.start(other, self.modes[other.contact], switch.closes, jumps);
             }
             if switch.closes {
                 let time = self.guess.horizon * interval as f64 * share;
@@ -187,6 +190,12 @@ impl Builder<'_, '_> {
             } else {
                 if switch.opens() {
                     openings.push(switch.contact);
+                }
+                // Controls that do not jump let go of a contact where its force vanishes.
+                if let (true, ControlShape::Linear, Some(phase)) =
+                    (switch.opens(), self.setting.shape, self.phases.last())
+                {
+                    vanish(&mut self.program, phase, switch.contact);
                 }
                 self.enter(switch, companions);
             }
@@ -226,10 +235,11 @@ impl Builder<'_, '_> {
                 .collect()
         };
         let mut begin = 0.0;
+        let mut elapsed = Elapsed::none();
         for (p, &end) in ends.iter().enumerate() {
-            let (scale, factor) = match durations.get(p) {
-                Some(&duration) => (duration, 1.0),
-                None => (self.frame.horizon, share),
+            let (scale, factor, whole) = match durations.get(p) {
+                Some(&duration) => (duration, 1.0, None),
+                None => (self.frame.horizon, share, Some(1.0)),
             };
             let times = (
                 (interval as f64 + begin) * length,
@@ -259,7 +269,7 @@ impl Builder<'_, '_> {
             for (index, switch) in switches.iter().enumerate() {
                 impact = switch.closes || impact && switch.accompanies;
                 if ends(index, switch) && !impact {
-                    turns.end(switch, self.modes[switch.contact]);
+                    turns.end(switch, self.modes[switch.contact], jumps);
                 }
             }
             for e in 0..elements {
@@ -268,7 +278,8 @@ impl Builder<'_, '_> {
                 self.phase(
                     interval,
                     (p * elements + e, count * elements),
-                    (scale, factor / elements as f64),
+                    (scale, factor / elements as f64, whole),
+                    (&elapsed, p + 1 == count && last),
                     (time(e), time(e + 1)),
                     (ending.filter(|_| last), closing.filter(|_| last)),
                     if first {
@@ -278,12 +289,14 @@ impl Builder<'_, '_> {
                     },
                     &turns.of_element(first, last),
                 );
+                let part = 1.0 / elements as f64;
+                elapsed = elapsed.later(scale, factor * part, whole.map(|whole| whole * part));
             }
             turns = Turns::default();
             if let Some((index, switch)) = ending {
                 let companions = Sequence::companions(switches, index);
                 for other in std::iter::once(switch).chain(companions) {
-                    turns.start(other, self.modes[other.contact], switch.closes);
+                    turns.start(other, self.modes[other.contact], switch.closes, jumps);
                 }
                 self.switch((index, switch), companions, (interval, p), times.1);
             }
@@ -300,7 +313,8 @@ impl Builder<'_, '_> {
         &mut self,
         interval: usize,
         index: (usize, usize),
-        (scale, factor): (usize, f64),
+        (scale, factor, whole): (usize, f64, Option<f64>),
+        (elapsed, ends): (&Elapsed, bool),
         (from, to): (f64, f64),
         (ending, closing): (Option<(usize, &Switch)>, Option<usize>),
         (opened, touched): (&[usize], &[usize]),
@@ -314,15 +328,28 @@ impl Builder<'_, '_> {
             parabolas,
             tableau,
             places,
+            shape,
             ..
         } = self.setting;
-        let closed = self.closed();
-        let (n, program) = (self.n, &mut self.program);
+        let n = self.n;
         let contacts = model.declaration().contacts;
         let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let u = self.frame.controls[interval].clone();
+        let closed = self.closed();
         let label = format!("interval {interval}, phase {}", index.0);
         let stages = tableau.stages();
+        let mut controls = Vec::with_capacity(stages);
+        let part = whole.map(|whole| whole * factor * problem.intervals as f64);
+        let length = self.guess.horizon / problem.intervals as f64;
+        for (m, c) in tableau.c().iter().enumerate() {
+            let mut moment = elapsed.later(scale, c * factor, part.map(|part| c * part));
+            if ends && m + 1 == stages && *c == 1.0 {
+                moment = moment.all();
+            }
+            let guess = (from + c * (to - from)) / length - interval as f64;
+            let place = format!("at stage {m} of {label}");
+            controls.push(self.controls_at(interval, &moment, guess, &place));
+        }
+        let program = &mut self.program;
         let mut phase = Phase {
             interval,
             index,
@@ -381,6 +408,7 @@ impl Builder<'_, '_> {
             corrections.push(shifts);
             phase.stages.push(Stage {
                 state,
+                controls: std::mem::take(&mut controls[m]),
                 forces,
                 gap_rows: Vec::new(),
                 tangential: rubbing,
@@ -388,7 +416,12 @@ impl Builder<'_, '_> {
         }
         for (m, corrections) in corrections.iter().enumerate() {
             let mut rubbing = std::mem::take(&mut phase.stages[m].tangential);
-            let Stage { state, forces, .. } = &phase.stages[m];
+            let Stage {
+                state,
+                controls: u,
+                forces,
+                ..
+            } = &phase.stages[m];
             let mut gap_rows = Vec::with_capacity(contacts.len());
             let (q, v) = state.split_at(n);
             let slopes = lagrange(tableau, tableau.c()[m], true);
@@ -412,7 +445,7 @@ impl Builder<'_, '_> {
                 }
             }
             let kernel = Kernel::Acceleration(Vec::new());
-            program.block(&kernel, [q, v, &u, &[]], Some(scale), free_pushes);
+            program.block(&kernel, [q, v, u, &[]], Some(scale), free_pushes);
             if !closed.is_empty() {
                 for tangential in &mut rubbing {
                     let place = (turns, m + 1 == stages);
@@ -454,19 +487,24 @@ impl Builder<'_, '_> {
         }
         for (m, stage) in phase.stages.iter().enumerate() {
             let (q, v) = stage.state.split_at(n);
-            let weight = (scale, factor * tableau.b()[m]);
-            self.frame
-                .running_cost(program, problem, [q, v, &u], weight);
+            let (u, weight) = (&stage.controls[..], (scale, factor * tableau.b()[m]));
+            self.frame.running_cost(program, problem, [q, v, u], weight);
             if places.path != PathPoints::Ends || m + 1 == stages {
                 let place = format!("at stage {m} of {label}");
-                self.frame.path_rows(program, problem, [q, v, &u], &place);
+                self.frame.path_rows(program, problem, [q, v, u], &place);
             }
         }
         if places.path == PathPoints::Both && (interval, index.0) != (0, 0) {
             let (q, v) = phase.start.split_at(n);
             let place = format!("at the start of {label}");
-            self.frame.path_rows(program, problem, [q, v, &u], &place);
+            let u = self.controls_within(&phase, 0.0, &place);
+            self.frame
+                .path_rows(&mut self.program, problem, [q, v, &u], &place);
         }
+        if (interval, index.0) == (0, 0) {
+            self.first_path_rows(&phase);
+        }
+        let program = &mut self.program;
         // The force right at the start of a contact phase, extrapolated from the stages.
         let mut values = vec![0.0; stages];
         tableau.lagrange_values(0.0, &mut values);
@@ -480,7 +518,8 @@ impl Builder<'_, '_> {
         // The normal acceleration after an opening at a jump of the controls: the slope of the normal
         // velocity, which starts from 0.
         // The same after a touch without a bounce.
-        let jump = opened.iter().filter(|_| index.0 == 0);
+        let jumps = index.0 == 0 && shape == ControlShape::Constant;
+        let jump = opened.iter().filter(|_| jumps);
         let plastic = touched.iter().filter(|&&i| model.restitution(i) == 0.0);
         for &i in jump.chain(plastic) {
             let name = format!("opening of `{}` at the start of {label}", contacts[i].name);
@@ -515,10 +554,7 @@ impl Builder<'_, '_> {
             return;
         }
         if let Some(phase) = self.phases.last().filter(|_| switch.opens()) {
-            let slot = phase.closed.iter().position(|&i| i == switch.contact);
-            if let (Some(slot), Some(stage)) = (slot, phase.stages.last()) {
-                self.program.bound(stage.forces[slot], 0.0, 0.0);
-            }
+            vanish(&mut self.program, phase, switch.contact);
         }
         self.enter(switch, companions);
     }
@@ -605,6 +641,14 @@ impl Builder<'_, '_> {
     }
 }
 
+/// The force of a contact vanishes at the end of a phase.
+fn vanish(program: &mut Program, phase: &Phase, contact: usize) {
+    let slot = phase.closed.iter().position(|&i| i == contact);
+    if let (Some(slot), Some(stage)) = (slot, phase.stages.last()) {
+        program.bound(stage.forces[slot], 0.0, 0.0);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::collocation::{CutKind, Places, Setting, parabolas};
@@ -640,6 +684,12 @@ mod tests {
 
     #[test]
     fn derivatives_of_both_programs_agree_with_differences() {
+        for shape in [ControlShape::Constant, ControlShape::Linear] {
+            check_both(shape);
+        }
+    }
+
+    fn check_both(shape: ControlShape) {
         let model = Demanding(Sledge::default());
         let problem = problem(&model);
         let (lower, upper) = bounds(&model);
@@ -665,6 +715,7 @@ mod tests {
                 bounds: BoundsAt::AllTimes,
                 path: PathPoints::Both,
             },
+            shape,
         };
         let switch = |closes, interval, place, time| Switch {
             contact: 0,
