@@ -100,8 +100,8 @@ pub(super) struct Phase {
     pub(super) yielded: Vec<usize>,
     /// The switch at the end inside the interval, as an index into the sequence.
     pub(super) ends_with: Option<usize>,
-    /// The contact that closes or is touched at the end.
-    pub(super) closing: Option<usize>,
+    /// The contacts that close or are touched at the end.
+    pub(super) closing: Vec<usize>,
 }
 
 /// The program with its phases.

@@ -175,7 +175,20 @@ impl<'a> Search<'a, '_> {
         };
         let read = self.read(&replay, &best.path);
         let interval = best.path.horizon / self.setting.problem.intervals as f64;
-        let disagreement = self.disagreement(&best.sequence, &read, interval);
+        let model = self.setting.model;
+        let simulated = Path::of_simulation(
+            model,
+            &replay,
+            best.path.horizon,
+            best.path.controls.clone(),
+        );
+        // A slip over less than the distance that is let pass is none.
+        let slowest = self.settings.largest_distance / best.path.horizon;
+        let disagreement = self.disagreement(
+            &best.sequence.seen(model, &best.path, slowest),
+            &read.seen(model, &simulated, slowest),
+            interval,
+        );
         let agrees = distance <= self.settings.largest_distance && disagreement.is_none();
         let status = if self.watch.stopped {
             Status::Interrupted

@@ -149,7 +149,7 @@ pub(super) fn between_stages(
         while next < program.phases.len() {
             let open = |phase: &usize| !program.phases[*phase].closed.contains(&contact);
             // A flight ends where the contact closes or is touched.
-            let lands = |phase: &usize| program.phases[*phase].closing == Some(contact);
+            let lands = |phase: &usize| program.phases[*phase].closing.contains(&contact);
             let until = (next..program.phases.len()).find(lands);
             let until = until.map_or(program.phases.len(), |last| last + 1);
             let flight: Vec<usize> = (next..until).take_while(open).collect();

@@ -13,8 +13,9 @@
 //! sliding acceleration in the direction of the slip after it. Between the impulses of an impact the law is the same,
 //! with the sliding velocity after the impact (Moreau 1988); a contact that is at rest then may stick or slip.
 //!
-//! Contacts of one body stop together: the velocity of one of them is asked to vanish. When they yield together, their
-//! forces are all at the edge; how they share the load before is left open.
+//! Contacts of one body stop together: the velocity of one of them is asked to vanish, and whether those of the others
+//! do is for the re-simulation to judge. Their forces reach the edges of their cones together; how they share the load
+//! before is left open.
 
 use super::collocation::{Phase, Stage, lagrange};
 use super::kernel::Kernel;

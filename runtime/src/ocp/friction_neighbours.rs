@@ -13,16 +13,6 @@ struct Change {
     back: Mode,
 }
 
-/// Without changes that are none any more.
-fn consistent(mut sequence: Sequence) -> Sequence {
-    let mut modes = sequence.initially.clone();
-    sequence.switches.retain(|switch| {
-        let before = std::mem::replace(&mut modes[switch.contact], switch.mode);
-        switch.closes || before != switch.mode
-    });
-    sequence
-}
-
 impl Pressure<'_, '_> {
     fn presses(&self, row: usize) -> bool {
         self.solution.multipliers[row].abs() > self.threshold()
@@ -164,7 +154,7 @@ impl Pressure<'_, '_> {
                     before => before,
                 };
             }
-            found.push(consistent(sequence));
+            found.push(sequence.consistent());
         }
         found
     }
@@ -281,7 +271,7 @@ impl Pressure<'_, '_> {
                     };
                     sequence.switches.insert(index + 1, companion);
                 }
-                found.push(consistent(sequence));
+                found.push(sequence.consistent());
             }
         }
         found

@@ -93,8 +93,9 @@ pub(super) fn is_rough(model: &dyn Model, contact: usize) -> bool {
 /// Sliding velocity of a contact with friction at `x`, which starts with `(q, v)`.
 pub(super) fn sliding_velocity(model: &dyn Model, contact: usize, x: &[f64]) -> f64 {
     let declaration = model.declaration();
-    let mut point = vec![0.0; tangent_point::length(declaration.coordinates.len())];
-    let mut input = x.to_vec();
+    let n = declaration.coordinates.len();
+    let mut point = vec![0.0; tangent_point::length(n)];
+    let mut input = x[..2 * n].to_vec();
     input.resize(declaration.inputs(), 0.0);
     model.tangent(contact, &input, &mut point);
     point[tangent_point::SLIDING_VELOCITY]

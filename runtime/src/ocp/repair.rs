@@ -229,7 +229,7 @@ impl Pressure<'_, '_> {
                 }
                 for contact in (0..contacts).filter(|i| !phase.closed.contains(i)) {
                     let row = stage.gap_rows[contact];
-                    let closes = last && phase.closing == Some(contact);
+                    let closes = last && phase.closing.contains(&contact);
                     if !closes
                         && self.solution.multipliers[row].abs() > threshold
                         && self.gap(contact, &stage.state, &x) < self.touching

@@ -241,7 +241,7 @@ impl<'a> Search<'a, '_> {
         let solved = program.solved(x);
         let touched = |index: usize| program.sequence.switches[index].touches();
         program.phases.iter().zip(&solved).any(|(phase, solved)| {
-            let (Some(contact), Some(index)) = (phase.closing, phase.ends_with) else {
+            let (Some(&contact), Some(index)) = (phase.closing.first(), phase.ends_with) else {
                 return false;
             };
             let Some(end) = solved.states.last().filter(|_| touched(index)) else {

@@ -1,6 +1,7 @@
 //! Which contact closes, opens, begins to stick or to slip when: the contact sequence of a motion.
 
 use super::mode::{Mode, after, is_rough, sliding_velocity, zero_velocity};
+use super::path::Path;
 use crate::model::Model;
 use crate::simulation::{Event, EventKind, Simulation};
 
@@ -34,8 +35,8 @@ pub(super) struct Switch {
     /// How it slides right after the impulse that belongs to the switch, if one does: its own, or that of the impact
     /// it accompanies.
     pub(super) impulse: Mode,
-    /// Whether a closed contact switches because another one does, with the switch before it: it is struck by the
-    /// other's impact, or both slide as parts of one body.
+    /// Whether the contact switches at the same instant as another one, with the switch before it: both take part in
+    /// one impact, or slide as parts of one body.
     pub(super) accompanies: bool,
     pub(super) interval: usize,
     pub(super) place: Place,
@@ -138,7 +139,7 @@ impl Sequence {
                 let slides = matches!(event.kind, EventKind::Stick | EventKind::Slip);
                 let leads = |other: &Event| {
                     let kind = match other.kind {
-                        EventKind::Impact => true,
+                        EventKind::Impact => closes || rough,
                         EventKind::Stick | EventKind::Slip => slides,
                         _ => false,
                     };
@@ -156,7 +157,7 @@ impl Sequence {
                     closes,
                     mode,
                     impulse,
-                    accompanies: rough && !closes && simulation.events[..index].iter().any(leads),
+                    accompanies: simulation.events[..index].iter().any(leads),
                     interval: (interval as usize).min(intervals - 1),
                     place,
                     time,
@@ -317,6 +318,55 @@ impl Sequence {
             let next = (i + 1..self.switches.len()).find(|&j| self.switches[j].contact == contact);
             next.map(|j| (i, j))
         })
+    }
+
+    /// As a simulation may see it: contacts that slip no faster than `slowest` rest, and switches of one instant are in
+    /// the order of the contacts.
+    pub(super) fn seen(&self, model: &dyn Model, path: &Path, slowest: f64) -> Self {
+        let mut sequence = self.clone();
+        let length = path.horizon / path.controls.intervals() as f64;
+        let rests = |contact: usize, from: f64, to: f64| {
+            let times = path.time.iter().zip(&path.states);
+            let mut inside = times.filter(|(time, _)| (from..=to).contains(&(*time / length)));
+            inside.all(|(_, state)| sliding_velocity(model, contact, state).abs() <= slowest)
+        };
+        for (contact, mode) in sequence.initially.iter_mut().enumerate() {
+            let mut own = self.switches.iter().filter(|s| s.contact == contact);
+            let end = own.next().map_or(f64::INFINITY, |switch| switch.time);
+            if matches!(mode, Mode::Slip(_)) && rests(contact, 0.0, end) {
+                *mode = Mode::Stick;
+            }
+        }
+        for (index, switch) in sequence.switches.iter_mut().enumerate() {
+            let mut own = self.switches[index + 1..].iter();
+            let next = own.find(|s| s.contact == switch.contact);
+            let end = next.map_or(f64::INFINITY, |next| next.time);
+            // What is seen at a switch itself may belong to the motion before it.
+            let start = switch.time + AT_THE_END;
+            if matches!(switch.mode, Mode::Slip(_)) && rests(switch.contact, start, end) {
+                switch.mode = Mode::Stick;
+            }
+        }
+        let mut sequence = sequence.consistent();
+        let switches = &mut sequence.switches;
+        let mut start = 0;
+        for end in 1..=switches.len() {
+            if end == switches.len() || switches[end].time > switches[end - 1].time + AT_THE_END {
+                switches[start..end].sort_by_key(|switch| switch.contact);
+                start = end;
+            }
+        }
+        sequence
+    }
+
+    /// Without changes that are none.
+    pub(super) fn consistent(mut self) -> Self {
+        let mut modes = self.initially.clone();
+        self.switches.retain(|switch| {
+            let before = std::mem::replace(&mut modes[switch.contact], switch.mode);
+            switch.closes || before != switch.mode
+        });
+        self
     }
 
     /// With one switch, or none, in the place of those of a contact from `first` to `last`.

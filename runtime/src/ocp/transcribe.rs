@@ -183,9 +183,7 @@ impl Builder<'_, '_> {
                 let time = self.guess.horizon * interval as f64 * share;
                 let label = format!("interval {}", interval - 1);
                 self.close((index, switch), companions, &label, time);
-                if switch.touches() {
-                    touched.push(switch.contact);
-                }
+                touched.extend(touches(switch, companions));
                 before.clone_from(&self.state);
             } else {
                 if switch.opens() {
@@ -246,29 +244,27 @@ impl Builder<'_, '_> {
                 (interval as f64 + end) * length,
             );
             let ending = inside.get(p).copied();
-            let closing = match ending {
-                Some((_, switch)) => switch.closes.then_some(switch.contact),
-                None => switches
-                    .iter()
-                    .find(|s| s.closes && s.interval == interval + 1 && s.place == Place::Start)
-                    .map(|s| s.contact),
-            };
             let opened: Vec<usize> = match p.checked_sub(1).map(|before| inside[before].1) {
                 None => openings.clone(),
                 Some(before) if before.opens() => vec![before.contact],
                 Some(_) => Vec::new(),
             };
-            let ends = |index: usize, switch: &Switch| match ending {
-                Some((first, leader)) => {
+            let ends = |(index, switch): (usize, &Switch)| match ending {
+                Some((first, _)) => {
                     let companions = Sequence::companions(switches, first).len();
-                    !leader.closes && (first..=first + companions).contains(&index)
+                    (first..=first + companions).contains(&index)
                 }
                 None => switch.interval == interval + 1 && switch.place == Place::Start,
             };
-            let mut impact = false;
+            let (mut closing, mut impact) = (Vec::new(), false);
             for (index, switch) in switches.iter().enumerate() {
                 impact = switch.closes || impact && switch.accompanies;
-                if ends(index, switch) && !impact {
+                if !ends((index, switch)) {
+                    continue;
+                }
+                if switch.closes {
+                    closing.push(switch.contact);
+                } else if !impact {
                     turns.end(switch, self.modes[switch.contact], jumps);
                 }
             }
@@ -281,7 +277,7 @@ impl Builder<'_, '_> {
                     (scale, factor / elements as f64, whole),
                     (&elapsed, p + 1 == count && last),
                     (time(e), time(e + 1)),
-                    (ending.filter(|_| last), closing.filter(|_| last)),
+                    (ending.filter(|_| last), if last { &closing } else { &[] }),
                     if first {
                         (&opened, &touched)
                     } else {
@@ -301,8 +297,8 @@ impl Builder<'_, '_> {
                 self.switch((index, switch), companions, (interval, p), times.1);
             }
             touched = match ending {
-                Some((_, switch)) if switch.touches() => vec![switch.contact],
-                _ => Vec::new(),
+                Some((index, switch)) => touches(switch, Sequence::companions(switches, index)),
+                None => Vec::new(),
             };
             begin = end;
         }
@@ -316,7 +312,7 @@ impl Builder<'_, '_> {
         (scale, factor, whole): (usize, f64, Option<f64>),
         (elapsed, ends): (&Elapsed, bool),
         (from, to): (f64, f64),
-        (ending, closing): (Option<(usize, &Switch)>, Option<usize>),
+        (ending, closing): (Option<(usize, &Switch)>, &[usize]),
         (opened, touched): (&[usize], &[usize]),
         turns: &Turns,
     ) {
@@ -364,7 +360,7 @@ impl Builder<'_, '_> {
             cones: Vec::new(),
             yielded: turns.yielded.clone(),
             ends_with: ending.map(|(index, _)| index),
-            closing,
+            closing: closing.to_vec(),
         };
         let mut corrections = Vec::with_capacity(stages);
         for (m, c) in tableau.c().iter().enumerate() {
@@ -459,7 +455,7 @@ impl Builder<'_, '_> {
             }
             for (i, contact) in contacts.iter().enumerate() {
                 let last = m + 1 == stages;
-                let closes = last && closing == Some(i);
+                let closes = last && closing.contains(&i);
                 let upper = if closed.contains(&i) || closes {
                     0.0
                 } else {
@@ -647,6 +643,12 @@ fn vanish(program: &mut Program, phase: &Phase, contact: usize) {
     if let (Some(slot), Some(stage)) = (slot, phase.stages.last()) {
         program.bound(stage.forces[slot], 0.0, 0.0);
     }
+}
+
+/// The contacts that are touched in an impact.
+fn touches(switch: &Switch, companions: &[Switch]) -> Vec<usize> {
+    let struck = std::iter::once(switch).chain(companions);
+    struck.filter(|s| s.touches()).map(|s| s.contact).collect()
 }
 
 #[cfg(test)]
