@@ -25,7 +25,7 @@
 
 use super::control_grid::ControlGrid;
 use super::friction::Tangential;
-use super::mode::{Direction, Mode};
+use super::mode::{Direction, Mode, is_rough};
 use super::path::{Path, Units};
 use super::problem::Problem;
 use super::program::Program;
@@ -162,7 +162,8 @@ pub(super) fn parabolas(model: &dyn Model, start: &[f64]) -> Vec<bool> {
             let pushed = declaration.contacts.iter().enumerate().any(|(i, contact)| {
                 model.contact(i, &x, &mut point);
                 let mut entries = contact.jacobian.entries.iter();
-                let rubbed = contact.friction.is_some_and(|friction| {
+                let friction = contact.friction.filter(|_| is_rough(model, i));
+                let rubbed = friction.is_some_and(|friction| {
                     model.tangent(i, &x, &mut tangent);
                     let mut entries = friction.jacobian.entries.iter();
                     tangent[tangent_point::direction(n) + k] != 0.0

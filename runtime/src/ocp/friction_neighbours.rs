@@ -205,13 +205,14 @@ impl Pressure<'_, '_> {
         found
     }
 
-    /// The sequence with changes of the way of sliding from a time on, and back a little later.
+    /// The sequence with changes of the way of sliding from a time on, and back a little later unless the motion ends
+    /// before.
     fn inserted(&self, changes: &[Change], (place, time): (Place, f64)) -> Option<Sequence> {
         if changes.is_empty() {
             return None;
         }
         let mut sequence = self.sequence.clone();
-        let until = (time + INSERTED).min(self.intervals as f64 - STUCK);
+        let until = time + INSERTED;
         let from = match place {
             Place::Start => time.round(),
             Place::Inside => (time - INSERTED).max(0.0),
@@ -226,10 +227,12 @@ impl Pressure<'_, '_> {
                     ..Self::slide(change.contact, change.to, place, from)
                 });
             }
-            sequence.switches.push(Switch {
-                accompanies,
-                ..Self::slide(change.contact, change.back, Place::Inside, until)
-            });
+            if until < self.intervals as f64 {
+                sequence.switches.push(Switch {
+                    accompanies,
+                    ..Self::slide(change.contact, change.back, Place::Inside, until)
+                });
+            }
         }
         Some(sequence)
     }

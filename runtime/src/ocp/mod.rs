@@ -12,6 +12,9 @@
 //! re-simulation      event-driven, under the final controls; its distance from the plan is part of the result
 //! ```
 //!
+//! A contact without friction is open or closed; one with Coulomb friction is open, sticks, or slips forward or
+//! backward, and the sequence holds the changes between these as well.
+//!
 //! The relaxed complementarity problem of the first phase is never reported as a result. What comes out is a local
 //! optimum; [`Stationarity`] says what is proved about its contact sequence.
 //!

@@ -107,12 +107,13 @@ pub(super) fn zero_velocity(v: &[f64]) -> f64 {
 }
 
 /// The mode of a closed contact right after entry `index` of a simulation. At rest a contact with friction may
-/// begin to slide: then its force lies on the edge of the friction cone, and it moves a moment later.
+/// begin to slip, in the direction against which its force acts. `slips` says whether it does; if that is not known,
+/// it does if its force lies on the edge of the friction cone and it moves before its next event.
 pub(super) fn after(
     model: &dyn Model,
     simulation: &Simulation,
-    contact: usize,
-    index: usize,
+    (contact, index): (usize, usize),
+    slips: Option<bool>,
 ) -> Mode {
     if !is_rough(model, contact) {
         return Mode::Frictionless;
@@ -128,12 +129,22 @@ pub(super) fn after(
     if resting != Mode::Stick {
         return resting;
     }
-    let limit = model.friction(contact) * trajectory.contact_force[index][contact];
     let force = trajectory.friction_force[index][contact];
+    if let Some(slips) = slips {
+        return match slips {
+            true => Mode::Slip(Direction::of(-force)),
+            false => Mode::Stick,
+        };
+    }
+    let limit = model.friction(contact) * trajectory.contact_force[index][contact];
     let time = trajectory.time[index];
-    let mut later = index..trajectory.time.len();
-    let next = later.find(|&next| trajectory.time[next] > time);
-    let moves = next.is_some_and(|next| velocity(next).abs() > zero_velocity(&trajectory.v[next]));
+    let mut events = simulation.events.iter();
+    let next = events.find(|event| event.contact == contact && event.time > time);
+    let until = next.map_or(f64::INFINITY, |next| next.time);
+    let mut later = index + 1..trajectory.time.len();
+    let moves = later.any(|next| {
+        trajectory.time[next] <= until && velocity(next).abs() > zero_velocity(&trajectory.v[next])
+    });
     if force.abs() >= EDGE * limit && moves {
         Mode::Slip(Direction::of(-force))
     } else {

@@ -108,9 +108,9 @@ impl Sequence {
     ) -> Self {
         let last = intervals as f64 * (1.0 - AT_THE_END);
         let trajectory = &simulation.trajectory;
-        let mode_at = |contact: usize, time: f64| {
+        let mode_at = |contact: usize, time: f64, slips: Option<bool>| {
             let index = trajectory.time.partition_point(|&t| t <= time);
-            after(model, simulation, contact, index.saturating_sub(1))
+            after(model, simulation, (contact, index.saturating_sub(1)), slips)
         };
         let switches = simulation
             .events
@@ -123,7 +123,9 @@ impl Sequence {
                 let mode = match event.kind {
                     EventKind::LiftOff => Mode::Open,
                     EventKind::Impact if touches(simulation, index) => Mode::Open,
-                    _ => mode_at(contact, event.time),
+                    EventKind::Slip => mode_at(contact, event.time, Some(true)),
+                    EventKind::Stick => mode_at(contact, event.time, Some(false)),
+                    _ => mode_at(contact, event.time, None),
                 };
                 let rough = is_rough(model, contact);
                 let velocity = || {
@@ -174,7 +176,7 @@ impl Sequence {
                 Some(first) if trajectory.contact_force[0][contact] <= 0.0 => first.time,
                 _ => 0.0,
             };
-            mode_at(contact, landing)
+            mode_at(contact, landing, None)
         });
         let mut sequence = Self {
             initially: initially.collect(),
