@@ -14,7 +14,7 @@ use super::method::ChosenMethod;
 use super::output::OutputDirectory;
 use super::progress::Progress;
 use super::settings::ChosenScene;
-use super::table::{headed, per_second, seconds, table};
+use super::table::{counted, headed, per_second, seconds, table};
 
 pub(super) fn run(
     scenes: &'static [Scene],
@@ -180,14 +180,13 @@ fn tables(
     let counts = simulation.counts;
     let _ = writeln!(
         text,
-        "counts      {} elements, {} Newton iterations, {} factorizations, {} evaluations, \
-         {} interior point iterations in {} fallbacks",
-        counts.elements,
-        counts.newton,
-        counts.factorizations,
-        counts.evaluations,
-        counts.interior_point,
-        counts.fallbacks
+        "counts      {}, {}, {}, {}, {} in {}",
+        counted(counts.elements, "element"),
+        counted(counts.newton, "Newton iteration"),
+        counted(counts.factorizations, "factorization"),
+        counted(counts.evaluations, "evaluation"),
+        counted(counts.interior_point, "interior point iteration"),
+        counted(counts.fallbacks, "fallback")
     );
     let _ = writeln!(text, "CPU time    {}", seconds(simulation.seconds.total));
     for note in &simulation.notes {

@@ -18,7 +18,7 @@ use super::json::{SolutionDocument, SolverSettings};
 use super::output::OutputDirectory;
 use super::progress::SolveProgress;
 use super::settings::ChosenScene;
-use super::table::{headed, seconds, table};
+use super::table::{counted, headed, seconds, table};
 
 /// Control intervals, unless others are asked for.
 pub(super) const INTERVALS: usize = 30;
@@ -128,7 +128,7 @@ pub(super) fn facts(method: &SolverSettings, solution: &Solution) -> Vec<[String
             "method",
             format!(
                 "{}, {}, {} stages, {} intervals, {} controls",
-                method.name, method.scheme, method.stages, method.intervals, method.controls
+                method.name, method.scheme, method.stages, method.intervals, method.control_shape
             ),
         ),
         ("status", solution.status.name().to_owned()),
@@ -152,18 +152,18 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
     let _ = writeln!(text, "parameters    {}", chosen.parameters().join(", "));
     let _ = writeln!(
         text,
-        "method        {}, {}, {} stages, {} intervals of {} elements, {} controls, {} starts",
+        "method        {}, {}, {}, {} of {}, {} controls, {}",
         method.name,
         method.scheme,
-        method.stages,
-        method.intervals,
-        method.elements,
-        method.controls,
-        method.starts
+        counted(method.stages, "stage"),
+        counted(method.intervals, "interval"),
+        counted(method.elements, "element"),
+        method.control_shape,
+        counted(method.starts, "start")
     );
     let _ = writeln!(text, "status        {}", solution.status.name());
     if solution.motion.is_none() {
-        let _ = writeln!(text, "CPU time      {}", seconds(solution.seconds));
+        text += &work(solution);
         return text;
     }
     let _ = writeln!(text, "objective     {:.10}", solution.objective);
@@ -186,7 +186,10 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
         ]
     });
     text += &relaxed_and_optima(solution);
-    text += &table(["event", "contact", "time [s]"], rows);
+    text += &match rows.len() {
+        0 => "no events\n".to_owned(),
+        _ => table(["event", "contact", "time [s]"], rows),
+    };
     text += "\n";
     let controls = declaration.controls.iter();
     let (place, intervals) = match solution.shape {
@@ -211,18 +214,22 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
         "residuals     primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
         residuals.primal, residuals.dual, residuals.complementarity
     );
-    let counts = solution.counts;
-    let _ = writeln!(
-        text,
-        "counts        {} programs, {} + {} interior point iterations, {} factorizations, {} repairs",
-        counts.programs,
-        counts.global_iterations,
-        counts.iterations,
-        counts.factorizations,
-        counts.repairs
-    );
-    let _ = writeln!(text, "CPU time      {}", seconds(solution.seconds));
+    text += &work(solution);
     text
+}
+
+/// What the result took.
+fn work(solution: &Solution) -> String {
+    let counts = solution.counts;
+    format!(
+        "counts        {}, {} + {}, {}, {}\nCPU time      {}\n",
+        counted(counts.programs, "program"),
+        counts.global_iterations,
+        counted(counts.iterations, "interior point iteration"),
+        counted(counts.factorizations, "factorization"),
+        counted(counts.repairs, "repair"),
+        seconds(solution.seconds)
+    )
 }
 
 /// The complementarity problem before the polish, and the local optima of several starts.

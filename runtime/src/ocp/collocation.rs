@@ -29,7 +29,7 @@ use super::mode::{Direction, Mode, is_rough};
 use super::path::{Path, Units};
 use super::problem::Problem;
 use super::program::Program;
-use super::sequence::Sequence;
+use super::sequence::{Sequence, Switch};
 use super::settings::{BoundsAt, ControlShape, PathPoints};
 use crate::model::{Model, contact_point, tangent_point};
 use crate::rk::ButcherTableau;
@@ -65,8 +65,8 @@ pub(super) struct Cut {
 pub(super) struct Stage {
     /// `q` then `v`.
     pub(super) state: Vec<usize>,
-    /// Controls at the stage; those of the interval where they are constant.
-    pub(super) controls: Vec<usize>,
+    /// Controls at the stage, those of the interval where they are constant, and the time where the model reads it.
+    pub(super) drive: Vec<usize>,
     /// Normal accelerations of the closed contacts times the length of the phase, in the order of
     /// [`Phase::closed`].
     pub(super) forces: Vec<usize>,
@@ -112,6 +112,8 @@ pub(super) struct Collocation<'a> {
     pub(super) phases: Vec<Phase>,
     /// Contacts with friction in the impacts, by the index of the switch.
     pub(super) impacts: Vec<(usize, Tangential)>,
+    /// Touches, and the row of the least impact velocity of each.
+    pub(super) touches: Vec<(Switch, usize)>,
     pub(super) tableau: &'a ButcherTableau,
     pub(super) horizon: usize,
     /// Variables of the controls on each interval, or at each node.
@@ -149,7 +151,8 @@ pub(super) fn parabolas(model: &dyn Model, start: &[f64]) -> Vec<bool> {
     x.resize(declaration.inputs(), 0.0);
     let mut point = vec![0.0; contact_point::length(n)];
     let mut tangent = vec![0.0; tangent_point::length(n)];
-    let controls = |column: u32| column as usize >= 2 * n;
+    let places = 2 * n..2 * n + declaration.controls.len();
+    let controls = |column: u32| places.contains(&(column as usize));
     let affine = !declaration
         .free_hessian
         .entries
@@ -206,8 +209,8 @@ pub(super) struct SolvedPhase {
     /// Start and length \[s\].
     pub(super) start: f64,
     pub(super) length: f64,
-    /// States `(q, v)` at the start and the stages.
-    pub(super) states: Vec<Vec<f64>>,
+    /// Input vectors of the model at the start and the stages.
+    pub(super) inputs: Vec<Vec<f64>>,
 }
 
 impl Collocation<'_> {
@@ -226,13 +229,22 @@ impl Collocation<'_> {
             .map(|phase| {
                 let length = phase.factor * x[phase.scale];
                 time += length;
-                let stages = phase.stages.iter().map(|stage| values(&stage.state));
+                let mut inputs = vec![values(&phase.start)];
+                let stages = phase.stages.iter();
+                inputs.extend(
+                    stages.map(|stage| [values(&stage.state), values(&stage.drive)].concat()),
+                );
+                // Controls and time are affine over a phase.
+                let (c, last) = (self.tableau.c(), inputs.len() - 1);
+                let share = c[0] / (c[last - 1] - c[0]);
+                for k in inputs[0].len()..inputs[last].len() {
+                    let (from, to) = (inputs[1][k], inputs[last][k]);
+                    inputs[0].push(from - share * (to - from));
+                }
                 SolvedPhase {
                     start: time - length,
                     length,
-                    states: std::iter::once(values(&phase.start))
-                        .chain(stages)
-                        .collect(),
+                    inputs,
                 }
             })
             .collect()
@@ -259,15 +271,15 @@ impl Collocation<'_> {
         }
         for (phase, solved) in self.phases.iter().zip(self.solved(point)) {
             let nodes = std::iter::once(0.0).chain(self.tableau.c().iter().copied());
-            for (index, (node, state)) in nodes.zip(&solved.states).enumerate() {
+            for (index, (node, input)) in nodes.zip(&solved.inputs).enumerate() {
                 let mut forces = vec![0.0; contacts];
                 let stage = &phase.stages[index.saturating_sub(1)];
                 for (&i, &force) in phase.closed.iter().zip(&stage.forces) {
                     forces[i] = x[force] / solved.length;
                 }
                 path.time.push(solved.start + node * solved.length);
-                path.states
-                    .push(state.iter().copied().chain(forces).collect());
+                let state = input[..phase.start.len()].iter().copied();
+                path.states.push(state.chain(forces).collect());
             }
             if let Some(index) = phase.ends_with {
                 let switch = &mut sequence.switches[index];

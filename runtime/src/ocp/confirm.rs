@@ -1,6 +1,8 @@
 //! The judgement of a plan: an independent simulation under its controls.
 
+use super::attempt::Purpose;
 use super::cuts::excess;
+use super::grid::ROUNDS;
 use super::mode::Mode;
 use super::path::Path;
 use super::previous::Previous;
@@ -20,10 +22,6 @@ const ON_THE_SURFACE: f64 = 1e-9;
 
 /// Points of the re-simulation in each interval.
 const OUTPUTS: usize = 10;
-
-/// Rounds in which the grid is refined where the re-simulation does not confirm a plan, and most elements of a phase.
-const REFINEMENTS: usize = 2;
-const MOST_ELEMENTS: usize = 8;
 
 impl<'a> Search<'a, '_> {
     pub(super) fn simulate(&self, path: &Path, tolerance: f64) -> Result<Simulation, InputError> {
@@ -67,6 +65,7 @@ impl<'a> Search<'a, '_> {
             .take()
             .unwrap_or((nlp::Status::IterationLimit, Vec::new()));
         let status = match status {
+            _ if self.watch.stopped => Status::Interrupted,
             nlp::Status::Infeasible => Status::Infeasible,
             nlp::Status::Interrupted => Status::Interrupted,
             status => Status::Failed(status),
@@ -74,7 +73,8 @@ impl<'a> Search<'a, '_> {
         Solution::without_motion(status, violations, self.counts)
     }
 
-    /// Re-simulates a motion, with more stages as long as the plan does not agree with the simulation.
+    /// Re-simulates a motion, with more elements where they are needed, and else with more stages, as long as the plan
+    /// does not agree with the simulation.
     pub(super) fn refine(
         &mut self,
         local: Local<'a>,
@@ -88,15 +88,15 @@ impl<'a> Search<'a, '_> {
         let mut solution = self.finish(local, stationarity)?;
         let first = self.setting.tableau;
         let coarse = self.elements.clone();
-        for _ in 0..REFINEMENTS {
+        for _ in 0..ROUNDS {
             if self.watch.stopped
                 || solution.status != Status::Unconfirmed
-                || !self.refine_grid(&path)?
+                || !self.refine_grid(&path, solution.resimulation_error)
             {
                 break;
             }
             self.best = None;
-            self.attempt(&sequence, &path, &[])?;
+            self.attempt(&sequence, &path, &[], Purpose::Compare)?;
             let Some(better) = self.best.take() else {
                 break;
             };
@@ -111,7 +111,7 @@ impl<'a> Search<'a, '_> {
             }
             self.setting.tableau = tableau;
             self.best = None;
-            self.attempt(&sequence, &path, &cuts)?;
+            self.attempt(&sequence, &path, &cuts, Purpose::Compare)?;
             let Some(better) = self.best.take() else {
                 break;
             };
@@ -121,42 +121,6 @@ impl<'a> Search<'a, '_> {
         }
         self.setting.tableau = first;
         Ok(solution)
-    }
-
-    /// Doubles the elements of the intervals over which the plan departs most from a simulation that starts where
-    /// the plan does; says whether there are any.
-    fn refine_grid(&mut self, path: &Path) -> Result<bool, InputError> {
-        let problem = self.setting.problem;
-        let n = problem.q.len();
-        let intervals = problem.intervals;
-        let length = path.horizon / intervals as f64;
-        let simulator = EventDriven {
-            tolerance: self.settings.resimulation_tolerance,
-            output_times: 1,
-            ..EventDriven::default()
-        };
-        let mut refined = false;
-        for k in 0..intervals {
-            let start = path.at(k as f64 * length, true);
-            let end = path.at((k + 1) as f64 * length, false);
-            let controls = path.controls.signal_of(k, length);
-            let motion = problem.initial_value_problem(&start[..2 * n], length, controls);
-            // A start that rounding puts below a surface tells nothing about the accuracy.
-            let Ok(simulation) = simulator.simulate(self.setting.model, &motion, &mut |_| {})
-            else {
-                continue;
-            };
-            let Some(reached) = simulation.trajectory.q.last() else {
-                continue;
-            };
-            let error = largest_difference(reached, &end[..n]);
-            let share = self.settings.largest_distance / intervals as f64;
-            if error > share && self.elements[k] < MOST_ELEMENTS {
-                self.elements[k] *= 2;
-                refined = true;
-            }
-        }
-        Ok(refined)
     }
 
     /// Re-simulates a motion and compares.
@@ -228,6 +192,7 @@ impl<'a> Search<'a, '_> {
             excess: excess(&best.program, &best.solution.x, self.limits()),
             controls: best.path.controls.values().to_vec(),
             shape: best.path.controls.shape(),
+            elements: self.elements.clone(),
             previous: Some(Previous::new(best.path, best.sequence)),
             motion: Some(replay),
             violations: best.solution.violations,
@@ -282,7 +247,7 @@ impl Search<'_, '_> {
     }
 }
 
-fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     let pairs = a.iter().zip(b);
     pairs.fold(0.0, |largest: f64, (a, b)| largest.max((a - b).abs()))
 }
@@ -295,7 +260,8 @@ fn complementarity(best: &Local) -> f64 {
     let mut largest: f64 = 0.0;
     for phase in &best.program.phases {
         for stage in &phase.stages {
-            for (slot, &variable) in input.iter_mut().zip(&stage.state) {
+            let variables = stage.state.iter().chain(&stage.drive);
+            for (slot, &variable) in input.iter_mut().zip(variables) {
                 *slot = x[variable];
             }
             for (&contact, &force) in phase.closed.iter().zip(&stage.forces) {

@@ -23,7 +23,7 @@ use super::control_grid::ControlGrid;
 use super::frame::{Frame, state_name};
 use super::kernel::Kernel;
 use super::mode::{Direction, Mode, is_rough, sliding_velocity};
-use super::path::{Path, Units};
+use super::path::{Path, Units, drive};
 use super::problem::Problem;
 use super::program::Program;
 use super::settings::ControlShape;
@@ -75,9 +75,15 @@ impl<'a> ContactImplicit<'a> {
         let mut elements = Vec::with_capacity(count);
         let mut unknowns = Vec::with_capacity(count);
         for element in 0..count {
-            let u = &frame.controls[element / per_interval];
+            let mut u = frame.controls[element / per_interval].clone();
             let time = guess.horizon * (element + 1) as f64 * share;
             let sample = guess.at(time, true);
+            if declaration.explicit_time {
+                let passed = (element + 1) as f64 * share;
+                let name = format!("time after element {element}");
+                u.push(frame.time(&mut program, name, &[(horizon, passed)], time));
+            }
+            let u = &u[..];
             let mut variables = Vec::with_capacity(2 * n + contacts.len());
             for (k, &value) in sample.iter().take(2 * n).enumerate() {
                 let range = if k < n {
@@ -103,18 +109,25 @@ impl<'a> ContactImplicit<'a> {
                 let gap = program.variable(
                     format!("gap `{name}` after element {element}"),
                     (0.0, f64::INFINITY),
-                    gap(model, contact, &sample[..2 * n]),
+                    gap(model, contact, (&sample[..2 * n], time)),
                     units.gap[contact],
                 );
                 let row = program.row(format!("gap `{name}`, element {element}"), 0.0, 0.0);
                 program.linear(row, gap, -1.0);
                 let block = Kernel::Contact(contact);
-                program.block(&block, [&q, &[], &[], &[]], None, vec![(row, 0, 1.0)]);
+                program.block(&block, [&q, &[], u, &[]], None, vec![(row, 0, 1.0)]);
                 program.pair(force, gap);
                 forces.push(force);
                 let sliding = is_rough(model, contact).then(|| {
                     let place = (contact, element, force);
-                    friction(&mut program, model, place, (&q, &v), &sample, units)
+                    friction(
+                        &mut program,
+                        model,
+                        place,
+                        [&q, &v, u],
+                        (&sample, time),
+                        units,
+                    )
                 });
                 pairs.push(Contact {
                     force,
@@ -142,7 +155,7 @@ impl<'a> ContactImplicit<'a> {
                     let half = 0.5 * direction.sign();
                     let uses = uses.iter().map(|&(row, k, c)| (row, k, half * c)).collect();
                     let kernel = Kernel::Friction(vec![contact]);
-                    program.block(&kernel, [&q, &[], &[], &[reserve]], Some(horizon), uses);
+                    program.block(&kernel, [&q, &[], u, &[reserve]], Some(horizon), uses);
                 }
             }
             let kernel = Kernel::Acceleration(contacts.clone());
@@ -212,19 +225,19 @@ fn friction(
     program: &mut Program,
     model: &dyn Model,
     (contact, element, force): (usize, usize, usize),
-    (q, v): (&[usize], &[usize]),
-    sample: &[f64],
+    [q, v, u]: [&[usize]; 3],
+    (sample, time): (&[f64], f64),
     units: &Units,
 ) -> [(usize, usize); 2] {
     let name = model.declaration().contacts[contact].name;
     let mu = model.friction(contact);
     let n = q.len();
-    let velocity = sliding_velocity(model, contact, &sample[..2 * n]);
+    let velocity = sliding_velocity(model, contact, sample, time);
     let positive = (0.0, f64::INFINITY);
     let row = program.row(format!("sliding of `{name}`, element {element}"), 0.0, 0.0);
     let cone = program.row(format!("friction of `{name}`, element {element}"), 0.0, 0.0);
     let uses = vec![(row, 0, -1.0)];
-    program.block(&Kernel::Sliding(contact), [q, v, &[], &[]], None, uses);
+    program.block(&Kernel::Sliding(contact), [q, v, u, &[]], None, uses);
     program.linear(cone, force, -2.0 * mu);
     Direction::BOTH.map(|direction| {
         let sign = direction.sign();
@@ -248,9 +261,10 @@ fn friction(
     })
 }
 
-/// Gap of a contact at `(q, v)`, at least 0.
-fn gap(model: &dyn Model, contact: usize, state: &[f64]) -> f64 {
+/// Gap of a contact at `(q, v)` and a time, at least 0.
+fn gap(model: &dyn Model, contact: usize, (state, time): (&[f64], f64)) -> f64 {
     let mut x = state.to_vec();
-    x.resize(model.declaration().inputs(), 0.0);
+    let controls = vec![0.0; model.declaration().controls.len()];
+    x.extend(drive(model, &controls, time));
     model.gap(contact, &x).max(0.0)
 }

@@ -50,8 +50,8 @@ impl<'p, 'm> Motion<'p, 'm> {
         }
     }
 
-    /// Writes the first components of `(q, v)` at the share `theta` of a phase.
-    pub(super) fn write(&self, phase: usize, theta: f64, state: &mut [f64]) {
+    /// Writes the first components of the model's input vector at the share `theta` of a phase.
+    pub(super) fn write(&self, phase: usize, theta: f64, input: &mut [f64]) {
         let place = theta * POINTS as f64;
         let between;
         let weights = if place.fract() == 0.0 {
@@ -60,22 +60,11 @@ impl<'p, 'm> Motion<'p, 'm> {
             between = lagrange(self.program.tableau, theta, false);
             &between
         };
-        state.fill(0.0);
-        for (values, weight) in self.solved[phase].states.iter().zip(weights) {
-            for (slot, value) in state.iter_mut().zip(values) {
+        input.fill(0.0);
+        for (values, weight) in self.solved[phase].inputs.iter().zip(weights) {
+            for (slot, value) in input.iter_mut().zip(values) {
                 *slot += weight * value;
             }
-        }
-    }
-
-    /// Writes the controls at the share `theta` of a phase: they are affine in time.
-    fn write_controls(&self, phase: usize, theta: f64, controls: &mut [f64]) {
-        let stages = &self.program.phases[phase].stages;
-        let c = self.program.tableau.c();
-        let share = (theta - c[0]) / (c[c.len() - 1] - c[0]);
-        let ends = stages[0].controls.iter().zip(&stages[c.len() - 1].controls);
-        for (slot, (&from, &to)) in controls.iter_mut().zip(ends) {
-            *slot = self.x[from] + share * (self.x[to] - self.x[from]);
         }
     }
 
@@ -93,14 +82,12 @@ impl<'p, 'm> Motion<'p, 'm> {
         let model = self.program.model;
         let declaration = model.declaration();
         let declared = declaration.optimal_control;
-        let n = declaration.coordinates.len();
         let mut input = vec![0.0; declaration.inputs()];
         let mut values = vec![0.0; declared.map_or(0, |d| d.path_functions())];
         let first = declared.map_or(0, |d| usize::from(d.running_cost));
         let relation = declared.map(|d| d.constraints[constraint].relation);
         move |phase, theta| {
-            self.write(phase, theta, &mut input[..2 * n]);
-            self.write_controls(phase, theta, &mut input[2 * n..]);
+            self.write(phase, theta, &mut input);
             model.path_functions(&input, &mut values);
             let value = values[first + constraint];
             match relation {
@@ -142,7 +129,7 @@ pub(super) fn between_stages(
     };
     for contact in 0..declaration.contacts.len() {
         let mut gap = |phase: usize, theta: f64| {
-            motion.write(phase, theta, &mut input[..n]);
+            motion.write(phase, theta, &mut input);
             model.gap(contact, &input)
         };
         let mut next = 0;
@@ -246,7 +233,6 @@ pub(super) fn excess(program: &Collocation, x: &[f64], limits: Limits) -> Option
 fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> Vec<Cut> {
     let model = program.model;
     let declaration = model.declaration();
-    let mut input = vec![0.0; declaration.inputs()];
     let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
     let slopes = lagrange(program.tableau, 0.0, true);
     let mut found = Vec::new();
@@ -260,9 +246,8 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
                 continue;
             }
             let (mut gap, mut acceleration) = (f64::INFINITY, 0.0);
-            for (node, (state, slope)) in solved.states.iter().zip(&slopes).enumerate() {
-                input[..state.len()].copy_from_slice(state);
-                model.contact(contact, &input, &mut point);
+            for (node, (input, slope)) in solved.inputs.iter().zip(&slopes).enumerate() {
+                model.contact(contact, input, &mut point);
                 if node == 0 {
                     gap = point[contact_point::GAP];
                 }

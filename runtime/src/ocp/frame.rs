@@ -74,6 +74,25 @@ impl<'a> Frame<'a> {
         }
     }
 
+    /// A variable for the time that is a sum of `coefficient variable`.
+    pub(super) fn time(
+        &self,
+        program: &mut Program,
+        name: String,
+        terms: &[(usize, f64)],
+        guess: f64,
+    ) -> usize {
+        let unit = program.unit(self.horizon);
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let time = program.variable(name.clone(), free, guess, unit);
+        let row = program.row(name, 0.0, 0.0);
+        program.linear(row, time, 1.0 / unit);
+        for &(variable, coefficient) in terms {
+            program.linear(row, variable, -coefficient / unit);
+        }
+        time
+    }
+
     /// Adds `factor scale` times the running cost at `(q, v, u)` to the objective.
     pub(super) fn running_cost(
         &self,

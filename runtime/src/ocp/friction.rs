@@ -134,12 +134,12 @@ pub(super) fn tangential(
 }
 
 impl Tangential {
-    /// Adds the effect of the tangential force: `coefficient e_k s` for each (row, k, coefficient).
+    /// Adds the effect of the tangential force at `(q, u)`: `coefficient e_k s` for each (row, k, coefficient).
     pub(super) fn push(
         &self,
         program: &mut Program,
         model: &dyn Model,
-        q: &[usize],
+        (q, u): (&[usize], &[usize]),
         uses: &[(usize, usize, f64)],
     ) {
         let (force, ratio) = match (self.force, self.mode) {
@@ -152,16 +152,16 @@ impl Tangential {
         };
         let uses = uses.iter().map(|&(row, k, c)| (row, k, ratio * c));
         let kernel = Kernel::Friction(vec![self.contact]);
-        program.block(&kernel, [q, &[], &[], &[force]], None, uses.collect());
+        program.block(&kernel, [q, &[], u, &[force]], None, uses.collect());
     }
 
-    /// Adds the conditions at a stage or after an impact with the state `(q, v)`; `turns` are those at the end of the
+    /// Adds the conditions at a stage or after an impact, at `(q, v, u)`; `turns` are those at the end of the
     /// element if the stage is the last one.
     pub(super) fn constrain(
         &mut self,
         program: &mut Program,
         model: &dyn Model,
-        (q, v): (&[usize], &[usize]),
+        [q, v, u]: [&[usize]; 3],
         (turns, last): (&Turns, bool),
         label: &str,
     ) {
@@ -171,7 +171,7 @@ impl Tangential {
         let velocity = |program: &mut Program, sign: f64, bounds: (f64, f64)| {
             let name = format!("sliding velocity of `{name}` {label}");
             let row = program.row(name, bounds.0, bounds.1);
-            program.block(&kernel, [q, v, &[], &[]], None, vec![(row, 0, sign)]);
+            program.block(&kernel, [q, v, u, &[]], None, vec![(row, 0, sign)]);
             row
         };
         let Some(force) = self.force else {
@@ -263,7 +263,8 @@ pub(super) fn sliding_acceleration(
     for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
         let (q, v) = stage.state.split_at(stage.state.len() / 2);
         let uses = vec![(row, 0, direction.sign() * slope)];
-        program.block(&Kernel::Sliding(contact), [q, v, &[], &[]], None, uses);
+        let kernel = Kernel::Sliding(contact);
+        program.block(&kernel, [q, v, &stage.drive, &[]], None, uses);
     }
 }
 

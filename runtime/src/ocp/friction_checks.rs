@@ -57,7 +57,7 @@ impl Motion<'_, '_> {
         let mut input = vec![0.0; declaration.inputs()];
         let mut point = vec![0.0; tangent_point::length(n)];
         move |phase, theta| {
-            self.write(phase, theta, &mut input[..2 * n]);
+            self.write(phase, theta, &mut input);
             model.tangent(contact, &input, &mut point);
             direction.sign() * point[tangent_point::SLIDING_VELOCITY]
         }
@@ -115,11 +115,12 @@ impl Builder<'_, '_> {
         };
         let state = self.state_at(phase, cut, 2 * self.n, at);
         let (q, v) = state.split_at(self.n);
+        let drive = self.drive_within(phase, cut.theta, at);
         let name = self.setting.model.declaration().contacts[contact].name;
         let name = format!("sliding velocity of `{name}` {at}");
         let row = self.program.row(name, 0.0, f64::INFINITY);
         let uses = vec![(row, 0, direction.sign())];
         self.program
-            .block(&Kernel::Sliding(contact), [q, v, &[], &[]], None, uses);
+            .block(&Kernel::Sliding(contact), [q, v, &drive, &[]], None, uses);
     }
 }

@@ -1,7 +1,7 @@
 //! Neighbours of a sequence in which contacts stick or slip elsewhere: where a solution presses against the edge of a
 //! friction cone, or against the direction of a slip.
 
-use super::collocation::Phase;
+use super::collocation::{Phase, Stage};
 use super::mode::{Direction, Mode, is_rough, sliding_velocity, zero_velocity};
 use super::repair::{ENTRY, INSERTED, Pressure, STUCK};
 use super::sequence::{Place, Sequence, Switch};
@@ -28,15 +28,16 @@ impl Pressure<'_, '_> {
         own.any(|&(direction, row)| switch.mode == Mode::Slip(direction) && self.presses(row))
     }
 
-    /// The mode in which a contact closes at the state with these variables.
-    pub(super) fn mode_at(&self, contact: usize, state: &[usize], x: &[f64]) -> Mode {
+    /// The mode in which a contact closes at a stage.
+    pub(super) fn mode_at(&self, contact: usize, (stage, time): (&Stage, f64), x: &[f64]) -> Mode {
         let model = self.program.model;
         if !is_rough(model, contact) {
             return Mode::Frictionless;
         }
-        let state: Vec<f64> = state.iter().map(|&i| x[i]).collect();
+        let state: Vec<f64> = stage.state.iter().map(|&i| x[i]).collect();
         let zero = zero_velocity(&state[state.len() / 2..]);
-        Mode::closed(true, sliding_velocity(model, contact, &state), zero)
+        let velocity = sliding_velocity(model, contact, &state, time);
+        Mode::closed(true, velocity, zero)
     }
 
     /// Sequences in which a contact slips where its force is held in the cone, sticks or turns round where its sliding

@@ -10,33 +10,30 @@ use crate::mpcc::{self, RelaxationRule};
 use crate::nlp;
 use crate::simulation::InputError;
 
-/// Elements an interval of the first programs of the global phase, and the rules that relax them: few elements
-/// and many rules, because the programs differ in the local optima that they end at, and are cheap.
-const COARSE: [(usize, &[RelaxationRule]); 2] = [
-    (
-        1,
-        &[
-            RelaxationRule::Proportional,
-            RelaxationRule::Continuation,
-            RelaxationRule::RollOff,
-        ],
-    ),
-    (2, &[RelaxationRule::RollOff, RelaxationRule::Continuation]),
-];
+/// Elements an interval of the first programs of the global phase, and the rules that relax them: the programs differ
+/// in the local optima that they end at.
+const COARSE_ELEMENTS: usize = 2;
+const COARSE_RULES: [RelaxationRule; 2] = [RelaxationRule::Continuation, RelaxationRule::RollOff];
 /// Least number of elements of the whole motion in the coarsest program; with fewer intervals they are divided.
 const LEAST_ELEMENTS: usize = 24;
-/// Last relaxation and first barrier parameter of the first programs.
-const COARSE_RELAXATION: (f64, f64) = (1e-3, 1e-1);
-/// Rules of the refined programs.
+/// The first programs.
+const COARSE: Relaxation = Relaxation {
+    last: 1e-3,
+    tolerance: 1e-4,
+    barrier: 1e-1,
+};
+/// The refined ones, which start at solutions of the first ones.
+const FINE: Relaxation = Relaxation {
+    last: 1e-6,
+    tolerance: 1e-6,
+    barrier: 1e-4,
+};
+/// Rules of the refined programs, in the order in which they are tried.
 const FINE_RULES: [RelaxationRule; 3] = [
     RelaxationRule::Proportional,
     RelaxationRule::RollOff,
     RelaxationRule::Continuation,
 ];
-/// How many of them are tried where the first programs did not agree.
-const FINE_ALTERNATIVES: usize = 2;
-/// Last relaxation and first barrier parameter of the refined programs.
-const FINE_RELAXATION: (f64, f64) = (1e-6, 1e-4);
 /// Relative difference of the objective within which two relaxed motions count as the same.
 const SAME: f64 = 1e-3;
 /// Where in an element of implicit Euler a contact closes, as a share of the element: it says no more.
@@ -45,6 +42,17 @@ const CLOSING: f64 = 0.5;
 const AT_START: f64 = 1e-9;
 /// The same where initial values are free: as far as a relaxed program may hold it off.
 const NEAR_START: f64 = 1e-3;
+
+/// How far a program is relaxed: only which contacts close when is read from it.
+#[derive(Clone, Copy)]
+struct Relaxation {
+    /// Last relaxation parameter.
+    last: f64,
+    /// Tolerance of the interior point method.
+    tolerance: f64,
+    /// First barrier parameter.
+    barrier: f64,
+}
 
 /// A motion of the global phase.
 pub(super) struct Relaxed {
@@ -57,40 +65,30 @@ impl Search<'_, '_> {
     /// The contact-implicit phase: distinct motions, the best first; the guess itself if no program could be solved.
     pub(super) fn global(&mut self, guess: &Path) -> Result<Vec<Relaxed>, InputError> {
         let mut coarse: Vec<Relaxed> = Vec::new();
-        let mut unsolved = 0;
         let intervals = self.setting.problem.intervals;
         let finer = LEAST_ELEMENTS.div_ceil(intervals);
-        for (elements, rules) in COARSE {
-            for &rule in rules {
-                if self.watch.stopped {
-                    return Ok(Vec::new());
-                }
-                let found = self.relaxed(guess, finer * elements, rule, COARSE_RELAXATION)?;
-                unsolved += usize::from(found.is_none());
-                insert(&mut coarse, found);
+        for rule in COARSE_RULES {
+            if self.watch.stopped {
+                return Ok(Vec::new());
             }
+            let found = self.relaxed(guess, finer * COARSE_ELEMENTS, rule, COARSE)?;
+            insert(&mut coarse, found);
         }
         let mut starts: Vec<Path> = coarse.into_iter().map(|found| found.path).collect();
-        // Programs that fail or end far apart cast doubt on the others.
-        let hard = unsolved > 0;
         if starts.is_empty() {
             starts.push(guess.clone());
         }
         let mut fine: Vec<Relaxed> = Vec::new();
+        let elements = finer * self.settings.refined_elements;
         for start in &starts {
-            for (index, &rule) in FINE_RULES.iter().enumerate() {
-                if self.watch.stopped || index >= FINE_ALTERNATIVES && !fine.is_empty() {
+            for rule in FINE_RULES {
+                if self.watch.stopped {
                     break;
                 }
-                let found = self.relaxed(
-                    start,
-                    finer * self.settings.refined_elements,
-                    rule,
-                    FINE_RELAXATION,
-                )?;
+                let found = self.relaxed(start, elements, rule, FINE)?;
                 let solved = found.is_some();
                 insert(&mut fine, found);
-                if solved && !hard {
+                if solved {
                     break;
                 }
             }
@@ -109,14 +107,13 @@ impl Search<'_, '_> {
         Ok(fine)
     }
 
-    /// One contact-implicit program, relaxed by one rule down to `relaxation.0` from the barrier parameter
-    /// `relaxation.1`.
+    /// One contact-implicit program, relaxed by one rule.
     fn relaxed(
         &mut self,
         start: &Path,
         elements: usize,
         rule: RelaxationRule,
-        relaxation: (f64, f64),
+        relaxation: Relaxation,
     ) -> Result<Option<Relaxed>, InputError> {
         let Setting {
             model,
@@ -129,10 +126,11 @@ impl Search<'_, '_> {
         let mut settings = mpcc::Settings {
             rules: vec![rule],
             crossover: false,
-            final_relaxation: relaxation.0,
+            final_relaxation: relaxation.last,
             ..mpcc::Settings::default()
         };
-        settings.interior_point.initial_barrier_parameter = relaxation.1;
+        settings.interior_point.initial_barrier_parameter = relaxation.barrier;
+        settings.interior_point.tolerance = relaxation.tolerance;
         settings.interior_point.maximum_iterations = self.settings.maximum_iterations;
         self.watch
             .begin("contact-implicit search", &self.counts, None);
@@ -159,7 +157,7 @@ impl Search<'_, '_> {
             mpcc::Status::Failed(status) => status,
             _ => nlp::Status::Infeasible,
         };
-        self.failure = Some((status, solution.violations));
+        self.note_failure(status, solution.violations);
         Ok(None)
     }
 
@@ -177,7 +175,7 @@ impl Search<'_, '_> {
                     return Mode::Open;
                 }
                 let rough = is_rough(model, contact);
-                let slides = rough.then(|| sliding_velocity(model, contact, &input));
+                let slides = rough.then(|| sliding_velocity(model, contact, &input, 0.0));
                 Mode::closed(rough, slides.unwrap_or(0.0), zero)
             })
             .collect()

@@ -36,25 +36,30 @@ impl Builder<'_, '_> {
                 CutKind::Gap(contact, _) | CutKind::Departure(contact)
                     if phase.closed.contains(&contact) => {}
                 CutKind::Departure(contact) => {
+                    let before = self.before.clone();
+                    let program = &mut self.program;
                     let name =
                         format!("departure of `{}` {at}", declaration.contacts[contact].name);
                     let row = program.row(name, 0.0, f64::INFINITY);
                     let slopes = lagrange(tableau, 0.0, true);
-                    let states = phase.stages.iter().map(|stage| &stage.state);
-                    for (state, slope) in std::iter::once(&phase.start).chain(states).zip(slopes) {
+                    let stages = phase.stages.iter();
+                    let stages = stages.map(|stage| (&stage.state, &stage.drive));
+                    let nodes = std::iter::once((&phase.start, &before)).chain(stages);
+                    for ((state, drive), slope) in nodes.zip(slopes) {
                         let (q, v) = state.split_at(n);
                         let uses = vec![(row, 1, slope)];
-                        program.block(&Kernel::Contact(contact), [q, v, &[], &[]], None, uses);
+                        program.block(&Kernel::Contact(contact), [q, v, drive, &[]], None, uses);
                     }
                 }
                 CutKind::Gap(contact, margin) => {
                     let state = self.state_at(phase, cut, n, &at);
+                    let drive = self.drive_within(phase, cut.theta, &at);
                     let program = &mut self.program;
                     let name = format!("gap `{}` {at}", declaration.contacts[contact].name);
                     let row = program.row(name, margin, f64::INFINITY);
                     let uses = vec![(row, 0, 1.0)];
                     let kernel = Kernel::Contact(contact);
-                    program.block(&kernel, [&state, &[], &[], &[]], None, uses);
+                    program.block(&kernel, [&state, &[], &drive, &[]], None, uses);
                 }
                 CutKind::Cone(contact, direction) => {
                     self.cone_cut(phase, contact, direction, cut, &at)
@@ -63,7 +68,7 @@ impl Builder<'_, '_> {
                 CutKind::Path(constraint) => {
                     let state = self.state_at(phase, cut, 2 * n, &at);
                     let (q, v) = state.split_at(n);
-                    let u = self.controls_within(phase, cut.theta, &at);
+                    let u = self.drive_within(phase, cut.theta, &at);
                     let (frame, problem) = (&self.frame, self.setting.problem);
                     let inputs = [q, v, &u[..]];
                     frame.path_rows_of(&mut self.program, problem, &[constraint], inputs, &at);
@@ -133,7 +138,7 @@ impl Builder<'_, '_> {
                 } else {
                     1.0
                 };
-                let inside = format!("of `{name}` in interval {interval}");
+                let inside = format!("in the bound of `{name}` over interval {interval}");
                 if shape == ControlShape::Linear {
                     let cubic = Cubic {
                         from: (q0, v0),

@@ -45,6 +45,7 @@
 //! # Ok::<(), hangtime::simulation::InputError>(())
 //! ```
 
+mod attempt;
 mod collocation;
 mod confirm;
 mod contact_implicit;
@@ -56,6 +57,7 @@ mod friction;
 mod friction_checks;
 mod friction_neighbours;
 mod global;
+mod grid;
 mod kernel;
 mod limits;
 mod mode;

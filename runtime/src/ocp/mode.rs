@@ -1,5 +1,6 @@
 //! What a contact does between two switches.
 
+use super::path::drive;
 use crate::model::{Model, tangent_point};
 use crate::simulation::Simulation;
 
@@ -90,13 +91,14 @@ pub(super) fn is_rough(model: &dyn Model, contact: usize) -> bool {
     declared.is_some() && model.friction(contact) > 0.0
 }
 
-/// Sliding velocity of a contact with friction at `x`, which starts with `(q, v)`.
-pub(super) fn sliding_velocity(model: &dyn Model, contact: usize, x: &[f64]) -> f64 {
+/// Sliding velocity of a contact with friction at a time and `x`, which starts with `(q, v)`.
+pub(super) fn sliding_velocity(model: &dyn Model, contact: usize, x: &[f64], time: f64) -> f64 {
     let declaration = model.declaration();
     let n = declaration.coordinates.len();
     let mut point = vec![0.0; tangent_point::length(n)];
     let mut input = x[..2 * n].to_vec();
-    input.resize(declaration.inputs(), 0.0);
+    let controls = vec![0.0; declaration.controls.len()];
+    input.extend(drive(model, &controls, time));
     model.tangent(contact, &input, &mut point);
     point[tangent_point::SLIDING_VELOCITY]
 }
@@ -121,7 +123,7 @@ pub(super) fn after(
     let trajectory = &simulation.trajectory;
     let velocity = |index: usize| {
         let state = [&trajectory.q[index][..], &trajectory.v[index]].concat();
-        sliding_velocity(model, contact, &state)
+        sliding_velocity(model, contact, &state, trajectory.time[index])
     };
     let zero = zero_velocity(&trajectory.v[index]);
     let now = velocity(index);

@@ -61,7 +61,7 @@ impl Path {
                     x[k] += share * (target - problem.q[k]);
                 }
             }
-            with_forces(model, x, &controls)
+            with_forces(model, x, &drive(model, &controls, share * horizon))
         });
         Self {
             horizon,
@@ -75,7 +75,8 @@ impl Path {
 
     /// All states as at the start, over 1 s unless the horizon is fixed.
     fn at_rest(mut self, model: &dyn Model, problem: &Problem) -> Self {
-        let state = with_forces(model, problem.start(), self.controls.start());
+        let driven = drive(model, self.controls.start(), 0.0);
+        let state = with_forces(model, problem.start(), &driven);
         self.states.fill(state);
         if let Horizon::Free { guess: None } = problem.horizon {
             for time in &mut self.time {
@@ -147,7 +148,8 @@ impl Path {
         }
         for (i, x) in self.states.iter_mut().enumerate() {
             let controls = self.controls.at(i as f64 / SAMPLES as f64);
-            *x = with_forces(model, x[..2 * n].to_vec(), &controls);
+            let driven = drive(model, &controls, self.time[i]);
+            *x = with_forces(model, x[..2 * n].to_vec(), &driven);
         }
         self
     }
@@ -166,7 +168,7 @@ impl Path {
             let mut x = trajectory.q[i].clone();
             x.extend(&trajectory.v[i]);
             let plain = x.len();
-            x.extend(&trajectory.u[i]);
+            x.extend(drive(model, &trajectory.u[i], trajectory.time[i]));
             let forces: Vec<f64> = (0..declaration.contacts.len())
                 .map(|contact| {
                     model.contact(contact, &x, &mut point);
@@ -212,11 +214,18 @@ impl Path {
     }
 }
 
+/// What the model reads besides the state: the controls, and the time where it depends on that.
+pub(super) fn drive(model: &dyn Model, controls: &[f64], time: f64) -> Vec<f64> {
+    let explicit = model.declaration().explicit_time;
+    let time = explicit.then_some(time);
+    controls.iter().copied().chain(time).collect()
+}
+
 /// `(q, v)` with the normal accelerations that keep the contacts closed, as far as they push.
-pub(super) fn with_forces(model: &dyn Model, state: Vec<f64>, controls: &[f64]) -> Vec<f64> {
+pub(super) fn with_forces(model: &dyn Model, state: Vec<f64>, drive: &[f64]) -> Vec<f64> {
     let mut x = state;
     let plain = x.len();
-    x.extend(controls);
+    x.extend(drive);
     let forces: Vec<f64> = (0..model.declaration().contacts.len())
         .map(|contact| (-free_normal_acceleration(model, contact, &x)).max(0.0))
         .collect();
@@ -225,7 +234,7 @@ pub(super) fn with_forces(model: &dyn Model, state: Vec<f64>, controls: &[f64]) 
     x
 }
 
-/// Normal acceleration of a contact without its force, `n'a + curvature`, at `x = (q, v, u)`.
+/// Normal acceleration of a contact without its force, `n'a + curvature`, at an input vector.
 pub(super) fn free_normal_acceleration(model: &dyn Model, contact: usize, x: &[f64]) -> f64 {
     let n = model.declaration().coordinates.len();
     let mut point = vec![0.0; contact_point::length(n)];
@@ -269,7 +278,7 @@ impl Units {
             }
         });
         let mut x = path.states[0][..2 * n].to_vec();
-        x.extend(path.controls.start());
+        x.extend(drive(model, path.controls.start(), 0.0));
         let accelerations: Vec<f64> = (0..declaration.contacts.len())
             .map(|contact| free_normal_acceleration(model, contact, &x).abs())
             .collect();

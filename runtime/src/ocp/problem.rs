@@ -162,14 +162,6 @@ impl Problem {
                 bound: bound.into(),
             })
         };
-        if declaration.explicit_time {
-            return refuse(
-                "explicit time in the model".into(),
-                1.0,
-                "",
-                "absent: optimal control treats autonomous models",
-            );
-        }
         if !(1..=MOST_INTERVALS).contains(&self.intervals) {
             return refuse(
                 "number of control intervals".into(),

@@ -1,6 +1,6 @@
 //! Neighbours of a contact sequence: where a solution presses against the sequence it was given.
 
-use super::collocation::Collocation;
+use super::collocation::{Collocation, Stage};
 use super::mode::Mode;
 use super::sequence::{Place, Sequence, Switch};
 use super::settings::ControlShape;
@@ -55,12 +55,11 @@ impl Pressure<'_, '_> {
         ACTIVE * all.fold(f64::MIN_POSITIVE, |largest, y| largest.max(y.abs()))
     }
 
-    /// Gap of a contact at the state with these variables.
-    fn gap(&self, contact: usize, state: &[usize], x: &[f64]) -> f64 {
-        let model = self.program.model;
-        let mut input: Vec<f64> = state.iter().map(|&i| x[i]).collect();
-        input.resize(model.declaration().inputs(), 0.0);
-        model.gap(contact, &input)
+    /// Gap of a contact at a stage.
+    fn gap(&self, contact: usize, stage: &Stage, x: &[f64]) -> f64 {
+        let variables = stage.state.iter().chain(&stage.drive);
+        let input: Vec<f64> = variables.map(|&i| x[i]).collect();
+        self.program.model.gap(contact, &input)
     }
 
     /// Sequences that the solution points to, the most promising first: without a pair of switches that
@@ -167,6 +166,17 @@ impl Pressure<'_, '_> {
         }
         let threshold = self.threshold();
         for (index, switch) in switches.iter().enumerate().filter(|(_, s)| s.touches()) {
+            let mut touches = self.program.touches.iter();
+            let grazes = touches.any(|(touch, row)| {
+                (touch.contact, touch.interval, touch.place)
+                    == (switch.contact, switch.interval, switch.place)
+                    && self.solution.multipliers[*row].abs() > threshold
+            });
+            if grazes {
+                let mut sequence = self.sequence.clone();
+                sequence.switches.remove(index);
+                found.extend(sequence.ordered(self.intervals));
+            }
             let phases = self.program.phases.iter();
             let pressed = phases
                 .flat_map(|phase| &phase.openings)
@@ -232,9 +242,10 @@ impl Pressure<'_, '_> {
                     let closes = last && phase.closing.contains(&contact);
                     if !closes
                         && self.solution.multipliers[row].abs() > threshold
-                        && self.gap(contact, &stage.state, &x) < self.touching
+                        && self.gap(contact, stage, &x) < self.touching
                     {
-                        let mode = self.mode_at(contact, &stage.state, &x);
+                        let seconds = solved.start + c * solved.length;
+                        let mode = self.mode_at(contact, (stage, seconds), &x);
                         places.push((contact, true, mode, time(*c)));
                     }
                 }

@@ -130,7 +130,7 @@ impl Sequence {
                 let rough = is_rough(model, contact);
                 let velocity = || {
                     let state = [&event.q[..], &event.v_after].concat();
-                    sliding_velocity(model, contact, &state)
+                    sliding_velocity(model, contact, &state, event.time)
                 };
                 let impulse = Mode::closed(
                     rough,
@@ -330,7 +330,9 @@ impl Sequence {
         let rests = |contact: usize, from: f64, to: f64| {
             let times = path.time.iter().zip(&path.states);
             let mut inside = times.filter(|(time, _)| (from..=to).contains(&(*time / length)));
-            inside.all(|(_, state)| sliding_velocity(model, contact, state).abs() <= slowest)
+            inside.all(|(&time, state)| {
+                sliding_velocity(model, contact, state, time).abs() <= slowest
+            })
         };
         for (contact, mode) in sequence.initially.iter_mut().enumerate() {
             let mut own = self.switches.iter().filter(|s| s.contact == contact);
@@ -408,6 +410,13 @@ impl Sequence {
         };
         sequence.switches.insert(place, merged);
         sequence
+    }
+
+    /// Without touches; `None` if there are none.
+    pub(super) fn untouched(&self) -> Option<Self> {
+        let mut sequence = self.clone();
+        sequence.switches.retain(|switch| !switch.touches());
+        (sequence.switches.len() < self.switches.len()).then_some(sequence)
     }
 
     /// With touches in the place of contacts that are too short to be meant as such; `None` if there are none.

@@ -200,6 +200,8 @@ pub struct Solution {
     pub controls: Vec<Vec<f64>>,
     /// What the controls are on an interval.
     pub shape: ControlShape,
+    /// Finite elements of a phase in each interval: more than asked for where the re-simulation wanted them.
+    pub elements: Vec<usize>,
     /// The event-driven re-simulation of the plan's controls; absent without a plan.
     pub motion: Option<Simulation>,
     /// Worst violated rows, if a program failed.
@@ -241,6 +243,7 @@ impl Solution {
             excess: None,
             controls: Vec::new(),
             shape: ControlShape::default(),
+            elements: Vec::new(),
             motion: None,
             violations,
             size: Size::default(),

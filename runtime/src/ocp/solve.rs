@@ -78,8 +78,8 @@ pub(super) fn solve_once(
         time_freezing: None,
         tried: Vec::new(),
         best: None,
-        undecided: false,
         failure: None,
+        last_failure: None,
     };
     let mut solution = search.run(&guess)?;
     solution.time_freezing = search.time_freezing;

@@ -1,4 +1,4 @@
-//! The controls at the stages of a phase.
+//! What drives the motion at the stages of a phase from outside: the controls, and the time where the model reads it.
 //!
 //! Linear controls are those of the nodes at both ends of the interval, `u = u_k + tau (u_k+1 - u_k)`, where `tau` is
 //! the share of the *physical* length `T / N` that has passed. Without a switch in the interval `tau` is a number;
@@ -43,8 +43,29 @@ impl Elapsed {
 }
 
 impl Builder<'_, '_> {
+    /// The controls at a moment of an interval, and the time where the model reads it; `guess` is the share of the
+    /// interval as far as it is known.
+    pub(super) fn drive_at(
+        &mut self,
+        interval: usize,
+        elapsed: &Elapsed,
+        guess: f64,
+        place: &str,
+    ) -> Vec<usize> {
+        let mut drive = self.controls_at(interval, elapsed, guess, place);
+        if self.setting.model.declaration().explicit_time {
+            let share = 1.0 / self.setting.problem.intervals as f64;
+            let mut terms = vec![(self.frame.horizon, interval as f64 * share)];
+            terms.extend(&elapsed.terms);
+            let time = self.guess.horizon * (interval as f64 + guess) * share;
+            let name = format!("time {place}");
+            drive.push(self.frame.time(&mut self.program, name, &terms, time));
+        }
+        drive
+    }
+
     /// The controls at a moment of an interval; `guess` is its share of the interval as far as it is known.
-    pub(super) fn controls_at(
+    fn controls_at(
         &mut self,
         interval: usize,
         elapsed: &Elapsed,
@@ -125,22 +146,22 @@ impl Builder<'_, '_> {
             .path_rows_of(&mut self.program, problem, &chosen, inputs, "at the start");
     }
 
-    /// The controls at the share `theta` of a phase.
-    pub(super) fn controls_within(&mut self, phase: &Phase, theta: f64, place: &str) -> Vec<usize> {
+    /// The same at the share `theta` of a phase.
+    pub(super) fn drive_within(&mut self, phase: &Phase, theta: f64, place: &str) -> Vec<usize> {
         let c = self.setting.tableau.c();
         let (Some(first), Some(last)) = (phase.stages.first(), phase.stages.last()) else {
             return Vec::new();
         };
         let share = (theta - c[0]) / (c[c.len() - 1] - c[0]);
         let program = &mut self.program;
-        let pairs = first.controls.iter().zip(&last.controls).enumerate();
+        let pairs = first.drive.iter().zip(&last.drive).enumerate();
         pairs
             .map(|(k, (&from, &to))| {
                 if from == to {
                     return from;
                 }
                 let (a, b) = (program.guessed(from), program.guessed(to));
-                let name = format!("control {k} {place}");
+                let name = format!("drive {k} {place}");
                 let free = (f64::NEG_INFINITY, f64::INFINITY);
                 let unit = program.unit(from);
                 let u = program.variable(name.clone(), free, a + share * (b - a), unit);

@@ -18,6 +18,10 @@ const GUESS_MARGIN: f64 = 0.02;
 /// Shortest phase relative to its interval: in a phase of no length the contact forces are undetermined.
 const SHORTEST: f64 = 2e-3;
 
+/// Least impact velocity of a touch, relative to what the acceleration of the contact does in an interval: a motion
+/// that grazes a surface is none that can be followed.
+const LEAST_IMPACT: f64 = 1e-3;
+
 /// State of the construction.
 pub(super) struct Builder<'a, 's> {
     pub(super) setting: Setting<'a>,
@@ -30,7 +34,10 @@ pub(super) struct Builder<'a, 's> {
     phases: Vec<Phase>,
     impacts: Vec<(usize, Tangential)>,
     modes: Vec<Mode>,
+    touches: Vec<(Switch, usize)>,
     pub(super) state: Vec<usize>,
+    /// What drove the motion at the end of the phase before; nothing at the start, at time 0.
+    pub(super) before: Vec<usize>,
     pub(super) n: usize,
 }
 
@@ -64,7 +71,9 @@ impl<'a> Collocation<'a> {
             phases: Vec::new(),
             impacts: Vec::new(),
             modes: sequence.initially.clone(),
+            touches: Vec::new(),
             state,
+            before: Vec::new(),
             n: problem.q.len(),
         };
         builder.free_start();
@@ -79,6 +88,7 @@ impl<'a> Collocation<'a> {
             sequence: sequence.clone(),
             phases: builder.phases,
             impacts: builder.impacts,
+            touches: builder.touches,
             tableau: setting.tableau,
             horizon: frame.horizon,
             controls: frame.controls,
@@ -106,7 +116,7 @@ impl Builder<'_, '_> {
         modes
             .filter(|(_, mode)| matches!(mode, Mode::Slip(_)) && !problem.has_free_start(model))
             .map(|(contact, _)| contact)
-            .filter(|&contact| sliding_velocity(model, contact, &start).abs() <= zero)
+            .filter(|&contact| sliding_velocity(model, contact, &start, 0.0).abs() <= zero)
             .collect()
     }
 
@@ -333,7 +343,7 @@ impl Builder<'_, '_> {
         let closed = self.closed();
         let label = format!("interval {interval}, phase {}", index.0);
         let stages = tableau.stages();
-        let mut controls = Vec::with_capacity(stages);
+        let mut drives = Vec::with_capacity(stages);
         let part = whole.map(|whole| whole * factor * problem.intervals as f64);
         let length = self.guess.horizon / problem.intervals as f64;
         for (m, c) in tableau.c().iter().enumerate() {
@@ -343,7 +353,7 @@ impl Builder<'_, '_> {
             }
             let guess = (from + c * (to - from)) / length - interval as f64;
             let place = format!("at stage {m} of {label}");
-            controls.push(self.controls_at(interval, &moment, guess, &place));
+            drives.push(self.drive_at(interval, &moment, guess, &place));
         }
         let program = &mut self.program;
         let mut phase = Phase {
@@ -404,7 +414,7 @@ impl Builder<'_, '_> {
             corrections.push(shifts);
             phase.stages.push(Stage {
                 state,
-                controls: std::mem::take(&mut controls[m]),
+                drive: std::mem::take(&mut drives[m]),
                 forces,
                 gap_rows: Vec::new(),
                 tangential: rubbing,
@@ -414,7 +424,7 @@ impl Builder<'_, '_> {
             let mut rubbing = std::mem::take(&mut phase.stages[m].tangential);
             let Stage {
                 state,
-                controls: u,
+                drive: u,
                 forces,
                 ..
             } = &phase.stages[m];
@@ -446,12 +456,12 @@ impl Builder<'_, '_> {
                 for tangential in &mut rubbing {
                     let place = (turns, m + 1 == stages);
                     let label = format!("at stage {m} of {label}");
-                    tangential.push(program, model, q, &pushes);
-                    tangential.constrain(program, model, (q, v), place, &label);
+                    tangential.push(program, model, (q, u), &pushes);
+                    tangential.constrain(program, model, [q, v, u], place, &label);
                 }
                 let kernel = Kernel::Push(closed.clone());
-                program.block(&kernel, [q, &[], &[], forces], None, pushes);
-                program.block(&kernel, [q, &[], &[], corrections], None, moves);
+                program.block(&kernel, [q, &[], u, forces], None, pushes);
+                program.block(&kernel, [q, &[], u, corrections], None, moves);
             }
             for (i, contact) in contacts.iter().enumerate() {
                 let last = m + 1 == stages;
@@ -476,14 +486,14 @@ impl Builder<'_, '_> {
                     let name = format!("normal velocity of `{}`, stage {m}, {label}", contact.name);
                     uses.push((program.row(name, 0.0, 0.0), 1, 1.0));
                 }
-                program.block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
+                program.block(&Kernel::Contact(i), [q, v, u, &[]], None, uses);
             }
             phase.stages[m].gap_rows = gap_rows;
             phase.stages[m].tangential = rubbing;
         }
         for (m, stage) in phase.stages.iter().enumerate() {
             let (q, v) = stage.state.split_at(n);
-            let (u, weight) = (&stage.controls[..], (scale, factor * tableau.b()[m]));
+            let (u, weight) = (&stage.drive[..], (scale, factor * tableau.b()[m]));
             self.frame.running_cost(program, problem, [q, v, u], weight);
             if places.path != PathPoints::Ends || m + 1 == stages {
                 let place = format!("at stage {m} of {label}");
@@ -493,7 +503,7 @@ impl Builder<'_, '_> {
         if places.path == PathPoints::Both && (interval, index.0) != (0, 0) {
             let (q, v) = phase.start.split_at(n);
             let place = format!("at the start of {label}");
-            let u = self.controls_within(&phase, 0.0, &place);
+            let u = self.drive_within(&phase, 0.0, &place);
             self.frame
                 .path_rows(&mut self.program, problem, [q, v, &u], &place);
         }
@@ -524,7 +534,8 @@ impl Builder<'_, '_> {
             for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
                 let (q, v) = stage.state.split_at(n);
                 let uses = vec![(row, 1, *slope)];
-                program.block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
+                let kernel = Kernel::Contact(i);
+                program.block(&kernel, [q, v, &stage.drive, &[]], None, uses);
             }
             phase.openings.push((i, row));
         }
@@ -532,6 +543,7 @@ impl Builder<'_, '_> {
         self.add_cuts(&phase);
         if let Some(stage) = phase.stages.last() {
             self.state.clone_from(&stage.state);
+            self.before.clone_from(&stage.drive);
         }
         self.phases.push(phase);
     }
@@ -583,7 +595,7 @@ impl Builder<'_, '_> {
             .map(|contact| (contact, law(contact, self.modes[contact])))
             .filter(|(_, mode)| !mode.is_open())
             .collect();
-        let (n, program) = (self.n, &mut self.program);
+        let (n, program, drive) = (self.n, &mut self.program, &self.before);
         let model = self.setting.model;
         let contacts = model.declaration().contacts;
         let sample = self.guess.at(time, true);
@@ -613,25 +625,40 @@ impl Builder<'_, '_> {
             let row = program.row(name, 0.0, 0.0);
             let normal = vec![(row, 1, 1.0)];
             let v = &after[n..];
-            program.block(&Kernel::Contact(i), [&q, v, &[], &[]], None, normal);
+            let kernel = Kernel::Contact(i);
+            program.block(&kernel, [&q, v, drive, &[]], None, normal);
             let restitution = model.restitution(i);
             if restitution > 0.0 {
                 let uses = vec![(row, 1, restitution)];
                 let v = &self.state[n..];
-                program.block(&Kernel::Contact(i), [&q, v, &[], &[]], None, uses);
+                program.block(&kernel, [&q, v, drive, &[]], None, uses);
             }
             let at = format!("in the impact that ends {label}");
             if let Some(mut tangential) = tangential(program, model, (i, mode), (impulse, 1.0), &at)
             {
                 let turns = (&Turns::default(), false);
-                tangential.push(program, model, &q, &uses);
-                tangential.constrain(program, model, (&q, v), turns, &at);
+                tangential.push(program, model, (&q, drive), &uses);
+                tangential.constrain(program, model, [&q, v, drive], turns, &at);
                 self.impacts.push((index, tangential));
             }
         }
         let acting: Vec<usize> = laws.iter().map(|law| law.0).collect();
         let kernel = Kernel::Push(acting);
-        program.block(&kernel, [&q, &[], &[], &impulses], None, uses);
+        program.block(&kernel, [&q, &[], drive, &impulses], None, uses);
+        for touch in std::iter::once(switch).chain(companions) {
+            if !touch.touches() {
+                continue;
+            }
+            let contact = touch.contact;
+            let length = self.guess.horizon / self.setting.problem.intervals as f64;
+            let least = LEAST_IMPACT * self.setting.units.force[contact] * length;
+            let name = format!("touch of `{}` that ends {label}", contacts[contact].name);
+            let row = program.row(name, f64::NEG_INFINITY, -least);
+            let v = &self.state[n..];
+            let uses = vec![(row, 1, 1.0)];
+            program.block(&Kernel::Contact(contact), [&q, v, drive, &[]], None, uses);
+            self.touches.push((*touch, row));
+        }
         self.enter(switch, companions);
         self.state = after;
     }

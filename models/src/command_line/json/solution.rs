@@ -22,7 +22,7 @@ pub(crate) struct SolverSettings {
     /// Control intervals.
     pub(crate) intervals: usize,
     /// What the controls are on an interval: constant or linear.
-    pub(crate) controls: &'static str,
+    pub(crate) control_shape: &'static str,
     /// Finite elements: of a phase, or of an interval with time-freezing.
     pub(crate) elements: usize,
     /// Starts that were solved side by side.
@@ -48,7 +48,7 @@ impl SolverSettings {
             scheme: scheme.name(),
             stages,
             intervals,
-            controls: settings.controls.name(),
+            control_shape: settings.controls.name(),
             elements,
             starts: settings.starts,
         }
