@@ -83,12 +83,8 @@ impl Turns {
     pub(super) fn start(&mut self, switch: &Switch, before: Mode, impact: bool, jumps: bool) {
         let inside = switch.place == Place::Inside || !jumps;
         match (before, switch.mode) {
-            (_, Mode::Slip(_)) if impact => {
-                if switch.impulse == Mode::Stick {
-                    self.pulled.push(switch.contact);
-                }
-            }
-            (Mode::Stick, Mode::Slip(_)) if inside => {
+            (_, Mode::Slip(_)) if impact && switch.impulse != Mode::Stick => {}
+            (Mode::Stick, Mode::Slip(_)) if inside && !impact => {
                 self.yielded.push(switch.contact);
             }
             (_, Mode::Slip(_)) => self.pulled.push(switch.contact),

@@ -47,6 +47,7 @@ impl Pressure<'_, '_> {
         let candidates = self
             .beginnings()
             .into_iter()
+            .chain(self.shifted())
             .chain(self.turned())
             .chain(self.inserted_sliding())
             .chain(self.impacts());
@@ -116,6 +117,50 @@ impl Pressure<'_, '_> {
         found
     }
 
+    /// With a slip that begins at a jump of the controls earlier or later by an interval: the force of a contact that
+    /// sticks is as constant as the controls, and seldom lets it go between two jumps.
+    fn shifted(&self) -> Vec<Sequence> {
+        let switches = &self.sequence.switches;
+        let phases = &self.program.phases;
+        let mut found = Vec::new();
+        for (index, switch) in switches.iter().enumerate() {
+            let sticks = self.sequence.mode_before(index, switch.contact) == Mode::Stick;
+            let jumps = switch.place == Place::Start && !switch.accompanies;
+            if !jumps || !sticks || !switch.slides() {
+                continue;
+            }
+            let k = switch.interval;
+            let before = phases.iter().rev().find(|phase| phase.interval + 1 == k);
+            let after = phases.iter().find(|phase| phase.interval == k);
+            let rests = after.is_some_and(|phase| {
+                let mut pulled = phase.pulled.iter();
+                pulled.any(|&(contact, row)| contact == switch.contact && self.presses(row))
+            });
+            let mut places = Vec::new();
+            if before.is_some_and(|phase| self.at_the_edge(phase, switch)) {
+                places.push(k - 1);
+            }
+            if rests {
+                places.push(k + 1);
+            }
+            let group = index..=index + Sequence::companions(switches, index).len();
+            for interval in places {
+                let mut sequence = self.sequence.clone();
+                if interval == 0 {
+                    for member in sequence.switches.drain(group.clone()) {
+                        sequence.initially[member.contact] = member.mode;
+                    }
+                } else {
+                    for member in &mut sequence.switches[group.clone()] {
+                        (member.interval, member.time) = (interval, interval as f64);
+                    }
+                }
+                found.push(sequence);
+            }
+        }
+        found
+    }
+
     /// With a slip in the place of a stick whose force is held in the cone: a contact that has just come to rest is
     /// pulled on or back.
     fn turned(&self) -> Vec<Sequence> {
@@ -148,9 +193,9 @@ impl Pressure<'_, '_> {
             let mut sequence = self.sequence.clone();
             let back = self.sequence.mode_before(index, switch.contact) != Mode::Slip(direction);
             let companions = Sequence::companions(switches, index).len();
-            for member in index..=index + companions {
-                let before = self.sequence.mode_before(index, switches[member].contact);
-                sequence.switches[member].mode = match before {
+            for member in &mut sequence.switches[index..=index + companions] {
+                let before = self.sequence.mode_before(index, member.contact);
+                member.mode = match before {
                     Mode::Slip(direction) if back => Mode::Slip(direction.reversed()),
                     before => before,
                 };

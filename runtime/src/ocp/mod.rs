@@ -58,6 +58,7 @@ mod friction_checks;
 mod friction_neighbours;
 mod global;
 mod grid;
+mod impact_map;
 mod kernel;
 mod limits;
 mod mode;
@@ -73,6 +74,7 @@ mod settings;
 mod solution;
 mod solve;
 mod stage_inputs;
+mod start_conditions;
 mod starts;
 #[cfg(test)]
 mod test_scene;

@@ -3,8 +3,9 @@
 use super::collocation::{Collocation, Cut, Phase, Setting, Stage, lagrange};
 use super::frame::{Frame, state_name};
 use super::friction::{Tangential, Turns, start_rows, tangential};
+use super::impact_map::{touches, vanish};
 use super::kernel::Kernel;
-use super::mode::{Mode, sliding_velocity, zero_velocity};
+use super::mode::Mode;
 use super::path::Path;
 use super::program::Program;
 use super::sequence::{Place, Sequence, Switch};
@@ -18,10 +19,6 @@ const GUESS_MARGIN: f64 = 0.02;
 /// Shortest phase relative to its interval: in a phase of no length the contact forces are undetermined.
 const SHORTEST: f64 = 2e-3;
 
-/// Least impact velocity of a touch, relative to what the acceleration of the contact does in an interval: a motion
-/// that grazes a surface is none that can be followed.
-const LEAST_IMPACT: f64 = 1e-3;
-
 /// State of the construction.
 pub(super) struct Builder<'a, 's> {
     pub(super) setting: Setting<'a>,
@@ -31,10 +28,10 @@ pub(super) struct Builder<'a, 's> {
     /// Finite elements of a phase in each interval.
     elements: &'s [usize],
     pub(super) frame: Frame<'a>,
-    phases: Vec<Phase>,
-    impacts: Vec<(usize, Tangential)>,
-    modes: Vec<Mode>,
-    touches: Vec<(Switch, usize)>,
+    pub(super) phases: Vec<Phase>,
+    pub(super) impacts: Vec<(usize, Tangential)>,
+    pub(super) modes: Vec<Mode>,
+    pub(super) touches: Vec<(Switch, usize)>,
     pub(super) state: Vec<usize>,
     /// What drove the motion at the end of the phase before; nothing at the start, at time 0.
     pub(super) before: Vec<usize>,
@@ -105,70 +102,6 @@ impl Builder<'_, '_> {
             .filter(|(_, m)| !m.is_open())
             .map(|(i, _)| i)
             .collect()
-    }
-
-    /// Contacts that are pulled into slip from the start of the motion.
-    fn pulled_at_start(&self) -> Vec<usize> {
-        let Setting { model, problem, .. } = self.setting;
-        let start = problem.start();
-        let zero = zero_velocity(&start[self.n..]);
-        let modes = self.modes.iter().enumerate();
-        modes
-            .filter(|(_, mode)| matches!(mode, Mode::Slip(_)) && !problem.has_free_start(model))
-            .map(|(contact, _)| contact)
-            .filter(|&contact| sliding_velocity(model, contact, &start, 0.0).abs() <= zero)
-            .collect()
-    }
-
-    /// Where initial values are free: contacts closed at the start touch and rest, the others are open.
-    fn free_start(&mut self) {
-        let Setting { model, problem, .. } = self.setting;
-        let free: Vec<usize> = (0..2 * self.n)
-            .filter(|&k| {
-                let (lower, upper) = self.program.bounds(self.frame.start[k]);
-                lower < upper
-            })
-            .collect();
-        if !problem.has_free_start(model) {
-            return;
-        }
-        for (i, contact) in model.declaration().contacts.iter().enumerate() {
-            let reads = |row: u32| {
-                let mut entries = contact.jacobian.entries.iter();
-                entries.any(|&(r, column)| r == row && free.contains(&(column as usize)))
-            };
-            let mode = self.modes[i];
-            let closed = !mode.is_open();
-            let mut uses = Vec::new();
-            if reads(0) {
-                let upper = if closed { 0.0 } else { f64::INFINITY };
-                let name = format!("gap `{}` at the start", contact.name);
-                uses.push((self.program.row(name, 0.0, upper), 0, 1.0));
-            }
-            if closed && reads(1) {
-                let name = format!("normal velocity of `{}` at the start", contact.name);
-                uses.push((self.program.row(name, 0.0, 0.0), 1, 1.0));
-            }
-            let (q, v) = self.frame.start.split_at(self.n);
-            if !uses.is_empty() {
-                self.program
-                    .block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
-            }
-            let slides = contact.friction.is_some_and(|friction| {
-                let mut entries = friction.jacobian.entries.iter();
-                entries.any(|&(row, column)| row == 0 && free.contains(&(column as usize)))
-            });
-            let (sign, upper) = match mode {
-                Mode::Slip(direction) => (direction.sign(), f64::INFINITY),
-                _ => (1.0, 0.0),
-            };
-            if slides && matches!(mode, Mode::Stick | Mode::Slip(_)) {
-                let name = format!("sliding velocity of `{}` at the start", contact.name);
-                let uses = vec![(self.program.row(name, 0.0, upper), 0, sign)];
-                self.program
-                    .block(&Kernel::Sliding(i), [q, v, &[], &[]], None, uses);
-            }
-        }
     }
 
     fn interval(&mut self, interval: usize, switches: &[Switch]) {
@@ -280,20 +213,19 @@ impl Builder<'_, '_> {
             }
             for e in 0..elements {
                 let (first, last) = (e == 0, e + 1 == elements);
+                let turns = turns.of_element(first, last);
                 let time = |e: usize| times.0 + e as f64 / elements as f64 * (times.1 - times.0);
                 self.phase(
-                    interval,
-                    (p * elements + e, count * elements),
+                    (interval, (p * elements + e, count * elements)),
                     (scale, factor / elements as f64, whole),
                     (&elapsed, p + 1 == count && last),
                     (time(e), time(e + 1)),
                     (ending.filter(|_| last), if last { &closing } else { &[] }),
                     if first {
-                        (&opened, &touched)
+                        (&opened, &touched, &turns)
                     } else {
-                        (&[], &[])
+                        (&[], &[], &turns)
                     },
-                    &turns.of_element(first, last),
                 );
                 let part = 1.0 / elements as f64;
                 elapsed = elapsed.later(scale, factor * part, whole.map(|whole| whole * part));
@@ -317,14 +249,12 @@ impl Builder<'_, '_> {
 
     fn phase(
         &mut self,
-        interval: usize,
-        index: (usize, usize),
+        (interval, index): (usize, (usize, usize)),
         (scale, factor, whole): (usize, f64, Option<f64>),
         (elapsed, ends): (&Elapsed, bool),
         (from, to): (f64, f64),
         (ending, closing): (Option<(usize, &Switch)>, &[usize]),
-        (opened, touched): (&[usize], &[usize]),
-        turns: &Turns,
+        (opened, touched, turns): (&[usize], &[usize], &Turns),
     ) {
         let Setting {
             model,
@@ -547,135 +477,6 @@ impl Builder<'_, '_> {
         }
         self.phases.push(phase);
     }
-
-    /// What happens at the end of a phase, the one with this (interval, index).
-    fn switch(
-        &mut self,
-        (index, switch): (usize, &Switch),
-        companions: &[Switch],
-        (interval, phase): (usize, usize),
-        time: f64,
-    ) {
-        if switch.closes {
-            let label = format!("interval {interval}, phase {phase}");
-            self.close((index, switch), companions, &label, time);
-            return;
-        }
-        if let Some(phase) = self.phases.last().filter(|_| switch.opens()) {
-            vanish(&mut self.program, phase, switch.contact);
-        }
-        self.enter(switch, companions);
-    }
-
-    /// Sets the modes after a switch.
-    fn enter(&mut self, switch: &Switch, companions: &[Switch]) {
-        for switch in std::iter::once(switch).chain(companions) {
-            self.modes[switch.contact] = switch.mode;
-        }
-    }
-
-    /// The impact map where a contact closes or is touched, `v_n+ = -e v_n-` for all contacts that are closed then, but
-    /// for companions that it lifts.
-    fn close(
-        &mut self,
-        (index, switch): (usize, &Switch),
-        companions: &[Switch],
-        label: &str,
-        time: f64,
-    ) {
-        let law = |contact: usize, mode: Mode| {
-            let mut all = std::iter::once(switch).chain(companions);
-            match all.find(|switch| switch.contact == contact) {
-                Some(lifted) if lifted.opens() => Mode::Open,
-                Some(switch) => switch.impulse,
-                None => mode,
-            }
-        };
-        let laws: Vec<(usize, Mode)> = (0..self.modes.len())
-            .map(|contact| (contact, law(contact, self.modes[contact])))
-            .filter(|(_, mode)| !mode.is_open())
-            .collect();
-        let (n, program, drive) = (self.n, &mut self.program, &self.before);
-        let model = self.setting.model;
-        let contacts = model.declaration().contacts;
-        let sample = self.guess.at(time, true);
-        let q = self.state[..n].to_vec();
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut after = q.clone();
-        let mut uses = Vec::with_capacity(n);
-        for k in 0..n {
-            let name = format!(
-                "{} after the impact that ends {label}",
-                state_name(model, n + k)
-            );
-            let velocity = program.variable(name, free, sample[n + k], 1.0);
-            let name = format!("impact on {}, end of {label}", state_name(model, n + k));
-            let row = program.row(name, 0.0, 0.0);
-            program.linear(row, velocity, 1.0);
-            program.linear(row, self.state[n + k], -1.0);
-            uses.push((row, k, -1.0));
-            after.push(velocity);
-        }
-        let mut impulses = Vec::new();
-        for &(i, mode) in &laws {
-            let name = format!("impulse of `{}` that ends {label}", contacts[i].name);
-            let impulse = program.variable(name, (0.0, f64::INFINITY), 0.0, 1.0);
-            impulses.push(impulse);
-            let name = format!("impact of `{}`, end of {label}", contacts[i].name);
-            let row = program.row(name, 0.0, 0.0);
-            let normal = vec![(row, 1, 1.0)];
-            let v = &after[n..];
-            let kernel = Kernel::Contact(i);
-            program.block(&kernel, [&q, v, drive, &[]], None, normal);
-            let restitution = model.restitution(i);
-            if restitution > 0.0 {
-                let uses = vec![(row, 1, restitution)];
-                let v = &self.state[n..];
-                program.block(&kernel, [&q, v, drive, &[]], None, uses);
-            }
-            let at = format!("in the impact that ends {label}");
-            if let Some(mut tangential) = tangential(program, model, (i, mode), (impulse, 1.0), &at)
-            {
-                let turns = (&Turns::default(), false);
-                tangential.push(program, model, (&q, drive), &uses);
-                tangential.constrain(program, model, [&q, v, drive], turns, &at);
-                self.impacts.push((index, tangential));
-            }
-        }
-        let acting: Vec<usize> = laws.iter().map(|law| law.0).collect();
-        let kernel = Kernel::Push(acting);
-        program.block(&kernel, [&q, &[], drive, &impulses], None, uses);
-        for touch in std::iter::once(switch).chain(companions) {
-            if !touch.touches() {
-                continue;
-            }
-            let contact = touch.contact;
-            let length = self.guess.horizon / self.setting.problem.intervals as f64;
-            let least = LEAST_IMPACT * self.setting.units.force[contact] * length;
-            let name = format!("touch of `{}` that ends {label}", contacts[contact].name);
-            let row = program.row(name, f64::NEG_INFINITY, -least);
-            let v = &self.state[n..];
-            let uses = vec![(row, 1, 1.0)];
-            program.block(&Kernel::Contact(contact), [&q, v, drive, &[]], None, uses);
-            self.touches.push((*touch, row));
-        }
-        self.enter(switch, companions);
-        self.state = after;
-    }
-}
-
-/// The force of a contact vanishes at the end of a phase.
-fn vanish(program: &mut Program, phase: &Phase, contact: usize) {
-    let slot = phase.closed.iter().position(|&i| i == contact);
-    if let (Some(slot), Some(stage)) = (slot, phase.stages.last()) {
-        program.bound(stage.forces[slot], 0.0, 0.0);
-    }
-}
-
-/// The contacts that are touched in an impact.
-fn touches(switch: &Switch, companions: &[Switch]) -> Vec<usize> {
-    let struck = std::iter::once(switch).chain(companions);
-    struck.filter(|s| s.touches()).map(|s| s.contact).collect()
 }
 
 #[cfg(test)]
