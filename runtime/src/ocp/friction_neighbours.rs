@@ -47,7 +47,6 @@ impl Pressure<'_, '_> {
         let candidates = self
             .beginnings()
             .into_iter()
-            .chain(self.shifted())
             .chain(self.turned())
             .chain(self.inserted_sliding())
             .chain(self.impacts());
@@ -117,11 +116,11 @@ impl Pressure<'_, '_> {
         found
     }
 
-    /// With a slip that begins at a jump of the controls earlier or later by an interval: the force of a contact that
-    /// sticks is as constant as the controls, and seldom lets it go between two jumps.
-    fn shifted(&self) -> Vec<Sequence> {
+    /// Sequences with a slip that begins at a jump of the controls earlier or later by an interval. The force of a contact
+    /// that sticks is as constant as the controls, and seldom lets it go between two jumps, so that no multiplier tells
+    /// at which of them it should.
+    pub(super) fn shifted(&self) -> Vec<Sequence> {
         let switches = &self.sequence.switches;
-        let phases = &self.program.phases;
         let mut found = Vec::new();
         for (index, switch) in switches.iter().enumerate() {
             let sticks = self.sequence.mode_before(index, switch.contact) == Mode::Stick;
@@ -129,22 +128,8 @@ impl Pressure<'_, '_> {
             if !jumps || !sticks || !switch.slides() {
                 continue;
             }
-            let k = switch.interval;
-            let before = phases.iter().rev().find(|phase| phase.interval + 1 == k);
-            let after = phases.iter().find(|phase| phase.interval == k);
-            let rests = after.is_some_and(|phase| {
-                let mut pulled = phase.pulled.iter();
-                pulled.any(|&(contact, row)| contact == switch.contact && self.presses(row))
-            });
-            let mut places = Vec::new();
-            if before.is_some_and(|phase| self.at_the_edge(phase, switch)) {
-                places.push(k - 1);
-            }
-            if rests {
-                places.push(k + 1);
-            }
             let group = index..=index + Sequence::companions(switches, index).len();
-            for interval in places {
+            for interval in [switch.interval - 1, switch.interval + 1] {
                 let mut sequence = self.sequence.clone();
                 if interval == 0 {
                     for member in sequence.switches.drain(group.clone()) {
@@ -155,7 +140,7 @@ impl Pressure<'_, '_> {
                         (member.interval, member.time) = (interval, interval as f64);
                     }
                 }
-                found.push(sequence);
+                found.extend(sequence.ordered(self.intervals));
             }
         }
         found

@@ -209,7 +209,9 @@ impl<'a> Search<'a, '_> {
             let directed = pressure.directed();
             let inserted = pressure.insertions().into_iter().chain(pressure.sliding());
             let neighbours: Vec<Sequence> = directed.into_iter().chain(inserted).collect();
-            let shortened = pressure.shortened();
+            // No neighbours, but often in another basin: nothing is claimed about them.
+            let explored = pressure.shortened().into_iter().chain(pressure.shifted());
+            let explored: Vec<Sequence> = explored.collect();
             let (path, cuts) = (best.path.clone(), best.cuts.clone());
             self.best = Some(best);
             let stationarity = if neighbours.is_empty() {
@@ -235,15 +237,17 @@ impl<'a> Search<'a, '_> {
                     Verdict::Undecided => undecided = true,
                 }
             }
-            // No neighbour, but often in another basin: nothing is claimed about it.
-            if !improved
-                && let Some(sequence) = shortened
-                && !self.tried.contains(&sequence.signature())
-                && !self.watch.stopped
-                && self.counts.programs < self.settings.maximum_programs
-            {
-                improved =
-                    self.attempt(&sequence, &path, &cuts, Purpose::Explore)? == Verdict::Better;
+            for sequence in explored {
+                if improved
+                    || self.watch.stopped
+                    || self.counts.programs >= self.settings.maximum_programs
+                {
+                    break;
+                }
+                if !self.tried.contains(&sequence.signature()) {
+                    let verdict = self.attempt(&sequence, &path, &cuts, Purpose::Explore)?;
+                    improved = verdict == Verdict::Better;
+                }
             }
             if !improved {
                 return Ok(if undecided {
