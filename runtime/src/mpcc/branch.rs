@@ -75,7 +75,7 @@ pub(crate) fn solve_branch(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     vanishes: &[bool],
-    start: &nlp::Solution,
+    start: &WarmStart,
     attempt: Attempt,
     watch: &mut Watch<'_>,
 ) -> Option<nlp::Solution> {
@@ -85,7 +85,7 @@ pub(crate) fn solve_branch(
     };
     let mut warm = WarmStart {
         barrier_parameter: attempt.barrier_parameter,
-        ..WarmStart::from_solution(start)
+        ..start.clone()
     };
     let mut dual_shift = attempt.dual_shift;
     let mut left = ITERATIONS;

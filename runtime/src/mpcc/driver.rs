@@ -1,6 +1,7 @@
 //! The entry points: rules one after the other, or side by side.
 
-use super::run::{BINDING, solve_with};
+use super::crossover::improve;
+use super::run::{BINDING, Ended, solve_with};
 use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
 use crate::nlp::{self, InputError};
@@ -111,39 +112,33 @@ pub fn solve_observed(
     settings.validate()?;
     check_pairs(problem)?;
     let mut watch = Watch::new(settings, observer);
-    let mut best: Option<Solution> = None;
+    let mut best: Option<Ended> = None;
     let mut infeasible = 0;
     for &rule in &settings.rules {
-        let solution = solve_with(problem, settings, rule, &mut watch)?;
-        infeasible += usize::from(solution.status == Status::Infeasible);
+        let ended = solve_with(problem, settings, rule, &mut watch)?;
+        infeasible += usize::from(ended.solution.status == Status::Infeasible);
         let finished = watch.stop.is_some()
-            || match solution.status {
-                Status::Solved => true,
+            || best
+                .as_ref()
+                .is_some_and(|best| best.solution.status.is_solved())
+            || match ended.solution.status {
+                Status::Solved => !(ended.resumed && settings.second_opinion),
                 Status::Relaxed => !settings.crossover,
                 Status::Infeasible => {
                     infeasible >= 2 && rule == RelaxationRule::Elastic
-                        || is_infeasible_without_pairs(problem, &solution)
+                        || is_infeasible_without_pairs(problem, &ended.solution)
                 }
                 _ => false,
             };
         best = Some(match best {
-            Some(best) if rank(&best) <= rank(&solution) => best,
-            _ => solution,
+            Some(best) if compare(&best.solution, &ended.solution).is_le() => best,
+            _ => ended,
         });
         if finished {
             break;
         }
     }
-    if let Some(best) = &mut best {
-        best.iterations = watch.iterations;
-        best.crossover_iterations = watch.crossover_iterations;
-        best.certificate_iterations = watch.certificate_iterations;
-        best.factorizations = watch.factorizations;
-        // whoever interrupts has to see it
-        if watch.stop == Some(nlp::Status::Interrupted) && !best.status.is_solved() {
-            best.status = Status::Failed(nlp::Status::Interrupted);
-        }
-    }
+    let best = best.map(|ended| complete(problem, settings, ended, &mut watch));
     // the list of rules is not empty
     best.ok_or(InputError::Setting {
         name: "rules",
@@ -205,17 +200,17 @@ where
     check_pairs(problem)?;
     let copies = settings.rules.iter().map(|&rule| (problem.clone(), rule));
     let copies: Vec<(P, RelaxationRule)> = copies.collect();
+    let run = |(mut copy, rule): (P, RelaxationRule)| {
+        let mut observer = |_: &nlp::IterationInfo| true;
+        let mut watch = Watch::new(settings, &mut observer);
+        let ended = solve_with(&mut copy, settings, rule, &mut watch)?;
+        Ok(complete(&mut copy, settings, ended, &mut watch))
+    };
     let results: Vec<Result<Solution, InputError>> = std::thread::scope(|scope| {
-        let threads: Vec<_> = copies
+        let threads = copies
             .into_iter()
-            .map(|(mut copy, rule)| {
-                scope.spawn(move || {
-                    let mut observer = |_: &nlp::IterationInfo| true;
-                    let mut watch = Watch::new(settings, &mut observer);
-                    solve_with(&mut copy, settings, rule, &mut watch)
-                })
-            })
-            .collect();
+            .map(|copy| scope.spawn(move || run(copy)));
+        let threads: Vec<_> = threads.collect();
         let joined = threads.into_iter().map(|thread| match thread.join() {
             Ok(result) => result,
             Err(panic) => std::panic::resume_unwind(panic),
@@ -230,13 +225,7 @@ where
     let factorizations = total(|s| s.factorizations);
     solutions
         .into_iter()
-        .min_by(|a, b| {
-            let ((a_rank, a_value), (b_rank, b_value)) = (rank(a), rank(b));
-            a_rank
-                .cmp(&b_rank)
-                .then(a_value.total_cmp(&b_value))
-                .then(a.objective.total_cmp(&b.objective))
-        })
+        .min_by(compare)
         .map(|best| Solution {
             iterations,
             crossover_iterations,
@@ -251,10 +240,45 @@ where
         })
 }
 
+/// The best of the rules, improved by neighbours where it is certified, with the totals of all rules.
+fn complete(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    ended: Ended,
+    watch: &mut Watch<'_>,
+) -> Solution {
+    let Ended {
+        mut solution,
+        mut vanishes,
+        ..
+    } = ended;
+    if solution.status.is_solved() {
+        improve(problem, settings, &mut solution, &mut vanishes, watch);
+    } else if watch.stop == Some(nlp::Status::Interrupted) {
+        // whoever interrupts has to see it
+        solution.status = Status::Failed(nlp::Status::Interrupted);
+    }
+    solution.iterations = watch.iterations;
+    solution.crossover_iterations = watch.crossover_iterations;
+    solution.certificate_iterations = watch.certificate_iterations;
+    solution.factorizations = watch.factorizations;
+    solution
+}
+
 /// Whether no pair had a part in the infeasibility of a point.
 fn is_infeasible_without_pairs(problem: &dyn Mpcc, solution: &Solution) -> bool {
     let mut pairs = problem.complementarities().iter();
     pairs.all(|&(i, j)| solution.x[i] * solution.x[j] < BINDING * solution.relaxation_parameter)
+}
+
+/// The better one of two results is less.
+fn compare(a: &Solution, b: &Solution) -> std::cmp::Ordering {
+    let ((a_rank, a_value), (b_rank, b_value)) = (rank(a), rank(b));
+    let by_objective = a.objective.total_cmp(&b.objective);
+    a_rank
+        .cmp(&b_rank)
+        .then(a_value.total_cmp(&b_value))
+        .then(by_objective)
 }
 
 /// The smaller the better.

@@ -35,6 +35,10 @@ pub struct Settings {
     pub maximum_iterations: usize,
     /// Rules to try, in this order, until one ends at a certified point; default all but the homotopy.
     pub rules: Vec<RelaxationRule>,
+    /// Whether the rule after the one that ends at a certified point is tried too, for a better objective, where the
+    /// sides that the relaxed problem had chosen at the first crossover could not be met; default true. The relaxed
+    /// solution was none of the complementarity problem then, and the point found from there often is a poor one.
+    pub second_opinion: bool,
     /// Last `sigma`; default 1e-8, > 0.
     pub final_relaxation: f64,
     /// Whether to fix one side of each pair and solve the smooth program after the relaxed one;
@@ -68,6 +72,7 @@ impl Default for Settings {
                 RelaxationRule::Continuation,
                 RelaxationRule::Proportional,
             ],
+            second_opinion: true,
             final_relaxation: 1e-8,
             crossover: true,
             maximum_repairs: 10,

@@ -108,7 +108,8 @@ impl<'a> Search<'a, '_> {
     /// Whether an objective is better than the best.
     fn improves(&self, objective: f64) -> bool {
         self.best.as_ref().is_none_or(|best| {
-            objective <= best.solution.objective - IMPROVEMENT * objective.abs().max(1.0)
+            let size = objective.abs().max(best.program.program.objective_unit());
+            objective <= best.solution.objective - IMPROVEMENT * size
         })
     }
 
@@ -208,9 +209,15 @@ impl<'a> Search<'a, '_> {
     ) -> Result<Option<nlp::Solution>, InputError> {
         let best = self.best.as_ref().map(|best| best.solution.objective);
         self.watch.begin("collocation", &self.counts, best);
-        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info);
-        let solution = nlp::solve_from(&mut program.program, settings, start, Some(&mut observer))
-            .map_err(|error| refused(&error))?;
+        let unit = program.program.objective_unit();
+        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
+        let mut solution =
+            nlp::solve_from(&mut program.program, settings, start, Some(&mut observer))
+                .map_err(|error| refused(&error))?;
+        solution.objective *= unit;
+        for info in &mut solution.history {
+            info.objective *= unit;
+        }
         self.counts.programs += 1;
         self.counts.iterations += solution.counts.iterations;
         self.counts.factorizations += solution.counts.factorizations;

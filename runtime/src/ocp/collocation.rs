@@ -11,8 +11,9 @@
 //! (stabilised index 2: Gear, Leimkuhler, Gupta 1985; order `2 s - 1` in `q` and `v`). The unknowns `r_i` are
 //! normal accelerations times `h`, so that the system stays regular for short phases. Between phases:
 //! an opening inside an interval happens where the force vanishes, `r_i = 0`; one at a jump of the
-//! controls where `r_i >= 0` before and the normal acceleration is `>= 0` after it; a closing or a touch where
-//! `g_i = 0`, followed by the impact map `v+ = v + sum_B d_i p_i`, `v_n,i(v+) = -e_i v_n,i(v)` for all contacts `B`
+//! controls where `r_i >= 0` before and the normal acceleration is `>= 0` after it, and one at a node of linear
+//! controls, which do not jump, where `r_i = 0` before it; a closing or a touch where
+//! `g_i = 0`, possibly at the very end, followed by the impact map `v+ = v + sum_B d_i p_i`, `v_n,i(v+) = -e_i v_n,i(v)` for all contacts `B`
 //! closed there. A touch leaves its contact open; without a bounce the normal acceleration is `>= 0` after it.
 //! Contacts with friction are the subject of [`friction`](super::friction).
 //!
@@ -20,17 +21,18 @@
 //! so a bound holds at all times if and only if the shifted control points `b_0, b_1, b_2` of the parabola
 //! satisfy `b_0 >= s theta^2`, `b_1 >= -s theta (1 - theta)`, `b_2 >= s (1 - theta)^2` for some `s >= 0` and
 //! `theta` in `[0, 1]`: a nonnegative combination of the Bernstein polynomials and of a square (Lukacs). The
-//! rows have independent gradients also where the coordinate rests on its bound. Other bounds hold at the
-//! stages, and between them where a [`Cut`] says so.
+//! rows have independent gradients also where the coordinate rests on its bound. Under linear controls it is a cubic,
+//! with a condition alike (`cubic_bounds`). Other bounds hold at the stages, and between them where a [`Cut`] says so.
 
 use super::control_grid::ControlGrid;
 use super::friction::Tangential;
 use super::mode::{Direction, Mode, is_rough};
-use super::path::{Path, Units};
+use super::path::Path;
 use super::problem::Problem;
 use super::program::Program;
 use super::sequence::{Sequence, Switch};
 use super::settings::{BoundsAt, ControlShape, PathPoints};
+use super::units::Units;
 use crate::model::{Model, contact_point, tangent_point};
 use crate::rk::ButcherTableau;
 

@@ -234,7 +234,10 @@ impl Search<'_, '_> {
                 }
             }
         };
-        let longest = plan.switches.len().max(read.switches.len());
+        // A simulation may end on either side of an impact at the final time.
+        let intervals = self.setting.problem.intervals;
+        let lasting = plan.switches.iter().filter(|s| s.interval < intervals);
+        let longest = lasting.count().max(read.switches.len());
         (0..longest)
             .find(|&i| plan.switches.get(i).map(kind) != read.switches.get(i).map(kind))
             .map(|i| {

@@ -23,10 +23,11 @@ use super::control_grid::ControlGrid;
 use super::frame::{Frame, state_name};
 use super::kernel::Kernel;
 use super::mode::{Direction, Mode, is_rough, sliding_velocity};
-use super::path::{Path, Units, drive};
+use super::path::{Path, drive};
 use super::problem::Problem;
 use super::program::Program;
 use super::settings::ControlShape;
+use super::units::Units;
 use crate::model::Model;
 
 /// Unknowns of a contact in an element.
@@ -92,7 +93,7 @@ impl<'a> ContactImplicit<'a> {
                     free
                 };
                 let name = format!("{} after element {element}", state_name(model, k));
-                variables.push(program.variable(name, range, value, 1.0));
+                variables.push(program.variable(name, range, value, units.states[k]));
             }
             let (q, v): (Vec<usize>, Vec<usize>) =
                 (variables[..n].to_vec(), variables[n..].to_vec());
@@ -112,7 +113,8 @@ impl<'a> ContactImplicit<'a> {
                     gap(model, contact, (&sample[..2 * n], time)),
                     units.gap[contact],
                 );
-                let row = program.row(format!("gap `{name}`, element {element}"), 0.0, 0.0);
+                let label = format!("gap `{name}`, element {element}");
+                let row = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
                 program.linear(row, gap, -1.0);
                 let block = Kernel::Contact(contact);
                 program.block(&block, [&q, &[], u, &[]], None, vec![(row, 0, 1.0)]);
@@ -138,11 +140,13 @@ impl<'a> ContactImplicit<'a> {
             let mut uses = Vec::with_capacity(n);
             for k in 0..n {
                 let name = declaration.coordinates[k].name;
-                let row = program.row(format!("motion of `{name}`, element {element}"), 0.0, 0.0);
+                let label = format!("motion of `{name}`, element {element}");
+                let row = program.row_in(units.states[k], label, 0.0, 0.0);
                 program.linear(row, q[k], 1.0);
                 program.linear(row, before[k], -1.0);
                 program.bilinear(row, horizon, v[k], -share);
-                let row = program.row(format!("force on `{name}`, element {element}"), 0.0, 0.0);
+                let label = format!("force on `{name}`, element {element}");
+                let row = program.row_in(units.states[n + k], label, 0.0, 0.0);
                 program.linear(row, v[k], 1.0);
                 program.linear(row, before[n + k], -1.0);
                 uses.push((row, k, -share));
@@ -170,7 +174,7 @@ impl<'a> ContactImplicit<'a> {
         }
         frame.finish(&mut program, problem, &before);
         Self {
-            program: program.finish(),
+            program: program.finish(&frame.controls),
             horizon,
             controls: frame.controls,
             elements,
@@ -234,8 +238,10 @@ fn friction(
     let n = q.len();
     let velocity = sliding_velocity(model, contact, sample, time);
     let positive = (0.0, f64::INFINITY);
-    let row = program.row(format!("sliding of `{name}`, element {element}"), 0.0, 0.0);
-    let cone = program.row(format!("friction of `{name}`, element {element}"), 0.0, 0.0);
+    let label = format!("sliding of `{name}`, element {element}");
+    let row = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
+    let label = format!("friction of `{name}`, element {element}");
+    let cone = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
     let uses = vec![(row, 0, -1.0)];
     program.block(&Kernel::Sliding(contact), [q, v, u, &[]], None, uses);
     program.linear(cone, force, -2.0 * mu);

@@ -4,6 +4,7 @@ use super::collocation::{Collocation, Cut, CutKind, Places, SolvedPhase, lagrang
 use super::problem::Problem;
 use super::settings::BoundsAt;
 use super::solution::Excess;
+use super::units::Units;
 use crate::model::{ConstraintRelation, contact_point};
 
 /// Points of a phase that are looked at.
@@ -20,8 +21,9 @@ pub(super) struct Limits<'a> {
     pub(super) gap: f64,
     /// Gap that a cut asks for.
     pub(super) margin: f64,
-    /// Largest violation of a bound of a coordinate that is let pass.
+    /// Largest violation of a bound of a coordinate, in its unit of `units`, that is let pass.
     pub(super) bound: f64,
+    pub(super) units: &'a Units,
     pub(super) bounds: (&'a [f64], &'a [f64]),
     pub(super) problem: &'a Problem,
     pub(super) places: Places,
@@ -159,13 +161,13 @@ pub(super) fn between_stages(
         return found;
     }
     let all: Vec<usize> = (0..program.phases.len()).collect();
-    let tolerance = (-limits.bound, limits.bound);
     for k in (0..n).filter(|&k| !parabolas[k]) {
         let bounds = (limits.bounds.0[k], limits.bounds.1[k]);
         if bounds == (f64::NEG_INFINITY, f64::INFINITY) {
             continue;
         }
-        for (phase, theta, _) in lows(&all, &mut motion.inside(k, bounds), tolerance) {
+        let bound = limits.bound * limits.units.states[k];
+        for (phase, theta, _) in lows(&all, &mut motion.inside(k, bounds), (-bound, bound)) {
             found.push(cut(phase, theta, CutKind::Bounds(k)));
         }
     }
@@ -173,7 +175,11 @@ pub(super) fn between_stages(
         if !inequality {
             continue;
         }
-        for (phase, theta, _) in lows(&all, &mut motion.path(constraint), tolerance) {
+        for (phase, theta, _) in lows(
+            &all,
+            &mut motion.path(constraint),
+            (-limits.bound, limits.bound),
+        ) {
             found.push(cut(phase, theta, CutKind::Path(constraint)));
         }
     }

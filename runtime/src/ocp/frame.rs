@@ -1,10 +1,11 @@
 //! What all programs have in common: horizon, controls, start, objective, goals and path functions.
 
 use super::kernel::Kernel;
-use super::path::{Path, Units};
+use super::path::Path;
 use super::problem::{Component, Horizon, Problem};
 use super::program::{OBJECTIVE, Program};
 use super::settings::ControlShape;
+use super::units::Units;
 use crate::model::{ConstraintDeclaration, ConstraintRelation, Model};
 
 /// Shortest and longest horizon relative to the guess, where it is free.
@@ -62,7 +63,7 @@ impl<'a> Frame<'a> {
         let start = start
             .map(|(k, range)| {
                 let name = format!("initial {}", state_name(model, k));
-                program.variable(name, range, guess.states[0][k], 1.0)
+                program.variable(name, range, guess.states[0][k], units.states[k])
             })
             .collect();
         Self {
@@ -200,7 +201,7 @@ impl<'a> Frame<'a> {
                 let controls: Vec<usize> = self.controls.iter().flatten().copied().collect();
                 let unit: f64 = controls.iter().map(|&u| program.unit(u).powi(2)).sum();
                 let sum = program.variable("sum of squares", (0.0, f64::INFINITY), unit, unit);
-                let row = program.row("sum of squares", 0.0, f64::INFINITY);
+                let row = program.row_in(unit, "sum of squares", 0.0, f64::INFINITY);
                 program.linear(row, sum, 1.0);
                 for (a, b, share) in squares {
                     program.bilinear(row, a, b, -share);

@@ -17,7 +17,7 @@
 //! do is for the re-simulation to judge. Their forces reach the edges of their cones together; how they share the load
 //! before is left open.
 
-use super::collocation::{Phase, Stage, lagrange};
+use super::collocation::{Phase, Setting, Stage, lagrange};
 use super::kernel::Kernel;
 use super::mode::{Direction, Mode};
 use super::program::Program;
@@ -33,6 +33,8 @@ pub(super) struct Tangential {
     pub(super) mode: Mode,
     /// Normal force or impulse.
     pub(super) normal: usize,
+    /// Unit of its velocities, and of accelerations times lengths.
+    unit: f64,
     /// Tangential force or impulse, if the contact sticks.
     pub(super) force: Option<usize>,
     /// Rows that hold on both sides: of the friction cone, towards the direction in which the contact would slip; or
@@ -106,24 +108,32 @@ impl Turns {
     }
 }
 
-/// Adds the tangential force of a contact that sticks, in the place described by `label`.
+/// Adds the tangential force of a contact that sticks, with the unit of its normal force and that of its rows, in the
+/// place described by `label`.
 pub(super) fn tangential(
     program: &mut Program,
     model: &dyn Model,
     (contact, mode): (usize, Mode),
-    (normal, unit): (usize, f64),
+    (normal, force_unit, unit): (usize, f64, f64),
     label: &str,
 ) -> Option<Tangential> {
     if !matches!(mode, Mode::Stick | Mode::Slip(_)) {
         return None;
     }
     let name = model.declaration().contacts[contact].name;
-    let force = (mode == Mode::Stick)
-        .then(|| program.variable(format!("friction of `{name}` {label}"), FREE, 0.0, unit));
+    let force = (mode == Mode::Stick).then(|| {
+        program.variable(
+            format!("friction of `{name}` {label}"),
+            FREE,
+            0.0,
+            force_unit,
+        )
+    });
     Some(Tangential {
         contact,
         mode,
         normal,
+        unit,
         force,
         rows: Vec::new(),
     })
@@ -164,9 +174,10 @@ impl Tangential {
         let contact = self.contact;
         let name = model.declaration().contacts[contact].name;
         let kernel = Kernel::Sliding(contact);
+        let unit = self.unit;
         let velocity = |program: &mut Program, sign: f64, bounds: (f64, f64)| {
             let name = format!("sliding velocity of `{name}` {label}");
-            let row = program.row(name, bounds.0, bounds.1);
+            let row = program.row_in(unit, name, bounds.0, bounds.1);
             program.block(&kernel, [q, v, u, &[]], None, vec![(row, 0, sign)]);
             row
         };
@@ -202,7 +213,7 @@ impl Tangential {
                 None => (f64::INFINITY, false),
             };
             let name = format!("friction cone of `{name}` {label}");
-            let row = program.row(name, 0.0, upper);
+            let row = program.row_in(unit, name, 0.0, upper);
             reserve(
                 program,
                 (row, 1.0),
@@ -268,11 +279,17 @@ pub(super) fn sliding_acceleration(
 /// in its cone; a contact that is pulled into slip begins to move its way.
 pub(super) fn start_rows(
     program: &mut Program,
-    model: &dyn Model,
+    setting: Setting,
     phase: &mut Phase,
-    (turns, tableau): (&Turns, &ButcherTableau),
+    turns: &Turns,
     label: &str,
 ) {
+    let Setting {
+        model,
+        tableau,
+        units,
+        ..
+    } = setting;
     let mut values = vec![0.0; tableau.stages()];
     tableau.lagrange_values(0.0, &mut values);
     let (mut pulled, mut cones) = (Vec::new(), Vec::new());
@@ -282,7 +299,8 @@ pub(super) fn start_rows(
             Mode::Stick => {
                 for direction in Direction::BOTH {
                     let name = format!("friction cone of `{name}` at the start of {label}");
-                    let row = program.row(name, 0.0, f64::INFINITY);
+                    let unit = units.gap_rows[contact];
+                    let row = program.row_in(unit, name, 0.0, f64::INFINITY);
                     let place = (row, contact, direction);
                     reserve_between(program, model, place, &phase.stages, &values);
                     cones.push((contact, direction, row));
@@ -290,7 +308,8 @@ pub(super) fn start_rows(
             }
             Mode::Slip(direction) if turns.pulled.contains(&contact) => {
                 let name = format!("slip of `{name}` at the start of {label}");
-                let row = program.row(name, 0.0, f64::INFINITY);
+                let unit = units.gap_rows[contact];
+                let row = program.row_in(unit, name, 0.0, f64::INFINITY);
                 sliding_acceleration(program, (row, contact, direction), phase, tableau);
                 pulled.push((contact, row));
             }
@@ -304,10 +323,11 @@ pub(super) fn start_rows(
 mod tests {
     use super::super::collocation::{Collocation, Cut, CutKind, Places, Setting, parabolas};
     use super::super::contact_implicit::ContactImplicit;
-    use super::super::path::{Path, Units};
+    use super::super::path::Path;
     use super::super::problem::{Problem, bounds};
     use super::super::sequence::Sequence;
     use super::super::settings::{BoundsAt, ControlShape, Guess, PathPoints};
+    use super::super::units::Units;
     use super::*;
     use crate::nlp::check_derivatives;
     use crate::rk::Scheme;

@@ -38,6 +38,7 @@ impl Motion<'_, '_> {
                     Mode::Slip(direction) => {
                         let yielded = phase.yielded.contains(&contact);
                         let tolerance = if yielded { limits.gap } else { limits.bound };
+                        let tolerance = tolerance * limits.units.gap_rows[contact];
                         let mut velocity = self.sliding(contact, direction);
                         let lows = lows(&[index], &mut velocity, (-tolerance, tolerance));
                         found.extend(lows.iter().map(|low| cut(low.1, CutKind::Slip(contact))));
@@ -104,7 +105,8 @@ impl Builder<'_, '_> {
         let mut weights = vec![0.0; phase.stages.len()];
         tableau.lagrange_values(cut.theta, &mut weights);
         let name = format!("friction cone of `{name}` {at}");
-        let row = self.program.row(name, 0.0, f64::INFINITY);
+        let unit = self.setting.units.gap_rows[contact];
+        let row = self.program.row_in(unit, name, 0.0, f64::INFINITY);
         let place = (row, contact, direction);
         reserve_between(&mut self.program, model, place, &phase.stages, &weights);
     }
@@ -118,7 +120,8 @@ impl Builder<'_, '_> {
         let drive = self.drive_within(phase, cut.theta, at);
         let name = self.setting.model.declaration().contacts[contact].name;
         let name = format!("sliding velocity of `{name}` {at}");
-        let row = self.program.row(name, 0.0, f64::INFINITY);
+        let unit = self.setting.units.gap_rows[contact];
+        let row = self.program.row_in(unit, name, 0.0, f64::INFINITY);
         let uses = vec![(row, 0, direction.sign())];
         self.program
             .block(&Kernel::Sliding(contact), [q, v, &drive, &[]], None, uses);

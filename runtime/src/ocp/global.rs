@@ -134,7 +134,8 @@ impl Search<'_, '_> {
         settings.interior_point.maximum_iterations = self.settings.maximum_iterations;
         self.watch
             .begin("contact-implicit search", &self.counts, None);
-        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info);
+        let unit = program.program.objective_unit();
+        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
         let solution = mpcc::solve_observed(&mut program.program, &settings, &mut observer)
             .map_err(|error| refused(&error))?;
         self.counts.programs += 1;
@@ -148,7 +149,7 @@ impl Search<'_, '_> {
             let path = program.path(&solution.x);
             let initially = self.modes_at_start(&path);
             return Ok(Some(Relaxed {
-                objective: solution.objective,
+                objective: unit * solution.objective,
                 path,
                 sequence: Sequence::of_elements(initially, &modes, (elements, &ends), CLOSING),
             }));

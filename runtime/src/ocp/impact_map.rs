@@ -1,6 +1,6 @@
 //! What happens at a switch inside the collocation program: contacts let go, or slide on in another way, or strike.
 
-use super::collocation::Phase;
+use super::collocation::{Phase, Setting};
 use super::frame::state_name;
 use super::friction::{Turns, tangential};
 use super::kernel::Kernel;
@@ -61,7 +61,7 @@ impl Builder<'_, '_> {
             .filter(|(_, mode)| !mode.is_open())
             .collect();
         let (n, program, drive) = (self.n, &mut self.program, &self.before);
-        let model = self.setting.model;
+        let Setting { model, units, .. } = self.setting;
         let contacts = model.declaration().contacts;
         let sample = self.guess.at(time, true);
         let q = self.state[..n].to_vec();
@@ -73,9 +73,10 @@ impl Builder<'_, '_> {
                 "{} after the impact that ends {label}",
                 state_name(model, n + k)
             );
-            let velocity = program.variable(name, free, sample[n + k], 1.0);
+            let unit = units.states[n + k];
+            let velocity = program.variable(name, free, sample[n + k], unit);
             let name = format!("impact on {}, end of {label}", state_name(model, n + k));
-            let row = program.row(name, 0.0, 0.0);
+            let row = program.row_in(unit, name, 0.0, 0.0);
             program.linear(row, velocity, 1.0);
             program.linear(row, self.state[n + k], -1.0);
             uses.push((row, k, -1.0));
@@ -84,10 +85,11 @@ impl Builder<'_, '_> {
         let mut impulses = Vec::new();
         for &(i, mode) in &laws {
             let name = format!("impulse of `{}` that ends {label}", contacts[i].name);
-            let impulse = program.variable(name, (0.0, f64::INFINITY), 0.0, 1.0);
+            let unit = units.gap_rows[i];
+            let impulse = program.variable(name, (0.0, f64::INFINITY), 0.0, unit);
             impulses.push(impulse);
             let name = format!("impact of `{}`, end of {label}", contacts[i].name);
-            let row = program.row(name, 0.0, 0.0);
+            let row = program.row_in(unit, name, 0.0, 0.0);
             let normal = vec![(row, 1, 1.0)];
             let v = &after[n..];
             let kernel = Kernel::Contact(i);
@@ -99,7 +101,8 @@ impl Builder<'_, '_> {
                 program.block(&kernel, [&q, v, drive, &[]], None, uses);
             }
             let at = format!("in the impact that ends {label}");
-            if let Some(mut tangential) = tangential(program, model, (i, mode), (impulse, 1.0), &at)
+            if let Some(mut tangential) =
+                tangential(program, model, (i, mode), (impulse, unit, unit), &at)
             {
                 let turns = (&Turns::default(), false);
                 tangential.push(program, model, (&q, drive), &uses);

@@ -15,6 +15,7 @@ impl Builder<'_, '_> {
             model,
             bounds,
             tableau,
+            units,
             ..
         } = self.setting;
         let declaration = model.declaration();
@@ -30,7 +31,7 @@ impl Builder<'_, '_> {
             match cut.kind {
                 CutKind::Bounds(k) => {
                     let name = format!("`{}` {at}", declaration.coordinates[k].name);
-                    let row = program.row(name, bounds.0[k], bounds.1[k]);
+                    let row = program.row_in(units.states[k], name, bounds.0[k], bounds.1[k]);
                     combine(program, (row, k), phase, &weights);
                 }
                 CutKind::Gap(contact, _) | CutKind::Departure(contact)
@@ -40,7 +41,8 @@ impl Builder<'_, '_> {
                     let program = &mut self.program;
                     let name =
                         format!("departure of `{}` {at}", declaration.contacts[contact].name);
-                    let row = program.row(name, 0.0, f64::INFINITY);
+                    let unit = units.gap_rows[contact];
+                    let row = program.row_in(unit, name, 0.0, f64::INFINITY);
                     let slopes = lagrange(tableau, 0.0, true);
                     let stages = phase.stages.iter();
                     let stages = stages.map(|stage| (&stage.state, &stage.drive));
@@ -56,7 +58,8 @@ impl Builder<'_, '_> {
                     let drive = self.drive_within(phase, cut.theta, &at);
                     let program = &mut self.program;
                     let name = format!("gap `{}` {at}", declaration.contacts[contact].name);
-                    let row = program.row(name, margin, f64::INFINITY);
+                    let unit = units.gap_rows[contact];
+                    let row = program.row_in(unit, name, margin, f64::INFINITY);
                     let uses = vec![(row, 0, 1.0)];
                     let kernel = Kernel::Contact(contact);
                     program.block(&kernel, [&state, &[], &drive, &[]], None, uses);
@@ -89,6 +92,7 @@ impl Builder<'_, '_> {
             model,
             problem,
             tableau,
+            units,
             ..
         } = self.setting;
         let weights = lagrange(tableau, cut.theta, false);
@@ -101,8 +105,9 @@ impl Builder<'_, '_> {
         (0..count)
             .map(|k| {
                 let name = format!("{} {at}", state_name(model, k));
-                let variable = program.variable(name.clone(), free, sample[k], 1.0);
-                let row = program.row(name, 0.0, 0.0);
+                let unit = units.states[k];
+                let variable = program.variable(name.clone(), free, sample[k], unit);
+                let row = program.row_in(unit, name, 0.0, 0.0);
                 program.linear(row, variable, -1.0);
                 combine(program, (row, k), phase, &weights);
                 variable

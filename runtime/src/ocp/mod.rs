@@ -18,6 +18,17 @@
 //! The relaxed complementarity problem of the first phase is never reported as a result. What comes out is a local
 //! optimum; [`Stationarity`] says what is proved about its contact sequence.
 //!
+//! # Units
+//! A scene may be written in any units. The solver sees every control, time and contact force divided by its own size,
+//! and every coordinate, gap and objective divided by the power of a thousand (of a million for the objective) nearest
+//! to its size, so that its tolerance means the same for a scene in millimetres and kilonewtons as in metres and
+//! newtons. Path constraints and terminal conditions are not measured: state those in numbers of the order of one. What
+//! stays in the units of the scene is what belongs to it: [`Settings::gap_margin`] and [`Settings::largest_distance`].
+//!
+//! # Time
+//! A model may depend on the time itself (`t` in forces, surfaces or costs). Where the final time is free, the time of
+//! every stage is then an unknown that moves with it.
+//!
 //! # Examples
 //! Least final time of a cart that is pushed from rest to 1 m and has no bound on its speed: it accelerates all the
 //! way, `t = sqrt(2 m / u)`.
@@ -81,6 +92,7 @@ mod test_scene;
 mod time_freezing;
 mod time_freezing_search;
 mod transcribe;
+mod units;
 
 pub use previous::Previous;
 pub use problem::{Component, Goal, Horizon, Objective, Problem};

@@ -65,7 +65,7 @@ impl Previous {
             let whole = (time - time.round()).abs() < AT_THE_END;
             switch.time = time;
             if switch.place == Place::Start && whole {
-                switch.interval = (time.round() as usize).min(intervals - 1);
+                switch.interval = (time.round() as usize).min(intervals);
             } else {
                 switch.place = Place::Inside;
                 switch.interval = (time as usize).min(intervals - 1);

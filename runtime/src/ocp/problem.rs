@@ -23,8 +23,9 @@ const AT_REST: f64 = 1e-9;
 ///
 /// `phi`, `L`, `c`, goals and free initial values are those that the scene declares
 /// ([`OptimalControlDeclaration`]); the weights of [`Objective`] and the [`Goal`]s are added to them by the program
-/// that states the problem. The controls are constant on `intervals` intervals of equal physical length
-/// `T / intervals`.
+/// that states the problem. The controls are constant or linear ([`ControlShape`](super::ControlShape)) on `intervals`
+/// intervals of equal physical length `T / intervals`. An impact at the final time itself counts: goals and costs mean
+/// the state after it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
     /// Initial coordinates, length `n_q`; where they are free, a guess.

@@ -158,7 +158,18 @@ impl<'a> Search<'a, '_> {
         let touching = candidates
             .iter()
             .filter_map(|(sequence, path)| Some((sequence.touching()?, path)));
-        for (sequence, path) in tidied.chain(untouched).chain(raw).chain(touching) {
+        let likely: Vec<(Sequence, &Path)> =
+            tidied.chain(untouched).chain(raw).chain(touching).collect();
+        // The motion may end with its last impact; that is looked at where nothing else has a solution.
+        let intervals = self.setting.problem.intervals;
+        let ending = candidates
+            .iter()
+            .filter_map(|(sequence, path)| Some((sequence.ending(intervals)?, path)));
+        let count = likely.len();
+        for (index, (sequence, path)) in likely.into_iter().chain(ending).enumerate() {
+            if index >= count && self.best.is_some() {
+                break;
+            }
             let Some(sequence) = sequence.ordered(self.setting.problem.intervals) else {
                 continue;
             };
@@ -175,6 +186,7 @@ impl<'a> Search<'a, '_> {
             gap: TOUCHING * self.settings.gap_margin,
             margin: self.settings.gap_margin,
             bound: self.settings.tolerance,
+            units: self.setting.units,
             bounds: self.setting.bounds,
             problem: self.setting.problem,
             places: self.setting.places,

@@ -17,7 +17,8 @@ const SHORT_SLIDING: f64 = 0.6;
 /// Where in the grid of the controls a switch happens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Place {
-    /// At the jump of the controls at the start of the interval.
+    /// At the jump of the controls at the start of the interval; in the interval after the last one, an impact that
+    /// ends the motion.
     Start,
     /// Inside the interval.
     Inside,
@@ -279,8 +280,10 @@ impl Sequence {
         let mut modes = self.initially.clone();
         let mut leader: Option<Switch> = None;
         for switch in &mut self.switches {
+            let ends =
+                switch.interval == intervals && switch.place == Place::Start && switch.closes;
             if !switch.follows(modes[switch.contact])
-                || switch.interval >= intervals
+                || switch.interval >= intervals && !ends
                 || switch.place == Place::Start && switch.interval == 0
             {
                 return None;
@@ -417,6 +420,24 @@ impl Sequence {
         let mut sequence = self.clone();
         sequence.switches.retain(|switch| !switch.touches());
         (sequence.switches.len() < self.switches.len()).then_some(sequence)
+    }
+
+    /// Up to its last impact, which ends the motion; `None` without impacts.
+    pub(super) fn ending(&self, intervals: usize) -> Option<Self> {
+        let mut sequence = self.clone();
+        let last = sequence.switches.iter().rposition(|s| s.closes)?;
+        sequence.switches.truncate(last + 1);
+        let first = sequence.switches.iter().rposition(|s| !s.accompanies)?;
+        let impact = sequence.switches.split_off(first);
+        for switch in impact.into_iter().filter(|switch| switch.closes) {
+            sequence.switches.push(Switch {
+                interval: intervals,
+                place: Place::Start,
+                time: intervals as f64,
+                ..switch
+            });
+        }
+        Some(sequence)
     }
 
     /// With touches in the place of contacts that are too short to be meant as such; `None` if there are none.

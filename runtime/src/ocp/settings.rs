@@ -31,7 +31,7 @@ pub enum Formulation {
     /// Small contact-implicit programs, from coarse to fine.
     #[default]
     Phases,
-    /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing). It starts from
+    /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing), with constant controls. It starts from
     /// [`Guess::Straight`] or [`Guess::Ride`].
     TimeFreezing(TimeFreezingSettings),
 }
@@ -96,8 +96,9 @@ pub struct Settings {
     /// guesses and discretizations; default 1, at least 1. The best result is returned, with the distinct local
     /// optima; it does not depend on the number of threads.
     pub starts: usize,
-    /// Finite elements of a phase at the start; default 1, at least 1. More are taken in the intervals that the
-    /// re-simulation of each of them shows to be inaccurate.
+    /// Finite elements of a phase at the start; default 1, at least 1. Where the re-simulation does not confirm a plan,
+    /// more are taken in the intervals that a simulation of each shows to be inaccurate; see
+    /// [`Solution::elements`](super::Solution::elements).
     pub elements: usize,
     /// Radau IIA stages of an element; default 4, in `2..=9`. Order `2 n - 1`. More are taken where the re-simulation
     /// does not confirm a plan.

@@ -202,7 +202,8 @@ pub struct Solution {
     pub shape: ControlShape,
     /// Finite elements of a phase in each interval: more than asked for where the re-simulation wanted them.
     pub elements: Vec<usize>,
-    /// The event-driven re-simulation of the plan's controls; absent without a plan.
+    /// The event-driven re-simulation of the plan's controls; absent without a plan. Of an impact at the final time it
+    /// may show the one side or the other, while the plan, its goals and its objective mean the state after it.
     pub motion: Option<Simulation>,
     /// Worst violated rows, if a program failed.
     pub violations: Vec<Violation>,

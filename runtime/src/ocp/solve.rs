@@ -3,13 +3,14 @@
 use cpu_time::ThreadTime;
 
 use super::collocation::{Places, Setting, parabolas};
-use super::path::{Path, Units};
+use super::path::Path;
 use super::problem::{Problem, bounds};
 use super::progress::{Observer, Watch};
 use super::search::Search;
 use super::settings::Settings;
 use super::solution::{Counts, Solution};
 use super::starts;
+use super::units::Units;
 use crate::model::Model;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;

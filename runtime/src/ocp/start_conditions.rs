@@ -21,7 +21,12 @@ impl Builder<'_, '_> {
 
     /// Where initial values are free: contacts closed at the start touch and rest, the others are open.
     pub(super) fn free_start(&mut self) {
-        let Setting { model, problem, .. } = self.setting;
+        let Setting {
+            model,
+            problem,
+            units,
+            ..
+        } = self.setting;
         let free: Vec<usize> = (0..2 * self.n)
             .filter(|&k| {
                 let (lower, upper) = self.program.bounds(self.frame.start[k]);
@@ -42,11 +47,13 @@ impl Builder<'_, '_> {
             if reads(0) {
                 let upper = if closed { 0.0 } else { f64::INFINITY };
                 let name = format!("gap `{}` at the start", contact.name);
-                uses.push((self.program.row(name, 0.0, upper), 0, 1.0));
+                let row = self.program.row_in(units.gap_rows[i], name, 0.0, upper);
+                uses.push((row, 0, 1.0));
             }
             if closed && reads(1) {
                 let name = format!("normal velocity of `{}` at the start", contact.name);
-                uses.push((self.program.row(name, 0.0, 0.0), 1, 1.0));
+                let row = self.program.row_in(units.gap_rows[i], name, 0.0, 0.0);
+                uses.push((row, 1, 1.0));
             }
             let (q, v) = self.frame.start.split_at(self.n);
             if !uses.is_empty() {
@@ -63,7 +70,8 @@ impl Builder<'_, '_> {
             };
             if slides && matches!(mode, Mode::Stick | Mode::Slip(_)) {
                 let name = format!("sliding velocity of `{}` at the start", contact.name);
-                let uses = vec![(self.program.row(name, 0.0, upper), 0, sign)];
+                let row = self.program.row_in(units.gap_rows[i], name, 0.0, upper);
+                let uses = vec![(row, 0, sign)];
                 self.program
                     .block(&Kernel::Sliding(i), [q, v, &[], &[]], None, uses);
             }

@@ -44,7 +44,7 @@ impl Search<'_, '_> {
             self.settings.maximum_iterations.max(ITERATIONS);
         self.watch
             .begin("time-freezing program", &self.counts, None);
-        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info);
+        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, 1.0);
         let solution = mpcc::solve_observed(&mut program, &relaxation, &mut observer)
             .map_err(|error| refused(&error))?;
         self.counts.programs += 1;

@@ -77,10 +77,18 @@ impl<'a> Collocation<'a> {
         for interval in 0..problem.intervals {
             builder.interval(interval, &sequence.switches);
         }
+        let last = |switch: &&Switch| switch.interval == problem.intervals;
+        for (index, switch) in sequence.switches.iter().enumerate() {
+            if last(&switch) && !switch.accompanies {
+                let companions = Sequence::companions(&sequence.switches, index);
+                let label = "the last interval";
+                builder.close((index, switch), companions, label, guess.horizon);
+            }
+        }
         let (frame, mut program) = (builder.frame, builder.program);
         frame.finish(&mut program, problem, &builder.state);
         Self {
-            program: program.finish(),
+            program: program.finish(&frame.controls),
             model,
             sequence: sequence.clone(),
             phases: builder.phases,
@@ -318,7 +326,7 @@ impl Builder<'_, '_> {
                         free
                     };
                     let name = format!("{} at stage {m} of {label}", state_name(model, k));
-                    program.variable(name, range, sample[k], 1.0)
+                    program.variable(name, range, sample[k], units.states[k])
                 })
                 .collect();
             let mut forces = Vec::new();
@@ -337,7 +345,13 @@ impl Builder<'_, '_> {
                 forces.push(force);
                 let at = format!("at stage {m} of {label}");
                 let mode = (i, self.modes[i]);
-                rubbing.extend(tangential(program, model, mode, (force, unit), &at));
+                rubbing.extend(tangential(
+                    program,
+                    model,
+                    mode,
+                    (force, unit, units.gap_rows[i]),
+                    &at,
+                ));
                 let name = format!("correction of `{name}` at stage {m} of {label}");
                 shifts.push(program.variable(name, free, 0.0, units.gap[i]));
             }
@@ -367,7 +381,7 @@ impl Builder<'_, '_> {
                     "collocation of {}, stage {m}, {label}",
                     state_name(model, k)
                 );
-                let row = program.row(name, 0.0, 0.0);
+                let row = program.row_in(units.states[k], name, 0.0, 0.0);
                 program.linear(row, before, slopes[0]);
                 for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
                     program.linear(row, stage.state[k], *slope);
@@ -409,12 +423,13 @@ impl Builder<'_, '_> {
                 } else {
                     0.0
                 };
-                let row = program.row(name, lower, upper);
+                let row = program.row_in(units.gap_rows[i], name, lower, upper);
                 gap_rows.push(row);
                 let mut uses = vec![(row, 0, 1.0)];
                 if closed.contains(&i) {
                     let name = format!("normal velocity of `{}`, stage {m}, {label}", contact.name);
-                    uses.push((program.row(name, 0.0, 0.0), 1, 1.0));
+                    let row = program.row_in(units.gap_rows[i], name, 0.0, 0.0);
+                    uses.push((row, 1, 1.0));
                 }
                 program.block(&Kernel::Contact(i), [q, v, u, &[]], None, uses);
             }
@@ -446,7 +461,7 @@ impl Builder<'_, '_> {
         tableau.lagrange_values(0.0, &mut values);
         for (slot, &i) in closed.iter().enumerate() {
             let name = format!("force of `{}` at the start of {label}", contacts[i].name);
-            let row = program.row(name, 0.0, f64::INFINITY);
+            let row = program.row_in(units.gap_rows[i], name, 0.0, f64::INFINITY);
             for (stage, weight) in phase.stages.iter().zip(&values) {
                 program.linear(row, stage.forces[slot], *weight);
             }
@@ -459,7 +474,7 @@ impl Builder<'_, '_> {
         let plastic = touched.iter().filter(|&&i| model.restitution(i) == 0.0);
         for &i in jump.chain(plastic) {
             let name = format!("opening of `{}` at the start of {label}", contacts[i].name);
-            let row = program.row(name, 0.0, f64::INFINITY);
+            let row = program.row_in(units.gap_rows[i], name, 0.0, f64::INFINITY);
             let slopes = lagrange(tableau, 0.0, true);
             for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
                 let (q, v) = stage.state.split_at(n);
@@ -469,7 +484,7 @@ impl Builder<'_, '_> {
             }
             phase.openings.push((i, row));
         }
-        start_rows(program, model, &mut phase, (turns, tableau), &label);
+        start_rows(program, self.setting, &mut phase, turns, &label);
         self.add_cuts(&phase);
         if let Some(stage) = phase.stages.last() {
             self.state.clone_from(&stage.state);
@@ -483,10 +498,10 @@ impl Builder<'_, '_> {
 mod tests {
     use super::super::collocation::{CutKind, Places, Setting, parabolas};
     use super::super::contact_implicit::ContactImplicit;
-    use super::super::path::Units;
     use super::super::problem::{Goal, Horizon, Objective, Problem, bounds};
     use super::super::settings::{Guess, PathPoints};
     use super::super::test_scene::{Demanding, Sledge};
+    use super::super::units::Units;
     use super::*;
     use crate::nlp::check_derivatives;
     use crate::rk::{ButcherTableau, Scheme};

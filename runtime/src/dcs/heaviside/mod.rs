@@ -50,6 +50,7 @@ use crate::time_freezing::TimeFreezingSystem;
 use layout::{BETA, C_MINUS, C_PLUS, FALL, LAMBDA_MINUS, RISE, SLIP_MINUS, SLIP_PLUS};
 
 /// The step form of a time-freezing system; evaluates local rows and their derivatives.
+#[derive(Clone)]
 pub(crate) struct HeavisideSystem<'a> {
     pub(crate) system: TimeFreezingSystem<'a>,
     n: usize,

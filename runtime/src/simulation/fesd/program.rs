@@ -150,6 +150,7 @@ impl Driver<'_> {
             let mut settings = mpcc::Settings::default();
             settings.interior_point.initial_barrier_parameter = BARRIER_PARAMETER;
             settings.interior_point.maximum_iterations = MAX_ITERATIONS;
+            settings.second_opinion = false;
             settings.maximum_neighbours = 0;
             let solution = mpcc::solve(&mut program, &settings)
                 .map_err(|_| Stop::Program("the step problem was refused"))?;
