@@ -8,31 +8,31 @@ use super::collocation::{Collocation, Cut};
 use super::cuts::between_stages;
 use super::path::Path;
 use super::search::{Local, Search, refused};
-use super::sequence::Sequence;
+use super::sequence::{Sequence, Signature};
 use crate::nlp;
 use crate::simulation::InputError;
 
 /// Barrier parameters that a program is started with, in this order, and most iterations with each: of the first
 /// program, of a neighbour, which starts near its solution, and of a sequence about which nothing is claimed.
 const FIRST: [(f64, usize); 3] = [(1e-2, usize::MAX), (1e-3, usize::MAX), (1e-1, usize::MAX)];
-const NEIGHBOUR: [(f64, usize); 2] = [(1e-4, 150), (1e-2, 300)];
+const NEIGHBOUR: [(f64, usize); 2] = [(1e-4, 60), (1e-2, 300)];
 const EXPLORED: [(f64, usize); 1] = [(1e-4, 80)];
-/// Barrier parameter after a cut.
-const AFTER_CUT: f64 = 1e-5;
+/// The same after a cut.
+const AFTER_CUT: (f64, usize) = (1e-5, 80);
 /// Rounds of cuts of one sequence.
 const ROUNDS: usize = 6;
 /// Tolerance of the first stage.
-const FIRST_TOLERANCE: f64 = 2e-6;
+const FIRST_TOLERANCE: f64 = 2e-7;
 /// Relative decrease of the objective that counts as an improvement.
 const IMPROVEMENT: f64 = 1e-9;
 
 /// What became of a sequence.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Verdict {
     /// It is the best now.
     Better,
-    /// Its local optimum is not better than the best, or it allows no motion.
-    NotBetter,
+    /// Its local optimum is at least this, and not better than the best; infinite if it allows no motion.
+    NotBetter(f64),
     /// Its program could not be solved.
     Undecided,
 }
@@ -46,6 +46,13 @@ pub(super) enum Purpose {
     Explore,
 }
 
+/// A sequence that was attempted.
+pub(super) struct Tried {
+    signature: Signature,
+    purpose: Purpose,
+    verdict: Verdict,
+}
+
 impl<'a> Search<'a, '_> {
     /// Solves the program of a sequence with its cuts and keeps it if it is the best.
     pub(super) fn attempt(
@@ -55,7 +62,45 @@ impl<'a> Search<'a, '_> {
         cuts: &[Cut],
         purpose: Purpose,
     ) -> Result<Verdict, InputError> {
-        self.tried.push(sequence.signature());
+        let verdict = self.compare(sequence, guess, cuts, purpose)?;
+        // From now on the best is at least as good as the best is now.
+        let known = match (verdict, &self.best) {
+            (Verdict::Better, Some(best)) => Verdict::NotBetter(best.solution.objective),
+            _ => verdict,
+        };
+        self.tried.push(Tried {
+            signature: sequence.signature(),
+            purpose,
+            verdict: known,
+        });
+        Ok(verdict)
+    }
+
+    /// What is known of a neighbour of the best from an earlier attempt.
+    pub(super) fn known(&self, sequence: &Sequence) -> Option<Verdict> {
+        let signature = sequence.signature();
+        let mut tried = self.tried.iter().rev();
+        let tried = tried.find(|tried| tried.signature == signature)?;
+        match tried.verdict {
+            Verdict::NotBetter(least) if !self.improves(least) => Some(tried.verdict),
+            Verdict::Undecided if tried.purpose == Purpose::Compare => Some(tried.verdict),
+            _ => None,
+        }
+    }
+
+    /// Whether a sequence was attempted, for whatever purpose.
+    pub(super) fn was_tried(&self, sequence: &Sequence) -> bool {
+        let signature = sequence.signature();
+        self.tried.iter().any(|tried| tried.signature == signature)
+    }
+
+    fn compare(
+        &mut self,
+        sequence: &Sequence,
+        guess: &Path,
+        cuts: &[Cut],
+        purpose: Purpose,
+    ) -> Result<Verdict, InputError> {
         let mut cuts = cuts.to_vec();
         let mut guess = guess.clone();
         let mut sequence = sequence.clone();
@@ -66,20 +111,23 @@ impl<'a> Search<'a, '_> {
             else {
                 return Ok(self.verdict_of_failure());
             };
-            if self.is_hopeless(&first) {
-                return Ok(Verdict::NotBetter);
+            let least = least_objective(&first);
+            if !self.improves(least) {
+                return Ok(Verdict::NotBetter(least));
             }
             let mut new = self.new_cuts(&program, &first.x);
             let mut solved = &first;
             let second;
-            if new.is_empty() || last {
+            // A cut only makes it worse.
+            let behind = !self.improves(first.objective);
+            if new.is_empty() || behind || last {
                 let Some(solution) = self.second(&mut program, &first)? else {
                     return Ok(self.verdict_of_failure());
                 };
                 second = solution;
                 solved = &second;
                 if !self.improves(second.objective) {
-                    return Ok(Verdict::NotBetter);
+                    return Ok(Verdict::NotBetter(second.objective));
                 }
                 new = self.new_cuts(&program, &second.x);
                 // What is left after the last round is for the re-simulation to judge.
@@ -98,7 +146,7 @@ impl<'a> Search<'a, '_> {
             (guess, sequence) = program.result(&solved.x);
             cuts.extend(new);
         }
-        Ok(Verdict::NotBetter)
+        Ok(Verdict::Undecided)
     }
 
     fn new_cuts(&self, program: &Collocation, x: &[f64]) -> Vec<Cut> {
@@ -113,25 +161,9 @@ impl<'a> Search<'a, '_> {
         })
     }
 
-    /// Whether the central path leads to nothing better than the best. Between the ends of its last two levels, with
-    /// barrier parameters `m > m'`, the objective fell from `f` to `f'`. What is left of the way falls in proportion
-    /// to the barrier parameter where complementarity is strict, and to its root where it is not: at most
-    /// `(f - f') / (sqrt(m / m') - 1)`.
-    fn is_hopeless(&self, first: &nlp::Solution) -> bool {
-        let mu = first.barrier_parameter;
-        let mut before = first.history.iter().rev();
-        let Some(before) = before.find(|info| info.barrier_parameter > mu && !info.restoration)
-        else {
-            return false;
-        };
-        let ratio = (before.barrier_parameter / mu).sqrt();
-        let left = (before.objective - first.objective).max(0.0) / (ratio - 1.0);
-        !self.improves(first.objective - left)
-    }
-
     fn verdict_of_failure(&self) -> Verdict {
         match self.last_failure {
-            Some(nlp::Status::Infeasible) => Verdict::NotBetter,
+            Some(nlp::Status::Infeasible) => Verdict::NotBetter(f64::INFINITY),
             _ => Verdict::Undecided,
         }
     }
@@ -152,7 +184,8 @@ impl<'a> Search<'a, '_> {
         };
         if after_cut {
             let settings = nlp::Settings {
-                initial_barrier_parameter: AFTER_CUT,
+                initial_barrier_parameter: AFTER_CUT.0,
+                maximum_iterations: settings.maximum_iterations.min(AFTER_CUT.1),
                 ..settings.clone()
             };
             if let Some(solution) = self.solve(&mut program, &settings, None)? {
@@ -230,6 +263,19 @@ impl<'a> Search<'a, '_> {
         self.note_failure(solution.status, solution.violations);
         Ok(None)
     }
+}
+
+/// Least objective that the central path may lead to. Between the ends of its last two levels, with barrier parameters
+/// `m > m'`, the objective fell from `f` to `f'`. The rest of the way is in proportion to the barrier parameter where
+/// complementarity is strict, and to its root where it is not: at most `(f - f') / (sqrt(m / m') - 1)`.
+fn least_objective(first: &nlp::Solution) -> f64 {
+    let mu = first.barrier_parameter;
+    let mut before = first.history.iter().rev();
+    let Some(before) = before.find(|info| info.barrier_parameter > mu && !info.restoration) else {
+        return f64::NEG_INFINITY;
+    };
+    let ratio = (before.barrier_parameter / mu).sqrt();
+    first.objective - (before.objective - first.objective).max(0.0) / (ratio - 1.0)
 }
 
 /// Settings that leave a warm point where it is.

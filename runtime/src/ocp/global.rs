@@ -12,10 +12,15 @@ use crate::simulation::InputError;
 
 /// Elements an interval of the first programs of the global phase, and the rules that relax them: the programs differ
 /// in the local optima that they end at.
-const COARSE_ELEMENTS: usize = 2;
-const COARSE_RULES: [RelaxationRule; 2] = [RelaxationRule::Continuation, RelaxationRule::RollOff];
+const COARSE_PROGRAMS: [(usize, RelaxationRule); 3] = [
+    (1, RelaxationRule::Proportional),
+    (2, RelaxationRule::Continuation),
+    (2, RelaxationRule::RollOff),
+];
 /// Least number of elements of the whole motion in the coarsest program; with fewer intervals they are divided.
 const LEAST_ELEMENTS: usize = 24;
+/// The same of a program that carries a motion on to a finer grid.
+const LEAST_FINE_ELEMENTS: usize = 120;
 /// The first programs.
 const COARSE: Relaxation = Relaxation {
     last: 1e-3,
@@ -67,11 +72,11 @@ impl Search<'_, '_> {
         let mut coarse: Vec<Relaxed> = Vec::new();
         let intervals = self.setting.problem.intervals;
         let finer = LEAST_ELEMENTS.div_ceil(intervals);
-        for rule in COARSE_RULES {
+        for (per_interval, rule) in COARSE_PROGRAMS {
             if self.watch.stopped {
                 return Ok(Vec::new());
             }
-            let found = self.relaxed(guess, finer * COARSE_ELEMENTS, rule, COARSE)?;
+            let found = self.relaxed(guess, finer * per_interval, rule, COARSE)?;
             insert(&mut coarse, found);
         }
         let mut starts: Vec<Path> = coarse.into_iter().map(|found| found.path).collect();
@@ -105,6 +110,19 @@ impl Search<'_, '_> {
             });
         }
         Ok(fine)
+    }
+
+    /// The contact-implicit motion on the grid of the problem that a motion on a coarser grid leads to.
+    pub(super) fn on_this_grid(&mut self, coarser: &Path) -> Result<Option<Relaxed>, InputError> {
+        let intervals = self.setting.problem.intervals;
+        let elements = LEAST_FINE_ELEMENTS.div_ceil(intervals);
+        for rule in FINE_RULES {
+            let found = self.relaxed(coarser, elements, rule, FINE)?;
+            if found.is_some() || self.watch.stopped {
+                return Ok(found);
+            }
+        }
+        Ok(None)
     }
 
     /// One contact-implicit program, relaxed by one rule.

@@ -71,6 +71,7 @@ mod global;
 mod grid;
 mod impact_map;
 mod kernel;
+mod levels;
 mod limits;
 mod mode;
 mod path;

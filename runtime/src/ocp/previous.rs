@@ -56,6 +56,24 @@ impl Previous {
         Ok(path)
     }
 
+    /// Number of control intervals.
+    pub(super) fn intervals(&self) -> usize {
+        self.path.controls.intervals()
+    }
+
+    /// Controls of each interval, or at the nodes.
+    pub(super) fn controls(&self) -> Vec<Vec<f64>> {
+        self.path.controls.values().to_vec()
+    }
+
+    /// The motion on another number of intervals.
+    pub(super) fn resampled(&self, intervals: usize) -> Self {
+        let mut path = self.path.clone();
+        path.controls = path.controls.resampled(path.controls.shape(), intervals);
+        let relaxed = self.relaxed(&path, intervals);
+        Self::new(relaxed.path, relaxed.sequence)
+    }
+
     /// `path` with the contact sequence on that many intervals.
     pub(super) fn relaxed(&self, path: &Path, intervals: usize) -> Relaxed {
         let factor = intervals as f64 / self.path.controls.intervals() as f64;

@@ -1,13 +1,14 @@
 //! The search over contact sequences: attempts, cuts, repair.
 
-use super::attempt::{Purpose, Verdict};
+use super::attempt::{Purpose, Tried, Verdict};
 use super::collocation::{Collocation, Cut, Setting};
 use super::cuts::Limits;
 use super::global::Relaxed;
 use super::path::Path;
+use super::previous::Previous;
 use super::progress::Watch;
 use super::repair::Pressure;
-use super::sequence::{Sequence, Signature};
+use super::sequence::Sequence;
 use super::settings::{ControlShape, Formulation, Guess, Settings};
 use super::solution::{Counts, Solution, Stationarity, Status, TimeFreezingReport};
 use crate::nlp;
@@ -37,9 +38,11 @@ pub(super) struct Search<'a, 's> {
     pub(super) elements: Vec<usize>,
     pub(super) settings: &'s Settings,
     pub(super) watch: Watch<'s>,
+    /// Most programs, those of coarser grids included.
+    pub(super) most_programs: usize,
     pub(super) counts: Counts,
     pub(super) time_freezing: Option<TimeFreezingReport>,
-    pub(super) tried: Vec<Signature>,
+    pub(super) tried: Vec<Tried>,
     pub(super) best: Option<Local<'a>>,
     /// Why the program that came nearest to a solution failed, and its worst rows.
     pub(super) failure: Option<(nlp::Status, Vec<nlp::Violation>)>,
@@ -48,12 +51,28 @@ pub(super) struct Search<'a, 's> {
 }
 
 impl<'a> Search<'a, '_> {
-    pub(super) fn run(&mut self, guess: &Path) -> Result<Solution, InputError> {
+    /// Solves from a guess, which may be the motion on a coarser grid.
+    pub(super) fn run(
+        &mut self,
+        guess: &Path,
+        coarser: Option<&Previous>,
+    ) -> Result<Solution, InputError> {
         let mut found: Vec<(Local<'a>, Stationarity)> = Vec::new();
         let settings = self.settings;
-        if let Guess::Previous(previous) = &settings.guess {
-            let relaxed = previous.relaxed(guess, self.setting.problem.intervals);
-            self.attempt_and_repair(relaxed, &mut found)?;
+        let mut known = Vec::new();
+        if coarser.is_some() {
+            known.extend(self.on_this_grid(guess)?);
+        }
+        let previous = match &settings.guess {
+            Guess::Previous(previous) => Some(&**previous),
+            _ => coarser,
+        };
+        let intervals = self.setting.problem.intervals;
+        known.extend(previous.map(|previous| previous.relaxed(guess, intervals)));
+        for relaxed in known {
+            if found.is_empty() && !self.watch.stopped {
+                self.attempt_and_repair(relaxed, true, &mut found)?;
+            }
         }
         // Without a previous motion, or too far from it: search.
         let relaxed = match &settings.formulation {
@@ -62,12 +81,16 @@ impl<'a> Search<'a, '_> {
             Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
         };
         let bouncing = self.bouncing(guess)?;
+        if !relaxed.is_empty() {
+            // Rows of the programs that follow say more than those of relaxed ones.
+            self.failure = None;
+        }
         let relaxed = relaxed.into_iter().take(settings.refined_motions);
         for global in bouncing.into_iter().chain(relaxed) {
             if self.watch.stopped {
                 break;
             }
-            self.attempt_and_repair(global, &mut found)?;
+            self.attempt_and_repair(global, false, &mut found)?;
         }
         // The best that the re-simulation confirms, or else the best.
         let mut result: Option<Solution> = None;
@@ -106,13 +129,15 @@ impl<'a> Search<'a, '_> {
         }))
     }
 
-    /// Adds the local optimum that a relaxed motion leads to, the best first.
+    /// Adds the local optimum that a relaxed motion leads to, the best first; of one that is known to be near, by the
+    /// first sequence that allows a motion.
     fn attempt_and_repair(
         &mut self,
         global: Relaxed,
+        near: bool,
         found: &mut Vec<(Local<'a>, Stationarity)>,
     ) -> Result<(), InputError> {
-        self.read_and_attempt(global)?;
+        self.read_and_attempt(global, near)?;
         let stationarity = self.repair()?;
         if let Some(best) = self.best.take() {
             let objective = best.solution.objective;
@@ -125,7 +150,7 @@ impl<'a> Search<'a, '_> {
     /// Attempts the sequences that a relaxed motion suggests. It and the event-driven motion under the same
     /// controls may disagree where the motion is sensitive, and short contacts may be meant or not: all are
     /// candidates, the likely ones first.
-    fn read_and_attempt(&mut self, mut global: Relaxed) -> Result<(), InputError> {
+    fn read_and_attempt(&mut self, mut global: Relaxed, near: bool) -> Result<(), InputError> {
         if self.setting.shape == ControlShape::Linear {
             global.sequence = global.sequence.without_jumps();
             let intervals = self.setting.problem.intervals;
@@ -173,7 +198,8 @@ impl<'a> Search<'a, '_> {
             let Some(sequence) = sequence.ordered(self.setting.problem.intervals) else {
                 continue;
             };
-            if !self.watch.stopped && !self.tried.contains(&sequence.signature()) {
+            let enough = self.watch.stopped || near && self.best.is_some();
+            if !enough && !self.was_tried(&sequence) {
                 self.attempt(&sequence, path, &[], Purpose::Explore)?;
             }
         }
@@ -234,10 +260,11 @@ impl<'a> Search<'a, '_> {
             let mut improved = false;
             let mut undecided = false;
             for neighbour in neighbours {
-                if self.tried.contains(&neighbour.signature()) {
+                if let Some(verdict) = self.known(&neighbour) {
+                    undecided |= verdict == Verdict::Undecided;
                     continue;
                 }
-                if self.watch.stopped || self.counts.programs >= self.settings.maximum_programs {
+                if self.watch.stopped || self.counts.programs >= self.most_programs {
                     return Ok(Stationarity::None);
                 }
                 match self.attempt(&neighbour, &path, &cuts, Purpose::Compare)? {
@@ -245,18 +272,15 @@ impl<'a> Search<'a, '_> {
                         improved = true;
                         break;
                     }
-                    Verdict::NotBetter => {}
+                    Verdict::NotBetter(_) => {}
                     Verdict::Undecided => undecided = true,
                 }
             }
             for sequence in explored {
-                if improved
-                    || self.watch.stopped
-                    || self.counts.programs >= self.settings.maximum_programs
-                {
+                if improved || self.watch.stopped || self.counts.programs >= self.most_programs {
                     break;
                 }
-                if !self.tried.contains(&sequence.signature()) {
+                if !self.was_tried(&sequence) {
                     let verdict = self.attempt(&sequence, &path, &cuts, Purpose::Explore)?;
                     improved = verdict == Verdict::Better;
                 }
