@@ -86,6 +86,32 @@ fn solve_landing_moves_the_switch_to_the_best_element() {
 }
 
 #[test]
+fn solve_parallel_finite_elements_is_deterministic_and_the_best_of_all_rules() {
+    let cases = problems::cases();
+    let case = cases
+        .iter()
+        .find(|case| case.name.starts_with("bar lands on one end"));
+    let program = case.unwrap().program().unwrap();
+    let settings = Settings::default();
+    let parallel = mpcc::solve_parallel(&program, &settings).unwrap();
+    assert_eq!(parallel.status, Status::Solved);
+    assert_eq!(mpcc::solve_parallel(&program, &settings).unwrap(), parallel);
+    let (mut iterations, mut best) = (0, f64::INFINITY);
+    for rule in settings.rules.clone() {
+        let mut one = settings.clone();
+        one.rules = vec![rule];
+        let single = mpcc::solve(&mut program.clone(), &one).unwrap();
+        iterations += single.iterations;
+        if single.status.is_solved() {
+            best = best.min(single.objective);
+        }
+    }
+    // the threads do exactly what the rules do alone
+    assert_eq!(parallel.objective, best);
+    assert_eq!(parallel.iterations, iterations);
+}
+
+#[test]
 fn solve_goal_below_the_ground_is_infeasible_with_names() {
     let ball = scenes::Ball::default();
     let goal = Goal {

@@ -205,7 +205,30 @@ fn solve_by_the_elastic_mode_ends_at_certified_points() {
             problem.name
         );
     }
-    insta::assert_snapshot!(format!("{solved} solved in {iterations} iterations; others: {}", other.join(", ")), @"55 solved in 6752 iterations; others: dempe (solved in the relaxed sense only), ralph2 (failed: iteration limit reached)");
+    insta::assert_snapshot!(format!("{solved} solved in {iterations} iterations; others: {}", other.join(", ")), @"56 solved in 2996 iterations; others: dempe (solved in the relaxed sense only)");
+}
+
+#[test]
+fn solve_by_the_elastic_mode_unbounded_program_gets_a_larger_weight() {
+    // x1^2 + x2^2 - 4 x1 x2 + x1 x2 / sigma is unbounded for sigma = 1, and the pair has no multipliers at the origin
+    let problem = literature()
+        .into_iter()
+        .find(|problem| problem.name == "ralph2");
+    let mut settings = Settings::default();
+    settings.rules = vec![RelaxationRule::Elastic];
+    let solution = mpcc::solve(&mut problem.unwrap(), &settings).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+    assert!(solution.objective.abs() < OBJECTIVE);
+    insta::assert_snapshot!(format!("{} iterations", solution.iterations), @"60 iterations");
+}
+
+#[test]
+fn solve_by_the_elastic_mode_unbounded_for_every_weight_is_diverging() {
+    let text = "problem unbounded 2\nstart 1 1\nbounds 1 0 inf\nbounds 2 0 inf\nminimize x2 - x1\npair 1 2";
+    let mut settings = Settings::default();
+    settings.rules = vec![RelaxationRule::Elastic];
+    let solution = mpcc::solve(&mut read_problems(text)[0], &settings).unwrap();
+    assert_eq!(solution.status, Status::Failed(nlp::Status::Diverging));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Times and counts of the solvers.
 //!
 //! ```text
-//! cargo bench -p hangtime --bench solver -- [nlp [NAME|all [TIMES [pivoting|static]]]|text DIRECTORY|strategies|scaling|mpcc]
+//! cargo bench -p hangtime --bench solver -- [nlp [NAME|all [TIMES [pivoting|static]]]|text DIRECTORY|strategies|scaling|mpcc [NAME]]
 //! ```
 //!
 //! `nlp` solves the nonlinear programs, or one of them, the given number of times, with one factorization or with both; `text` writes them as text after checking that the text says
@@ -35,11 +35,11 @@ fn main() {
         Some("text") => write_texts(word(1).unwrap_or(".")),
         Some("strategies") => strategies(),
         Some("scaling") => scaling(),
-        Some("mpcc") => complementarity_problems(),
+        Some("mpcc") => complementarity_problems(word(1)),
         _ => {
             nonlinear_programs(None, 5, None);
             scaling();
-            complementarity_problems();
+            complementarity_problems(None);
         }
     }
 }
@@ -207,7 +207,7 @@ fn scaling() {
     }
 }
 
-fn complementarity_problems() {
+fn complementarity_problems(only: Option<&str>) {
     println!(
         "problem rule status iterations crossover factorizations objective complementarity cpu"
     );
@@ -218,6 +218,7 @@ fn complementarity_problems() {
     for problem in texts
         .iter()
         .flat_map(|text| solver_support::read_problems(text))
+        .filter(|problem| only.is_none_or(|only| only == problem.name))
     {
         let mut homotopy = mpcc::Settings::default();
         homotopy.rules = vec![RelaxationRule::Homotopy];

@@ -1,5 +1,6 @@
 //! The smooth program that remains when some variables are fixed at zero, and its solution.
 
+use super::watch::{Purpose, Watch};
 use super::{Mpcc, Settings};
 use crate::nlp::{self, NlpProblem, WarmStart};
 
@@ -34,13 +35,6 @@ impl Attempt {
             dual_shift,
         }
     }
-}
-
-/// Totals of all programs.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Work {
-    pub(crate) iterations: usize,
-    pub(crate) factorizations: usize,
 }
 
 /// Watches the steps of a run.
@@ -81,9 +75,9 @@ pub(crate) fn solve_branch(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     vanishes: &[bool],
-    start: &nlp::Solution,
+    start: &WarmStart,
     attempt: Attempt,
-    work: &mut Work,
+    watch: &mut Watch<'_>,
 ) -> Option<nlp::Solution> {
     let mut branch = Branch {
         problem,
@@ -91,12 +85,15 @@ pub(crate) fn solve_branch(
     };
     let mut warm = WarmStart {
         barrier_parameter: attempt.barrier_parameter,
-        ..WarmStart::from_solution(start)
+        ..start.clone()
     };
     let mut dual_shift = attempt.dual_shift;
     let mut left = ITERATIONS;
     let tolerance = settings.interior_point.tolerance;
     let solution = loop {
+        if watch.stop.is_some() {
+            return None;
+        }
         let barrier_parameter = warm.barrier_parameter;
         let interior_point = nlp::Settings {
             tolerance: (1e-2 * tolerance).max(1e-11),
@@ -112,16 +109,16 @@ pub(crate) fn solve_branch(
             ..settings.interior_point.clone()
         };
         let mut progress = Progress::default();
-        let mut observer = |info: &nlp::IterationInfo| progress.goes_on(info);
-        let solution = nlp::solve_from(
-            &mut branch,
-            &interior_point,
-            Some(&warm),
-            Some(&mut observer),
-        )
-        .ok()?;
-        work.iterations += solution.counts.iterations;
-        work.factorizations += solution.counts.factorizations;
+        let solution = watch
+            .run(
+                Purpose::Crossover,
+                &interior_point,
+                &mut |info| progress.goes_on(info),
+                |settings, observer| {
+                    nlp::solve_from(&mut branch, settings, Some(&warm), Some(observer))
+                },
+            )
+            .ok()?;
         left = left.saturating_sub(solution.counts.iterations);
         if !progress.is_slow() || dual_shift <= LEAST_SHIFT || left == 0 {
             break solution;

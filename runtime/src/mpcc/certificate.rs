@@ -2,6 +2,7 @@
 
 use super::Mpcc;
 use super::linear_program::LinearProgram;
+use super::watch::Watch;
 
 /// Kinds of stationary points, from the multipliers `nu_i`, `nu_j` of biactive pairs
 /// (`x_i = x_j = 0`); each kind implies those below it.
@@ -65,7 +66,7 @@ pub(crate) struct Certifier<'a> {
 
 impl Certifier<'_> {
     /// Certificate of `x` with multipliers `nu` of the lower bounds of all variables.
-    pub(crate) fn certify(&mut self, x: &[f64], nu: &[f64]) -> Certificate {
+    pub(crate) fn certify(&mut self, x: &[f64], nu: &[f64], watch: &mut Watch<'_>) -> Certificate {
         let pairs = self.problem.complementarities().to_vec();
         let mut upper = vec![0.0; x.len()];
         let mut lower = vec![0.0; x.len()];
@@ -98,7 +99,7 @@ impl Certifier<'_> {
             programs: 0,
         };
         if stationarity != StationarityType::Strong {
-            self.search_descent(x, gradient, scale, &pairs, &mut certificate);
+            self.search_descent(x, (gradient, scale), &pairs, &mut certificate, watch);
         }
         certificate
     }
@@ -109,16 +110,16 @@ impl Certifier<'_> {
     fn search_descent(
         &mut self,
         x: &[f64],
-        gradient: Vec<f64>,
-        scale: f64,
+        (gradient, scale): (Vec<f64>, f64),
         pairs: &[(usize, usize)],
         certificate: &mut Certificate,
+        watch: &mut Watch<'_>,
     ) {
         let mut program = self.linearize(x, gradient, pairs, &certificate.biactive);
         let mut open: Vec<Vec<(usize, bool)>> = vec![Vec::new()];
         let free = program.upper.clone();
         while let Some(decided) = open.pop() {
-            if certificate.programs >= self.maximum_programs {
+            if certificate.programs >= self.maximum_programs || watch.stop.is_some() {
                 certificate.b_stationary = None;
                 return;
             }
@@ -128,7 +129,7 @@ impl Certifier<'_> {
                 let (i, j) = pairs[k];
                 program.upper[if first { i } else { j }] = 0.0;
             }
-            let Some((d, value)) = program.solve() else {
+            let Some((d, value)) = program.solve(watch) else {
                 certificate.b_stationary = None;
                 continue;
             };

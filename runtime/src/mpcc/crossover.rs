@@ -1,18 +1,20 @@
 //! From the relaxed solution to an exact one: fix one side of each pair and solve the smooth program.
 
-use super::branch::{Attempt, Work, solve_branch};
+use super::branch::{Attempt, solve_branch};
 use super::certificate::Certifier;
 use super::forced::mark_forced;
-use super::{Certificate, Mpcc, Settings};
+use super::watch::Watch;
+use super::{Certificate, Mpcc, Residuals, Settings, Solution, Status};
 use crate::nlp;
 
 /// An exact point.
 #[derive(Debug, Clone)]
 pub(crate) struct Exact {
-    pub(crate) solution: nlp::Solution,
-    pub(crate) certificate: Certificate,
+    point: nlp::Solution,
+    certificate: Certificate,
+    /// The sides that are fixed at zero.
+    vanishes: Vec<bool>,
     pub(crate) repairs: usize,
-    pub(crate) neighbours: usize,
 }
 
 impl Exact {
@@ -20,16 +22,43 @@ impl Exact {
     fn new(
         problem: &mut dyn Mpcc,
         settings: &Settings,
-        vanishes: &[bool],
-        mut solution: nlp::Solution,
+        vanishes: Vec<bool>,
+        mut point: nlp::Solution,
+        watch: &mut Watch<'_>,
     ) -> Self {
-        clean(problem, vanishes, &mut solution);
+        clean(problem, &vanishes, &mut point);
         Self {
-            certificate: certify(problem, settings, &solution),
-            solution,
+            certificate: certify(problem, settings, &point, watch),
+            point,
+            vanishes,
             repairs: 0,
-            neighbours: 0,
         }
+    }
+
+    /// Writes the point to a solution and returns the choice of sides.
+    pub(crate) fn describe(self, problem: &dyn Mpcc, solution: &mut Solution) -> Vec<bool> {
+        let point = self.point;
+        let pairs = problem.complementarities().iter();
+        solution.residuals = Residuals {
+            primal: point.residuals.primal,
+            dual: point.residuals.dual,
+            complementarity: pairs.fold(0.0, |most: f64, &(i, j)| {
+                most.max(point.x[i].min(point.x[j]))
+            }),
+        };
+        solution.status = match self.certificate.b_stationary {
+            Some(true) => Status::Solved,
+            Some(false) => Status::NotStationary,
+            None => Status::Uncertified,
+        };
+        solution.objective = point.objective;
+        solution.x = point.x;
+        solution.multipliers = point.multipliers;
+        solution.multipliers_lower = point.multipliers_lower;
+        solution.multipliers_upper = point.multipliers_upper;
+        solution.violations = point.violations;
+        solution.certificate = Some(self.certificate);
+        self.vanishes
     }
 }
 
@@ -80,14 +109,13 @@ fn vanishing_sides(problem: &dyn Mpcc, x: &[f64], nu: &[f64], zero: f64) -> Vec<
     vanishes
 }
 
-/// Crossover from a relaxed solution, with repairs while the certificate finds descent; if its objective is at
-/// most `limit`, neighbouring choices of sides are tried too.
+/// Crossover from a relaxed solution, with repairs while the certificate finds descent.
 pub(crate) fn cross_over(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     relaxed: &nlp::Solution,
-    (attempts, limit): (&[Attempt], f64),
-    work: &mut Work,
+    attempts: &[Attempt],
+    watch: &mut Watch<'_>,
 ) -> Option<Exact> {
     let mut vanishes = vanishing_sides(
         problem,
@@ -96,21 +124,19 @@ pub(crate) fn cross_over(
         settings.zero_tolerance,
     );
     mark_forced(problem, &relaxed.x, &mut vanishes);
-    let solution = attempts
+    let start = nlp::WarmStart::from_solution(relaxed);
+    let point = attempts
         .iter()
-        .find_map(|&attempt| solve_branch(problem, settings, &vanishes, relaxed, attempt, work))?;
-    let mut exact = Exact::new(problem, settings, &vanishes, solution);
+        .find_map(|&attempt| solve_branch(problem, settings, &vanishes, &start, attempt, watch))?;
+    let mut exact = Exact::new(problem, settings, vanishes, point, watch);
     while exact.repairs < settings.maximum_repairs {
-        let Some(next) = repair(problem, settings, &exact, &mut vanishes, work) else {
+        let Some(next) = repair(problem, settings, &exact, watch) else {
             break;
         };
         exact = Exact {
             repairs: exact.repairs + 1,
             ..next
         };
-    }
-    if exact.solution.objective <= limit && exact.certificate.b_stationary == Some(true) {
-        improve(problem, settings, &mut exact, &mut vanishes, work);
     }
     Some(exact)
 }
@@ -120,10 +146,10 @@ fn repair(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     exact: &Exact,
-    vanishes: &mut [bool],
-    work: &mut Work,
+    watch: &mut Watch<'_>,
 ) -> Option<Exact> {
     let descent = exact.certificate.descent.as_ref()?;
+    let mut vanishes = exact.vanishes.clone();
     for &k in &exact.certificate.biactive {
         let (i, j) = problem.complementarities()[k];
         let first = descent[i] <= descent[j];
@@ -132,58 +158,59 @@ fn repair(
     }
     for &(i, j) in problem.complementarities() {
         if !vanishes[i] && !vanishes[j] {
-            let first = exact.solution.x[i] <= exact.solution.x[j];
+            let first = exact.point.x[i] <= exact.point.x[j];
             vanishes[if first { i } else { j }] = true;
         }
     }
-    mark_forced(problem, &exact.solution.x, vanishes);
-    let mut start = exact.solution.clone();
+    mark_forced(problem, &exact.point.x, &mut vanishes);
+    let mut start = nlp::WarmStart::from_solution(&exact.point);
     for (x, d) in start.x.iter_mut().zip(descent) {
         *x += 1e-3 * d;
     }
-    let solution = NEAR.iter().find_map(|&attempt| {
-        solve_branch(problem, settings, vanishes, &start, attempt, work)
-            .filter(|next| next.objective < exact.solution.objective)
+    let point = NEAR.iter().find_map(|&attempt| {
+        solve_branch(problem, settings, &vanishes, &start, attempt, watch)
+            .filter(|next| next.objective < exact.point.objective)
     })?;
-    Some(Exact::new(problem, settings, vanishes, solution))
+    Some(Exact::new(problem, settings, vanishes, point, watch))
 }
 
-/// Tries the neighbours that the problem knows of, in their order, and goes on from each that is certified and
-/// better, until none is or [`Settings::maximum_neighbours`] are tried.
-fn improve(
+/// Tries the neighbours of a certified point that the problem knows of, in their order, and goes on from each that
+/// is certified and better, until none is or [`Settings::maximum_neighbours`] are tried.
+pub(crate) fn improve(
     problem: &mut dyn Mpcc,
     settings: &Settings,
-    exact: &mut Exact,
+    solution: &mut Solution,
     vanishes: &mut Vec<bool>,
-    work: &mut Work,
+    watch: &mut Watch<'_>,
 ) {
     loop {
         let mut improved = false;
         for index in 0.. {
-            if exact.neighbours >= settings.maximum_neighbours {
+            if solution.neighbours >= settings.maximum_neighbours || watch.stop.is_some() {
                 return;
             }
-            let mut start = exact.solution.clone();
+            let mut start = nlp::WarmStart {
+                x: solution.x.clone(),
+                multipliers: solution.multipliers.clone(),
+                multipliers_lower: solution.multipliers_lower.clone(),
+                multipliers_upper: solution.multipliers_upper.clone(),
+                barrier_parameter: settings.interior_point.tolerance,
+            };
             let mut sides = vanishes.clone();
             if !problem.neighbour(index, &mut start.x, &mut sides) {
                 break;
             }
-            exact.neighbours += 1;
+            solution.neighbours += 1;
             mark_forced(problem, &start.x, &mut sides);
-            let solution = solve_branch(problem, settings, &sides, &start, NEAR[0], work);
-            let objective = exact.solution.objective;
-            let least = 10.0 * settings.interior_point.tolerance * objective.abs().max(1.0);
-            let Some(solution) = solution.filter(|s| s.objective < objective - least) else {
+            let point = solve_branch(problem, settings, &sides, &start, NEAR[0], watch);
+            let least =
+                10.0 * settings.interior_point.tolerance * solution.objective.abs().max(1.0);
+            let Some(point) = point.filter(|p| p.objective < solution.objective - least) else {
                 continue;
             };
-            let next = Exact::new(problem, settings, &sides, solution);
+            let next = Exact::new(problem, settings, sides, point, watch);
             if next.certificate.b_stationary == Some(true) {
-                *exact = Exact {
-                    repairs: exact.repairs,
-                    neighbours: exact.neighbours,
-                    ..next
-                };
-                *vanishes = sides;
+                *vanishes = next.describe(problem, solution);
                 improved = true;
             }
         }
@@ -205,11 +232,16 @@ fn clean(problem: &dyn Mpcc, vanishes: &[bool], solution: &mut nlp::Solution) {
     }
 }
 
-fn certify(problem: &mut dyn Mpcc, settings: &Settings, solution: &nlp::Solution) -> Certificate {
+fn certify(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    solution: &nlp::Solution,
+    watch: &mut Watch<'_>,
+) -> Certificate {
     Certifier {
         problem,
         zero_tolerance: settings.zero_tolerance,
         maximum_programs: settings.maximum_certificate_programs,
     }
-    .certify(&solution.x, &solution.multipliers_lower)
+    .certify(&solution.x, &solution.multipliers_lower, watch)
 }

@@ -1,6 +1,8 @@
 //! The entry points: rules one after the other, or side by side.
 
-use super::run::{BINDING, solve_with};
+use super::crossover::improve;
+use super::run::{BINDING, Ended, solve_with};
+use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
 use crate::nlp::{self, InputError};
 
@@ -59,8 +61,9 @@ pub fn solve(problem: &mut dyn Mpcc, settings: &Settings) -> Result<Solution, In
     solve_observed(problem, settings, &mut |_| true)
 }
 
-/// As [`solve`], with an observer that sees each line of the log of the relaxed runs and can stop them: then the
-/// status is [`Failed`](Status::Failed) with [`nlp::Status::Interrupted`].
+/// As [`solve`], with an observer that sees each iteration of all runs, those of crossovers and certificates
+/// included, and can stop the solve: then the status is [`Failed`](Status::Failed) with
+/// [`nlp::Status::Interrupted`], unless a certified point was known already, which then is the result.
 ///
 /// # Errors
 /// As [`solve`].
@@ -108,41 +111,34 @@ pub fn solve_observed(
 ) -> Result<Solution, InputError> {
     settings.validate()?;
     check_pairs(problem)?;
-    let mut best: Option<Solution> = None;
-    let mut iterations = 0;
-    let mut factorizations = 0;
+    let mut watch = Watch::new(settings, observer);
+    let mut best: Option<Ended> = None;
     let mut infeasible = 0;
     for &rule in &settings.rules {
-        let mut solution = solve_with(problem, settings, rule, &mut *observer)?;
-        if solution.status == Status::Failed(nlp::Status::Interrupted) {
-            best = None;
-        }
-        iterations += solution.iterations;
-        factorizations += solution.factorizations;
-        solution.iterations = iterations;
-        solution.factorizations = factorizations;
-        infeasible += usize::from(solution.status == Status::Infeasible);
-        let finished = match solution.status {
-            Status::Solved | Status::Failed(nlp::Status::Interrupted) => true,
-            Status::Relaxed => !settings.crossover,
-            Status::Infeasible => {
-                infeasible >= 2 && rule == RelaxationRule::Elastic
-                    || is_infeasible_without_pairs(problem, &solution)
-            }
-            _ => false,
-        };
+        let ended = solve_with(problem, settings, rule, &mut watch)?;
+        infeasible += usize::from(ended.solution.status == Status::Infeasible);
+        let finished = watch.stop.is_some()
+            || best
+                .as_ref()
+                .is_some_and(|best| best.solution.status.is_solved())
+            || match ended.solution.status {
+                Status::Solved => !(ended.resumed && settings.second_opinion),
+                Status::Relaxed => !settings.crossover,
+                Status::Infeasible => {
+                    infeasible >= 2 && rule == RelaxationRule::Elastic
+                        || is_infeasible_without_pairs(problem, &ended.solution)
+                }
+                _ => false,
+            };
         best = Some(match best {
-            Some(best) if rank(&best) <= rank(&solution) => Solution {
-                iterations,
-                factorizations,
-                ..best
-            },
-            _ => solution,
+            Some(best) if compare(&best.solution, &ended.solution).is_le() => best,
+            _ => ended,
         });
         if finished {
             break;
         }
     }
+    let best = best.map(|ended| complete(problem, settings, ended, &mut watch));
     // the list of rules is not empty
     best.ok_or(InputError::Setting {
         name: "rules",
@@ -202,20 +198,19 @@ where
 {
     settings.validate()?;
     check_pairs(problem)?;
-    let copies: Vec<(P, RelaxationRule)> = settings
-        .rules
-        .iter()
-        .map(|&rule| (problem.clone(), rule))
-        .collect();
+    let copies = settings.rules.iter().map(|&rule| (problem.clone(), rule));
+    let copies: Vec<(P, RelaxationRule)> = copies.collect();
+    let run = |(mut copy, rule): (P, RelaxationRule)| {
+        let mut observer = |_: &nlp::IterationInfo| true;
+        let mut watch = Watch::new(settings, &mut observer);
+        let ended = solve_with(&mut copy, settings, rule, &mut watch)?;
+        Ok(complete(&mut copy, settings, ended, &mut watch))
+    };
     let results: Vec<Result<Solution, InputError>> = std::thread::scope(|scope| {
-        let threads: Vec<_> = copies
+        let threads = copies
             .into_iter()
-            .map(|(mut copy, rule)| {
-                scope.spawn(move || {
-                    solve_with(&mut copy as &mut dyn Mpcc, settings, rule, &mut |_| true)
-                })
-            })
-            .collect();
+            .map(|copy| scope.spawn(move || run(copy)));
+        let threads: Vec<_> = threads.collect();
         let joined = threads.into_iter().map(|thread| match thread.join() {
             Ok(result) => result,
             Err(panic) => std::panic::resume_unwind(panic),
@@ -223,21 +218,18 @@ where
         joined.collect()
     });
     let solutions = results.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let iterations = solutions.iter().map(|s| s.iterations).sum();
-    let factorizations = solutions.iter().map(|s| s.factorizations).sum();
+    let total = |count: fn(&Solution) -> usize| solutions.iter().map(count).sum();
+    let iterations = total(|s| s.iterations);
+    let crossover_iterations = total(|s| s.crossover_iterations);
+    let certificate_iterations = total(|s| s.certificate_iterations);
+    let factorizations = total(|s| s.factorizations);
     solutions
         .into_iter()
-        .min_by(|a, b| {
-            let key = |s: &Solution| rank(s);
-            let (a_rank, a_value) = key(a);
-            let (b_rank, b_value) = key(b);
-            a_rank
-                .cmp(&b_rank)
-                .then(a_value.total_cmp(&b_value))
-                .then(a.objective.total_cmp(&b.objective))
-        })
+        .min_by(compare)
         .map(|best| Solution {
             iterations,
+            crossover_iterations,
+            certificate_iterations,
             factorizations,
             ..best
         })
@@ -248,10 +240,45 @@ where
         })
 }
 
+/// The best of the rules, improved by neighbours where it is certified, with the totals of all rules.
+fn complete(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    ended: Ended,
+    watch: &mut Watch<'_>,
+) -> Solution {
+    let Ended {
+        mut solution,
+        mut vanishes,
+        ..
+    } = ended;
+    if solution.status.is_solved() {
+        improve(problem, settings, &mut solution, &mut vanishes, watch);
+    } else if watch.stop == Some(nlp::Status::Interrupted) {
+        // whoever interrupts has to see it
+        solution.status = Status::Failed(nlp::Status::Interrupted);
+    }
+    solution.iterations = watch.iterations;
+    solution.crossover_iterations = watch.crossover_iterations;
+    solution.certificate_iterations = watch.certificate_iterations;
+    solution.factorizations = watch.factorizations;
+    solution
+}
+
 /// Whether no pair had a part in the infeasibility of a point.
 fn is_infeasible_without_pairs(problem: &dyn Mpcc, solution: &Solution) -> bool {
     let mut pairs = problem.complementarities().iter();
     pairs.all(|&(i, j)| solution.x[i] * solution.x[j] < BINDING * solution.relaxation_parameter)
+}
+
+/// The better one of two results is less.
+fn compare(a: &Solution, b: &Solution) -> std::cmp::Ordering {
+    let ((a_rank, a_value), (b_rank, b_value)) = (rank(a), rank(b));
+    let by_objective = a.objective.total_cmp(&b.objective);
+    a_rank
+        .cmp(&b_rank)
+        .then(a_value.total_cmp(&b_value))
+        .then(by_objective)
 }
 
 /// The smaller the better.

@@ -1,7 +1,9 @@
 //! The elastic form of a complementarity problem: one slack for all products.
 
-use super::Mpcc;
-use crate::nlp::{NlpProblem, Pattern};
+use super::run::{End, Ended, finish};
+use super::watch::{Purpose, Watch};
+use super::{Mpcc, RelaxationRule, Settings};
+use crate::nlp::{self, InputError, NlpProblem, Pattern, Products};
 
 /// The smooth program
 ///
@@ -138,4 +140,178 @@ impl NlpProblem for Elastic<'_> {
             None => self.problem.constraint_name(index),
         }
     }
+}
+
+/// Fraction of the last slack above which a slack counts as unchanged, and how many unchanged ones in a row show
+/// infeasibility: where the pairs can be met, a tenfold weight makes the slack vanish or shrink in proportion.
+const STUCK: f64 = 0.9;
+const STUCK_PROGRAMS: usize = 3;
+
+/// Decrease of the objective, relative to its first value, from which an elastic program counts as unbounded.
+const UNBOUNDED: f64 = 1e6;
+/// Violation up to which a stall is one of the multipliers.
+const FEASIBLE: f64 = 1e-6;
+/// Share of the error that a step has to leave to count as progress, and most steps without.
+const PROGRESS: f64 = 0.9;
+const STALLED_STEPS: usize = 40;
+
+/// Why an elastic program is given up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum GivenUp {
+    /// The weight of the slack is too small: the objective falls faster than the slack costs.
+    Unbounded,
+    /// A feasible point whose optimality error does not fall: there are no multipliers.
+    Stalled,
+}
+
+/// Watches the run of one elastic program.
+#[derive(Default)]
+struct Progress {
+    first: Option<f64>,
+    barrier_parameter: f64,
+    least: f64,
+    stalled: usize,
+    given_up: Option<GivenUp>,
+}
+
+impl Progress {
+    /// Takes in an iteration; `false` if the program is given up.
+    fn goes_on(&mut self, info: &nlp::IterationInfo) -> bool {
+        let error = info.dual_infeasibility.max(info.complementarity);
+        let moves = error < PROGRESS * self.least
+            || info.barrier_parameter != self.barrier_parameter
+            || info.restoration
+            || info.primal_infeasibility > FEASIBLE;
+        if moves {
+            (self.least, self.barrier_parameter) = (error, info.barrier_parameter);
+        }
+        self.stalled = if moves { 0 } else { self.stalled + 1 };
+        if !info.restoration {
+            let first = *self.first.get_or_insert(info.objective);
+            if info.objective < first - UNBOUNDED * first.abs().max(1.0) {
+                self.given_up = Some(GivenUp::Unbounded);
+            }
+        }
+        if self.stalled >= STALLED_STEPS {
+            self.given_up = Some(GivenUp::Stalled);
+        }
+        self.given_up.is_none()
+    }
+}
+
+/// Elastic programs with `sigma = 1, 0.1, ...`, each warm from the one before, until the slack is at most the final
+/// relaxation. A slack that stays as it is while its weight grows is one of local infeasibility. A program that is
+/// unbounded, since its weight is too small, is followed by the next one from the first point.
+pub(crate) fn elastic(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    watch: &mut Watch<'_>,
+) -> Result<Ended, InputError> {
+    let (n, m) = (problem.variables(), problem.constraints());
+    let pairs = problem.complementarities().to_vec();
+    let mut program = Elastic::new(problem);
+    let mut interior_point = settings.interior_point.clone();
+    let tolerance = interior_point.tolerance;
+    let mut warm: Option<nlp::WarmStart> = None;
+    let mut iterations = 0;
+    let mut history = Vec::new();
+    // slack of the last program, and how many in a row left it as it was
+    let (mut last, mut stuck) = (f64::INFINITY, 0);
+    let mut accurate = false;
+    let (mut solution, slack) = loop {
+        let sigma = program.sigma;
+        interior_point.tolerance = if accurate {
+            tolerance
+        } else {
+            tolerance.max(1e-2 * sigma)
+        };
+        let mut path = nlp::Monotone {
+            mu: warm
+                .as_ref()
+                .map_or(interior_point.initial_barrier_parameter, |w| {
+                    w.barrier_parameter
+                }),
+            sigma: 0.0,
+            tolerance: interior_point.tolerance,
+        };
+        interior_point.maximum_iterations = settings
+            .interior_point
+            .maximum_iterations
+            .saturating_sub(iterations);
+        let mut progress = Progress::default();
+        let mut solution = watch.run(
+            Purpose::Relaxed,
+            &interior_point,
+            &mut |info| progress.goes_on(info),
+            |settings, observer| {
+                let none = &mut Products::default();
+                let warm = warm.as_ref();
+                nlp::run(
+                    &mut program,
+                    settings,
+                    none,
+                    &mut path,
+                    warm,
+                    Some(observer),
+                )
+            },
+        )?;
+        iterations += solution.counts.iterations;
+        history.append(&mut solution.history);
+        let slack = sigma * solution.x[n];
+        let is_last = sigma <= settings.final_relaxation;
+        let next = (0.1 * sigma).max(settings.final_relaxation);
+        if progress.given_up == Some(GivenUp::Unbounded) {
+            if is_last || watch.stop.is_some() {
+                solution.status = nlp::Status::Diverging;
+                break (solution, slack);
+            }
+            program.sigma = next;
+            warm = None;
+            continue;
+        }
+        if progress.given_up == Some(GivenUp::Stalled) {
+            solution.status = nlp::Status::Acceptable;
+        }
+        let solved = solution.status == nlp::Status::Solved;
+        let exact = solved && slack <= settings.final_relaxation;
+        stuck = if slack > STUCK * last { stuck + 1 } else { 0 };
+        last = slack;
+        let infeasible = solved && !exact && stuck >= STUCK_PROGRAMS;
+        let goes_on = solved || solution.status == nlp::Status::Acceptable;
+        if infeasible || !goes_on || is_last || (exact && interior_point.tolerance <= tolerance) {
+            if solved && !exact {
+                solution.status = nlp::Status::Infeasible;
+            }
+            break (solution, slack);
+        }
+        // once the slack has vanished only accuracy is missing
+        accurate = exact;
+        let next = if exact { sigma } else { next };
+        let mut start = nlp::WarmStart {
+            barrier_parameter: solution.barrier_parameter.max(1e-2 * next).min(0.1),
+            ..nlp::WarmStart::from_solution(&solution)
+        };
+        // the slack in its new unit
+        start.x[n] = slack / next;
+        (interior_point.bound_push, interior_point.bound_fraction) = (1e-9, 1e-9);
+        program.sigma = next;
+        warm = Some(start);
+    };
+    // the multipliers of the products become part of those of the paired variables
+    for (&(i, j), r) in pairs.iter().zip(&solution.multipliers[m..]) {
+        solution.multipliers_lower[i] -= r * solution.x[j];
+        solution.multipliers_lower[j] -= r * solution.x[i];
+    }
+    solution.objective -= solution.x[n];
+    solution.x.truncate(n);
+    solution.multipliers.truncate(m);
+    solution.multipliers_lower.truncate(n);
+    solution.multipliers_upper.truncate(n);
+    solution.history = history;
+    let (rule, end) = (
+        RelaxationRule::Elastic,
+        End::last(slack.max(settings.final_relaxation)),
+    );
+    Ok(finish(problem, settings, rule, solution, end, watch))
 }

@@ -1,5 +1,6 @@
 //! Linear programs for the certificate, solved by the interior point method.
 
+use super::watch::{Purpose, Watch};
 use crate::nlp::{self, NlpProblem};
 
 /// `min g'd` subject to `r_l <= J d <= r_u`, `d_l <= d <= d_u`; `d = 0` is feasible.
@@ -16,7 +17,7 @@ pub(crate) struct LinearProgram {
 
 impl LinearProgram {
     /// Solution and value; `None` if the method fails, which a degenerate program may cause.
-    pub(crate) fn solve(&mut self) -> Option<(Vec<f64>, f64)> {
+    pub(crate) fn solve(&mut self, watch: &mut Watch<'_>) -> Option<(Vec<f64>, f64)> {
         let settings = nlp::Settings {
             maximum_iterations: 100,
             permanent_dual_shift: 1e-8,
@@ -25,7 +26,14 @@ impl LinearProgram {
             acceptable_iterations: 3,
             ..nlp::Settings::default()
         };
-        let solution = nlp::solve(self, &settings).ok()?;
+        let solution = watch
+            .run(
+                Purpose::Certificate,
+                &settings,
+                &mut |_| true,
+                |settings, observer| nlp::solve_from(self, settings, None, Some(observer)),
+            )
+            .ok()?;
         let usable = matches!(
             solution.status,
             nlp::Status::Solved | nlp::Status::Acceptable

@@ -51,6 +51,7 @@ mod relaxation;
 mod run;
 mod settings;
 mod solution;
+mod watch;
 
 pub use certificate::{Certificate, StationarityType};
 pub use driver::{solve, solve_observed, solve_parallel};

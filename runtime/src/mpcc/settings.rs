@@ -27,10 +27,18 @@ pub enum RelaxationRule {
 #[non_exhaustive]
 pub struct Settings {
     /// Settings of the interior point runs. The defaults here differ from those of a nonlinear program:
-    /// `permanent_dual_shift` is 1e-10, because Jacobians of complementarity problems lose rank.
+    /// `permanent_dual_shift` is 1e-10, because Jacobians of complementarity problems lose rank. Its
+    /// `maximum_iterations`, here 1000, limit one rule; its `maximum_seconds` limit the whole solve.
     pub interior_point: nlp::Settings,
+    /// Most interior point iterations of the whole solve, those of crossovers and certificates included; default
+    /// 10 000.
+    pub maximum_iterations: usize,
     /// Rules to try, in this order, until one ends at a certified point; default all but the homotopy.
     pub rules: Vec<RelaxationRule>,
+    /// Whether the rule after the one that ends at a certified point is tried too, for a better objective, where the
+    /// sides that the relaxed problem had chosen at the first crossover could not be met; default true. The relaxed
+    /// solution was none of the complementarity problem then, and the point found from there often is a poor one.
+    pub second_opinion: bool,
     /// Last `sigma`; default 1e-8, > 0.
     pub final_relaxation: f64,
     /// Whether to fix one side of each pair and solve the smooth program after the relaxed one;
@@ -57,12 +65,14 @@ impl Default for Settings {
         };
         Self {
             interior_point,
+            maximum_iterations: 10_000,
             rules: vec![
                 RelaxationRule::RollOff,
                 RelaxationRule::Elastic,
                 RelaxationRule::Continuation,
                 RelaxationRule::Proportional,
             ],
+            second_opinion: true,
             final_relaxation: 1e-8,
             crossover: true,
             maximum_repairs: 10,

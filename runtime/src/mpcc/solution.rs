@@ -80,15 +80,17 @@ pub struct Solution {
     pub rule: RelaxationRule,
     /// `sigma` at the end of the relaxed run.
     pub relaxation_parameter: f64,
-    /// Interior point iterations of all runs, crossovers included.
+    /// Interior point iterations of all runs by all rules, crossovers included.
     pub iterations: usize,
     /// Iterations of the crossovers alone.
     pub crossover_iterations: usize,
+    /// Iterations of the linear programs of certificates, which `iterations` does not hold.
+    pub certificate_iterations: usize,
     /// Changes of the fixed sides after the first crossover.
     pub repairs: usize,
     /// Neighbouring choices of the fixed sides that were tried for a better objective.
     pub neighbours: usize,
-    /// Factorizations of all runs.
+    /// Factorizations of all runs, certificates included.
     pub factorizations: usize,
     /// Log of the relaxed run that led to the point.
     pub history: Vec<nlp::IterationInfo>,

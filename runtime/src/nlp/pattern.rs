@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 /// Positions of a sparse matrix, each once, and which of them each addition goes to.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Pattern {
     /// (row, column) of each nonzero, in the order of its first addition.
     pub(crate) entries: Vec<(usize, usize)>,

@@ -4,11 +4,11 @@ use super::problem::{Component, Horizon, Objective, Problem, bounds};
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
 use crate::fesd::transcription::{Controls, Guess, Task, Transcription, Weights};
-use crate::model::{ConstraintRelation, Model, OptimalControlDeclaration};
+use crate::model::{ConstraintRelation, ImpactLaw, Model, OptimalControlDeclaration};
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
 use crate::rk::{ButcherTableau, Scheme};
-use crate::simulation::{InitialValueProblem, InputError};
+use crate::simulation::InputError;
 use crate::time_freezing::TimeFreezingSystem;
 
 /// Shortest and longest horizon relative to the guess, where it is free.
@@ -53,7 +53,8 @@ impl Default for TimeFreezingSettings {
 
 /// An optimal control problem on a [`Model`] as a mathematical program with complementarity constraints:
 /// the time-freezing system, transcribed by finite elements with switch detection in step form. Solve it
-/// with [`mpcc::solve`](crate::mpcc::solve).
+/// with [`mpcc::solve`](crate::mpcc::solve), or with [`mpcc::solve_parallel`](crate::mpcc::solve_parallel), which gives
+/// each of its threads a copy.
 ///
 /// Bounds of coordinates are imposed at the ends of the finite elements, bounds of controls everywhere.
 /// The starting point is made from the problem alone: coordinates with a goal move to it at constant speed,
@@ -62,6 +63,7 @@ impl Default for TimeFreezingSettings {
 ///
 /// Sources: Nurkanovic, Albrecht, Brogliato, Diehl, Automatica 158 (2023) 111295 (time-freezing);
 /// Nurkanovic, Sperl, Albrecht, Diehl, Numerische Mathematik 2024 (finite elements).
+#[derive(Clone)]
 pub struct TimeFreezing<'a> {
     transcription: Transcription<'a>,
     intervals: usize,
@@ -98,7 +100,13 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
     ) -> Result<Self, InputError> {
         problem.check(model)?;
-        InitialValueProblem::check_inelastic(model, "time-freezing optimal control")?;
+        let mut contacts = model.declaration().contacts.iter();
+        if let Some(contact) = contacts.find(|contact| contact.law != ImpactLaw::Inelastic) {
+            return Err(InputError::UnsupportedLaw {
+                method: "time-freezing optimal control".into(),
+                contact: contact.name.into(),
+            });
+        }
         let refuse = |what: &str, value: f64, bound: String| {
             Err(InputError::OutOfRange {
                 what: what.into(),

@@ -4,6 +4,7 @@ use crate::fesd::contacts::friction_coefficients;
 use crate::model::{FrictionDeclaration, ImpactLaw, Model, contact_point, tangent_point};
 
 /// The time-freezing system of a scene, with the memory for one evaluation.
+#[derive(Clone)]
 pub(crate) struct TimeFreezingSystem<'a> {
     pub(crate) model: &'a dyn Model,
     /// Acceleration `a_bar` of the auxiliary dynamics.

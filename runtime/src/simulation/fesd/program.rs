@@ -143,13 +143,14 @@ impl Driver<'_> {
             let system = TimeFreezingSystem::new(self.model, AUXILIARY_ACCELERATION)
                 .without_bounces(resting);
             let mut program = Transcription::new(
-                HeavisideSystem::new(system),
+                HeavisideSystem::new(system).driven(self.state.time, self.piece.slopes()),
                 self.tableau,
                 Task::step(&self.state, &self.u, end - self.state.time, elements),
             );
             let mut settings = mpcc::Settings::default();
             settings.interior_point.initial_barrier_parameter = BARRIER_PARAMETER;
             settings.interior_point.maximum_iterations = MAX_ITERATIONS;
+            settings.second_opinion = false;
             settings.maximum_neighbours = 0;
             let solution = mpcc::solve(&mut program, &settings)
                 .map_err(|_| Stop::Program("the step problem was refused"))?;
