@@ -191,6 +191,28 @@ mod tests {
     use super::*;
 
     #[test]
+    fn value_of_one_bound_by_hand() {
+        // distance 2 falls by 4 (1 - sigma), z = 3 grows by sigma
+        let quality = QualityFunction {
+            bounds: vec![Bound {
+                distance: 2.0,
+                z: 3.0,
+                distance_steps: (-4.0, 4.0),
+                z_steps: (0.0, 1.0),
+            }],
+            squares: MeanSquares {
+                dual: 10.0,
+                primal: 100.0,
+                complementarity: 0.0,
+            },
+        };
+        // half the step reaches the bound, so tau = 0.5 allows a quarter: (3/4)^2 of the primal error, (2 - 1) 3 remains
+        assert!((quality.value(0.0, 0.5) - (100.0 * 0.75_f64.powi(2) + 9.0)).abs() < 1e-13);
+        // no step towards the bound: both steps are full
+        assert!((quality.value(1.0, 0.5) - (2.0 * 4.0_f64).powi(2)).abs() < 1e-13);
+    }
+
+    #[test]
     fn golden_section_parabola_finds_its_minimum_to_the_last_interval() {
         // eight sections shorten [0, 10] to 10 * 0.618^8 = 0.21
         let x = golden_section(|x| (x - 3.7).powi(2), 0.0, 10.0);
