@@ -17,8 +17,12 @@ fn readme_model_is_the_shipped_scene() {
 }
 
 #[test]
-fn readme_walk_through_is_the_example() {
-    let source = include_str!("../examples/ball_on_slope.rs");
-    let from = source.find("use std").expect("the program begins");
-    assert!(README.contains(&source[from..]));
+fn readme_programs_are_the_examples() {
+    for source in [
+        include_str!("../examples/ball_on_slope.rs"),
+        include_str!("../examples/own_command_line.rs"),
+    ] {
+        let from = source.find("use std").expect("the program begins");
+        assert!(README.contains(&source[from..]));
+    }
 }

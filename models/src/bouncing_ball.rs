@@ -3,7 +3,7 @@
 //! From a height `h` the ball reaches the floor after `sqrt(2 h / g)`, and rests on it after `(1 + e) / (1 - e)` times
 //! that time, for a coefficient of restitution `e`.
 
-use crate::scene::{Plane, Scene, Variant, heights};
+use crate::scene::{Plane, Scene, Variant};
 
 hangtime::model! {
     /// A ball that bounces along a floor.
@@ -37,20 +37,9 @@ hangtime::model! {
 }
 
 /// Its entry in the list of scenes.
-pub(crate) const SCENE: Scene = Scene {
-    name: "bouncing-ball",
-    title: "a ball bounces along a floor and comes to rest after infinitely many impacts",
-    variants: &[Variant {
-        settings: &[],
-        model: || Box::new(BouncingBall::default()),
-    }],
-    plane: Some(Plane {
-        axes: ["y [m]", "z [m]"],
-        unit: "m",
-        bodies: &["ball"],
-        links: &[],
-        positions: |_, q| vec![[q[0], q[1]]],
-        ground: heights,
-    }),
-    published: &[],
-};
+pub(crate) const SCENE: Scene = Scene::new(
+    "bouncing-ball",
+    "a ball bounces along a floor and comes to rest after infinitely many impacts",
+    &[Variant::new(|| Box::new(BouncingBall::default()))],
+)
+.drawn(Plane::of_one_body(&["ball"], ["y [m]", "z [m]"]));

@@ -39,23 +39,15 @@ hangtime::model! {
 }
 
 /// Its entry in the list of scenes.
-pub(crate) const SCENE: Scene = Scene {
-    name: "box",
-    title: "a ball bounces in a box and keeps its energy",
-    variants: &[Variant {
-        settings: &[],
-        model: || Box::new(ElasticBox::default()),
-    }],
-    plane: Some(Plane {
-        axes: ["y [m]", "z [m]"],
-        unit: "m",
-        bodies: &["ball"],
-        links: &[],
-        positions: |_, q| vec![[q[0], q[1]]],
-        ground: sides,
-    }),
-    published: &[],
-};
+pub(crate) const SCENE: Scene = Scene::new(
+    "box",
+    "a ball bounces in a box and keeps its energy",
+    &[Variant::new(|| Box::new(ElasticBox::default()))],
+)
+.drawn(Plane {
+    ground: sides,
+    ..Plane::of_one_body(&["ball"], ["y [m]", "z [m]"])
+});
 
 /// The four sides, whatever part of them is in sight.
 fn sides(model: &dyn Model, _from: f64, _to: f64) -> Vec<GroundLine> {

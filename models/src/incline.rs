@@ -3,7 +3,7 @@
 //! The block slides down with the deceleration `g (mu cos(incline) - sin(incline))`, and sticks where it stops if `mu`
 //! is at least the slope of the incline.
 
-use crate::scene::{Plane, Scene, Variant, heights};
+use crate::scene::{Plane, Scene, Variant};
 
 hangtime::model! {
     /// A block that slides down an incline with Coulomb friction.
@@ -37,20 +37,9 @@ hangtime::model! {
 }
 
 /// Its entry in the list of scenes.
-pub(crate) const SCENE: Scene = Scene {
-    name: "incline",
-    title: "a block slides down a rough incline, stops, and sticks",
-    variants: &[Variant {
-        settings: &[],
-        model: || Box::new(Incline::default()),
-    }],
-    plane: Some(Plane {
-        axes: ["y [m]", "z [m]"],
-        unit: "m",
-        bodies: &["block"],
-        links: &[],
-        positions: |_, q| vec![[q[0], q[1]]],
-        ground: heights,
-    }),
-    published: &[],
-};
+pub(crate) const SCENE: Scene = Scene::new(
+    "incline",
+    "a block slides down a rough incline, stops, and sticks",
+    &[Variant::new(|| Box::new(Incline::default()))],
+)
+.drawn(Plane::of_one_body(&["block"], ["y [m]", "z [m]"]));

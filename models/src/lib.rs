@@ -1,9 +1,10 @@
-//! The shipped scenes, each declared in the modelling language, and the list of them.
+//! The shipped scenes, each declared in the modelling language, the list of them, and the command line.
 //!
-//! [`scenes`] is the only place that knows which scenes exist; the command line and the tests read
-//! names, parameters, pictures and published results from there.
+//! [`scenes`] is the only place that knows which scenes exist; names, parameters, pictures and published results are
+//! read from there. [`CommandLine`] works for these and for any other list of scenes.
 
 mod bouncing_ball;
+mod command_line;
 mod elastic_box;
 mod incline;
 mod published;
@@ -12,6 +13,7 @@ mod scene;
 mod ski_jump;
 
 pub use bouncing_ball::BouncingBall;
+pub use command_line::CommandLine;
 pub use elastic_box::ElasticBox;
 pub use incline::Incline;
 pub use published::{
@@ -19,7 +21,7 @@ pub use published::{
     PublishedPoint, Quantity, Reference, Task,
 };
 pub use pump_track::{PumpTrack, PumpTrackHolding};
-pub use scene::{GroundLine, Plane, Scene, Variant};
+pub use scene::{GroundLine, Plane, Scene, Variant, heights};
 pub use ski_jump::SkiJump;
 
 /// All shipped scenes, in the order in which they are listed.

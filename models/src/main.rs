@@ -1,9 +1,11 @@
-//! The command line of hangtime.
-
-mod command_line;
+//! The command line of hangtime over the shipped scenes.
 
 use std::process::ExitCode;
 
+use hangtime_models::{CommandLine, scenes};
+
 fn main() -> ExitCode {
-    command_line::run(std::env::args_os())
+    CommandLine::new(scenes())
+        .compiled_at(hangtime_macros::finished_at!(hangtime_models))
+        .run(std::env::args_os())
 }

@@ -4,7 +4,7 @@ use hangtime::model::Model;
 
 use crate::published::PublishedCase;
 
-/// A shipped scene.
+/// A scene as the command line knows it.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene {
     /// Name on the command line, in kebab case.
@@ -55,7 +55,59 @@ pub struct GroundLine {
     pub points: Vec<[f64; 2]>,
 }
 
+impl Variant {
+    /// The only form of a scene.
+    #[must_use]
+    pub const fn new(model: fn() -> Box<dyn Model>) -> Self {
+        Self {
+            settings: &[],
+            model,
+        }
+    }
+}
+
+impl Plane {
+    /// A scene of one body, called `body`, whose first two coordinates are a horizontal position and a height in
+    /// metres, above the ground lines of [`heights`].
+    #[must_use]
+    pub const fn of_one_body(body: &'static [&'static str; 1], axes: [&'static str; 2]) -> Self {
+        Self {
+            axes,
+            unit: "m",
+            bodies: body,
+            links: &[],
+            positions: |_, q| vec![[q[0], q[1]]],
+            ground: heights,
+        }
+    }
+}
+
 impl Scene {
+    /// A scene that is not drawn in a plane and has no published results.
+    #[must_use]
+    pub const fn new(
+        name: &'static str,
+        title: &'static str,
+        variants: &'static [Variant],
+    ) -> Self {
+        Self {
+            name,
+            title,
+            variants,
+            plane: None,
+            published: &[],
+        }
+    }
+
+    /// The same scene, drawn in a plane.
+    #[must_use]
+    pub const fn drawn(self, plane: Plane) -> Self {
+        Self {
+            plane: Some(plane),
+            ..self
+        }
+    }
+
     /// The default form with default parameters.
     #[must_use]
     pub fn model(&self) -> Box<dyn Model> {
@@ -73,14 +125,21 @@ pub(crate) fn parameter(model: &dyn Model, name: &str) -> f64 {
     index.map_or(f64::NAN, |index| model.parameter(index))
 }
 
-/// The surfaces of a scene with the coordinates `(y, z)` whose gaps are linear in the height `z`: where each gap
-/// vanishes, from one horizontal position to another.
-pub(crate) fn heights(model: &dyn Model, from: f64, to: f64) -> Vec<GroundLine> {
-    let height = |contact: usize, y: f64| {
-        let [low, high] = [0.0, 1.0].map(|z| model.gap(contact, &[y, z, 0.0, 0.0]));
+/// The ground lines of a scene whose first two coordinates are a horizontal position and a height: where each gap
+/// vanishes, from one horizontal position to another. Gaps must be linear in the height; all other coordinates count
+/// as zero.
+#[must_use]
+pub fn heights(model: &dyn Model, from: f64, to: f64) -> Vec<GroundLine> {
+    let declaration = model.declaration();
+    let mut point = vec![0.0; declaration.inputs()];
+    let mut height = |contact: usize, y: f64| {
+        let [low, high] = [0.0, 1.0].map(|z| {
+            point[..2].copy_from_slice(&[y, z]);
+            model.gap(contact, &point)
+        });
         low / (low - high)
     };
-    let contacts = model.declaration().contacts.iter().enumerate();
+    let contacts = declaration.contacts.iter().enumerate();
     contacts
         .map(|(contact, declared)| GroundLine {
             name: declared.name,

@@ -5,7 +5,7 @@
 //! those of the authors' scripts and of the data of their Fig. 3.
 
 use crate::published;
-use crate::scene::{Plane, Scene, Variant, heights};
+use crate::scene::{Plane, Scene, Variant};
 
 hangtime::model! {
     /// A ski jumper: a point mass that slides off a curved table and lands on a straight slope.
@@ -41,19 +41,11 @@ hangtime::model! {
 
 /// Its entry in the list of scenes.
 pub(crate) const SCENE: Scene = Scene {
-    name: "ski-jump",
-    title: "a point mass slides off a curved table, flies, and lands on a straight slope",
-    variants: &[Variant {
-        settings: &[],
-        model: || Box::new(SkiJump::default()),
-    }],
-    plane: Some(Plane {
-        axes: ["y [m]", "z [m]"],
-        unit: "m",
-        bodies: &["jumper"],
-        links: &[],
-        positions: |_, q| vec![[q[0], q[1]]],
-        ground: heights,
-    }),
     published: published::ski_jump::CASES,
+    ..Scene::new(
+        "ski-jump",
+        "a point mass slides off a curved table, flies, and lands on a straight slope",
+        &[Variant::new(|| Box::new(SkiJump::default()))],
+    )
+    .drawn(Plane::of_one_body(&["jumper"], ["y [m]", "z [m]"]))
 };

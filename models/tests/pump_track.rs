@@ -4,7 +4,8 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{
-    self, Formulation, Problem, Settings, Solution, Stationarity, Status, TimeFreezingSettings,
+    self, ControlShape, Formulation, Problem, Settings, Solution, Stationarity, Status,
+    TimeFreezingSettings,
 };
 use hangtime::simulation::{
     EventDriven, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
@@ -199,6 +200,30 @@ fn fastest_ride_with_more_intervals_is_faster_but_not_below_the_continuous_bound
     // 1.41159 s is the best known with the control free at every instant.
     assert!(
         fine.horizon < coarse && fine.horizon > 1.41159,
+        "{}",
+        fine.horizon
+    );
+}
+
+#[test]
+fn fastest_ride_with_linear_controls_approaches_that_with_free_ones() {
+    let mut settings = Settings::default();
+    settings.controls = ControlShape::Linear;
+    let model = PumpTrack::default();
+    let solve = |intervals| {
+        let problem = Problem::of(&model, intervals);
+        ocp::solve(&model, &problem, &settings, &mut |_| true).unwrap()
+    };
+    let coarse = solve(30);
+    check_solution(&coarse);
+    assert_eq!(coarse.controls.len(), 31);
+    // The least of twelve starts; controls that jump are 10 ms faster.
+    assert!(coarse.horizon < 1.423_416_8, "{}", coarse.horizon);
+    let fine = solve(60);
+    check_solution(&fine);
+    // The fine grid can do what the coarse one can; 1.41159 s is the best known with the control free at every instant.
+    assert!(
+        fine.horizon < coarse.horizon && fine.horizon > 1.41159,
         "{}",
         fine.horizon
     );

@@ -279,7 +279,12 @@ fn every_guess_of_the_hopping_mass_ends_at_the_same_optimum() {
         settings.guess = guess;
         let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
         let guess = &settings.guess;
-        assert_eq!(solution.status, Status::Solved, "{guess:?}");
+        assert_eq!(
+            solution.status,
+            Status::Solved,
+            "{guess:?}: {:?}",
+            solution.diagnosis()
+        );
         assert!((solution.objective - best).abs() < 1e-6, "{guess:?}");
     }
     assert_eq!(hopper.declaration().name, "Hopper");

@@ -145,6 +145,9 @@ pub(crate) struct SolveArguments {
     /// Control intervals of equal physical length [default: 30].
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) intervals: Option<usize>,
+    /// Controls on each interval.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) controls: ControlsName,
     /// How the contact sequence is found.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) formulation: SolveFormulation,
@@ -169,6 +172,16 @@ pub(crate) struct SolveArguments {
     /// Print one JSON object.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// What the controls of `solve` are on an interval.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ControlsName {
+    /// Constant; they may jump between intervals.
+    #[default]
+    Constant,
+    /// Linear, and continuous over the ends of the intervals.
+    Linear,
 }
 
 /// How `solve` finds the contact sequence.

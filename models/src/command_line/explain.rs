@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
+use crate::Scene;
 use hangtime::model::{
     ConstraintDeclaration, ConstraintRelation, Declaration, ImpactLaw, Model,
     OptimalControlDeclaration, SparsityPattern, explanation, mistake_codes,
 };
-use hangtime_models::scenes;
 
 use super::Report;
 use super::arguments::ExplainArguments;
@@ -14,19 +14,21 @@ use super::failure::BadInput;
 use super::settings::ChosenScene;
 use super::table::{headed, table};
 
-/// When the library with the scenes was finished [s since 1970], if the compiler's arguments told.
-const LIBRARY_FINISHED: Option<f64> = hangtime_macros::finished_at!(hangtime_models);
 /// A compilation that seems to take longer than this was put together from different builds [s].
 const LONGEST_COMPILATION: f64 = 3600.0;
 
-pub(super) fn run(arguments: &ExplainArguments) -> Result<Report, BadInput> {
+pub(super) fn run(
+    scenes: &'static [Scene],
+    finished: Option<f64>,
+    arguments: &ExplainArguments,
+) -> Result<Report, BadInput> {
     if let Some(page) = page(&arguments.scene.scene)? {
         return Ok(Report {
             text: page.to_owned(),
             diagnoses: Vec::new(),
         });
     }
-    let chosen = ChosenScene::from_arguments(&arguments.scene)?;
+    let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
     let declaration = chosen.model.declaration();
     let mut text = format!("{} ({})\n", chosen.scene.name, declaration.name);
     let documentation = declaration.documentation.lines().map(str::trim);
@@ -79,7 +81,11 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<Report, BadInput> {
         "derivation            {:.1} ms at compile time",
         declaration.derivation_seconds * 1e3
     );
-    let _ = writeln!(text, "compilation of models {}", compilation());
+    let _ = writeln!(
+        text,
+        "compilation of models {}",
+        compilation(scenes, finished)
+    );
     Ok(Report {
         text,
         diagnoses: Vec::new(),
@@ -180,13 +186,13 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
 }
 
 /// Time from the first derivation to the finished library.
-fn compilation() -> String {
-    let started = scenes()
+fn compilation(scenes: &[Scene], finished: Option<f64>) -> String {
+    let started = scenes
         .iter()
         .flat_map(|scene| scene.variants)
         .map(|variant| (variant.model)().declaration().expanded_at)
         .fold(f64::INFINITY, f64::min);
-    LIBRARY_FINISHED
+    finished
         .map(|finished| finished - started)
         .filter(|elapsed| (0.0..LONGEST_COMPILATION).contains(elapsed))
         .map_or_else(

@@ -1,7 +1,7 @@
 //! The files of one result: data, figures, and a page that plays the motion.
 
+use crate::PublishedData;
 use hangtime::simulation::Simulation;
-use hangtime_models::PublishedData;
 
 use super::animation::Animation;
 use super::figure::over_time;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use hangtime_models::{Scene, scenes};
+use crate::Scene;
 use serde::Serialize;
 
 use super::Report;
@@ -71,8 +71,8 @@ impl SceneEntry {
     }
 }
 
-pub(super) fn run(arguments: &ListArguments) -> Report {
-    let scenes: Vec<SceneEntry> = scenes().iter().map(SceneEntry::of).collect();
+pub(super) fn run(scenes: &[Scene], arguments: &ListArguments) -> Report {
+    let scenes: Vec<SceneEntry> = scenes.iter().map(SceneEntry::of).collect();
     let text = if arguments.json {
         to_line(&Document {
             schema: SCHEMA,

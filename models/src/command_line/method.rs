@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::arguments::{FormulationName, Method, MethodArguments, SchemeName};
 use super::failure::BadInput;
+use super::table::counted;
 
 /// The settings of a method, as JSON and people read them; what the method does not have is absent.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -88,12 +89,6 @@ impl fmt::Display for MethodSettings {
             _ => Ok(()),
         }
     }
-}
-
-/// `1 step`, `2 steps`.
-fn counted(number: usize, noun: &str) -> String {
-    let ending = if number == 1 { "" } else { "s" };
-    format!("{number} {noun}{ending}")
 }
 
 /// A method with its settings.

@@ -1,8 +1,8 @@
 //! From a simulation to its figures: the motion in its plane, and its quantities over time.
 
+use crate::{Plane, PublishedData, Quantity};
 use hangtime::model::{Declaration, Model};
 use hangtime::simulation::{EventKind, Simulation};
-use hangtime_models::{Plane, PublishedData, Quantity};
 
 use super::figure::{COLOURS, Motion, Panel, Path, Series};
 use super::quantity;

@@ -1,7 +1,7 @@
 //! Names, units and bounds of the quantities of a motion.
 
+use crate::Quantity;
 use hangtime::model::{Declaration, Model};
-use hangtime_models::Quantity;
 
 use super::table::{headed, per_second};
 

@@ -1,7 +1,7 @@
 //! States between the instants that a trajectory keeps.
 
+use crate::Quantity;
 use hangtime::simulation::Trajectory;
-use hangtime_models::Quantity;
 
 /// About how many states a line is drawn through.
 const POINTS: usize = 600;
@@ -58,8 +58,8 @@ impl State {
     }
 
     /// The state at the share `s` of the interval from instant `k` to the next: coordinates on the cubic through
-    /// both states and their velocities, velocities as its derivative, forces on a straight line, controls as at
-    /// instant `k`.
+    /// both states and their velocities, velocities as its derivative, forces and controls on a straight line: where these
+    /// jump, the trajectory keeps both sides.
     fn between(trajectory: &Trajectory, k: usize, s: f64) -> Self {
         let t0 = trajectory.time[k];
         let h = trajectory.time[k + 1] - t0;
@@ -89,7 +89,7 @@ impl State {
             time: t0 + s * h,
             q,
             v,
-            u: trajectory.u[k].clone(),
+            u: straight(&trajectory.u),
             contact_force: straight(&trajectory.contact_force),
             friction_force: straight(&trajectory.friction_force),
         }
@@ -125,10 +125,6 @@ pub(crate) fn dense(trajectory: &Trajectory) -> Vec<State> {
         if trajectory.time[k + 1] > trajectory.time[k] {
             let shares = (1..between).map(|i| i as f64 / between as f64);
             states.extend(shares.map(|s| State::between(trajectory, k, s)));
-            // The controls and forces right before the next instant are those of this interval.
-            let mut end = State::of(trajectory, k + 1);
-            end.u.clone_from(&trajectory.u[k]);
-            states.push(end);
         }
     }
     states.push(State::of(trajectory, instants - 1));

@@ -1,8 +1,8 @@
 //! `SCENE` and `--set NAME=VALUE[UNIT]`: from words to a model.
 
+use crate::Scene;
 use hangtime::model::Model;
 use hangtime::simulation::InputError;
-use hangtime_models::{Scene, scenes};
 use hangtime_units::{Quantity, UnitError};
 
 use super::arguments::SceneArguments;
@@ -20,13 +20,15 @@ pub(crate) struct ChosenScene {
 
 impl ChosenScene {
     /// Finds the scene and applies the settings.
-    pub(crate) fn from_arguments(arguments: &SceneArguments) -> Result<Self, BadInput> {
-        Self::new(&arguments.scene, &arguments.settings)
+    pub(crate) fn from_arguments(
+        scenes: &'static [Scene],
+        arguments: &SceneArguments,
+    ) -> Result<Self, BadInput> {
+        Self::new(find(scenes, &arguments.scene)?, &arguments.settings)
     }
 
-    /// Finds the scene `name` and applies `settings`, each `NAME=VALUE[UNIT]`.
-    pub(crate) fn new(name: &str, settings: &[String]) -> Result<Self, BadInput> {
-        let scene = find(name)?;
+    /// Applies `settings`, each `NAME=VALUE[UNIT]`, to a scene.
+    pub(crate) fn new(scene: &'static Scene, settings: &[String]) -> Result<Self, BadInput> {
         let pairs = split_all(settings)?;
         let (choices, model) = choose(scene, &pairs)?;
         let mut chosen = Self {
@@ -87,18 +89,16 @@ impl ChosenScene {
 }
 
 /// The scene called `name`.
-fn find(name: &str) -> Result<&'static Scene, BadInput> {
-    scenes()
-        .iter()
-        .find(|scene| scene.name == name)
-        .ok_or_else(|| {
-            let names: Vec<&str> = scenes().iter().map(|scene| scene.name).collect();
-            BadInput::new(format!(
-                "unknown scene `{name}`{} (scenes: {})",
-                did_you_mean(name, names.iter().copied()),
-                names.join(", ")
-            ))
-        })
+pub(crate) fn find(scenes: &'static [Scene], name: &str) -> Result<&'static Scene, BadInput> {
+    let named = scenes.iter().find(|scene| scene.name == name);
+    named.ok_or_else(|| {
+        let names: Vec<&str> = scenes.iter().map(|scene| scene.name).collect();
+        BadInput::new(format!(
+            "unknown scene `{name}`{} (scenes: {})",
+            did_you_mean(name, names.iter().copied()),
+            names.join(", ")
+        ))
+    })
 }
 
 /// Splits every setting at its first `=` and refuses repeated names.
@@ -194,7 +194,7 @@ fn quantity(name: &str, text: &str, declared: &str) -> Result<f64, BadInput> {
 
 #[cfg(test)]
 mod tests {
-    use hangtime_models::{Scene, SkiJump, Variant};
+    use crate::{Scene, SkiJump, Variant};
 
     use super::{choose, split_all};
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
+use crate::{PublishedData, Scene};
 use hangtime::simulation::{InitialValueProblem, Simulation};
-use hangtime_models::PublishedData;
 
 use super::Report;
 use super::arguments::SimulateArguments;
@@ -14,10 +14,13 @@ use super::method::ChosenMethod;
 use super::output::OutputDirectory;
 use super::progress::Progress;
 use super::settings::ChosenScene;
-use super::table::{headed, per_second, seconds, table};
+use super::table::{counted, headed, per_second, seconds, table};
 
-pub(super) fn run(arguments: &SimulateArguments) -> Result<Report, BadInput> {
-    let chosen = ChosenScene::from_arguments(&arguments.scene)?;
+pub(super) fn run(
+    scenes: &'static [Scene],
+    arguments: &SimulateArguments,
+) -> Result<Report, BadInput> {
+    let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
     let method = ChosenMethod::from_arguments(&arguments.method)?;
     let problem = InitialValueProblem::of(chosen.model.as_ref(), arguments.horizon)
         .and_then(|problem| problem.check(chosen.model.as_ref()).map(|()| problem))
@@ -177,14 +180,13 @@ fn tables(
     let counts = simulation.counts;
     let _ = writeln!(
         text,
-        "counts      {} elements, {} Newton iterations, {} factorizations, {} evaluations, \
-         {} interior point iterations in {} fallbacks",
-        counts.elements,
-        counts.newton,
-        counts.factorizations,
-        counts.evaluations,
-        counts.interior_point,
-        counts.fallbacks
+        "counts      {}, {}, {}, {}, {} in {}",
+        counted(counts.elements, "element"),
+        counted(counts.newton, "Newton iteration"),
+        counted(counts.factorizations, "factorization"),
+        counted(counts.evaluations, "evaluation"),
+        counted(counts.interior_point, "interior point iteration"),
+        counted(counts.fallbacks, "fallback")
     );
     let _ = writeln!(text, "CPU time    {}", seconds(simulation.seconds.total));
     for note in &simulation.notes {

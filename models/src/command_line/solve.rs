@@ -2,13 +2,15 @@
 
 use std::fmt::Write as _;
 
-use hangtime::ocp::{self, Formulation, Problem, Settings, Solution, TimeFreezingSettings};
+use crate::{PublishedData, Scene};
+use hangtime::ocp::{
+    self, ControlShape, Formulation, Problem, Settings, Solution, TimeFreezingSettings,
+};
 use hangtime::rk::Scheme;
 use hangtime::simulation::EventKind;
-use hangtime_models::PublishedData;
 
 use super::Report;
-use super::arguments::{SchemeName, SolveArguments, SolveFormulation};
+use super::arguments::{ControlsName, SchemeName, SolveArguments, SolveFormulation};
 use super::failure::BadInput;
 use super::files::ResultFiles;
 use super::interrupt::Interrupt;
@@ -16,13 +18,16 @@ use super::json::{SolutionDocument, SolverSettings};
 use super::output::OutputDirectory;
 use super::progress::SolveProgress;
 use super::settings::ChosenScene;
-use super::table::{headed, seconds, table};
+use super::table::{counted, headed, seconds, table};
 
 /// Control intervals, unless others are asked for.
 pub(super) const INTERVALS: usize = 30;
 
-pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
-    let chosen = ChosenScene::from_arguments(&arguments.scene)?;
+pub(super) fn run(
+    scenes: &'static [Scene],
+    arguments: &SolveArguments,
+) -> Result<Report, BadInput> {
+    let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
     if chosen.model.declaration().optimal_control.is_none() {
         return Err(BadInput::new(format!(
             "scene `{0}` declares no objective, so there is nothing to optimize; run `hangtime \
@@ -86,6 +91,10 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<Report, BadInput> {
 fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
     let mut settings = Settings::default();
     settings.starts = arguments.starts.unwrap_or(settings.starts);
+    settings.controls = match arguments.controls {
+        ControlsName::Constant => ControlShape::Constant,
+        ControlsName::Linear => ControlShape::Linear,
+    };
     match arguments.formulation {
         SolveFormulation::Auto => {
             if arguments.scheme == Some(SchemeName::GaussLegendre) {
@@ -118,8 +127,8 @@ pub(super) fn facts(method: &SolverSettings, solution: &Solution) -> Vec<[String
         (
             "method",
             format!(
-                "{}, {}, {} stages, {} intervals",
-                method.name, method.scheme, method.stages, method.intervals
+                "{}, {}, {} stages, {} intervals, {} controls",
+                method.name, method.scheme, method.stages, method.intervals, method.control_shape
             ),
         ),
         ("status", solution.status.name().to_owned()),
@@ -143,12 +152,18 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
     let _ = writeln!(text, "parameters    {}", chosen.parameters().join(", "));
     let _ = writeln!(
         text,
-        "method        {}, {}, {} stages, {} intervals of {} elements, {} starts",
-        method.name, method.scheme, method.stages, method.intervals, method.elements, method.starts
+        "method        {}, {}, {}, {} of {}, {} controls, {}",
+        method.name,
+        method.scheme,
+        counted(method.stages, "stage"),
+        counted(method.intervals, "interval"),
+        counted(method.elements, "element"),
+        method.control_shape,
+        counted(method.starts, "start")
     );
     let _ = writeln!(text, "status        {}", solution.status.name());
     if solution.motion.is_none() {
-        let _ = writeln!(text, "CPU time      {}", seconds(solution.seconds));
+        text += &work(solution);
         return text;
     }
     let _ = writeln!(text, "objective     {:.10}", solution.objective);
@@ -171,12 +186,19 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
         ]
     });
     text += &relaxed_and_optima(solution);
-    text += &table(["event", "contact", "time [s]"], rows);
+    text += &match rows.len() {
+        0 => "no events\n".to_owned(),
+        _ => table(["event", "contact", "time [s]"], rows),
+    };
     text += "\n";
     let controls = declaration.controls.iter();
-    let header = ["interval", "from [s]"].map(str::to_owned).into_iter();
+    let (place, intervals) = match solution.shape {
+        ControlShape::Constant => (["interval", "from [s]"], solution.controls.len()),
+        ControlShape::Linear => (["node", "at [s]"], solution.controls.len() - 1),
+    };
+    let header = place.map(str::to_owned).into_iter();
     let header = header.chain(controls.map(|control| headed(control.name, control.unit)));
-    let length = solution.horizon / solution.controls.len().max(1) as f64;
+    let length = solution.horizon / intervals.max(1) as f64;
     let rows = solution.controls.iter().enumerate().map(|(k, controls)| {
         let values = controls.iter().map(|u| format!("{u:.6}"));
         [k.to_string(), format!("{:.6}", k as f64 * length)]
@@ -192,18 +214,22 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
         "residuals     primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
         residuals.primal, residuals.dual, residuals.complementarity
     );
-    let counts = solution.counts;
-    let _ = writeln!(
-        text,
-        "counts        {} programs, {} + {} interior point iterations, {} factorizations, {} repairs",
-        counts.programs,
-        counts.global_iterations,
-        counts.iterations,
-        counts.factorizations,
-        counts.repairs
-    );
-    let _ = writeln!(text, "CPU time      {}", seconds(solution.seconds));
+    text += &work(solution);
     text
+}
+
+/// What the result took.
+fn work(solution: &Solution) -> String {
+    let counts = solution.counts;
+    format!(
+        "counts        {}, {} + {}, {}, {}\nCPU time      {}\n",
+        counted(counts.programs, "program"),
+        counts.global_iterations,
+        counted(counts.iterations, "interior point iteration"),
+        counted(counts.factorizations, "factorization"),
+        counted(counts.repairs, "repair"),
+        seconds(solution.seconds)
+    )
 }
 
 /// The complementarity problem before the polish, and the local optima of several starts.

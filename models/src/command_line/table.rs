@@ -58,6 +58,12 @@ pub(crate) fn headed(name: &str, unit: &str) -> String {
     }
 }
 
+/// `1 step`, `2 steps`.
+pub(crate) fn counted(number: usize, noun: &str) -> String {
+    let ending = if number == 1 { "" } else { "s" };
+    format!("{number} {noun}{ending}")
+}
+
 /// The unit of a time derivative.
 pub(crate) fn per_second(unit: &str) -> String {
     if unit.is_empty() {

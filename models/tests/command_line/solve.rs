@@ -59,6 +59,41 @@ fn solve_json_has_the_fields_of_the_contract_in_order() {
 }
 
 #[test]
+fn solve_with_linear_controls_writes_a_value_for_each_node() {
+    let document = solved(&[
+        "solve",
+        "pump-track",
+        "--intervals",
+        "12",
+        "--controls",
+        "linear",
+        "--json",
+    ]);
+    let document: Value = serde_json::from_str(&document).unwrap();
+    assert_eq!(document["method"]["control_shape"], "linear");
+    let nodes = document["controls"].as_array().unwrap();
+    assert_eq!(nodes.len(), 13);
+    // The trajectory follows the line between the nodes.
+    let numbers = |value: &Value| -> Vec<f64> {
+        let values = value.as_array().unwrap().iter();
+        values.map(|value| value.as_f64().unwrap()).collect()
+    };
+    let times = numbers(&document["trajectory"]["time"]);
+    let length = document["horizon"].as_f64().unwrap() / 12.0;
+    for (time, u) in times
+        .iter()
+        .zip(document["trajectory"]["u"].as_array().unwrap())
+    {
+        let node = ((time / length) as usize).min(11);
+        let share = time / length - node as f64;
+        let (from, to) = (numbers(&nodes[node])[0], numbers(&nodes[node + 1])[0]);
+        let expected = from + share * (to - from);
+        // Forces up to 400 N.
+        assert!((numbers(u)[0] - expected).abs() < 1e-9, "{u} at {time}");
+    }
+}
+
+#[test]
 fn solve_with_out_writes_data_and_a_picture() {
     let scratch = Scratch::new("solve");
     let text = solved(&[

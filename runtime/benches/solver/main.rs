@@ -1,10 +1,10 @@
 //! Times and counts of the solvers.
 //!
 //! ```text
-//! cargo bench -p hangtime --bench solver -- [nlp [NAME [TIMES]]|text DIRECTORY|strategies|scaling|mpcc [NAME]]
+//! cargo bench -p hangtime --bench solver -- [nlp [NAME|all [TIMES [pivoting|static]]]|text DIRECTORY|strategies|scaling|mpcc [NAME]]
 //! ```
 //!
-//! `nlp` solves the nonlinear programs, or one of them, the given number of times; `text` writes them as text after checking that the text says
+//! `nlp` solves the nonlinear programs, or one of them, the given number of times, with one factorization or with both; `text` writes them as text after checking that the text says
 //! the same. `compare_ipopt.py` beside this file calls both and solves the same programs by IPOPT in the same run.
 
 #[path = "../../tests/solver_support/mod.rs"]
@@ -27,15 +27,17 @@ fn main() {
         .collect();
     let word = |k: usize| arguments.get(k).map(String::as_str);
     match word(0) {
-        Some("nlp") => {
-            nonlinear_programs(word(1), word(2).and_then(|k| k.parse().ok()).unwrap_or(5))
-        }
+        Some("nlp") => nonlinear_programs(
+            word(1).filter(|&name| name != "all"),
+            word(2).and_then(|k| k.parse().ok()).unwrap_or(5),
+            word(3),
+        ),
         Some("text") => write_texts(word(1).unwrap_or(".")),
         Some("strategies") => strategies(),
         Some("scaling") => scaling(),
         Some("mpcc") => complementarity_problems(word(1)),
         _ => {
-            nonlinear_programs(None, 5);
+            nonlinear_programs(None, 5, None);
             scaling();
             complementarity_problems(None);
         }
@@ -91,12 +93,16 @@ fn run(stated: Stated, times: usize, linear_solver: LinearSolver) {
     }
 }
 
-fn nonlinear_programs(only: Option<&str>, times: usize) {
+fn nonlinear_programs(only: Option<&str>, times: usize, factorization: Option<&str>) {
     println!("{HEADING}");
     for (name, make) in problems::problems() {
         if only.is_none_or(|only| only == name) {
-            run(make(), times, LinearSolver::Pivoting);
-            run(make(), times, LinearSolver::Static);
+            if factorization != Some("static") {
+                run(make(), times, LinearSolver::Pivoting);
+            }
+            if factorization != Some("pivoting") {
+                run(make(), times, LinearSolver::Static);
+            }
         }
     }
 }

@@ -285,6 +285,9 @@ impl Contacts<'_> {
             shifted[k] += step * x[n + k] + 0.5 * step * step * motion[k];
             shifted[n + k] += step * motion[k];
         }
+        for (control, slope) in shifted[2 * n..].iter_mut().zip(&self.control_slopes) {
+            *control += step * slope;
+        }
         if self.model.declaration().explicit_time
             && let Some(time) = shifted.last_mut()
         {

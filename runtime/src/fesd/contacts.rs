@@ -79,6 +79,8 @@ pub(crate) struct Contacts<'a> {
     matrix: Vec<f64>,
     pivots: Vec<usize>,
     pub(super) shifted: Vec<f64>,
+    /// Rates of the controls, empty where they are constant.
+    pub(super) control_slopes: Vec<f64>,
     pub(crate) evaluations: usize,
 }
 
@@ -103,8 +105,15 @@ impl<'a> Contacts<'a> {
             matrix: Vec::new(),
             pivots: Vec::new(),
             shifted: vec![0.0; declaration.inputs()],
+            control_slopes: Vec::new(),
             evaluations: 0,
         }
+    }
+
+    /// Rates of the controls from now on; empty where they are constant.
+    pub(crate) fn set_control_slopes(&mut self, slopes: &[f64]) {
+        self.control_slopes.clear();
+        self.control_slopes.extend(slopes);
     }
 
     fn point(&self, contact: usize) -> &[f64] {

@@ -25,6 +25,7 @@ pub mod dense;
 mod factorization;
 pub mod lcp;
 mod multifrontal;
+pub(crate) mod norms;
 mod refined;
 mod simplicial;
 mod symmetric;

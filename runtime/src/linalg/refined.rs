@@ -1,5 +1,6 @@
 //! Solves with iterative refinement and a check of the residual.
 
+use super::norms::norm_inf;
 use super::{FactorizationError, Inertia, KktFactorization, SymmetricPattern};
 
 /// How well a system was solved.
@@ -47,6 +48,8 @@ pub struct RefinedSolver {
     primal: usize,
     back_end: Box<dyn KktFactorization + Send>,
     values: Vec<f64>,
+    /// Shifts (delta_w, delta_c) of the last factorization.
+    shifts: (f64, f64),
     residual: Vec<f64>,
     best: Vec<f64>,
 }
@@ -70,6 +73,7 @@ impl RefinedSolver {
             primal,
             back_end,
             values: vec![0.0; stored],
+            shifts: (0.0, 0.0),
             residual: vec![0.0; n],
             best: vec![0.0; n],
         }
@@ -96,11 +100,46 @@ impl RefinedSolver {
         delta_c: f64,
     ) -> Result<Inertia, FactorizationError> {
         self.values.copy_from_slice(values);
-        for row in 0..self.pattern.dimension() {
-            self.values[self.pattern.diagonal(row)] +=
-                if row < self.primal { delta_w } else { -delta_c };
+        self.factor_held(delta_w, delta_c)
+    }
+
+    /// Values of the matrix, to be assembled in place before [`RefinedSolver::factor_held`].
+    pub(crate) fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
+    /// Adds to an entry on the diagonal of the matrix held here.
+    pub(crate) fn add_to_diagonal(&mut self, row: usize, value: f64) {
+        self.values[self.pattern.diagonal(row)] += value;
+    }
+
+    /// As [`RefinedSolver::factor`], with the values held here.
+    pub(crate) fn factor_held(
+        &mut self,
+        delta_w: f64,
+        delta_c: f64,
+    ) -> Result<Inertia, FactorizationError> {
+        self.shifts = (delta_w, delta_c);
+        self.back_end.factor(&self.values, delta_w, delta_c)
+    }
+
+    /// `b - (K + D) x` into `residual`, `D` the shifts.
+    fn update_residual(&mut self, right_hand_side: &[f64], solution: &[f64]) {
+        self.residual.fill(0.0);
+        self.pattern
+            .multiply_add(&self.values, solution, &mut self.residual);
+        let (x_primal, x_dual) = solution.split_at(self.primal);
+        let (b_primal, b_dual) = right_hand_side.split_at(self.primal);
+        let (r_primal, r_dual) = self.residual.split_at_mut(self.primal);
+        let (delta_w, delta_c) = self.shifts;
+        for (r, b, x, shift) in [
+            (r_primal, b_primal, x_primal, delta_w),
+            (r_dual, b_dual, x_dual, -delta_c),
+        ] {
+            for ((r, b), x) in r.iter_mut().zip(b).zip(x) {
+                *r = b - (*r + shift * x);
+            }
         }
-        self.back_end.factor(values, delta_w, delta_c)
     }
 
     /// Solves for `right_hand_side`; the result is the best iterate of the refinement.
@@ -112,26 +151,21 @@ impl RefinedSolver {
         let mut best_error = f64::INFINITY;
         let mut steps = 0;
         loop {
-            self.residual.fill(0.0);
-            self.pattern
-                .multiply_add(&self.values, solution, &mut self.residual);
-            for (r, b) in self.residual.iter_mut().zip(right_hand_side) {
-                *r = b - *r;
-            }
+            self.update_residual(right_hand_side, solution);
             let scale = norm_inf(solution).min(1e6 * norm_b) + norm_b;
             let error = norm_inf(&self.residual);
             let residual = if error == 0.0 { 0.0 } else { error / scale };
             // also false for a residual that is not a number
-            let improved = residual < best_residual;
-            if improved {
+            if residual < best_residual {
                 let stalled = residual > 0.5 * best_residual && steps > 2;
                 best_residual = residual;
                 best_error = error;
-                self.best.copy_from_slice(solution);
                 if residual <= Self::TARGET || steps == Self::STEPS || stalled {
                     break;
                 }
+                self.best.copy_from_slice(solution);
             } else {
+                solution.copy_from_slice(&self.best);
                 break;
             }
             self.back_end.solve(&mut self.residual);
@@ -140,7 +174,6 @@ impl RefinedSolver {
             }
             steps += 1;
         }
-        solution.copy_from_slice(&self.best);
         SolveQuality {
             residual: best_residual,
             backward: if best_error == 0.0 {
@@ -155,54 +188,5 @@ impl RefinedSolver {
     /// Entries of the factor.
     pub fn factor_entries(&self) -> usize {
         self.back_end.factor_entries()
-    }
-}
-
-/// Largest absolute entry; not a number if there is one.
-fn norm_inf(x: &[f64]) -> f64 {
-    let (fours, others) = x.as_chunks::<4>();
-    let mut lanes = [0.0_f64; 4];
-    // zero for finite entries, and not a number from the first that is not
-    let mut faults = [0.0_f64; 4];
-    for four in fours {
-        for ((lane, fault), a) in lanes.iter_mut().zip(&mut faults).zip(four) {
-            if a.abs() > *lane {
-                *lane = a.abs();
-            }
-            *fault += a * 0.0;
-        }
-    }
-    let mut norm: f64 = 0.0;
-    let mut fault: f64 = faults.iter().sum();
-    for a in lanes.iter().chain(others) {
-        norm = norm.max(a.abs());
-        fault += a * 0.0;
-    }
-    if fault == 0.0 {
-        norm
-    } else if x.iter().any(|a| a.is_nan()) {
-        f64::NAN
-    } else {
-        f64::INFINITY
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn norm_inf_sees_every_lane_and_every_fault() {
-        let mut x = vec![1.0; 11];
-        for k in 0..x.len() {
-            x[k] = -3.0;
-            assert_eq!(norm_inf(&x), 3.0);
-            x[k] = f64::NEG_INFINITY;
-            assert_eq!(norm_inf(&x), f64::INFINITY);
-            x[k] = f64::NAN;
-            assert!(norm_inf(&x).is_nan());
-            x[k] = 1.0;
-        }
-        assert_eq!(norm_inf(&[]), 0.0);
     }
 }

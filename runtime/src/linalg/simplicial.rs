@@ -43,15 +43,15 @@ pub struct SimplicialLdl {
     primal: usize,
     static_primal: f64,
     static_dual: f64,
-    symbolic: SymbolicCholesky<usize>,
+    symbolic: SymbolicCholesky<u32>,
     /// `permutation[new] = old`.
-    permutation: Vec<usize>,
+    permutation: Vec<u32>,
     /// Permuted upper triangle: pointers, rows, values, and where each pattern entry goes.
-    column_pointers: Vec<usize>,
-    row_indices: Vec<usize>,
+    column_pointers: Vec<u32>,
+    row_indices: Vec<u32>,
     permuted_values: Vec<f64>,
-    scatter: Vec<usize>,
-    diagonal: Vec<usize>,
+    scatter: Vec<u32>,
+    diagonal: Vec<u32>,
     factor_values: Vec<f64>,
     work: Vec<f64>,
     scratch: MemBuffer,
@@ -101,13 +101,13 @@ impl SimplicialLdl {
                 let (forward, inverse) = order.arrays();
                 (forward.to_vec(), inverse.to_vec())
             }
-            None => ((0..n).collect(), (0..n).collect()),
+            None => ((0..n as u32).collect(), (0..n as u32).collect()),
         };
         let (column_pointers, row_indices, scatter) = permute_to_upper(pattern, &inverse);
         let diagonal = (0..n).map(|j| scatter[pattern.diagonal(j)]).collect();
         let factor_values = vec![0.0; symbolic.len_val()];
         let scratch = MemBuffer::new(simplicial::factorize_simplicial_numeric_ldlt_scratch::<
-            usize,
+            u32,
             f64,
         >(n));
         Ok(Self {
@@ -127,7 +127,7 @@ impl SimplicialLdl {
         })
     }
 
-    fn symbolic_factor(&self) -> Option<&simplicial::SymbolicSimplicialCholesky<usize>> {
+    fn symbolic_factor(&self) -> Option<&simplicial::SymbolicSimplicialCholesky<u32>> {
         match self.symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(symbolic) => Some(symbolic),
             SymbolicCholeskyRaw::Supernodal(_) => None,
@@ -136,41 +136,43 @@ impl SimplicialLdl {
 }
 
 /// Upper triangle of the permuted matrix, columns sorted, and the scatter map from the pattern.
-fn permute_to_upper(
-    pattern: &SymmetricPattern,
-    inverse: &[usize],
-) -> (Vec<usize>, Vec<usize>, Vec<usize>) {
+fn permute_to_upper(pattern: &SymmetricPattern, inverse: &[u32]) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
     let n = pattern.dimension();
-    let mut pointers = vec![0_usize; n + 1];
-    let position = |i: usize, j: usize| {
-        let (a, b) = (inverse[i], inverse[j]);
+    let mut pointers = vec![0_u32; n + 1];
+    let position = |i: u32, j: usize| {
+        let (a, b) = (inverse[i as usize], inverse[j]);
         (a.min(b), a.max(b))
     };
+    let column = |j: usize| {
+        let ends = &pattern.column_pointers()[j..j + 2];
+        ends[0] as usize..ends[1] as usize
+    };
     for j in 0..n {
-        for k in pattern.column_pointers()[j]..pattern.column_pointers()[j + 1] {
-            pointers[position(pattern.row_indices()[k], j).1 + 1] += 1;
+        for k in column(j) {
+            pointers[position(pattern.row_indices()[k], j).1 as usize + 1] += 1;
         }
     }
     for j in 0..n {
         pointers[j + 1] += pointers[j];
     }
     let mut next = pointers.clone();
-    let mut entries = vec![(0_usize, 0_usize); pattern.stored()];
+    let mut entries = vec![(0_u32, 0_u32); pattern.stored()];
     for j in 0..n {
-        for k in pattern.column_pointers()[j]..pattern.column_pointers()[j + 1] {
+        for k in column(j) {
             let (row, column) = position(pattern.row_indices()[k], j);
-            entries[next[column]] = (row, k);
-            next[column] += 1;
+            let next = &mut next[column as usize];
+            entries[*next as usize] = (row, k as u32);
+            *next += 1;
         }
     }
     let mut scatter = vec![0; pattern.stored()];
-    for j in 0..n {
-        entries[pointers[j]..pointers[j + 1]].sort_unstable();
+    for ends in pointers.windows(2) {
+        entries[ends[0] as usize..ends[1] as usize].sort_unstable();
     }
     let mut rows = Vec::with_capacity(entries.len());
     for (k, &(row, source)) in entries.iter().enumerate() {
         rows.push(row);
-        scatter[source] = k;
+        scatter[source as usize] = k as u32;
     }
     (pointers, rows, scatter)
 }
@@ -184,10 +186,10 @@ impl KktFactorization for SimplicialLdl {
     ) -> Result<Inertia, FactorizationError> {
         let n = self.permutation.len();
         for (&position, &value) in self.scatter.iter().zip(values) {
-            self.permuted_values[position] = value;
+            self.permuted_values[position as usize] = value;
         }
         for (row, &position) in self.diagonal.iter().enumerate() {
-            self.permuted_values[position] += if row < self.primal {
+            self.permuted_values[position as usize] += if row < self.primal {
                 delta_w + self.static_primal
             } else {
                 -(delta_c + self.static_dual)
@@ -214,7 +216,7 @@ impl KktFactorization for SimplicialLdl {
             MemStack::new(&mut self.scratch),
         );
         if let Err(faer::linalg::cholesky::ldlt::factor::LdltError::ZeroPivot { index }) = result {
-            let row = self.permutation[index.saturating_sub(1).min(n - 1)];
+            let row = self.permutation[index.saturating_sub(1).min(n - 1)] as usize;
             let finite = self.permuted_values.iter().all(|a| a.is_finite());
             return Err(if finite {
                 FactorizationError::ZeroPivot(row)
@@ -224,7 +226,7 @@ impl KktFactorization for SimplicialLdl {
         }
         let negative = symbolic.col_ptr()[..n]
             .iter()
-            .filter(|&&start| self.factor_values[start] < 0.0)
+            .filter(|&&start| self.factor_values[start as usize] < 0.0)
             .count();
         Ok(Inertia {
             positive: n - negative,
@@ -235,7 +237,7 @@ impl KktFactorization for SimplicialLdl {
 
     fn solve(&mut self, right_hand_side: &mut [f64]) {
         for (w, &old) in self.work.iter_mut().zip(&self.permutation) {
-            *w = right_hand_side[old];
+            *w = right_hand_side[old as usize];
         }
         if let SymbolicCholeskyRaw::Simplicial(symbolic) = self.symbolic.raw() {
             let n = self.permutation.len();
@@ -247,7 +249,7 @@ impl KktFactorization for SimplicialLdl {
             );
         }
         for (&w, &old) in self.work.iter().zip(&self.permutation) {
-            right_hand_side[old] = w;
+            right_hand_side[old as usize] = w;
         }
     }
 

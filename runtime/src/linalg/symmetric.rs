@@ -25,9 +25,8 @@
 /// ```
 #[derive(Debug, Clone)]
 pub struct SymmetricPattern {
-    dimension: usize,
-    column_pointers: Vec<usize>,
-    row_indices: Vec<usize>,
+    column_pointers: Vec<u32>,
+    row_indices: Vec<u32>,
 }
 
 impl SymmetricPattern {
@@ -36,43 +35,75 @@ impl SymmetricPattern {
     /// Entries may repeat and may lie in either triangle; (i, j) and (j, i) are the same position.
     /// The second value is the scatter map: position of entry `k` in the value array, so that
     /// `values[map[k]] += a_k` assembles the matrix. Entries outside the dimension are not accepted:
-    /// `None` is returned if there is one.
+    /// `None` is returned if there is one, and if dimension and entries exceed the range of `u32` together.
     pub fn new(dimension: usize, entries: &[(usize, usize)]) -> Option<(Self, Vec<usize>)> {
-        let mut counts = vec![0_usize; dimension + 1];
-        for &(i, j) in entries {
-            if i.max(j) >= dimension {
-                return None;
-            }
-            counts[i.min(j) + 1] += 1;
+        let (pattern, map) = Self::with_map(dimension, entries.iter().copied())?;
+        Some((pattern, map.into_iter().map(|k| k as usize).collect()))
+    }
+
+    /// As [`SymmetricPattern::new`], from entries that are visited twice instead of held, and with a map of half the width.
+    pub(crate) fn with_map(
+        dimension: usize,
+        entries: impl Iterator<Item = (usize, usize)> + Clone,
+    ) -> Option<(Self, Vec<u32>)> {
+        // counting sort by rows: starts[i] is where row i goes
+        let mut starts = vec![0_u32; dimension + 1];
+        let mut count = 0;
+        for (i, j) in entries.clone() {
+            *starts.get_mut(i.max(j).checked_add(1)?)? += 1;
+            count += 1;
         }
-        for j in 0..dimension {
-            counts[j + 1] += counts[j];
+        u32::try_from(dimension.checked_add(count)?).ok()?;
+        let mut column_pointers = vec![0_u32; dimension + 1];
+        for row in 0..dimension {
+            starts[row + 1] += starts[row];
         }
-        let mut next = counts.clone();
-        let mut by_column = vec![(0_usize, 0_usize); entries.len()];
-        for (k, &(i, j)) in entries.iter().enumerate() {
-            let column = i.min(j);
-            by_column[next[column]] = (i.max(j), k);
-            next[column] += 1;
+        let mut by_row = vec![(0_u32, 0_u32); count];
+        for (k, (i, j)) in entries.enumerate() {
+            let next = &mut starts[i.max(j)];
+            by_row[*next as usize] = (i.min(j) as u32, k as u32);
+            *next += 1;
         }
-        let mut column_pointers = Vec::with_capacity(dimension + 1);
-        let mut row_indices = Vec::with_capacity(dimension + entries.len());
-        let mut map = vec![0_usize; entries.len()];
-        column_pointers.push(0);
-        for j in 0..dimension {
-            let column = &mut by_column[counts[j]..counts[j + 1]];
-            column.sort_unstable();
-            row_indices.push(j);
-            for &(row, k) in column.iter() {
-                if row_indices.last() != Some(&row) {
-                    row_indices.push(row);
+        // what is sorted by rows stays so within each column; repeated positions are counted once
+        let mut last = vec![u32::MAX; dimension];
+        let rows = |starts: &[u32], row: usize| {
+            let first = if row == 0 { 0 } else { starts[row - 1] };
+            first as usize..starts[row] as usize
+        };
+        for row in 0..dimension {
+            for &(column, _) in &by_row[rows(&starts, row)] {
+                if last[column as usize] != row as u32 && column as usize != row {
+                    last[column as usize] = row as u32;
+                    column_pointers[column as usize + 1] += 1;
                 }
-                map[k] = row_indices.len() - 1;
             }
-            column_pointers.push(row_indices.len());
+        }
+        for column in 0..dimension {
+            // the diagonal comes first
+            column_pointers[column + 1] += column_pointers[column] + 1;
+        }
+        let mut row_indices = vec![0_u32; column_pointers[dimension] as usize];
+        let mut map = vec![0_u32; count];
+        // from here on the last position taken in each column
+        last.copy_from_slice(&column_pointers[..dimension]);
+        for row in 0..dimension {
+            row_indices[column_pointers[row] as usize] = row as u32;
+        }
+        for row in 0..dimension {
+            for &(column, k) in &by_row[rows(&starts, row)] {
+                let last = &mut last[column as usize];
+                if row_indices[*last as usize] != row as u32 && column as usize != row {
+                    *last += 1;
+                    row_indices[*last as usize] = row as u32;
+                }
+                map[k as usize] = if column as usize == row {
+                    column_pointers[row]
+                } else {
+                    *last
+                };
+            }
         }
         let pattern = Self {
-            dimension,
             column_pointers,
             row_indices,
         };
@@ -81,7 +112,7 @@ impl SymmetricPattern {
 
     /// Dimension of the matrix.
     pub fn dimension(&self) -> usize {
-        self.dimension
+        self.column_pointers.len() - 1
     }
 
     /// Number of stored positions, the length of a value array.
@@ -90,33 +121,32 @@ impl SymmetricPattern {
     }
 
     /// Start of each column in the value array, length `dimension + 1`.
-    pub fn column_pointers(&self) -> &[usize] {
+    pub fn column_pointers(&self) -> &[u32] {
         &self.column_pointers
     }
 
     /// Row of each stored position.
-    pub fn row_indices(&self) -> &[usize] {
+    pub fn row_indices(&self) -> &[u32] {
         &self.row_indices
     }
 
     /// Position of the diagonal entry of `column` in the value array.
     pub fn diagonal(&self, column: usize) -> usize {
-        self.column_pointers[column]
+        self.column_pointers[column] as usize
     }
 
     /// Adds `A x` to `y`, where `A` has the given values.
     pub fn multiply_add(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
-        for j in 0..self.dimension {
-            let start = self.column_pointers[j];
-            let end = self.column_pointers[j + 1];
+        for (j, ends) in self.column_pointers.windows(2).enumerate() {
+            let (start, end) = (ends[0] as usize, ends[1] as usize);
             let x_j = x[j];
             let mut sum = values[start] * x_j;
             for (&i, &a) in self.row_indices[start + 1..end]
                 .iter()
                 .zip(&values[start + 1..end])
             {
-                y[i] += a * x_j;
-                sum += a * x[i];
+                y[i as usize] += a * x_j;
+                sum += a * x[i as usize];
             }
             y[j] += sum;
         }

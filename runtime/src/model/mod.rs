@@ -33,8 +33,11 @@
 //! Every kernel reads one *input vector* `x = (q, v, u)`, with the physical time appended if the
 //! scene depends on it explicitly ([`Declaration::explicit_time`]).
 
+mod control_piece;
 mod declaration;
 mod mistakes;
+
+pub(crate) use control_piece::ControlPiece;
 
 pub use declaration::{
     ConstraintDeclaration, ConstraintRelation, ContactDeclaration, ControlDeclaration,

@@ -14,6 +14,7 @@
 //! eliminated from the Newton system, so both use one symbolic factorization.
 
 use super::formulation::{Formulation, RowKind};
+use crate::linalg::norms::{norm_inf, norm_one};
 
 /// Weight of the damping that keeps one-sided bounded variables from growing, kappa_d.
 const DAMPING: f64 = 1e-5;
@@ -61,17 +62,30 @@ pub(crate) struct Values {
     pub(crate) objective: f64,
     /// Row residuals, explicit rows first.
     pub(crate) residual: Vec<f64>,
+    /// `|residual|_1`, the measure theta of the filter.
+    pub(crate) theta: f64,
+    /// The barrier terms at the point, once they were asked for.
+    pub(crate) barrier: Option<f64>,
 }
 
 impl Values {
-    /// `|residual|_1`, the measure theta of the filter.
-    pub(crate) fn theta(&self) -> f64 {
-        self.residual.iter().map(|r| r.abs()).sum()
+    pub(crate) fn zeros(rows: usize) -> Self {
+        Self {
+            residual: vec![0.0; rows],
+            ..Self::default()
+        }
     }
 
     /// `|residual|_inf`.
     pub(crate) fn infeasibility(&self) -> f64 {
-        self.residual.iter().fold(0.0, |a: f64, r| a.max(r.abs()))
+        norm_inf(&self.residual)
+    }
+
+    /// Takes over the values of `other`, which has the same shape.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.objective = other.objective;
+        self.residual.copy_from_slice(&other.residual);
+        (self.theta, self.barrier) = (other.theta, other.barrier);
     }
 }
 
@@ -199,7 +213,9 @@ impl BarrierProblem {
             linear += slack.cost * s;
         }
         out.objective = smooth + linear;
-        out.objective.is_finite() && out.residual.iter().all(|r| r.is_finite())
+        out.theta = norm_one(&out.residual);
+        out.barrier = None;
+        out.objective.is_finite() && out.theta.is_finite()
     }
 
     /// Gradient of the objective without barrier terms.
@@ -245,26 +261,99 @@ impl BarrierProblem {
     }
 
     /// Barrier function `objective - mu sum log(distances)` with damping; infinite outside the bounds.
-    pub(crate) fn barrier_function(&self, v: &[f64], objective: f64, mu: f64) -> f64 {
-        let mut logarithms = 0.0;
+    pub(crate) fn barrier_function(&self, v: &[f64], values: &mut Values, mu: f64) -> f64 {
+        let terms = *values.barrier.get_or_insert_with(|| self.barrier_terms(v));
+        let value = values.objective - mu * terms;
+        if value.is_nan() { f64::INFINITY } else { value }
+    }
+
+    /// `sum log(distances)` less the damping terms; not a number outside the bounds.
+    fn barrier_terms(&self, v: &[f64]) -> f64 {
+        let mut logarithms = SumOfLogarithms::default();
         let mut damping = 0.0;
         for (i, &v) in v.iter().enumerate() {
             let (l, u) = (self.lower[i], self.upper[i]);
             let coefficient = self.damping(i);
             if l.is_finite() {
-                logarithms += (v - l).ln();
+                logarithms.add(v - l);
                 if coefficient > 0.0 {
                     damping += coefficient * (v - l);
                 }
             }
             if u.is_finite() {
-                logarithms += (u - v).ln();
+                logarithms.add(u - v);
                 if coefficient < 0.0 {
                     damping -= coefficient * (u - v);
                 }
             }
         }
-        let value = objective - mu * (logarithms - damping);
-        if value.is_nan() { f64::INFINITY } else { value }
+        logarithms.value() - damping
+    }
+}
+
+/// A sum of logarithms as the logarithm of a product, which costs far less; it is taken before the product leaves the range
+/// of numbers. A factor adds one rounding to the product, as a logarithm does to the sum.
+#[derive(Debug, Clone, Copy)]
+struct SumOfLogarithms {
+    sum: f64,
+    product: f64,
+}
+
+impl Default for SumOfLogarithms {
+    fn default() -> Self {
+        Self {
+            sum: 0.0,
+            product: 1.0,
+        }
+    }
+}
+
+impl SumOfLogarithms {
+    /// Factors and products in this range have a product within the range of numbers.
+    const RANGE: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
+
+    #[inline(always)]
+    fn add(&mut self, factor: f64) {
+        let product = self.product * factor;
+        if Self::RANGE.contains(&factor) && Self::RANGE.contains(&product) {
+            self.product = product;
+        } else {
+            // not a number for factors below zero
+            self.sum += self.product.ln() + factor.ln();
+            self.product = 1.0;
+        }
+    }
+
+    fn value(&self) -> f64 {
+        self.sum + self.product.ln()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sum_of_logarithms_agrees_with_single_ones_over_all_sizes() {
+        let factors = (0..2000).map(|k| 10.0_f64.powf(300.0 * (k as f64).sin()) * 1.1);
+        let mut sum = SumOfLogarithms::default();
+        let mut exact = 0.0;
+        let mut size = 0.0;
+        for factor in factors {
+            sum.add(factor);
+            exact += factor.ln();
+            size += factor.ln().abs();
+        }
+        // one rounding for each of 2000 terms
+        assert!((sum.value() - exact).abs() <= 2000.0 * f64::EPSILON * size);
+        sum.add(-1.0);
+        assert!(sum.value().is_nan());
+        let mut two = SumOfLogarithms::default();
+        two.add(-2.0);
+        two.add(-2.0);
+        assert!(two.value().is_nan());
+        let mut boundary = SumOfLogarithms::default();
+        boundary.add(0.0);
+        assert_eq!(boundary.value(), f64::NEG_INFINITY);
     }
 }

@@ -438,13 +438,11 @@ fn solution(
     products.multipliers = of_products;
 
     // optimality of the original problem; fixed variables have the multiplier that balances them
-    let pattern = core.formulation.problem().jacobian_pattern();
     let (objective, gradient, c, jacobian) = core.formulation.unscaled(&iterate.v[..n]);
-    let mut dual = gradient.to_vec();
-    for (&(row, column), value) in pattern.iter().zip(jacobian) {
+    let (mut dual, c) = (gradient.to_vec(), c.to_vec());
+    for ((row, column), value) in jacobian {
         dual[column] += value * multipliers[row];
     }
-    let c = c.to_vec();
     let mut residuals = Residuals {
         scaled_error: outcome.error,
         ..Residuals::default()

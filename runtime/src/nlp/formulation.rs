@@ -3,6 +3,7 @@
 
 use super::scaling::row_scaling;
 use super::{Counts, InputError, NlpProblem, Settings};
+use crate::linalg::FactorizationError;
 
 /// Bounds of this size or larger count as absent.
 const INFINITE: f64 = 1e19;
@@ -16,7 +17,16 @@ pub(crate) enum RowKind {
     Range(f64, f64),
 }
 
-/// The reduced problem and the buffers to evaluate it.
+/// An entry of a matrix without fixed variables and free rows.
+#[derive(Debug, Clone, Copy)]
+struct Kept {
+    /// Position in the user's values.
+    position: u32,
+    row: u32,
+    column: u32,
+}
+
+/// The reduced problem and the buffers to evaluate it; what nothing was removed from is evaluated in place.
 pub(crate) struct Formulation<'a> {
     problem: &'a mut dyn NlpProblem,
     /// Original index of each free variable.
@@ -32,9 +42,12 @@ pub(crate) struct Formulation<'a> {
     pub(crate) start: Vec<f64>,
     pub(crate) objective_scale: f64,
     pub(crate) row_scales: Vec<f64>,
-    /// (position in the user's values, row, column) of kept entries.
-    jacobian: Vec<(usize, usize, usize)>,
-    hessian: Vec<(usize, usize, usize)>,
+    /// Whether a row is scaled.
+    is_scaled: bool,
+    jacobian: Vec<Kept>,
+    hessian: Vec<Kept>,
+    /// (row, column) of all entries of the user's Jacobian.
+    jacobian_pattern: Vec<(usize, usize)>,
     x_user: Vec<f64>,
     gradient_user: Vec<f64>,
     c_user: Vec<f64>,
@@ -118,6 +131,12 @@ impl<'a> Formulation<'a> {
         let hessian_pattern = problem.hessian_pattern();
         check_pattern("jacobian", &jacobian_pattern, m_user, n_user, false)?;
         check_pattern("hessian", &hessian_pattern, n_user, n_user, true)?;
+        let size = n_user.max(m_user);
+        if u32::try_from(size.max(jacobian_pattern.len()).max(hessian_pattern.len())).is_err() {
+            return Err(InputError::Linear(FactorizationError::Analysis(
+                n_user + m_user,
+            )));
+        }
         let jacobian = kept_entries(&jacobian_pattern, &kept, &free);
         let hessian = kept_entries(&hessian_pattern, &free, &free);
 
@@ -130,8 +149,9 @@ impl<'a> Formulation<'a> {
         problem.gradient(&x_user, &mut gradient_user);
         problem.jacobian_values(&x_user, &mut jacobian_user);
         let mut largest = vec![0.0_f64; rows.len()];
-        for &(k, row, _) in &jacobian {
-            largest[row] = largest[row].max(jacobian_user[k].abs());
+        for kept in &jacobian {
+            let largest = &mut largest[kept.row as usize];
+            *largest = largest.max(jacobian_user[kept.position as usize].abs());
         }
         let objective_gradient = variables
             .iter()
@@ -195,9 +215,11 @@ impl<'a> Formulation<'a> {
             products,
             start,
             objective_scale,
+            is_scaled: row_scales.iter().any(|&scale| scale != 1.0),
             row_scales,
             jacobian,
             hessian,
+            jacobian_pattern,
             x_user,
             gradient_user,
             c_user: vec![0.0; m_user],
@@ -213,13 +235,15 @@ impl<'a> Formulation<'a> {
     }
 
     /// (row, column) of the kept Jacobian entries, in the order of [`Formulation::jacobian`].
-    pub(crate) fn jacobian_entries(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.jacobian.iter().map(|&(_, row, column)| (row, column))
+    pub(crate) fn jacobian_entries(&self) -> impl Iterator<Item = (usize, usize)> + Clone + '_ {
+        let entry = |kept: &Kept| (kept.row as usize, kept.column as usize);
+        self.jacobian.iter().map(entry)
     }
 
     /// (row, column) of the kept Hessian entries, in the order of [`Formulation::hessian`].
-    pub(crate) fn hessian_entries(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.hessian.iter().map(|&(_, row, column)| (row, column))
+    pub(crate) fn hessian_entries(&self) -> impl Iterator<Item = (usize, usize)> + Clone + '_ {
+        let entry = |kept: &Kept| (kept.row as usize, kept.column as usize);
+        self.hessian.iter().map(entry)
     }
 
     /// The full point; `x` holds the free variables.
@@ -233,66 +257,101 @@ impl<'a> Formulation<'a> {
     /// Scaled objective.
     pub(crate) fn objective(&mut self, x: &[f64]) -> f64 {
         self.counts.objectives += 1;
-        self.full_point(x);
-        self.objective_scale * self.problem.objective(&self.x_user)
+        let x = full_point(&self.variables, x, &mut self.x_user);
+        self.objective_scale * self.problem.objective(x)
     }
 
     /// Scaled gradient of the objective.
     pub(crate) fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
-        self.full_point(x);
-        self.problem.gradient(&self.x_user, &mut self.gradient_user);
-        for (g, &i) in gradient.iter_mut().zip(&self.variables) {
-            *g = self.objective_scale * self.gradient_user[i];
+        let x = full_point(&self.variables, x, &mut self.x_user);
+        if gradient.len() == x.len() {
+            self.problem.gradient(x, gradient);
+        } else {
+            self.problem.gradient(x, &mut self.gradient_user);
+            for (g, &i) in gradient.iter_mut().zip(&self.variables) {
+                *g = self.gradient_user[i];
+            }
+        }
+        if self.objective_scale != 1.0 {
+            for g in gradient {
+                *g *= self.objective_scale;
+            }
         }
     }
 
     /// Scaled values of the kept rows.
     pub(crate) fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
         self.counts.constraints += 1;
-        self.full_point(x);
-        self.problem
-            .constraint_values(&self.x_user, &mut self.c_user);
-        for ((c, &i), scale) in c.iter_mut().zip(&self.rows).zip(&self.row_scales) {
-            *c = scale * self.c_user[i];
+        let x = full_point(&self.variables, x, &mut self.x_user);
+        if c.len() == self.c_user.len() {
+            self.problem.constraint_values(x, c);
+        } else {
+            self.problem.constraint_values(x, &mut self.c_user);
+            for (c, &i) in c.iter_mut().zip(&self.rows) {
+                *c = self.c_user[i];
+            }
+        }
+        if self.is_scaled {
+            for (c, scale) in c.iter_mut().zip(&self.row_scales) {
+                *c *= scale;
+            }
         }
     }
 
     /// Scaled Jacobian of the kept rows and columns.
     pub(crate) fn jacobian(&mut self, x: &[f64], values: &mut [f64]) {
         self.counts.jacobians += 1;
-        self.full_point(x);
-        self.problem
-            .jacobian_values(&self.x_user, &mut self.jacobian_user);
-        for (value, &(k, row, _)) in values.iter_mut().zip(&self.jacobian) {
-            *value = self.row_scales[row] * self.jacobian_user[k];
+        let x = full_point(&self.variables, x, &mut self.x_user);
+        if values.len() == self.jacobian_user.len() {
+            self.problem.jacobian_values(x, values);
+        } else {
+            self.problem.jacobian_values(x, &mut self.jacobian_user);
+            for (value, kept) in values.iter_mut().zip(&self.jacobian) {
+                *value = self.jacobian_user[kept.position as usize];
+            }
+        }
+        if self.is_scaled {
+            for (value, kept) in values.iter_mut().zip(&self.jacobian) {
+                *value *= self.row_scales[kept.row as usize];
+            }
         }
     }
 
     /// Hessian of `weight f + y' c` in scaled quantities.
     pub(crate) fn hessian(&mut self, x: &[f64], weight: f64, y: &[f64], values: &mut [f64]) {
         self.counts.hessians += 1;
-        self.full_point(x);
-        self.user_multipliers(y, weight);
-        self.problem.hessian_values(
-            &self.x_user,
-            weight * self.objective_scale,
-            &self.y_user,
-            &mut self.hessian_user,
-        );
-        for (value, &(k, _, _)) in values.iter_mut().zip(&self.hessian) {
-            *value = self.hessian_user[k];
+        let x = full_point(&self.variables, x, &mut self.x_user);
+        let weight = weight * self.objective_scale;
+        let y = if self.is_scaled || y.len() != self.y_user.len() {
+            // rows that are not kept have no multiplier
+            for ((&i, scale), y) in self.rows.iter().zip(&self.row_scales).zip(y) {
+                self.y_user[i] = scale * y;
+            }
+            &self.y_user
+        } else {
+            y
+        };
+        if values.len() == self.hessian_user.len() {
+            self.problem.hessian_values(x, weight, y, values);
+            return;
+        }
+        self.problem
+            .hessian_values(x, weight, y, &mut self.hessian_user);
+        for (value, kept) in values.iter_mut().zip(&self.hessian) {
+            *value = self.hessian_user[kept.position as usize];
         }
     }
 
-    fn user_multipliers(&mut self, y: &[f64], _weight: f64) {
-        self.y_user.fill(0.0);
-        for ((&i, scale), y) in self.rows.iter().zip(&self.row_scales).zip(y) {
-            self.y_user[i] = scale * y;
-        }
-    }
-
-    /// The full unscaled problem at the full point: gradient, constraints and Jacobian values.
-    pub(crate) fn unscaled(&mut self, x: &[f64]) -> (f64, &[f64], &[f64], &[f64]) {
+    /// The full unscaled problem at the full point: objective, gradient, constraints and Jacobian entries.
+    pub(crate) fn unscaled(
+        &mut self,
+        x: &[f64],
+    ) -> (
+        f64,
+        &[f64],
+        &[f64],
+        impl Iterator<Item = ((usize, usize), f64)> + '_,
+    ) {
         self.full_point(x);
         let f = self.problem.objective(&self.x_user);
         self.problem.gradient(&self.x_user, &mut self.gradient_user);
@@ -300,7 +359,9 @@ impl<'a> Formulation<'a> {
             .constraint_values(&self.x_user, &mut self.c_user);
         self.problem
             .jacobian_values(&self.x_user, &mut self.jacobian_user);
-        (f, &self.gradient_user, &self.c_user, &self.jacobian_user)
+        let values = self.jacobian_user.iter().copied();
+        let jacobian = self.jacobian_pattern.iter().copied().zip(values);
+        (f, &self.gradient_user, &self.c_user, jacobian)
     }
 }
 
@@ -330,10 +391,25 @@ fn kept_entries(
     pattern: &[(usize, usize)],
     rows: &[Option<usize>],
     columns: &[Option<usize>],
-) -> Vec<(usize, usize, usize)> {
-    pattern
-        .iter()
-        .enumerate()
-        .filter_map(|(k, &(i, j))| Some((k, rows[i]?, columns[j]?)))
-        .collect()
+) -> Vec<Kept> {
+    let mut entries = Vec::with_capacity(pattern.len());
+    entries.extend(pattern.iter().enumerate().filter_map(|(k, &(i, j))| {
+        Some(Kept {
+            position: k as u32,
+            row: rows[i]? as u32,
+            column: columns[j]? as u32,
+        })
+    }));
+    entries
+}
+
+/// The full point in the user's variables: `x` itself if none is fixed, or else `full` with the free `variables` set.
+fn full_point<'p>(variables: &[usize], x: &'p [f64], full: &'p mut [f64]) -> &'p [f64] {
+    if variables.len() == full.len() {
+        return x;
+    }
+    for (&i, &value) in variables.iter().zip(x) {
+        full[i] = value;
+    }
+    full
 }

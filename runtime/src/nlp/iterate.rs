@@ -37,11 +37,12 @@ impl Iterate {
 /// Largest step length in (0, 1] that keeps `v + alpha d` a fraction `tau` inside its bounds.
 pub(crate) fn longest_primal_step(problem: &BarrierProblem, v: &[f64], d: &[f64], tau: f64) -> f64 {
     let mut alpha: f64 = 1.0;
-    for i in 0..v.len() {
-        if d[i] < 0.0 && problem.lower[i].is_finite() {
-            alpha = alpha.min(-tau * (v[i] - problem.lower[i]) / d[i]);
-        } else if d[i] > 0.0 && problem.upper[i].is_finite() {
-            alpha = alpha.min(tau * (problem.upper[i] - v[i]) / d[i]);
+    let bounds = problem.lower.iter().zip(&problem.upper);
+    for ((&v, &d), (&lower, &upper)) in v.iter().zip(d).zip(bounds) {
+        let room = tau * if d < 0.0 { v - lower } else { upper - v };
+        // most steps end before they need a division; a bound that is not there is infinitely far
+        if room < alpha * d.abs() {
+            alpha = room / d.abs();
         }
     }
     alpha
@@ -51,8 +52,8 @@ pub(crate) fn longest_primal_step(problem: &BarrierProblem, v: &[f64], d: &[f64]
 pub(crate) fn longest_dual_step(z: &[f64], d: &[f64], tau: f64) -> f64 {
     let mut alpha: f64 = 1.0;
     for (&z, &d) in z.iter().zip(d) {
-        if d < 0.0 && z > 0.0 {
-            alpha = alpha.min(-tau * z / d);
+        if z > 0.0 && tau * z < alpha * -d {
+            alpha = -tau * z / d;
         }
     }
     alpha
@@ -61,7 +62,14 @@ pub(crate) fn longest_dual_step(z: &[f64], d: &[f64], tau: f64) -> f64 {
 /// `z` clipped to `[mu / (kappa distance), kappa mu / distance]` (Waechter and Biegler, equation 16).
 pub(crate) fn safeguarded(z: f64, distance: f64, mu: f64) -> f64 {
     const KAPPA: f64 = 1e10;
-    z.min(KAPPA * mu / distance).max(mu / (KAPPA * distance))
+    let product = z * distance;
+    if product > KAPPA * mu {
+        KAPPA * mu / distance
+    } else if product * KAPPA < mu {
+        mu / (KAPPA * distance)
+    } else {
+        z
+    }
 }
 
 #[cfg(test)]

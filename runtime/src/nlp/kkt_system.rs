@@ -19,6 +19,7 @@ use super::barrier_problem::{BarrierProblem, Objective};
 use super::formulation::Formulation;
 use super::iterate::Iterate;
 use super::{InputError, LinearSolver};
+use crate::linalg::norms::is_finite;
 use crate::linalg::{
     FactorizationError, Inertia, KktFactorization, MultifrontalLdl, RefinedSolver, SimplicialLdl,
     SolveQuality, SymmetricPattern,
@@ -29,16 +30,15 @@ pub(crate) struct KktSystem {
     n: usize,
     m: usize,
     solver: RefinedSolver,
-    hessian_map: Vec<usize>,
-    jacobian_map: Vec<usize>,
-    jacobian_entries: Vec<(usize, usize)>,
+    /// Positions of the entries of Hessian and Jacobian in the matrix.
+    hessian_map: Vec<u32>,
+    jacobian_map: Vec<u32>,
     /// Positions (i, i), (j, j), (i, j) of each product.
-    product_map: Vec<[usize; 3]>,
+    product_map: Vec<[u32; 3]>,
     /// Number of products that a variable belongs to.
     product_count: Vec<f64>,
     pub(crate) hessian_values: Vec<f64>,
     pub(crate) jacobian_values: Vec<f64>,
-    values: Vec<f64>,
     /// `e` of each row and `D` of each slack, of the assembled matrix.
     flexibility: Vec<f64>,
     stiffness: Vec<f64>,
@@ -61,19 +61,21 @@ impl KktSystem {
     ) -> Result<Self, InputError> {
         let n = formulation.variables.len();
         let m = formulation.rows.len();
-        let mut entries: Vec<(usize, usize)> = formulation.hessian_entries().collect();
-        let hessian_length = entries.len();
-        entries.extend(formulation.jacobian_entries().map(|(row, j)| (n + row, j)));
-        let jacobian_end = entries.len();
-        for &(i, j) in &formulation.products {
-            entries.extend([(i, i), (j, j), (i, j)]);
-        }
-        let (pattern, map) = SymmetricPattern::new(n + m, &entries)
+        let products = formulation.products.iter();
+        let entries = formulation
+            .hessian_entries()
+            .chain(formulation.jacobian_entries().map(|(row, j)| (n + row, j)))
+            .chain(products.flat_map(|&(i, j)| [(i, i), (j, j), (i, j)]));
+        let hessian_length = formulation.hessian_entries().count();
+        let jacobian_end = hessian_length + formulation.jacobian_entries().count();
+        let (pattern, mut map) = SymmetricPattern::with_map(n + m, entries)
             .ok_or(InputError::Linear(FactorizationError::Analysis(n + m)))?;
         let product_map = map[jacobian_end..]
             .chunks_exact(3)
             .map(|p| [p[0], p[1], p[2]])
             .collect();
+        map.truncate(jacobian_end);
+        let jacobian_map = map.split_off(hessian_length);
         let mut product_count = vec![0.0; n];
         for &(i, j) in &formulation.products {
             product_count[i] += 1.0;
@@ -83,19 +85,16 @@ impl KktSystem {
             LinearSolver::Pivoting => Box::new(MultifrontalLdl::new(&pattern, n)?),
             LinearSolver::Static => Box::new(SimplicialLdl::new(&pattern, n)?),
         };
-        let values = vec![0.0; pattern.stored()];
         Ok(Self {
             n,
             m,
             solver: RefinedSolver::new(pattern, n, back_end),
-            hessian_map: map[..hessian_length].to_vec(),
-            jacobian_map: map[hessian_length..jacobian_end].to_vec(),
-            jacobian_entries: formulation.jacobian_entries().collect(),
+            hessian_map: map,
+            jacobian_map,
             product_map,
             product_count,
             hessian_values: vec![0.0; hessian_length],
             jacobian_values: vec![0.0; jacobian_end - hessian_length],
-            values,
             flexibility: Vec::new(),
             stiffness: Vec::new(),
             barrier_gradient: Vec::new(),
@@ -130,14 +129,6 @@ impl KktSystem {
         self.m
     }
 
-    /// Entries of the Jacobian with their values.
-    pub(crate) fn jacobian(&self) -> impl Iterator<Item = ((usize, usize), f64)> + '_ {
-        self.jacobian_entries
-            .iter()
-            .copied()
-            .zip(self.jacobian_values.iter().copied())
-    }
-
     /// Assembles the matrix at `iterate` from the Hessian and Jacobian values held here. With
     /// `cap_products` the off-diagonal multiplier of a pair is limited so that its bound terms keep the
     /// 2x2 block positive: `|r| <= 0.99 sqrt(Sigma_i/k_i Sigma_j/k_j)`, `k` pairs sharing a variable.
@@ -158,23 +149,23 @@ impl KktSystem {
             }
             stiffness
         };
-        self.values.fill(0.0);
+        let values = self.solver.values_mut();
+        values.fill(0.0);
         for (&position, &h) in self.hessian_map.iter().zip(&self.hessian_values) {
-            self.values[position] += h;
+            values[position as usize] += h;
         }
         for (&position, &a) in self.jacobian_map.iter().zip(&self.jacobian_values) {
-            self.values[position] += a;
+            values[position as usize] += a;
         }
         self.stiffness.clear();
-        for i in 0..problem.variables() {
-            self.stiffness.push(stiffness_of(i));
-        }
+        self.stiffness
+            .extend((0..problem.variables()).map(stiffness_of));
         for i in 0..self.n {
-            self.values[self.solver.pattern().diagonal(i)] += self.stiffness[i];
+            self.solver.add_to_diagonal(i, self.stiffness[i]);
         }
         if let Objective::Proximity { weight, .. } = &problem.objective {
             for (i, w) in weight.iter().enumerate() {
-                self.values[self.solver.pattern().diagonal(i)] += mu.sqrt() * w * w;
+                self.solver.add_to_diagonal(i, mu.sqrt() * w * w);
             }
         }
         self.flexibility.clear();
@@ -183,7 +174,8 @@ impl KktSystem {
             self.flexibility[slack.row] += 1.0 / d;
         }
         for row in 0..self.m {
-            self.values[self.solver.pattern().diagonal(self.n + row)] -= self.flexibility[row];
+            self.solver
+                .add_to_diagonal(self.n + row, -self.flexibility[row]);
         }
         self.capped = 0;
         for (pair, (&(i, j), map)) in problem.products.iter().zip(&self.product_map).enumerate() {
@@ -198,17 +190,19 @@ impl KktSystem {
                     self.capped += 1;
                 }
             }
-            self.values[map[0]] += w * x_j * x_j;
-            self.values[map[1]] += w * x_i * x_i;
-            self.values[map[2]] += r + w * x_i * x_j;
+            let values = self.solver.values_mut();
+            values[map[0] as usize] += w * x_j * x_j;
+            values[map[1] as usize] += w * x_i * x_i;
+            values[map[2] as usize] += r + w * x_i * x_j;
         }
     }
 
     /// Assembles the matrix of the least-squares multiplier problem, `[I J'; J -e]` with `D = 1`.
     fn assemble_least_squares(&mut self, problem: &BarrierProblem) {
-        self.values.fill(0.0);
+        let values = self.solver.values_mut();
+        values.fill(0.0);
         for (&position, &a) in self.jacobian_map.iter().zip(&self.jacobian_values) {
-            self.values[position] += a;
+            values[position as usize] += a;
         }
         self.stiffness.clear();
         self.stiffness.resize(problem.variables(), 1.0);
@@ -218,10 +212,11 @@ impl KktSystem {
             self.flexibility[slack.row] += 1.0;
         }
         for i in 0..self.n {
-            self.values[self.solver.pattern().diagonal(i)] += 1.0;
+            self.solver.add_to_diagonal(i, 1.0);
         }
         for row in 0..self.m {
-            self.values[self.solver.pattern().diagonal(self.n + row)] -= self.flexibility[row];
+            self.solver
+                .add_to_diagonal(self.n + row, -self.flexibility[row]);
         }
     }
 
@@ -233,7 +228,7 @@ impl KktSystem {
     ) -> Result<Inertia, FactorizationError> {
         let start = ThreadTime::now();
         self.factorizations += 1;
-        let result = self.solver.factor(&self.values, delta_w, delta_c);
+        let result = self.solver.factor_held(delta_w, delta_c);
         self.seconds += start.elapsed().as_secs_f64();
         result
     }
@@ -392,7 +387,6 @@ impl KktSystem {
 
     /// Whether all derivative values held here are finite.
     pub(crate) fn is_finite(&self) -> bool {
-        self.jacobian_values.iter().all(|a| a.is_finite())
-            && self.hessian_values.iter().all(|a| a.is_finite())
+        is_finite(&self.jacobian_values) && is_finite(&self.hessian_values)
     }
 }

@@ -6,6 +6,7 @@ use super::formulation::Formulation;
 use super::iterate::Iterate;
 use super::restoration::raise_product_slacks;
 use super::solver::Loop;
+use crate::linalg::norms::norm_one;
 
 /// Why a trial point was accepted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,6 +72,12 @@ pub(crate) struct Reference {
 }
 
 impl Loop<'_, '_, '_, '_> {
+    /// Barrier function at the iterate.
+    pub(crate) fn barrier_function(&mut self) -> f64 {
+        self.problem
+            .barrier_function(&self.iterate.v, &mut self.values, self.mu)
+    }
+
     /// Directional derivative of the barrier function along `d`.
     fn slope(&self, d: &[f64]) -> f64 {
         let problem = &self.problem;
@@ -105,10 +112,8 @@ impl Loop<'_, '_, '_, '_> {
         }
         let alpha_max = self.longest_step(&self.direction);
         let reference = Reference {
-            theta: self.values.theta(),
-            phi: self
-                .problem
-                .barrier_function(&self.iterate.v, self.values.objective, self.mu),
+            theta: self.values.theta,
+            phi: self.barrier_function(),
             slope: self.slope(&self.direction.v),
         };
         if self.is_tiny() && self.take_trial(alpha_max, false) {
@@ -152,7 +157,7 @@ impl Loop<'_, '_, '_, '_> {
                     return search;
                 }
                 search.filter_rejected = filter_rejected;
-                if alpha == alpha_max && self.trial_values.theta() >= reference.theta {
+                if alpha == alpha_max && self.trial_values.theta >= reference.theta {
                     let acceptance = self.second_order_correction(reference, alpha);
                     if acceptance != Acceptance::None {
                         self.augment_filter(acceptance, reference);
@@ -192,15 +197,15 @@ impl Loop<'_, '_, '_, '_> {
 
     /// Judges the trial point; `alpha_test` is the step length that Armijo and switching use.
     pub(crate) fn judge(
-        &self,
+        &mut self,
         reference: &Reference,
         alpha: f64,
         alpha_test: f64,
     ) -> (Acceptance, bool) {
-        let theta = self.trial_values.theta();
+        let theta = self.trial_values.theta;
         let phi = self
             .problem
-            .barrier_function(&self.trial, self.trial_values.objective, self.mu);
+            .barrier_function(&self.trial, &mut self.trial_values, self.mu);
         if !phi.is_finite() || theta > self.filter.theta_max {
             return (Acceptance::None, false);
         }
@@ -276,7 +281,11 @@ fn trial_point(
     true
 }
 
+/// Moves slacks of ranges to the constraint values where these are not much nearer to the bounds.
 fn reset_range_slacks(problem: &BarrierProblem, trial: &mut [f64], values: &mut Values) {
+    if problem.slacks.len() == problem.products.len() {
+        return;
+    }
     for (k, slack) in problem.slacks.iter().enumerate() {
         if slack.row >= problem.m {
             continue;
@@ -293,6 +302,7 @@ fn reset_range_slacks(problem: &BarrierProblem, trial: &mut [f64], values: &mut 
             values.residual[slack.row] = 0.0;
         }
     }
+    values.theta = norm_one(&values.residual);
 }
 
 #[cfg(test)]

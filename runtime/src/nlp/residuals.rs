@@ -2,6 +2,7 @@
 
 use super::barrier_problem::BarrierProblem;
 use super::iterate::Iterate;
+use crate::linalg::norms::{norm_inf, norm_one};
 
 /// Multipliers up to this average are not scaled out of the error, s_max.
 const SCALE_MAX: f64 = 100.0;
@@ -21,9 +22,88 @@ pub(crate) struct OptimalityError {
 impl OptimalityError {
     /// `max(primal, dual / s_d, complementarity / s_c)` (Waechter and Biegler 2006, equation 5).
     pub(crate) fn scaled(&self) -> f64 {
-        self.primal
-            .max(self.dual / self.dual_scale)
-            .max(self.complementarity / self.complementarity_scale)
+        let dual = self.dual / self.dual_scale;
+        let complementarity = self.complementarity / self.complementarity_scale;
+        if (self.primal + dual + complementarity).is_nan() {
+            return f64::NAN;
+        }
+        self.primal.max(dual).max(complementarity)
+    }
+}
+
+/// What the optimality errors of all barrier parameters follow from, at one point.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Optimality {
+    primal: f64,
+    dual: f64,
+    /// Least and greatest `distance z`, if there is a bound.
+    products: Option<(f64, f64)>,
+    /// Scales (s_d, s_c): `max(100, average multiplier) / 100`.
+    dual_scale: f64,
+    complementarity_scale: f64,
+}
+
+impl Optimality {
+    /// Measures the point with the given residuals and gradient of the Lagrangian.
+    pub(crate) fn new(
+        problem: &BarrierProblem,
+        iterate: &Iterate,
+        residual: &[f64],
+        lagrangian: &[f64],
+    ) -> Self {
+        let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut bounds, mut sum_z) = (0, 0.0);
+        let mut see = |distance: f64, z: f64| {
+            let product = distance * z;
+            if product < least {
+                least = product;
+            }
+            if product > greatest {
+                greatest = product;
+            }
+            bounds += 1;
+            sum_z += z.abs();
+        };
+        let multipliers = iterate.z_lower.iter().zip(&iterate.z_upper);
+        let bounded = problem.lower.iter().zip(&problem.upper);
+        for ((v, (z_lower, z_upper)), (lower, upper)) in
+            iterate.v.iter().zip(multipliers).zip(bounded)
+        {
+            if lower.is_finite() {
+                see(v - lower, *z_lower);
+            }
+            if upper.is_finite() {
+                see(upper - v, *z_upper);
+            }
+        }
+        let average = |sum: f64, count: usize| {
+            if count == 0 {
+                1.0
+            } else {
+                (sum / count as f64).max(SCALE_MAX) / SCALE_MAX
+            }
+        };
+        Self {
+            primal: norm_inf(residual),
+            dual: norm_inf(lagrangian),
+            products: (bounds > 0).then_some((least, greatest)),
+            dual_scale: average(norm_one(&iterate.y) + sum_z, iterate.y.len() + bounds),
+            complementarity_scale: average(sum_z, bounds),
+        }
+    }
+
+    /// Error of the barrier problem with parameter `mu`.
+    pub(crate) fn error(&self, mu: f64) -> OptimalityError {
+        let complementarity = self.products.map_or(0.0, |(least, greatest)| {
+            (least - mu).abs().max((greatest - mu).abs())
+        });
+        OptimalityError {
+            primal: self.primal,
+            dual: self.dual,
+            complementarity,
+            dual_scale: self.dual_scale,
+            complementarity_scale: self.complementarity_scale,
+        }
     }
 }
 
@@ -36,8 +116,9 @@ pub(crate) fn lagrangian_gradient(
     jacobian: impl Iterator<Item = ((usize, usize), f64)>,
     out: &mut [f64],
 ) {
-    for (i, out) in out.iter_mut().enumerate() {
-        *out = gradient[i] - iterate.z_lower[i] + iterate.z_upper[i];
+    let multipliers = iterate.z_lower.iter().zip(&iterate.z_upper);
+    for ((out, gradient), (z_lower, z_upper)) in out.iter_mut().zip(gradient).zip(multipliers) {
+        *out = gradient - z_lower + z_upper;
     }
     for ((row, column), value) in jacobian {
         out[column] += value * iterate.y[row];
@@ -50,50 +131,6 @@ pub(crate) fn lagrangian_gradient(
     for (slack, out) in problem.slacks.iter().zip(&mut out[problem.n..]) {
         *out += slack.sign * iterate.y[slack.row];
     }
-}
-
-/// Largest `|distance z - mu|` over all bounds.
-pub(crate) fn complementarity(problem: &BarrierProblem, iterate: &Iterate, mu: f64) -> f64 {
-    let mut largest: f64 = 0.0;
-    for i in 0..iterate.v.len() {
-        if problem.lower[i].is_finite() {
-            let product = (iterate.v[i] - problem.lower[i]) * iterate.z_lower[i];
-            largest = largest.max((product - mu).abs());
-        }
-        if problem.upper[i].is_finite() {
-            let product = (problem.upper[i] - iterate.v[i]) * iterate.z_upper[i];
-            largest = largest.max((product - mu).abs());
-        }
-    }
-    largest
-}
-
-/// Scales (s_d, s_c): `max(100, average multiplier) / 100`.
-pub(crate) fn error_scales(problem: &BarrierProblem, iterate: &Iterate) -> (f64, f64) {
-    let mut bounds = 0;
-    let mut sum_z = 0.0;
-    for i in 0..iterate.v.len() {
-        if problem.lower[i].is_finite() {
-            bounds += 1;
-            sum_z += iterate.z_lower[i].abs();
-        }
-        if problem.upper[i].is_finite() {
-            bounds += 1;
-            sum_z += iterate.z_upper[i].abs();
-        }
-    }
-    let sum_y: f64 = iterate.y.iter().map(|y| y.abs()).sum();
-    let average = |sum: f64, count: usize| {
-        if count == 0 {
-            1.0
-        } else {
-            (sum / count as f64).max(SCALE_MAX) / SCALE_MAX
-        }
-    };
-    (
-        average(sum_y + sum_z, iterate.y.len() + bounds),
-        average(sum_z, bounds),
-    )
 }
 
 #[cfg(test)]

@@ -44,10 +44,8 @@ impl Loop<'_, '_, '_, '_> {
     /// Minimizes the violation until it is below `factor` times its present value at a point that the
     /// filter accepts.
     pub(crate) fn restoration_phase(&mut self, factor: f64) -> Restored {
-        let theta = self.values.theta();
-        let phi = self
-            .problem
-            .barrier_function(&self.iterate.v, self.values.objective, self.mu);
+        let theta = self.values.theta;
+        let phi = self.barrier_function();
         self.filter.add(theta, phi);
         // the loop may not go back to where the violation is far greater than here, or it would return
         // here again and again
@@ -66,10 +64,7 @@ impl Loop<'_, '_, '_, '_> {
         let filter = self.filter.clone();
         let (main_mu, sigma) = (self.mu, self.sigma);
         let main_variables = main.variables();
-        let mut values = Values {
-            objective: 0.0,
-            residual: vec![0.0; main.rows()],
-        };
+        let mut values = Values::zeros(main.rows());
         let mut point = vec![0.0; main_variables];
         let mut leave = |formulation: &mut super::formulation::Formulation<'_>,
                          _: &super::barrier_problem::BarrierProblem,
@@ -79,8 +74,8 @@ impl Loop<'_, '_, '_, '_> {
             if !main.evaluate(formulation, &point, sigma, main_mu, &mut values) {
                 return false;
             }
-            let theta_new = values.theta();
-            let phi = main.barrier_function(&point, values.objective, main_mu);
+            let theta_new = values.theta;
+            let phi = main.barrier_function(&point, &mut values, main_mu);
             theta_new <= factor * theta && phi.is_finite() && filter.accepts(theta_new, phi)
         };
 
@@ -141,7 +136,7 @@ impl Loop<'_, '_, '_, '_> {
                     Restored::Ended(Status::Infeasible)
                 }
                 // feasible, though not acceptable to the filter: go on without it
-                Status::Solved | Status::Acceptable if self.values.theta() <= 0.9 * theta => {
+                Status::Solved | Status::Acceptable if self.values.theta <= 0.9 * theta => {
                     self.filter.clear();
                     self.reset_multipliers(&found);
                     Restored::Continue

@@ -12,7 +12,7 @@ impl Loop<'_, '_, '_, '_> {
         reference: &Reference,
         alpha: f64,
     ) -> Acceptance {
-        let mut previous = self.trial_values.theta();
+        let mut previous = self.trial_values.theta;
         let mut factor = alpha;
         self.corrected_residual
             .copy_from_slice(&self.values.residual);
@@ -43,7 +43,7 @@ impl Loop<'_, '_, '_, '_> {
             if acceptance != Acceptance::None {
                 return acceptance;
             }
-            let theta = self.trial_values.theta();
+            let theta = self.trial_values.theta;
             if theta > 0.99 * previous {
                 return Acceptance::None;
             }

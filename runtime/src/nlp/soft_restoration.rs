@@ -40,10 +40,8 @@ impl Loop<'_, '_, '_, '_> {
             return false;
         }
         let error = self.primal_dual_error();
-        let theta = self.values.theta();
-        let phi = self
-            .problem
-            .barrier_function(&self.iterate.v, self.values.objective, self.mu);
+        let theta = self.values.theta;
+        let phi = self.barrier_function();
         let alpha = self
             .longest_step(&self.direction)
             .min(self.longest_dual_step(&self.direction));

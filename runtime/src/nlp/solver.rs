@@ -11,9 +11,10 @@ use super::inertia_correction::InertiaCorrection;
 use super::iterate::{Iterate, longest_dual_step, longest_primal_step};
 use super::kkt_system::KktSystem;
 use super::line_search::{Acceptance, Search};
-use super::residuals::{OptimalityError, complementarity, error_scales, lagrangian_gradient};
+use super::residuals::{Optimality, OptimalityError, lagrangian_gradient};
 use super::watchdog::Watchdog;
 use super::{InputError, IterationInfo, Settings, Status};
+use crate::linalg::norms::{is_finite, norm_inf};
 
 /// Receives each line of the log as it is made; `false` stops the run.
 pub type Observer<'a> = dyn FnMut(&IterationInfo) -> bool + 'a;
@@ -77,6 +78,8 @@ pub(crate) struct Loop<'c, 'a, 'o, 'p> {
     pub(crate) values: Values,
     pub(crate) gradient: Vec<f64>,
     pub(crate) lagrangian: Vec<f64>,
+    /// Measures of the point that belongs to `lagrangian`.
+    optimality: Optimality,
     pub(crate) direction: Iterate,
     pub(crate) correction: Iterate,
     pub(crate) trial: Vec<f64>,
@@ -120,10 +123,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
         let n = problem.variables();
         let rows = problem.rows();
         let (mu, sigma) = path.first();
-        let values = Values {
-            objective: 0.0,
-            residual: vec![0.0; rows],
-        };
+        let values = Values::zeros(rows);
         let zeros = Iterate::zeros(&problem);
         Self {
             core,
@@ -134,6 +134,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             values,
             gradient: vec![0.0; n],
             lagrangian: vec![0.0; n],
+            optimality: Optimality::default(),
             direction: zeros.clone(),
             correction: zeros.clone(),
             trial: vec![0.0; n],
@@ -203,26 +204,27 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
         );
     }
 
+    /// Updates the gradient of the Lagrangian, and what the optimality error follows from.
     pub(crate) fn update_lagrangian(&mut self) {
+        let values = self.core.kkt.jacobian_values.iter().copied();
         lagrangian_gradient(
             &self.problem,
             &self.iterate,
             &self.gradient,
-            self.core.kkt.jacobian(),
+            self.core.formulation.jacobian_entries().zip(values),
             &mut self.lagrangian,
+        );
+        self.optimality = Optimality::new(
+            &self.problem,
+            &self.iterate,
+            &self.values.residual,
+            &self.lagrangian,
         );
     }
 
     /// Error of the optimality conditions of the barrier problem with parameter `mu`.
     pub(crate) fn error(&self, mu: f64) -> OptimalityError {
-        let (dual_scale, complementarity_scale) = error_scales(&self.problem, &self.iterate);
-        OptimalityError {
-            primal: self.values.infeasibility(),
-            dual: self.lagrangian.iter().fold(0.0, |a: f64, g| a.max(g.abs())),
-            complementarity: complementarity(&self.problem, &self.iterate, mu),
-            dual_scale,
-            complementarity_scale,
-        }
+        self.optimality.error(mu)
     }
 
     /// Largest violation of the explicit rows in the user's units.
@@ -235,7 +237,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
 
     /// Sets the greatest and the switching violation of the filter from the current point.
     pub(crate) fn start_filter(&mut self) {
-        let theta = self.values.theta().max(1.0);
+        let theta = self.values.theta.max(1.0);
         self.filter = Filter::new(1e4 * theta);
         self.theta_min = 1e-4 * theta;
     }
@@ -342,12 +344,13 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
         let settings = &self.core.settings;
         let scaled = error.scaled();
         let at_end = self.sigma <= self.path.final_sigma();
-        let feasible =
-            self.is_restoration || self.unscaled_infeasibility() <= settings.constraint_tolerance;
-        if scaled <= settings.tolerance && at_end && feasible {
+        let feasible = || {
+            self.is_restoration || self.unscaled_infeasibility() <= settings.constraint_tolerance
+        };
+        if scaled <= settings.tolerance && at_end && feasible() {
             // huge multipliers scale any residual away; then the test says nothing
             let absolute = 100.0 * settings.tolerance;
-            let largest = self.iterate.y.iter().fold(0.0, |a: f64, y| a.max(y.abs()));
+            let largest = norm_inf(&self.iterate.y);
             let exist = largest <= LARGEST_MULTIPLIER || !self.problem.products.is_empty();
             let small = error.dual <= absolute && error.complementarity <= absolute;
             if self.is_restoration || (exist && small) {
@@ -366,7 +369,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
         if settings.acceptable_iterations > 0 && self.acceptable >= settings.acceptable_iterations {
             return Some(Status::Acceptable);
         }
-        if self.iterate.v.iter().any(|v| v.abs() > 1e20) {
+        if norm_inf(&self.iterate.v) > 1e20 {
             return Some(Status::Diverging);
         }
         if self.core.iterations >= settings.maximum_iterations {
@@ -498,7 +501,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                 self.mu,
                 &mut self.direction,
             );
-            let solved = quality.residual <= 1e-5 && self.direction.v.iter().all(|d| d.is_finite());
+            let solved = quality.residual <= 1e-5 && is_finite(&self.direction.v);
             // static shifts that refinement cannot remove show in the backward error
             let imprecise = !solved || quality.backward > 1e-4;
             if imprecise && core.kkt.change_to_pivoting() {

@@ -1,8 +1,9 @@
 //! From an accepted step to the next iterate.
 
-use super::iterate::safeguarded;
+use super::iterate::{Iterate, safeguarded};
 use super::line_search::{Acceptance, Search};
 use super::solver::Loop;
+use crate::linalg::norms::norm_inf;
 
 impl Loop<'_, '_, '_, '_> {
     /// Takes over the trial point and updates multipliers, filter and shift.
@@ -13,13 +14,18 @@ impl Loop<'_, '_, '_, '_> {
         } else {
             &self.direction
         };
-        self.info.step_norm = direction.v.iter().fold(0.0, |a: f64, d| a.max(d.abs()));
+        self.info.step_norm = norm_inf(&direction.v);
         let alpha_dual = self.longest_dual_step(direction);
         std::mem::swap(&mut self.iterate.v, &mut self.trial);
         std::mem::swap(&mut self.values, &mut self.trial_values);
         let m = self.problem.m;
-        for (row, (y, d)) in self.iterate.y.iter_mut().zip(&direction.y).enumerate() {
-            *y += if row < m { alpha } else { alpha_dual } * d;
+        let (explicit, products) = self.iterate.y.split_at_mut(m);
+        let (d_explicit, d_products) = direction.y.split_at(m);
+        for (y, d) in explicit.iter_mut().zip(d_explicit) {
+            *y += alpha * d;
+        }
+        for (y, d) in products.iter_mut().zip(d_products) {
+            *y += alpha_dual * d;
         }
         for (z, d) in self.iterate.z_lower.iter_mut().zip(&direction.z_lower) {
             *z += alpha_dual * d;
@@ -78,7 +84,7 @@ impl Loop<'_, '_, '_, '_> {
         } else {
             0.05
         };
-        if search.alpha < short && self.values.theta() > 1e-6 {
+        if search.alpha < short && self.values.theta > 1e-6 {
             self.jams += 1;
         } else {
             self.jams = 0;
@@ -93,8 +99,8 @@ impl Loop<'_, '_, '_, '_> {
     /// Fifteen steps at infeasible points far out that lowered the objective only: it is unbounded below
     /// along directions that leave the violation as it is, and the violation has to be looked at alone.
     pub(crate) fn is_drifting(&mut self) -> bool {
-        let theta = self.values.theta();
-        let far = self.iterate.v.iter().any(|v| v.abs() > 1e8);
+        let theta = self.values.theta;
+        let far = norm_inf(&self.iterate.v) > 1e8;
         if !far || theta <= 0.9 * self.drift_theta || theta <= self.core.settings.tolerance {
             self.drift_theta = theta;
             self.drift_steps = 0;
@@ -112,26 +118,35 @@ impl Loop<'_, '_, '_, '_> {
     /// rounding.
     pub(crate) fn safeguard(&mut self) {
         let mu = self.mu;
-        for i in 0..self.iterate.v.len() {
-            let v = self.iterate.v[i];
-            if self.problem.lower[i].is_finite() {
-                let smallest = f64::EPSILON * self.problem.lower[i].abs().max(mu.min(1.0) * 1e-4);
-                if v - self.problem.lower[i] <= smallest {
-                    let room = f64::EPSILON.powf(0.75) * self.problem.lower[i].abs().max(1.0);
-                    self.problem.lower[i] = v - room.max(smallest);
+        let Iterate {
+            v,
+            z_lower,
+            z_upper,
+            ..
+        } = &mut self.iterate;
+        let mut moved = false;
+        let lower = self.problem.lower.iter_mut().zip(z_lower);
+        let upper = self.problem.upper.iter_mut().zip(z_upper);
+        for ((&v, (lower, z_lower)), (upper, z_upper)) in v.iter().zip(lower).zip(upper) {
+            if lower.is_finite() {
+                let room = room(*lower, v - *lower, mu);
+                if room > 0.0 {
+                    *lower = v - room;
+                    moved = true;
                 }
-                let distance = v - self.problem.lower[i];
-                self.iterate.z_lower[i] = safeguarded(self.iterate.z_lower[i], distance, mu);
+                *z_lower = safeguarded(*z_lower, v - *lower, mu);
             }
-            if self.problem.upper[i].is_finite() {
-                let smallest = f64::EPSILON * self.problem.upper[i].abs().max(mu.min(1.0) * 1e-4);
-                if self.problem.upper[i] - v <= smallest {
-                    let room = f64::EPSILON.powf(0.75) * self.problem.upper[i].abs().max(1.0);
-                    self.problem.upper[i] = v + room.max(smallest);
+            if upper.is_finite() {
+                let room = room(*upper, *upper - v, mu);
+                if room > 0.0 {
+                    *upper = v + room;
+                    moved = true;
                 }
-                let distance = self.problem.upper[i] - v;
-                self.iterate.z_upper[i] = safeguarded(self.iterate.z_upper[i], distance, mu);
+                *z_upper = safeguarded(*z_upper, *upper - v, mu);
             }
+        }
+        if moved {
+            self.values.barrier = None;
         }
         if !self.is_restoration {
             for (k, slack) in self.problem.slacks.iter().enumerate() {
@@ -140,5 +155,15 @@ impl Loop<'_, '_, '_, '_> {
                 }
             }
         }
+    }
+}
+
+/// Distance that a bound is moved away from a point which reached it by rounding; 0 if it did not.
+fn room(bound: f64, distance: f64, mu: f64) -> f64 {
+    let smallest = f64::EPSILON * bound.abs().max(mu.min(1.0) * 1e-4);
+    if distance <= smallest {
+        (f64::EPSILON.powf(0.75) * bound.abs().max(1.0)).max(smallest)
+    } else {
+        0.0
     }
 }

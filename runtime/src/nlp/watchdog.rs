@@ -69,8 +69,7 @@ impl Loop<'_, '_, '_, '_> {
         match &mut self.watchdog.kept {
             Some(kept) => {
                 kept.iterate.copy_from(&self.iterate);
-                kept.values.objective = self.values.objective;
-                kept.values.residual.copy_from_slice(&self.values.residual);
+                kept.values.copy_from(&self.values);
                 kept.direction.copy_from(&self.direction);
                 kept.reference = *reference;
                 kept.alpha_max = alpha_max;
@@ -102,8 +101,7 @@ impl Loop<'_, '_, '_, '_> {
         self.watchdog.reset();
         let kept = self.watchdog.kept.as_ref()?;
         self.iterate.copy_from(&kept.iterate);
-        self.values.objective = kept.values.objective;
-        self.values.residual.copy_from_slice(&kept.values.residual);
+        self.values.copy_from(&kept.values);
         self.direction.copy_from(&kept.direction);
         let (reference, alpha_max) = (kept.reference, kept.alpha_max);
         self.evaluate_first_derivatives();

@@ -1,23 +1,27 @@
 //! The judgement of a plan: an independent simulation under its controls.
 
+use super::attempt::Purpose;
 use super::cuts::excess;
+use super::grid::ROUNDS;
+use super::mode::Mode;
 use super::path::Path;
 use super::previous::Previous;
 use super::search::{Local, Search};
-use super::sequence::Sequence;
+use super::sequence::{Sequence, Switch};
 use super::solution::{Size, Solution, Stationarity, Status};
 use crate::nlp;
 use crate::simulation::{
-    ControlSignal, EventDriven, EventKind, InputError, Residuals, Simulation, SimulationStatus,
+    Event, EventDriven, EventKind, InputError, Residuals, Simulation, SimulationStatus,
     Simulator as _,
 };
 
+/// A contact that closes within this share of the first interval, from a gap \[its unit\] no larger than this, was
+/// closed at the start.
+const AT_ONCE: f64 = 1e-3;
+const ON_THE_SURFACE: f64 = 1e-9;
+
 /// Points of the re-simulation in each interval.
 const OUTPUTS: usize = 10;
-
-/// Rounds in which the grid is refined where the re-simulation does not confirm a plan, and most elements of a phase.
-const REFINEMENTS: usize = 2;
-const MOST_ELEMENTS: usize = 8;
 
 impl<'a> Search<'a, '_> {
     pub(super) fn simulate(&self, path: &Path, tolerance: f64) -> Result<Simulation, InputError> {
@@ -35,14 +39,23 @@ impl<'a> Search<'a, '_> {
 
     pub(super) fn read(&self, replay: &Simulation, path: &Path) -> Sequence {
         let intervals = self.setting.problem.intervals;
-        let forces = replay.trajectory.contact_force.first();
-        let initially = forces.map(|forces| forces.iter().map(|&f| f > 0.0).collect());
-        Sequence::read(
-            initially.unwrap_or_default(),
-            replay,
-            path.horizon / intervals as f64,
-            intervals,
-        )
+        let interval = path.horizon / intervals as f64;
+        let mut closed: Vec<bool> = match replay.trajectory.contact_force.first() {
+            Some(forces) => forces.iter().map(|&force| force > 0.0).collect(),
+            None => Vec::new(),
+        };
+        let start = self.setting.problem.start_of(self.setting.model, path);
+        let mut input = vec![0.0; self.setting.model.declaration().inputs()];
+        input[..start.len()].copy_from_slice(&start);
+        // A start that rounding puts above a surface lands at once.
+        for (contact, closed) in closed.iter_mut().enumerate() {
+            let own = |event: &&Event| event.contact == contact;
+            *closed |= self.setting.model.gap(contact, &input) <= ON_THE_SURFACE
+                && replay.events.iter().find(own).is_some_and(|first| {
+                    first.kind != EventKind::LiftOff && first.time < AT_ONCE * interval
+                });
+        }
+        Sequence::read(self.setting.model, &closed, replay, (interval, intervals))
     }
 
     /// A result without a motion.
@@ -52,6 +65,7 @@ impl<'a> Search<'a, '_> {
             .take()
             .unwrap_or((nlp::Status::IterationLimit, Vec::new()));
         let status = match status {
+            _ if self.watch.stopped => Status::Interrupted,
             nlp::Status::Infeasible => Status::Infeasible,
             nlp::Status::Interrupted => Status::Interrupted,
             status => Status::Failed(status),
@@ -59,7 +73,8 @@ impl<'a> Search<'a, '_> {
         Solution::without_motion(status, violations, self.counts)
     }
 
-    /// Re-simulates a motion, with more stages as long as the plan does not agree with the simulation.
+    /// Re-simulates a motion, with more elements where they are needed, and else with more stages, as long as the plan
+    /// does not agree with the simulation.
     pub(super) fn refine(
         &mut self,
         local: Local<'a>,
@@ -73,15 +88,15 @@ impl<'a> Search<'a, '_> {
         let mut solution = self.finish(local, stationarity)?;
         let first = self.setting.tableau;
         let coarse = self.elements.clone();
-        for _ in 0..REFINEMENTS {
+        for _ in 0..ROUNDS {
             if self.watch.stopped
                 || solution.status != Status::Unconfirmed
-                || !self.refine_grid(&path)?
+                || !self.refine_grid(&path, solution.resimulation_error)
             {
                 break;
             }
             self.best = None;
-            self.attempt(&sequence, &path, &[])?;
+            self.attempt(&sequence, &path, &[], Purpose::Compare)?;
             let Some(better) = self.best.take() else {
                 break;
             };
@@ -96,7 +111,7 @@ impl<'a> Search<'a, '_> {
             }
             self.setting.tableau = tableau;
             self.best = None;
-            self.attempt(&sequence, &path, &cuts)?;
+            self.attempt(&sequence, &path, &cuts, Purpose::Compare)?;
             let Some(better) = self.best.take() else {
                 break;
             };
@@ -106,45 +121,6 @@ impl<'a> Search<'a, '_> {
         }
         self.setting.tableau = first;
         Ok(solution)
-    }
-
-    /// Doubles the elements of the intervals over which the plan departs most from a simulation that starts where
-    /// the plan does; says whether there are any.
-    fn refine_grid(&mut self, path: &Path) -> Result<bool, InputError> {
-        let problem = self.setting.problem;
-        let n = problem.q.len();
-        let intervals = problem.intervals;
-        let length = path.horizon / intervals as f64;
-        let simulator = EventDriven {
-            tolerance: self.settings.resimulation_tolerance,
-            output_times: 1,
-            ..EventDriven::default()
-        };
-        let mut refined = false;
-        for k in 0..intervals {
-            let start = path.at(k as f64 * length, true);
-            let end = path.at((k + 1) as f64 * length, false);
-            let controls = ControlSignal::PiecewiseConstant {
-                times: vec![0.0],
-                values: vec![path.controls[k].clone()],
-            };
-            let motion = problem.initial_value_problem(&start[..2 * n], length, controls);
-            // A start that rounding puts below a surface tells nothing about the accuracy.
-            let Ok(simulation) = simulator.simulate(self.setting.model, &motion, &mut |_| {})
-            else {
-                continue;
-            };
-            let Some(reached) = simulation.trajectory.q.last() else {
-                continue;
-            };
-            let error = largest_difference(reached, &end[..n]);
-            let share = self.settings.largest_distance / intervals as f64;
-            if error > share && self.elements[k] < MOST_ELEMENTS {
-                self.elements[k] *= 2;
-                refined = true;
-            }
-        }
-        Ok(refined)
     }
 
     /// Re-simulates a motion and compares.
@@ -162,12 +138,22 @@ impl<'a> Search<'a, '_> {
             _ => f64::INFINITY,
         };
         let read = self.read(&replay, &best.path);
-        let kinds = |sequence: &Sequence| -> Vec<(usize, bool, bool)> {
-            let switches = sequence.switches.iter();
-            switches.map(|s| (s.contact, s.closes, s.touches)).collect()
-        };
-        let agrees =
-            distance <= self.settings.largest_distance && kinds(&read) == kinds(&best.sequence);
+        let interval = best.path.horizon / self.setting.problem.intervals as f64;
+        let model = self.setting.model;
+        let simulated = Path::of_simulation(
+            model,
+            &replay,
+            best.path.horizon,
+            best.path.controls.clone(),
+        );
+        // A slip over less than the distance that is let pass is none.
+        let slowest = self.settings.largest_distance / best.path.horizon;
+        let disagreement = self.disagreement(
+            &best.sequence.seen(model, &best.path, slowest),
+            &read.seen(model, &simulated, slowest),
+            interval,
+        );
+        let agrees = distance <= self.settings.largest_distance && disagreement.is_none();
         let status = if self.watch.stopped {
             Status::Interrupted
         } else if !agrees {
@@ -185,11 +171,12 @@ impl<'a> Search<'a, '_> {
         };
         let size = Size::of(&best.program.program, 0);
         let planned_events = best.sequence.switches.iter().map(|switch| {
-            let time = switch.time * best.path.horizon / self.setting.problem.intervals as f64;
-            let kind = if switch.closes {
-                EventKind::Impact
-            } else {
-                EventKind::LiftOff
+            let time = switch.time * interval;
+            let kind = match switch.mode {
+                _ if switch.closes => EventKind::Impact,
+                Mode::Open => EventKind::LiftOff,
+                Mode::Stick => EventKind::Stick,
+                Mode::Slip(_) | Mode::Frictionless => EventKind::Slip,
             };
             (time, kind, switch.contact)
         });
@@ -199,10 +186,13 @@ impl<'a> Search<'a, '_> {
             horizon: best.path.horizon,
             stationarity,
             resimulation_error: distance,
+            disagreement,
             residuals,
             planned_events: planned_events.collect(),
             excess: excess(&best.program, &best.solution.x, self.limits()),
-            controls: best.path.controls.clone(),
+            controls: best.path.controls.values().to_vec(),
+            shape: best.path.controls.shape(),
+            elements: self.elements.clone(),
             previous: Some(Previous::new(best.path, best.sequence)),
             motion: Some(replay),
             violations: best.solution.violations,
@@ -215,7 +205,52 @@ impl<'a> Search<'a, '_> {
     }
 }
 
-fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+impl Search<'_, '_> {
+    /// The first difference in kind between the switches of a plan and of its re-simulation, in words.
+    fn disagreement(&self, plan: &Sequence, read: &Sequence, interval: f64) -> Option<String> {
+        let contacts = self.setting.model.declaration().contacts;
+        let initially = plan.initially.iter().zip(&read.initially);
+        let other = initially
+            .zip(contacts)
+            .find(|((plan, read), _)| plan != read);
+        if let Some(((mode, read), contact)) = other {
+            let (mode, read) = (mode.state(), read.state());
+            return Some(format!(
+                "`{}` is {mode} at the start of the plan, and {read} at that of the re-simulation",
+                contact.name
+            ));
+        }
+        let kind = |s: &Switch| (s.contact, s.closes, s.mode);
+        let words = |sequence: &Sequence, index: usize| match sequence.switches.get(index) {
+            None => "nothing".to_owned(),
+            Some(switch) => {
+                let name = contacts[switch.contact].name;
+                let time = switch.time * interval;
+                match (switch.closes, switch.mode) {
+                    (true, Mode::Open) => format!("`{name}` is touched at {time:.6} s"),
+                    (false, Mode::Open) => format!("`{name}` opens at {time:.6} s"),
+                    (true, Mode::Frictionless) => format!("`{name}` closes at {time:.6} s"),
+                    (_, mode) => format!("`{name}` is {} from {time:.6} s on", mode.state()),
+                }
+            }
+        };
+        // A simulation may end on either side of an impact at the final time.
+        let intervals = self.setting.problem.intervals;
+        let lasting = plan.switches.iter().filter(|s| s.interval < intervals);
+        let longest = lasting.count().max(read.switches.len());
+        (0..longest)
+            .find(|&i| plan.switches.get(i).map(kind) != read.switches.get(i).map(kind))
+            .map(|i| {
+                let (planned, simulated) = (words(plan, i), words(read, i));
+                format!(
+                    "switch {}: in the plan {planned}, in the re-simulation {simulated}",
+                    i + 1
+                )
+            })
+    }
+}
+
+pub(super) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     let pairs = a.iter().zip(b);
     pairs.fold(0.0, |largest: f64, (a, b)| largest.max((a - b).abs()))
 }
@@ -228,7 +263,8 @@ fn complementarity(best: &Local) -> f64 {
     let mut largest: f64 = 0.0;
     for phase in &best.program.phases {
         for stage in &phase.stages {
-            for (slot, &variable) in input.iter_mut().zip(&stage.state) {
+            let variables = stage.state.iter().chain(&stage.drive);
+            for (slot, &variable) in input.iter_mut().zip(variables) {
                 *slot = x[variable];
             }
             for (&contact, &force) in phase.closed.iter().zip(&stage.forces) {

@@ -4,6 +4,7 @@ use super::collocation::{Collocation, Cut, CutKind, Places, SolvedPhase, lagrang
 use super::problem::Problem;
 use super::settings::BoundsAt;
 use super::solution::Excess;
+use super::units::Units;
 use crate::model::{ConstraintRelation, contact_point};
 
 /// Points of a phase that are looked at.
@@ -20,21 +21,22 @@ pub(super) struct Limits<'a> {
     pub(super) gap: f64,
     /// Gap that a cut asks for.
     pub(super) margin: f64,
-    /// Largest violation of a bound of a coordinate that is let pass.
+    /// Largest violation of a bound of a coordinate, in its unit of `units`, that is let pass.
     pub(super) bound: f64,
+    pub(super) units: &'a Units,
     pub(super) bounds: (&'a [f64], &'a [f64]),
     pub(super) problem: &'a Problem,
     pub(super) places: Places,
 }
 
 /// The continuous motion of a solved program.
-struct Motion<'p, 'm> {
-    program: &'p Collocation<'m>,
-    solved: Vec<SolvedPhase>,
+pub(super) struct Motion<'p, 'm> {
+    pub(super) program: &'p Collocation<'m>,
+    pub(super) solved: Vec<SolvedPhase>,
     /// Weights of the states of a phase at its points `i / POINTS`.
     weights: Vec<Vec<f64>>,
     /// Physical values of the unknowns.
-    x: Vec<f64>,
+    pub(super) x: Vec<f64>,
 }
 
 impl<'p, 'm> Motion<'p, 'm> {
@@ -50,8 +52,8 @@ impl<'p, 'm> Motion<'p, 'm> {
         }
     }
 
-    /// Writes the first components of `(q, v)` at the share `theta` of a phase.
-    fn write(&self, phase: usize, theta: f64, state: &mut [f64]) {
+    /// Writes the first components of the model's input vector at the share `theta` of a phase.
+    pub(super) fn write(&self, phase: usize, theta: f64, input: &mut [f64]) {
         let place = theta * POINTS as f64;
         let between;
         let weights = if place.fract() == 0.0 {
@@ -60,9 +62,9 @@ impl<'p, 'm> Motion<'p, 'm> {
             between = lagrange(self.program.tableau, theta, false);
             &between
         };
-        state.fill(0.0);
-        for (values, weight) in self.solved[phase].states.iter().zip(weights) {
-            for (slot, value) in state.iter_mut().zip(values) {
+        input.fill(0.0);
+        for (values, weight) in self.solved[phase].inputs.iter().zip(weights) {
+            for (slot, value) in input.iter_mut().zip(values) {
                 *slot += weight * value;
             }
         }
@@ -82,17 +84,12 @@ impl<'p, 'm> Motion<'p, 'm> {
         let model = self.program.model;
         let declaration = model.declaration();
         let declared = declaration.optimal_control;
-        let n = declaration.coordinates.len();
         let mut input = vec![0.0; declaration.inputs()];
         let mut values = vec![0.0; declared.map_or(0, |d| d.path_functions())];
         let first = declared.map_or(0, |d| usize::from(d.running_cost));
         let relation = declared.map(|d| d.constraints[constraint].relation);
         move |phase, theta| {
-            self.write(phase, theta, &mut input[..2 * n]);
-            let controls = &self.program.controls[self.program.phases[phase].interval];
-            for (slot, &u) in input[2 * n..].iter_mut().zip(controls) {
-                *slot = self.x[u];
-            }
+            self.write(phase, theta, &mut input);
             model.path_functions(&input, &mut values);
             let value = values[first + constraint];
             match relation {
@@ -134,14 +131,14 @@ pub(super) fn between_stages(
     };
     for contact in 0..declaration.contacts.len() {
         let mut gap = |phase: usize, theta: f64| {
-            motion.write(phase, theta, &mut input[..n]);
+            motion.write(phase, theta, &mut input);
             model.gap(contact, &input)
         };
         let mut next = 0;
         while next < program.phases.len() {
             let open = |phase: &usize| !program.phases[*phase].closed.contains(&contact);
             // A flight ends where the contact closes or is touched.
-            let lands = |phase: &usize| program.phases[*phase].closing == Some(contact);
+            let lands = |phase: &usize| program.phases[*phase].closing.contains(&contact);
             let until = (next..program.phases.len()).find(lands);
             let until = until.map_or(program.phases.len(), |last| last + 1);
             let flight: Vec<usize> = (next..until).take_while(open).collect();
@@ -159,17 +156,18 @@ pub(super) fn between_stages(
         }
     }
     found.extend(departures(program, &motion.solved, limits));
+    found.extend(motion.friction(limits));
     if limits.places.bounds == BoundsAt::Nodes {
         return found;
     }
     let all: Vec<usize> = (0..program.phases.len()).collect();
-    let tolerance = (-limits.bound, limits.bound);
     for k in (0..n).filter(|&k| !parabolas[k]) {
         let bounds = (limits.bounds.0[k], limits.bounds.1[k]);
         if bounds == (f64::NEG_INFINITY, f64::INFINITY) {
             continue;
         }
-        for (phase, theta, _) in lows(&all, &mut motion.inside(k, bounds), tolerance) {
+        let bound = limits.bound * limits.units.states[k];
+        for (phase, theta, _) in lows(&all, &mut motion.inside(k, bounds), (-bound, bound)) {
             found.push(cut(phase, theta, CutKind::Bounds(k)));
         }
     }
@@ -177,7 +175,11 @@ pub(super) fn between_stages(
         if !inequality {
             continue;
         }
-        for (phase, theta, _) in lows(&all, &mut motion.path(constraint), tolerance) {
+        for (phase, theta, _) in lows(
+            &all,
+            &mut motion.path(constraint),
+            (-limits.bound, limits.bound),
+        ) {
             found.push(cut(phase, theta, CutKind::Path(constraint)));
         }
     }
@@ -237,7 +239,6 @@ pub(super) fn excess(program: &Collocation, x: &[f64], limits: Limits) -> Option
 fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> Vec<Cut> {
     let model = program.model;
     let declaration = model.declaration();
-    let mut input = vec![0.0; declaration.inputs()];
     let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
     let slopes = lagrange(program.tableau, 0.0, true);
     let mut found = Vec::new();
@@ -251,9 +252,8 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
                 continue;
             }
             let (mut gap, mut acceleration) = (f64::INFINITY, 0.0);
-            for (node, (state, slope)) in solved.states.iter().zip(&slopes).enumerate() {
-                input[..state.len()].copy_from_slice(state);
-                model.contact(contact, &input, &mut point);
+            for (node, (input, slope)) in solved.inputs.iter().zip(&slopes).enumerate() {
+                model.contact(contact, input, &mut point);
                 if node == 0 {
                     gap = point[contact_point::GAP];
                 }
@@ -274,7 +274,7 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
 
 /// Local minima below the limit of a function over consecutive phases, as (phase, theta, whether the function
 /// exceeds the limit before and after): those of which that is true, and those deeper than the depth.
-fn lows(
+pub(super) fn lows(
     phases: &[usize],
     value: &mut dyn FnMut(usize, f64) -> f64,
     (limit, depth): (f64, f64),

@@ -1,9 +1,11 @@
 //! What all programs have in common: horizon, controls, start, objective, goals and path functions.
 
 use super::kernel::Kernel;
-use super::path::{Path, Units};
+use super::path::Path;
 use super::problem::{Component, Horizon, Problem};
 use super::program::{OBJECTIVE, Program};
+use super::settings::ControlShape;
+use super::units::Units;
 use crate::model::{ConstraintDeclaration, ConstraintRelation, Model};
 
 /// Shortest and longest horizon relative to the guess, where it is free.
@@ -13,7 +15,9 @@ const HORIZONS: (f64, f64) = (0.05, 20.0);
 pub(super) struct Frame<'a> {
     model: &'a dyn Model,
     pub(super) horizon: usize,
+    /// Controls on each interval, or at each node.
     pub(super) controls: Vec<Vec<usize>>,
+    shape: ControlShape,
     /// `(q, v)` at the start; fixed but for the free initial values.
     pub(super) start: Vec<usize>,
 }
@@ -23,7 +27,7 @@ impl<'a> Frame<'a> {
         program: &mut Program,
         model: &'a dyn Model,
         problem: &Problem,
-        guess: &Path,
+        (guess, shape): (&Path, ControlShape),
         units: &Units,
         bounds: (&[f64], &[f64]),
     ) -> Self {
@@ -34,15 +38,21 @@ impl<'a> Frame<'a> {
             Horizon::Free { .. } => (HORIZONS.0 * units.time, HORIZONS.1 * units.time),
         };
         let horizon = program.variable("final time", range, guess.horizon, units.time);
-        let controls = (0..problem.intervals)
-            .map(|k| {
+        let place = match shape {
+            ControlShape::Constant => "on interval",
+            ControlShape::Linear => "at node",
+        };
+        let guessed = guess.controls.resampled(shape, problem.intervals);
+        let guessed = guessed.values().iter().enumerate();
+        let controls = guessed
+            .map(|(k, guessed)| {
                 let declared = declaration.controls.iter().enumerate();
                 declared
                     .map(|(i, control)| {
                         program.variable(
-                            format!("`{}` on interval {k}", control.name),
+                            format!("`{}` {place} {k}", control.name),
                             (bounds.0[n + i], bounds.1[n + i]),
-                            guess.controls[k][i],
+                            guessed[i],
                             units.controls[i],
                         )
                     })
@@ -53,15 +63,35 @@ impl<'a> Frame<'a> {
         let start = start
             .map(|(k, range)| {
                 let name = format!("initial {}", state_name(model, k));
-                program.variable(name, range, guess.states[0][k], 1.0)
+                program.variable(name, range, guess.states[0][k], units.states[k])
             })
             .collect();
         Self {
             model,
             horizon,
             controls,
+            shape,
             start,
         }
+    }
+
+    /// A variable for the time that is a sum of `coefficient variable`.
+    pub(super) fn time(
+        &self,
+        program: &mut Program,
+        name: String,
+        terms: &[(usize, f64)],
+        guess: f64,
+    ) -> usize {
+        let unit = program.unit(self.horizon);
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let time = program.variable(name.clone(), free, guess, unit);
+        let row = program.row(name, 0.0, 0.0);
+        program.linear(row, time, 1.0 / unit);
+        for &(variable, coefficient) in terms {
+            program.linear(row, variable, -coefficient / unit);
+        }
+        time
     }
 
     /// Adds `factor scale` times the running cost at `(q, v, u)` to the objective.
@@ -159,10 +189,11 @@ impl<'a> Frame<'a> {
             return;
         }
         let weight = objective.control_effort / problem.intervals as f64;
+        let squares = self.squares();
         match problem.horizon {
             Horizon::Fixed(horizon) => {
-                for &u in self.controls.iter().flatten() {
-                    program.objective_bilinear(u, u, weight * horizon);
+                for (a, b, share) in squares {
+                    program.objective_bilinear(a, b, share * weight * horizon);
                 }
             }
             // The sum of the squares is a variable, so that the objective stays bilinear.
@@ -170,12 +201,42 @@ impl<'a> Frame<'a> {
                 let controls: Vec<usize> = self.controls.iter().flatten().copied().collect();
                 let unit: f64 = controls.iter().map(|&u| program.unit(u).powi(2)).sum();
                 let sum = program.variable("sum of squares", (0.0, f64::INFINITY), unit, unit);
-                let row = program.row("sum of squares", 0.0, f64::INFINITY);
+                let row = program.row_in(unit, "sum of squares", 0.0, f64::INFINITY);
                 program.linear(row, sum, 1.0);
-                for u in controls {
-                    program.bilinear(row, u, u, -1.0);
+                for (a, b, share) in squares {
+                    program.bilinear(row, a, b, -share);
                 }
                 program.objective_bilinear(self.horizon, sum, weight);
+            }
+        }
+    }
+}
+
+impl Frame<'_> {
+    /// The integral of `u'u` over the motion in units of intervals, as terms `coefficient a b`: exact, whatever
+    /// the switches.
+    fn squares(&self) -> Vec<(usize, usize, f64)> {
+        let each = |controls: &[usize], share: f64| -> Vec<(usize, usize, f64)> {
+            controls.iter().map(|&u| (u, u, share)).collect()
+        };
+        match self.shape {
+            ControlShape::Constant => {
+                let controls = self.controls.iter();
+                controls.flat_map(|controls| each(controls, 1.0)).collect()
+            }
+            // int_0^1 (a + s (b - a))^2 ds = (a^2 + a b + b^2) / 3
+            ControlShape::Linear => {
+                let pairs = self.controls.windows(2);
+                let terms = pairs.flat_map(|pair| {
+                    let third = 1.0 / 3.0;
+                    let mixed = pair[0].iter().zip(&pair[1]);
+                    let mixed = mixed.map(move |(&a, &b)| (a, b, third));
+                    let pure = each(&pair[0], third)
+                        .into_iter()
+                        .chain(each(&pair[1], third));
+                    pure.chain(mixed).collect::<Vec<_>>()
+                });
+                terms.collect()
             }
         }
     }

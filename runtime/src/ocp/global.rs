@@ -2,6 +2,7 @@
 
 use super::collocation::Setting;
 use super::contact_implicit::ContactImplicit;
+use super::mode::{Mode, is_rough, sliding_velocity, zero_velocity};
 use super::path::Path;
 use super::search::{Search, refused};
 use super::sequence::Sequence;
@@ -9,33 +10,35 @@ use crate::mpcc::{self, RelaxationRule};
 use crate::nlp;
 use crate::simulation::InputError;
 
-/// Elements an interval of the first programs of the global phase, and the rules that relax them: few elements
-/// and many rules, because the programs differ in the local optima that they end at, and are cheap.
-const COARSE: [(usize, &[RelaxationRule]); 2] = [
-    (
-        1,
-        &[
-            RelaxationRule::Proportional,
-            RelaxationRule::Continuation,
-            RelaxationRule::RollOff,
-        ],
-    ),
-    (2, &[RelaxationRule::RollOff, RelaxationRule::Continuation]),
+/// Elements an interval of the first programs of the global phase, and the rules that relax them: the programs differ
+/// in the local optima that they end at.
+const COARSE_PROGRAMS: [(usize, RelaxationRule); 3] = [
+    (1, RelaxationRule::Proportional),
+    (2, RelaxationRule::Continuation),
+    (2, RelaxationRule::RollOff),
 ];
 /// Least number of elements of the whole motion in the coarsest program; with fewer intervals they are divided.
 const LEAST_ELEMENTS: usize = 24;
-/// Last relaxation and first barrier parameter of the first programs.
-const COARSE_RELAXATION: (f64, f64) = (1e-3, 1e-1);
-/// Rules of the refined programs.
+/// The same of a program that carries a motion on to a finer grid.
+const LEAST_FINE_ELEMENTS: usize = 120;
+/// The first programs.
+const COARSE: Relaxation = Relaxation {
+    last: 1e-3,
+    tolerance: 1e-4,
+    barrier: 1e-1,
+};
+/// The refined ones, which start at solutions of the first ones.
+const FINE: Relaxation = Relaxation {
+    last: 1e-6,
+    tolerance: 1e-6,
+    barrier: 1e-4,
+};
+/// Rules of the refined programs, in the order in which they are tried.
 const FINE_RULES: [RelaxationRule; 3] = [
     RelaxationRule::Proportional,
     RelaxationRule::RollOff,
     RelaxationRule::Continuation,
 ];
-/// How many of them are tried where the first programs did not agree.
-const FINE_ALTERNATIVES: usize = 2;
-/// Last relaxation and first barrier parameter of the refined programs.
-const FINE_RELAXATION: (f64, f64) = (1e-6, 1e-4);
 /// Relative difference of the objective within which two relaxed motions count as the same.
 const SAME: f64 = 1e-3;
 /// Where in an element of implicit Euler a contact closes, as a share of the element: it says no more.
@@ -44,6 +47,17 @@ const CLOSING: f64 = 0.5;
 const AT_START: f64 = 1e-9;
 /// The same where initial values are free: as far as a relaxed program may hold it off.
 const NEAR_START: f64 = 1e-3;
+
+/// How far a program is relaxed: only which contacts close when is read from it.
+#[derive(Clone, Copy)]
+struct Relaxation {
+    /// Last relaxation parameter.
+    last: f64,
+    /// Tolerance of the interior point method.
+    tolerance: f64,
+    /// First barrier parameter.
+    barrier: f64,
+}
 
 /// A motion of the global phase.
 pub(super) struct Relaxed {
@@ -56,40 +70,30 @@ impl Search<'_, '_> {
     /// The contact-implicit phase: distinct motions, the best first; the guess itself if no program could be solved.
     pub(super) fn global(&mut self, guess: &Path) -> Result<Vec<Relaxed>, InputError> {
         let mut coarse: Vec<Relaxed> = Vec::new();
-        let mut unsolved = 0;
         let intervals = self.setting.problem.intervals;
         let finer = LEAST_ELEMENTS.div_ceil(intervals);
-        for (elements, rules) in COARSE {
-            for &rule in rules {
-                if self.watch.stopped {
-                    return Ok(Vec::new());
-                }
-                let found = self.relaxed(guess, finer * elements, rule, COARSE_RELAXATION)?;
-                unsolved += usize::from(found.is_none());
-                insert(&mut coarse, found);
+        for (per_interval, rule) in COARSE_PROGRAMS {
+            if self.watch.stopped {
+                return Ok(Vec::new());
             }
+            let found = self.relaxed(guess, finer * per_interval, rule, COARSE)?;
+            insert(&mut coarse, found);
         }
         let mut starts: Vec<Path> = coarse.into_iter().map(|found| found.path).collect();
-        // Programs that fail or end far apart cast doubt on the others.
-        let hard = unsolved > 0;
         if starts.is_empty() {
             starts.push(guess.clone());
         }
         let mut fine: Vec<Relaxed> = Vec::new();
+        let elements = finer * self.settings.refined_elements;
         for start in &starts {
-            for (index, &rule) in FINE_RULES.iter().enumerate() {
-                if self.watch.stopped || index >= FINE_ALTERNATIVES && !fine.is_empty() {
+            for rule in FINE_RULES {
+                if self.watch.stopped {
                     break;
                 }
-                let found = self.relaxed(
-                    start,
-                    finer * self.settings.refined_elements,
-                    rule,
-                    FINE_RELAXATION,
-                )?;
+                let found = self.relaxed(start, elements, rule, FINE)?;
                 let solved = found.is_some();
                 insert(&mut fine, found);
-                if solved && !hard {
+                if solved {
                     break;
                 }
             }
@@ -100,7 +104,7 @@ impl Search<'_, '_> {
                 objective: f64::INFINITY,
                 path: guess.clone(),
                 sequence: Sequence {
-                    initially: self.closed_at_start(guess),
+                    initially: self.modes_at_start(guess),
                     switches: Vec::new(),
                 },
             });
@@ -108,14 +112,26 @@ impl Search<'_, '_> {
         Ok(fine)
     }
 
-    /// One contact-implicit program, relaxed by one rule down to `relaxation.0` from the barrier parameter
-    /// `relaxation.1`.
+    /// The contact-implicit motion on the grid of the problem that a motion on a coarser grid leads to.
+    pub(super) fn on_this_grid(&mut self, coarser: &Path) -> Result<Option<Relaxed>, InputError> {
+        let intervals = self.setting.problem.intervals;
+        let elements = LEAST_FINE_ELEMENTS.div_ceil(intervals);
+        for rule in FINE_RULES {
+            let found = self.relaxed(coarser, elements, rule, FINE)?;
+            if found.is_some() || self.watch.stopped {
+                return Ok(found);
+            }
+        }
+        Ok(None)
+    }
+
+    /// One contact-implicit program, relaxed by one rule.
     fn relaxed(
         &mut self,
         start: &Path,
         elements: usize,
         rule: RelaxationRule,
-        relaxation: (f64, f64),
+        relaxation: Relaxation,
     ) -> Result<Option<Relaxed>, InputError> {
         let Setting {
             model,
@@ -128,49 +144,59 @@ impl Search<'_, '_> {
         let mut settings = mpcc::Settings {
             rules: vec![rule],
             crossover: false,
-            final_relaxation: relaxation.0,
+            final_relaxation: relaxation.last,
             ..mpcc::Settings::default()
         };
-        settings.interior_point.initial_barrier_parameter = relaxation.1;
+        settings.interior_point.initial_barrier_parameter = relaxation.barrier;
+        settings.interior_point.tolerance = relaxation.tolerance;
         settings.interior_point.maximum_iterations = self.settings.maximum_iterations;
         self.watch
             .begin("contact-implicit search", &self.counts, None);
-        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info);
+        let unit = program.program.objective_unit();
+        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
         let solution = mpcc::solve_observed(&mut program.program, &settings, &mut observer)
             .map_err(|error| refused(&error))?;
         self.counts.programs += 1;
         self.counts.global_iterations += solution.iterations;
         self.counts.factorizations += solution.factorizations;
         if solution.status == mpcc::Status::Relaxed {
-            let closed = program.closed(&solution.x);
-            let ends: Vec<f64> = (1..=closed.len())
+            let modes = program.modes(&solution.x);
+            let ends: Vec<f64> = (1..=modes.len())
                 .map(|end| end as f64 / elements as f64)
                 .collect();
             let path = program.path(&solution.x);
-            let initially = self.closed_at_start(&path);
+            let initially = self.modes_at_start(&path);
             return Ok(Some(Relaxed {
-                objective: solution.objective,
+                objective: unit * solution.objective,
                 path,
-                sequence: Sequence::of_elements(initially, &closed, (elements, &ends), CLOSING),
+                sequence: Sequence::of_elements(initially, &modes, (elements, &ends), CLOSING),
             }));
         }
         let status = match solution.status {
             mpcc::Status::Failed(status) => status,
             _ => nlp::Status::Infeasible,
         };
-        self.failure = Some((status, solution.violations));
+        self.note_failure(status, solution.violations);
         Ok(None)
     }
 
-    /// Contacts that a path starts on.
-    pub(super) fn closed_at_start(&self, path: &Path) -> Vec<bool> {
+    /// What the contacts do at the start of a path.
+    pub(super) fn modes_at_start(&self, path: &Path) -> Vec<Mode> {
         let Setting { model, units, .. } = self.setting;
         let mut input = self.setting.problem.start_of(model, path);
+        let zero = zero_velocity(&input[input.len() / 2..]);
         input.resize(model.declaration().inputs(), 0.0);
         let free = self.setting.problem.has_free_start(model);
         let near = if free { NEAR_START } else { AT_START };
         (0..model.declaration().contacts.len())
-            .map(|contact| model.gap(contact, &input) <= near * units.gap[contact])
+            .map(|contact| {
+                if model.gap(contact, &input) > near * units.gap[contact] {
+                    return Mode::Open;
+                }
+                let rough = is_rough(model, contact);
+                let slides = rough.then(|| sliding_velocity(model, contact, &input, 0.0));
+                Mode::closed(rough, slides.unwrap_or(0.0), zero)
+            })
             .collect()
     }
 }

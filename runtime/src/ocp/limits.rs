@@ -2,10 +2,11 @@
 //! where cuts ask for them.
 
 use super::collocation::{Cut, CutKind, Phase, Setting, lagrange};
+use super::cubic_bounds::{self, Cubic};
 use super::frame::state_name;
 use super::kernel::Kernel;
 use super::program::Program;
-use super::settings::BoundsAt;
+use super::settings::{BoundsAt, ControlShape};
 use super::transcribe::Builder;
 
 impl Builder<'_, '_> {
@@ -14,6 +15,7 @@ impl Builder<'_, '_> {
             model,
             bounds,
             tableau,
+            units,
             ..
         } = self.setting;
         let declaration = model.declaration();
@@ -29,36 +31,47 @@ impl Builder<'_, '_> {
             match cut.kind {
                 CutKind::Bounds(k) => {
                     let name = format!("`{}` {at}", declaration.coordinates[k].name);
-                    let row = program.row(name, bounds.0[k], bounds.1[k]);
+                    let row = program.row_in(units.states[k], name, bounds.0[k], bounds.1[k]);
                     combine(program, (row, k), phase, &weights);
                 }
                 CutKind::Gap(contact, _) | CutKind::Departure(contact)
                     if phase.closed.contains(&contact) => {}
                 CutKind::Departure(contact) => {
+                    let before = self.before.clone();
+                    let program = &mut self.program;
                     let name =
                         format!("departure of `{}` {at}", declaration.contacts[contact].name);
-                    let row = program.row(name, 0.0, f64::INFINITY);
+                    let unit = units.gap_rows[contact];
+                    let row = program.row_in(unit, name, 0.0, f64::INFINITY);
                     let slopes = lagrange(tableau, 0.0, true);
-                    let states = phase.stages.iter().map(|stage| &stage.state);
-                    for (state, slope) in std::iter::once(&phase.start).chain(states).zip(slopes) {
+                    let stages = phase.stages.iter();
+                    let stages = stages.map(|stage| (&stage.state, &stage.drive));
+                    let nodes = std::iter::once((&phase.start, &before)).chain(stages);
+                    for ((state, drive), slope) in nodes.zip(slopes) {
                         let (q, v) = state.split_at(n);
                         let uses = vec![(row, 1, slope)];
-                        program.block(&Kernel::Contact(contact), [q, v, &[], &[]], None, uses);
+                        program.block(&Kernel::Contact(contact), [q, v, drive, &[]], None, uses);
                     }
                 }
                 CutKind::Gap(contact, margin) => {
                     let state = self.state_at(phase, cut, n, &at);
+                    let drive = self.drive_within(phase, cut.theta, &at);
                     let program = &mut self.program;
                     let name = format!("gap `{}` {at}", declaration.contacts[contact].name);
-                    let row = program.row(name, margin, f64::INFINITY);
+                    let unit = units.gap_rows[contact];
+                    let row = program.row_in(unit, name, margin, f64::INFINITY);
                     let uses = vec![(row, 0, 1.0)];
                     let kernel = Kernel::Contact(contact);
-                    program.block(&kernel, [&state, &[], &[], &[]], None, uses);
+                    program.block(&kernel, [&state, &[], &drive, &[]], None, uses);
                 }
+                CutKind::Cone(contact, direction) => {
+                    self.cone_cut(phase, contact, direction, cut, &at)
+                }
+                CutKind::Slip(contact) => self.slip_cut(phase, contact, cut, &at),
                 CutKind::Path(constraint) => {
                     let state = self.state_at(phase, cut, 2 * n, &at);
                     let (q, v) = state.split_at(n);
-                    let u = self.frame.controls[phase.interval].clone();
+                    let u = self.drive_within(phase, cut.theta, &at);
                     let (frame, problem) = (&self.frame, self.setting.problem);
                     let inputs = [q, v, &u[..]];
                     frame.path_rows_of(&mut self.program, problem, &[constraint], inputs, &at);
@@ -68,11 +81,18 @@ impl Builder<'_, '_> {
     }
 
     /// Variables of the first `count` components of the state at a cut.
-    fn state_at(&mut self, phase: &Phase, cut: &Cut, count: usize, at: &str) -> Vec<usize> {
+    pub(super) fn state_at(
+        &mut self,
+        phase: &Phase,
+        cut: &Cut,
+        count: usize,
+        at: &str,
+    ) -> Vec<usize> {
         let Setting {
             model,
             problem,
             tableau,
+            units,
             ..
         } = self.setting;
         let weights = lagrange(tableau, cut.theta, false);
@@ -85,8 +105,9 @@ impl Builder<'_, '_> {
         (0..count)
             .map(|k| {
                 let name = format!("{} {at}", state_name(model, k));
-                let variable = program.variable(name.clone(), free, sample[k], 1.0);
-                let row = program.row(name, 0.0, 0.0);
+                let unit = units.states[k];
+                let variable = program.variable(name.clone(), free, sample[k], unit);
+                let row = program.row_in(unit, name, 0.0, 0.0);
                 program.linear(row, variable, -1.0);
                 combine(program, (row, k), phase, &weights);
                 variable
@@ -94,7 +115,7 @@ impl Builder<'_, '_> {
             .collect()
     }
 
-    /// Bounds of the coordinates that are parabolas, over a whole interval.
+    /// Bounds of the coordinates that are parabolas, or cubics under linear controls, over a whole interval.
     pub(super) fn node(&mut self, interval: usize, before: &[usize]) {
         let Setting {
             model,
@@ -102,6 +123,7 @@ impl Builder<'_, '_> {
             parabolas,
             problem,
             places,
+            shape,
             ..
         } = self.setting;
         let (n, program) = (self.n, &mut self.program);
@@ -121,7 +143,17 @@ impl Builder<'_, '_> {
                 } else {
                     1.0
                 };
-                let inside = format!("of `{name}` in interval {interval}");
+                let inside = format!("in the bound of `{name}` over interval {interval}");
+                if shape == ControlShape::Linear {
+                    let cubic = Cubic {
+                        from: (q0, v0),
+                        to: (q2, self.state[n + k]),
+                        horizon: self.frame.horizon,
+                        intervals: problem.intervals,
+                    };
+                    cubic_bounds::bound(program, &cubic, (sign, bound, unit), &inside);
+                    continue;
+                }
                 let size = format!("size {inside}");
                 let size = program.variable(size, (0.0, f64::INFINITY), 0.1 * unit, unit);
                 let place = program.variable(format!("extremum {inside}"), (0.0, 1.0), 0.5, 1.0);

@@ -1,6 +1,6 @@
 //! Optimal control of mechanical systems with impacts.
 //!
-//! A [`Problem`] asks for controls, constant on intervals of equal physical length, that take a
+//! A [`Problem`] asks for controls, constant or linear on intervals of equal physical length, that take a
 //! [`Model`](crate::model::Model) to its goals at least cost. [`solve`] goes through phases, each of which
 //! starts where the one before it ended:
 //!
@@ -12,8 +12,22 @@
 //! re-simulation      event-driven, under the final controls; its distance from the plan is part of the result
 //! ```
 //!
+//! A contact without friction is open or closed; one with Coulomb friction is open, sticks, or slips forward or
+//! backward, and the sequence holds the changes between these as well.
+//!
 //! The relaxed complementarity problem of the first phase is never reported as a result. What comes out is a local
 //! optimum; [`Stationarity`] says what is proved about its contact sequence.
+//!
+//! # Units
+//! A scene may be written in any units. The solver sees every control, time and contact force divided by its own size,
+//! and every coordinate, gap and objective divided by the power of a thousand (of a million for the objective) nearest
+//! to its size, so that its tolerance means the same for a scene in millimetres and kilonewtons as in metres and
+//! newtons. Path constraints and terminal conditions are not measured: state those in numbers of the order of one. What
+//! stays in the units of the scene is what belongs to it: [`Settings::gap_margin`] and [`Settings::largest_distance`].
+//!
+//! # Time
+//! A model may depend on the time itself (`t` in forces, surfaces or costs). Where the final time is free, the time of
+//! every stage is then an unknown that moves with it.
 //!
 //! # Examples
 //! Least final time of a cart that is pushed from rest to 1 m and has no bound on its speed: it accelerates all the
@@ -42,14 +56,24 @@
 //! # Ok::<(), hangtime::simulation::InputError>(())
 //! ```
 
+mod attempt;
 mod collocation;
 mod confirm;
 mod contact_implicit;
+mod control_grid;
+mod cubic_bounds;
 mod cuts;
 mod frame;
+mod friction;
+mod friction_checks;
+mod friction_neighbours;
 mod global;
+mod grid;
+mod impact_map;
 mod kernel;
+mod levels;
 mod limits;
+mod mode;
 mod path;
 mod previous;
 mod problem;
@@ -61,17 +85,20 @@ mod sequence;
 mod settings;
 mod solution;
 mod solve;
+mod stage_inputs;
+mod start_conditions;
 mod starts;
 #[cfg(test)]
 mod test_scene;
 mod time_freezing;
 mod time_freezing_search;
 mod transcribe;
+mod units;
 
 pub use previous::Previous;
 pub use problem::{Component, Goal, Horizon, Objective, Problem};
 pub use progress::{Observer, Progress};
-pub use settings::{BoundsAt, Formulation, Guess, PathPoints, Settings};
+pub use settings::{BoundsAt, ControlShape, Formulation, Guess, PathPoints, Settings};
 pub use solution::{
     Counts, Excess, Optimum, Size, Solution, Stationarity, Status, TimeFreezingReport,
 };

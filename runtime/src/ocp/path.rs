@@ -1,5 +1,6 @@
 //! A motion with its controls: what one phase of the solution hands to the next.
 
+use super::control_grid::ControlGrid;
 use super::problem::{Horizon, Problem};
 use super::settings::Guess;
 use crate::model::{Model, contact_point};
@@ -13,8 +14,8 @@ const SAMPLES: usize = 4;
 pub(super) struct Path {
     /// Length \[s\].
     pub(super) horizon: f64,
-    /// Controls of each interval.
-    pub(super) controls: Vec<Vec<f64>>,
+    /// Controls on equal intervals.
+    pub(super) controls: ControlGrid,
     /// Instants \[s\], not decreasing; twice at a jump.
     pub(super) time: Vec<f64>,
     /// `(q, v, r)` at each instant, where `r` are the normal accelerations that the contacts provide.
@@ -60,7 +61,7 @@ impl Path {
                     x[k] += share * (target - problem.q[k]);
                 }
             }
-            with_forces(model, x, &controls)
+            with_forces(model, x, &drive(model, &controls, share * horizon))
         });
         Self {
             horizon,
@@ -68,13 +69,14 @@ impl Path {
             time: (0..=samples)
                 .map(|i| horizon * i as f64 / samples as f64)
                 .collect(),
-            controls: vec![controls.clone(); problem.intervals],
+            controls: ControlGrid::constant(vec![controls.clone(); problem.intervals]),
         }
     }
 
     /// All states as at the start, over 1 s unless the horizon is fixed.
     fn at_rest(mut self, model: &dyn Model, problem: &Problem) -> Self {
-        let state = with_forces(model, problem.start(), &self.controls[0]);
+        let driven = drive(model, self.controls.start(), 0.0);
+        let state = with_forces(model, problem.start(), &driven);
         self.states.fill(state);
         if let Horizon::Free { guess: None } = problem.horizon {
             for time in &mut self.time {
@@ -128,13 +130,15 @@ impl Path {
             self.horizon *= factor;
             self.time.iter_mut().for_each(|time| *time *= factor);
         }
-        for controls in &mut self.controls {
+        let mut values = self.controls.values().to_vec();
+        for controls in &mut values {
             for (u, k) in controls.iter_mut().zip(n..) {
                 let range = bounds.1[k] - bounds.0[k];
                 let size = if range.is_finite() { 0.25 * range } else { 0.1 };
                 *u = (*u + size * random()).clamp(bounds.0[k], bounds.1[k]);
             }
         }
+        self.controls = ControlGrid::constant(values);
         let last = (self.states.len() - 1) as f64;
         for (k, target) in problem.targets(model).into_iter().enumerate() {
             let bend = 0.05 * random() * target.map_or(0.0, |target| target - problem.q[k]);
@@ -143,8 +147,9 @@ impl Path {
             }
         }
         for (i, x) in self.states.iter_mut().enumerate() {
-            let interval = (i / SAMPLES).min(problem.intervals - 1);
-            *x = with_forces(model, x[..2 * n].to_vec(), &self.controls[interval]);
+            let controls = self.controls.at(i as f64 / SAMPLES as f64);
+            let driven = drive(model, &controls, self.time[i]);
+            *x = with_forces(model, x[..2 * n].to_vec(), &driven);
         }
         self
     }
@@ -154,7 +159,7 @@ impl Path {
         model: &dyn Model,
         simulation: &Simulation,
         horizon: f64,
-        controls: Vec<Vec<f64>>,
+        controls: ControlGrid,
     ) -> Self {
         let declaration = model.declaration();
         let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
@@ -163,7 +168,7 @@ impl Path {
             let mut x = trajectory.q[i].clone();
             x.extend(&trajectory.v[i]);
             let plain = x.len();
-            x.extend(&trajectory.u[i]);
+            x.extend(drive(model, &trajectory.u[i], trajectory.time[i]));
             let forces: Vec<f64> = (0..declaration.contacts.len())
                 .map(|contact| {
                     model.contact(contact, &x, &mut point);
@@ -184,13 +189,7 @@ impl Path {
 
     /// The controls as a signal.
     pub(super) fn signal(&self) -> ControlSignal {
-        let intervals = self.controls.len();
-        ControlSignal::PiecewiseConstant {
-            times: (0..intervals)
-                .map(|k| self.horizon * k as f64 / intervals as f64)
-                .collect(),
-            values: self.controls.clone(),
-        }
+        self.controls.signal(self.horizon)
     }
 
     /// `(q, v, r)` at time `t`, on the later side of a jump if `after`.
@@ -215,11 +214,18 @@ impl Path {
     }
 }
 
+/// What the model reads besides the state: the controls, and the time where it depends on that.
+pub(super) fn drive(model: &dyn Model, controls: &[f64], time: f64) -> Vec<f64> {
+    let explicit = model.declaration().explicit_time;
+    let time = explicit.then_some(time);
+    controls.iter().copied().chain(time).collect()
+}
+
 /// `(q, v)` with the normal accelerations that keep the contacts closed, as far as they push.
-pub(super) fn with_forces(model: &dyn Model, state: Vec<f64>, controls: &[f64]) -> Vec<f64> {
+pub(super) fn with_forces(model: &dyn Model, state: Vec<f64>, drive: &[f64]) -> Vec<f64> {
     let mut x = state;
     let plain = x.len();
-    x.extend(controls);
+    x.extend(drive);
     let forces: Vec<f64> = (0..model.declaration().contacts.len())
         .map(|contact| (-free_normal_acceleration(model, contact, &x)).max(0.0))
         .collect();
@@ -228,7 +234,7 @@ pub(super) fn with_forces(model: &dyn Model, state: Vec<f64>, controls: &[f64]) 
     x
 }
 
-/// Normal acceleration of a contact without its force, `n'a + curvature`, at `x = (q, v, u)`.
+/// Normal acceleration of a contact without its force, `n'a + curvature`, at an input vector.
 pub(super) fn free_normal_acceleration(model: &dyn Model, contact: usize, x: &[f64]) -> f64 {
     let n = model.declaration().coordinates.len();
     let mut point = vec![0.0; contact_point::length(n)];
@@ -238,50 +244,4 @@ pub(super) fn free_normal_acceleration(model: &dyn Model, contact: usize, x: &[f
     let normal = &point[contact_point::NORMAL..][..n];
     let along: f64 = normal.iter().zip(&acceleration).map(|(n, a)| n * a).sum();
     along + point[contact_point::CURVATURE]
-}
-
-/// Units of the unknowns, from the start of the motion and the bounds.
-#[derive(Debug, Clone)]
-pub(super) struct Units {
-    /// Time \[s\]: the guess of the horizon.
-    pub(super) time: f64,
-    /// Each control: half of its range, or 1 where that is infinite.
-    pub(super) controls: Vec<f64>,
-    /// Normal acceleration of each contact at the start under no force, at least a tenth of the
-    /// largest.
-    pub(super) force: Vec<f64>,
-    /// Gap of each contact: how far that acceleration carries in a tenth of the time, times 10.
-    pub(super) gap: Vec<f64>,
-}
-
-impl Units {
-    pub(super) fn new(model: &dyn Model, path: &Path, bounds: (&[f64], &[f64])) -> Self {
-        let declaration = model.declaration();
-        let (n, controls) = (declaration.coordinates.len(), declaration.controls.len());
-        let control_units = (n..n + controls).map(|k| {
-            let half = (bounds.1[k] - bounds.0[k]) / 2.0;
-            if half.is_finite() && half > 0.0 {
-                half
-            } else {
-                1.0
-            }
-        });
-        let mut x = path.states[0][..2 * n].to_vec();
-        x.extend(&path.controls[0]);
-        let accelerations: Vec<f64> = (0..declaration.contacts.len())
-            .map(|contact| free_normal_acceleration(model, contact, &x).abs())
-            .collect();
-        let largest = accelerations.iter().copied().fold(0.0, f64::max);
-        let floor = if largest > 0.0 { 0.1 * largest } else { 1.0 };
-        let force: Vec<f64> = accelerations.iter().map(|a| a.max(floor)).collect();
-        Self {
-            time: path.horizon,
-            controls: control_units.collect(),
-            gap: force
-                .iter()
-                .map(|force| force * path.horizon * path.horizon / 200.0)
-                .collect(),
-            force,
-        }
-    }
 }

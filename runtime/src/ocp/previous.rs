@@ -31,7 +31,7 @@ impl Previous {
             ("states", self.path.states.first(), states),
             (
                 "controls",
-                self.path.controls.first(),
+                self.path.controls.values().first(),
                 declaration.controls.len(),
             ),
         ];
@@ -46,11 +46,8 @@ impl Previous {
             }
         }
         let mut path = self.path.clone();
-        let count = path.controls.len();
-        path.controls = (0..problem.intervals)
-            .map(|k| (k as f64 + 0.5) / problem.intervals as f64 * count as f64)
-            .map(|middle| self.path.controls[(middle as usize).min(count - 1)].clone())
-            .collect();
+        let shape = path.controls.shape();
+        path.controls = path.controls.resampled(shape, problem.intervals);
         if let Horizon::Fixed(horizon) = problem.horizon {
             let factor = horizon / path.horizon;
             path.time.iter_mut().for_each(|time| *time *= factor);
@@ -59,16 +56,34 @@ impl Previous {
         Ok(path)
     }
 
+    /// Number of control intervals.
+    pub(super) fn intervals(&self) -> usize {
+        self.path.controls.intervals()
+    }
+
+    /// Controls of each interval, or at the nodes.
+    pub(super) fn controls(&self) -> Vec<Vec<f64>> {
+        self.path.controls.values().to_vec()
+    }
+
+    /// The motion on another number of intervals.
+    pub(super) fn resampled(&self, intervals: usize) -> Self {
+        let mut path = self.path.clone();
+        path.controls = path.controls.resampled(path.controls.shape(), intervals);
+        let relaxed = self.relaxed(&path, intervals);
+        Self::new(relaxed.path, relaxed.sequence)
+    }
+
     /// `path` with the contact sequence on that many intervals.
     pub(super) fn relaxed(&self, path: &Path, intervals: usize) -> Relaxed {
-        let factor = intervals as f64 / self.path.controls.len() as f64;
+        let factor = intervals as f64 / self.path.controls.intervals() as f64;
         let mut sequence = self.sequence.clone();
         for switch in &mut sequence.switches {
             let time = switch.time * factor;
             let whole = (time - time.round()).abs() < AT_THE_END;
             switch.time = time;
             if switch.place == Place::Start && whole {
-                switch.interval = (time.round() as usize).min(intervals - 1);
+                switch.interval = (time.round() as usize).min(intervals);
             } else {
                 switch.place = Place::Inside;
                 switch.interval = (time as usize).min(intervals - 1);

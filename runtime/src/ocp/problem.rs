@@ -23,8 +23,9 @@ const AT_REST: f64 = 1e-9;
 ///
 /// `phi`, `L`, `c`, goals and free initial values are those that the scene declares
 /// ([`OptimalControlDeclaration`]); the weights of [`Objective`] and the [`Goal`]s are added to them by the program
-/// that states the problem. The controls are constant on `intervals` intervals of equal physical length
-/// `T / intervals`.
+/// that states the problem. The controls are constant or linear ([`ControlShape`](super::ControlShape)) on `intervals`
+/// intervals of equal physical length `T / intervals`. An impact at the final time itself counts: goals and costs mean
+/// the state after it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
     /// Initial coordinates, length `n_q`; where they are free, a guess.
@@ -162,14 +163,6 @@ impl Problem {
                 bound: bound.into(),
             })
         };
-        if declaration.explicit_time {
-            return refuse(
-                "explicit time in the model".into(),
-                1.0,
-                "",
-                "absent: optimal control treats autonomous models",
-            );
-        }
         if !(1..=MOST_INTERVALS).contains(&self.intervals) {
             return refuse(
                 "number of control intervals".into(),
@@ -191,12 +184,6 @@ impl Problem {
         };
         self.initial_value_problem(&self.start(), horizon, ControlSignal::Zero)
             .check(model)?;
-        if let Some(contact) = declaration.contacts.iter().find(|c| c.friction.is_some()) {
-            return Err(InputError::UnsupportedLaw {
-                method: "optimal control".into(),
-                contact: contact.name.into(),
-            });
-        }
         let n = declaration.coordinates.len();
         let objective = &self.objective;
         let finals = objective.final_coordinates.iter();

@@ -8,6 +8,7 @@
 //! solver sees each variable divided by its own unit, so that all of them are of order one.
 
 use super::kernel::{Evaluator, Kernel};
+use super::units::nearest_power;
 use crate::model::Model;
 use crate::mpcc::Mpcc;
 use crate::nlp::{NlpProblem, Pattern};
@@ -56,6 +57,8 @@ pub(super) struct Program<'a> {
     names: Vec<String>,
     row_lower: Vec<f64>,
     row_upper: Vec<f64>,
+    row_unit: Vec<f64>,
+    objective_unit: f64,
     row_names: Vec<String>,
     pairs: Vec<(usize, usize)>,
     jacobian: Pattern,
@@ -80,6 +83,8 @@ impl<'a> Program<'a> {
             names: Vec::new(),
             row_lower: Vec::new(),
             row_upper: Vec::new(),
+            row_unit: Vec::new(),
+            objective_unit: 1.0,
             row_names: Vec::new(),
             pairs: Vec::new(),
             jacobian: Pattern::default(),
@@ -111,6 +116,11 @@ impl<'a> Program<'a> {
         (self.lower[variable], self.upper[variable])
     }
 
+    /// Where the solver starts, in physical values.
+    pub(super) fn guessed(&self, variable: usize) -> f64 {
+        self.guess[variable]
+    }
+
     /// Narrows the bounds of a variable.
     pub(super) fn bound(&mut self, variable: usize, lower: f64, upper: f64) {
         self.lower[variable] = lower;
@@ -120,6 +130,18 @@ impl<'a> Program<'a> {
 
     /// Adds a row `lower <= c <= upper` without terms.
     pub(super) fn row(&mut self, name: impl Into<String>, lower: f64, upper: f64) -> usize {
+        self.row_in(1.0, name, lower, upper)
+    }
+
+    /// Adds a row that the solver sees divided by a unit.
+    pub(super) fn row_in(
+        &mut self,
+        unit: f64,
+        name: impl Into<String>,
+        lower: f64,
+        upper: f64,
+    ) -> usize {
+        self.row_unit.push(unit);
         self.row_names.push(name.into());
         self.row_lower.push(lower);
         self.row_upper.push(upper);
@@ -186,8 +208,29 @@ impl<'a> Program<'a> {
         self.pairs.push((i, j));
     }
 
-    /// Fixes the patterns; call once, after everything is added.
-    pub(super) fn finish(mut self) -> Self {
+    /// What the solver divides the objective by: the power of a million nearest to its largest derivative by an unknown
+    /// in its unit, where the `controls` are one unit off the guess. The solver itself takes derivatives above 100
+    /// back to that.
+    fn measure_objective(&mut self, controls: &[Vec<usize>]) {
+        let mut x = vec![0.0; self.names.len()];
+        let mut gradient = vec![0.0; x.len()];
+        self.initial_point(&mut x);
+        for &u in controls.iter().flatten() {
+            x[u] += 1.0;
+        }
+        self.gradient(&x, &mut gradient);
+        let largest = gradient.iter().fold(0.0, |largest, g| g.abs().max(largest));
+        self.objective_unit = nearest_power(1e6, largest);
+    }
+
+    /// What the solver's objective is in units of.
+    pub(super) fn objective_unit(&self) -> f64 {
+        self.objective_unit
+    }
+
+    /// Fixes the patterns and the unit of the objective; call once, after everything is added.
+    pub(super) fn finish(mut self, controls: &[Vec<usize>]) -> Self {
+        self.measure_objective(controls);
         let mut additions = Vec::new();
         self.visit_jacobian(&mut |row, column, _| additions.push((row, column)), None);
         self.jacobian = Pattern::new(&additions);
@@ -342,8 +385,10 @@ impl NlpProblem for Program<'_> {
     }
 
     fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        lower.copy_from_slice(&self.row_lower);
-        upper.copy_from_slice(&self.row_upper);
+        for (i, unit) in self.row_unit.iter().enumerate() {
+            lower[i] = self.row_lower[i] / unit;
+            upper[i] = self.row_upper[i] / unit;
+        }
     }
 
     fn initial_point(&self, x: &mut [f64]) {
@@ -353,7 +398,7 @@ impl NlpProblem for Program<'_> {
     }
 
     fn objective(&mut self, x: &[f64]) -> f64 {
-        self.with_physical(x, |program, x| {
+        let value = self.with_physical(x, |program, x| {
             let mut value = Self::terms_value(&program.objective, x);
             for index in 0..program.blocks.len() {
                 if !program.blocks[index].serves_objective() {
@@ -369,7 +414,8 @@ impl NlpProblem for Program<'_> {
                 }
             }
             value
-        })
+        });
+        value / self.objective_unit
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
@@ -406,6 +452,7 @@ impl NlpProblem for Program<'_> {
                 }
             }
         });
+        gradient.iter_mut().for_each(|g| *g /= self.objective_unit);
     }
 
     fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
@@ -432,6 +479,9 @@ impl NlpProblem for Program<'_> {
                 }
             }
         });
+        for (c, unit) in c.iter_mut().zip(&self.row_unit) {
+            *c /= unit;
+        }
     }
 
     fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
@@ -444,9 +494,10 @@ impl NlpProblem for Program<'_> {
         let mut next = places.iter();
         self.with_physical(x, |program, x| {
             let unit = program.unit.clone();
-            let mut add = |_, column: usize, value: f64| {
+            let row_unit = program.row_unit.clone();
+            let mut add = |row: usize, column: usize, value: f64| {
                 if let Some(&place) = next.next() {
-                    values[place] += value * unit[column];
+                    values[place] += value * unit[column] / row_unit[row];
                 }
             };
             program.visit_jacobian(&mut add, Some(x));
@@ -462,6 +513,9 @@ impl NlpProblem for Program<'_> {
         values.fill(0.0);
         let places = std::mem::take(&mut self.hessian.places);
         let mut next = places.iter();
+        let weight = weight / self.objective_unit;
+        let scaled = multipliers.iter().zip(&self.row_unit);
+        let multipliers: Vec<f64> = scaled.map(|(y, unit)| y / unit).collect();
         self.with_physical(x, |program, x| {
             let unit = program.unit.clone();
             let mut add = |i: usize, j: usize, value: f64| {
@@ -469,7 +523,7 @@ impl NlpProblem for Program<'_> {
                     values[place] += value * unit[i] * unit[j];
                 }
             };
-            program.visit_hessian(&mut add, Some((x, weight, multipliers)));
+            program.visit_hessian(&mut add, Some((x, weight, &multipliers)));
         });
         self.hessian.places = places;
     }

@@ -74,10 +74,10 @@ impl<'o> Watch<'o> {
         self.progress.best = best;
     }
 
-    /// Reports an iteration; `false` stops the program.
-    pub(super) fn iteration(&mut self, info: &IterationInfo) -> bool {
+    /// Reports an iteration of a program with the objective in that unit; `false` stops it.
+    pub(super) fn iteration(&mut self, info: &IterationInfo, unit: f64) -> bool {
         self.progress.iterations = self.before + info.iteration;
-        self.progress.objective = info.objective;
+        self.progress.objective = unit * info.objective;
         self.progress.primal_infeasibility = info.primal_infeasibility;
         self.progress.dual_infeasibility = info.dual_infeasibility;
         self.progress.complementarity = info.complementarity;

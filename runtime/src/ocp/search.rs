@@ -1,35 +1,22 @@
 //! The search over contact sequences: attempts, cuts, repair.
 
+use super::attempt::{Purpose, Tried, Verdict};
 use super::collocation::{Collocation, Cut, Setting};
-use super::cuts::{Limits, between_stages};
+use super::cuts::Limits;
 use super::global::Relaxed;
 use super::path::Path;
+use super::previous::Previous;
 use super::progress::Watch;
 use super::repair::Pressure;
-use super::sequence::{Sequence, Signature};
-use super::settings::{Formulation, Guess, Settings};
+use super::sequence::Sequence;
+use super::settings::{ControlShape, Formulation, Guess, Settings};
 use super::solution::{Counts, Solution, Stationarity, Status, TimeFreezingReport};
-use crate::model::contact_point;
 use crate::nlp;
 use crate::rk::ButcherTableau;
 use crate::simulation::{InputError, SimulationStatus};
 
-/// Barrier parameters that a collocation program is started with, in this order.
-const BARRIERS: [f64; 3] = [1e-2, 1e-3, 1e-1];
-/// Barrier parameter after a cut, and those that follow if that fails.
-const BARRIERS_AFTER_CUT: [f64; 3] = [1e-4, 1e-2, 1e-3];
-/// Rounds of cuts of one sequence.
-const ROUNDS: usize = 5;
-/// Relative decrease of the objective that counts as an improvement.
-const IMPROVEMENT: f64 = 1e-9;
-/// Barrier parameters that a neighbouring sequence is started with, and most iterations for it.
-const NEIGHBOUR_BARRIERS: [f64; 2] = [1e-2, 1e-3];
-const NEIGHBOUR_ITERATIONS: usize = 150;
 /// Gap below which a flight counts as touching, relative to the gap margin.
 const TOUCHING: f64 = 0.1;
-/// Normal velocity of a touch below which it grazes, relative to what the acceleration of the contact does in the phase
-/// before it.
-const GRAZING: f64 = 1e-3;
 /// Most switches of short contacts and flights for which a sequence is tried with them, too.
 const SHORT_SWITCHES: usize = 2;
 
@@ -51,37 +38,56 @@ pub(super) struct Search<'a, 's> {
     pub(super) elements: Vec<usize>,
     pub(super) settings: &'s Settings,
     pub(super) watch: Watch<'s>,
+    /// Most programs, those of coarser grids included.
+    pub(super) most_programs: usize,
     pub(super) counts: Counts,
     pub(super) time_freezing: Option<TimeFreezingReport>,
-    pub(super) tried: Vec<Signature>,
+    pub(super) tried: Vec<Tried>,
     pub(super) best: Option<Local<'a>>,
-    /// Whether a neighbour of the best could not be solved.
-    pub(super) undecided: bool,
-    /// Why the last program failed, and its worst rows.
+    /// Why the program that came nearest to a solution failed, and its worst rows.
     pub(super) failure: Option<(nlp::Status, Vec<nlp::Violation>)>,
+    /// Why the last program that failed did.
+    pub(super) last_failure: Option<nlp::Status>,
 }
 
 impl<'a> Search<'a, '_> {
-    pub(super) fn run(&mut self, guess: &Path) -> Result<Solution, InputError> {
+    /// Solves from a guess, which may be the motion on a coarser grid.
+    pub(super) fn run(
+        &mut self,
+        guess: &Path,
+        coarser: Option<&Previous>,
+    ) -> Result<Solution, InputError> {
         let mut found: Vec<(Local<'a>, Stationarity)> = Vec::new();
         let settings = self.settings;
-        if let Guess::Previous(previous) = &settings.guess {
-            let relaxed = previous.relaxed(guess, self.setting.problem.intervals);
-            self.attempt_and_repair(relaxed, &mut found)?;
+        let mut known = Vec::new();
+        if coarser.is_some() {
+            known.extend(self.on_this_grid(guess)?);
+        }
+        let previous = match &settings.guess {
+            Guess::Previous(previous) => Some(&**previous),
+            _ => coarser,
+        };
+        let intervals = self.setting.problem.intervals;
+        known.extend(previous.map(|previous| previous.relaxed(guess, intervals)));
+        for relaxed in known {
+            if found.is_empty() && !self.watch.stopped {
+                self.attempt_and_repair(relaxed, coarser.is_some(), &mut found)?;
+            }
         }
         // Without a previous motion, or too far from it: search.
-        let relaxed = match &settings.formulation {
-            _ if !found.is_empty() || self.watch.stopped => Vec::new(),
-            Formulation::Phases => self.global(guess)?,
-            Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
-        };
-        let bouncing = self.bouncing(guess)?;
-        let relaxed = relaxed.into_iter().take(settings.refined_motions);
-        for global in bouncing.into_iter().chain(relaxed) {
-            if self.watch.stopped {
-                break;
-            }
-            self.attempt_and_repair(global, &mut found)?;
+        if found.is_empty() {
+            self.search_from(guess, &mut found)?;
+        }
+        // The ride without controls obeys the dynamics, which is what other guesses may be too far from.
+        if found.is_empty() && !matches!(settings.guess, Guess::Ride) && !self.watch.stopped {
+            let Setting {
+                model,
+                problem,
+                bounds,
+                ..
+            } = self.setting;
+            let ride = Path::guess(model, problem, &Guess::Ride, bounds)?;
+            self.search_from(&ride, &mut found)?;
         }
         // The best that the re-simulation confirms, or else the best.
         let mut result: Option<Solution> = None;
@@ -99,6 +105,36 @@ impl<'a> Search<'a, '_> {
             Some(solution) => solution,
             None => self.failed(),
         })
+    }
+
+    /// Adds the local optima that the motions of the global phase lead to.
+    fn search_from(
+        &mut self,
+        guess: &Path,
+        found: &mut Vec<(Local<'a>, Stationarity)>,
+    ) -> Result<(), InputError> {
+        if self.watch.stopped {
+            return Ok(());
+        }
+        let settings = self.settings;
+        let known = self.failure.take();
+        let relaxed = match &settings.formulation {
+            Formulation::Phases => self.global(guess)?,
+            Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
+        };
+        let bouncing = self.bouncing(guess)?;
+        if known.is_some() || !relaxed.is_empty() {
+            // Rows of the programs of contact sequences say more than those of relaxed ones.
+            self.failure = known;
+        }
+        let relaxed = relaxed.into_iter().take(settings.refined_motions);
+        for global in bouncing.into_iter().chain(relaxed) {
+            if self.watch.stopped {
+                break;
+            }
+            self.attempt_and_repair(global, false, found)?;
+        }
+        Ok(())
     }
 
     /// The motion under the guessed controls, where a contact bounces: the global phase knows no bounce.
@@ -120,13 +156,15 @@ impl<'a> Search<'a, '_> {
         }))
     }
 
-    /// Adds the local optimum that a relaxed motion leads to, the best first.
+    /// Adds the local optimum that a relaxed motion leads to, the best first; of one that is known to be near, by the
+    /// first sequence that allows a motion.
     fn attempt_and_repair(
         &mut self,
         global: Relaxed,
+        near: bool,
         found: &mut Vec<(Local<'a>, Stationarity)>,
     ) -> Result<(), InputError> {
-        self.read_and_attempt(global)?;
+        self.read_and_attempt(global, near)?;
         let stationarity = self.repair()?;
         if let Some(best) = self.best.take() {
             let objective = best.solution.objective;
@@ -139,7 +177,13 @@ impl<'a> Search<'a, '_> {
     /// Attempts the sequences that a relaxed motion suggests. It and the event-driven motion under the same
     /// controls may disagree where the motion is sensitive, and short contacts may be meant or not: all are
     /// candidates, the likely ones first.
-    fn read_and_attempt(&mut self, global: Relaxed) -> Result<(), InputError> {
+    fn read_and_attempt(&mut self, mut global: Relaxed, near: bool) -> Result<(), InputError> {
+        if self.setting.shape == ControlShape::Linear {
+            global.sequence = global.sequence.without_jumps();
+            let intervals = self.setting.problem.intervals;
+            global.path.controls =
+                (global.path.controls).resampled(ControlShape::Linear, intervals);
+        }
         let replay = self.simulate(&global.path, self.settings.replay_tolerance)?;
         let mut candidates = vec![(global.sequence, global.path)];
         if replay.status == SimulationStatus::Solved {
@@ -150,11 +194,14 @@ impl<'a> Search<'a, '_> {
                 path.horizon,
                 path.controls.clone(),
             );
-            candidates.push((self.read(&replay, path), simulated));
+            candidates.insert(0, (self.read(&replay, path), simulated));
         }
         let tidied = candidates
             .iter()
             .map(|(sequence, path)| (sequence.clone().tidied(), path));
+        let untouched = candidates
+            .iter()
+            .filter_map(|(sequence, path)| Some((sequence.untouched()?.tidied(), path)));
         let raw = candidates.iter().filter(|(sequence, _)| {
             let short = sequence.switches.len() - sequence.clone().tidied().switches.len();
             short <= SHORT_SWITCHES
@@ -163,89 +210,27 @@ impl<'a> Search<'a, '_> {
         let touching = candidates
             .iter()
             .filter_map(|(sequence, path)| Some((sequence.touching()?, path)));
-        for (sequence, path) in tidied.chain(raw).chain(touching) {
+        let likely: Vec<(Sequence, &Path)> =
+            tidied.chain(untouched).chain(raw).chain(touching).collect();
+        // The motion may end with its last impact; that is looked at where nothing else has a solution.
+        let intervals = self.setting.problem.intervals;
+        let ending = candidates
+            .iter()
+            .filter_map(|(sequence, path)| Some((sequence.ending(intervals)?, path)));
+        let count = likely.len();
+        for (index, (sequence, path)) in likely.into_iter().chain(ending).enumerate() {
+            if index >= count && self.best.is_some() {
+                break;
+            }
             let Some(sequence) = sequence.ordered(self.setting.problem.intervals) else {
                 continue;
             };
-            if !self.watch.stopped && !self.tried.contains(&sequence.signature()) {
-                self.attempt(&sequence, path, &[])?;
+            let enough = self.watch.stopped || near && self.best.is_some();
+            if !enough && !self.was_tried(&sequence) {
+                self.attempt(&sequence, path, &[], Purpose::Explore)?;
             }
         }
         Ok(())
-    }
-
-    /// Solves the program of a sequence with its cuts and keeps it if it is the best; says whether it is.
-    pub(super) fn attempt(
-        &mut self,
-        sequence: &Sequence,
-        guess: &Path,
-        cuts: &[Cut],
-    ) -> Result<bool, InputError> {
-        self.tried.push(sequence.signature());
-        let mut cuts = cuts.to_vec();
-        let mut guess = guess.clone();
-        let mut sequence = sequence.clone();
-        for round in 0..ROUNDS {
-            let barriers = if round > 0 {
-                &BARRIERS_AFTER_CUT[..]
-            } else if self.best.is_some() {
-                &NEIGHBOUR_BARRIERS[..]
-            } else {
-                &BARRIERS[..]
-            };
-            let Some((program, solution)) = self.solve(&sequence, &guess, &cuts, barriers)? else {
-                self.undecided |= !matches!(self.failure, Some((nlp::Status::Infeasible, _)));
-                return Ok(false);
-            };
-            if self.grazes(&program, &solution.x) {
-                return Ok(false);
-            }
-            let objective = solution.objective;
-            if let Some(best) = &self.best
-                && objective > best.solution.objective - IMPROVEMENT * objective.abs().max(1.0)
-            {
-                return Ok(false);
-            }
-            let parabolas = self.setting.parabolas;
-            let new = between_stages(&program, &solution.x, parabolas, self.limits());
-            (guess, sequence) = program.result(&solution.x);
-            // What is left after the last round is for the re-simulation to judge.
-            if new.is_empty() || round + 1 == ROUNDS {
-                self.best = Some(Local {
-                    program,
-                    solution,
-                    path: guess,
-                    sequence,
-                    cuts,
-                });
-                return Ok(true);
-            }
-            cuts.extend(new);
-        }
-        Ok(false)
-    }
-
-    /// Whether a touch has no impact worth the name: a motion that grazes a surface, which no simulation follows.
-    fn grazes(&self, program: &Collocation, x: &[f64]) -> bool {
-        let model = program.model;
-        let declaration = model.declaration();
-        let n = declaration.coordinates.len();
-        let mut input = vec![0.0; declaration.inputs()];
-        let mut point = vec![0.0; contact_point::length(n)];
-        let solved = program.solved(x);
-        let touched = |index: usize| program.sequence.switches[index].touches;
-        program.phases.iter().zip(&solved).any(|(phase, solved)| {
-            let (Some(contact), Some(index)) = (phase.closing, phase.ends_with) else {
-                return false;
-            };
-            let Some(end) = solved.states.last().filter(|_| touched(index)) else {
-                return false;
-            };
-            input[..2 * n].copy_from_slice(end);
-            model.contact(contact, &input, &mut point);
-            let unit = self.setting.units.force[contact] * solved.length;
-            point[contact_point::NORMAL_VELOCITY] > -GRAZING * unit
-        })
     }
 
     /// What the motion has to keep between the stages.
@@ -254,54 +239,22 @@ impl<'a> Search<'a, '_> {
             gap: TOUCHING * self.settings.gap_margin,
             margin: self.settings.gap_margin,
             bound: self.settings.tolerance,
+            units: self.setting.units,
             bounds: self.setting.bounds,
             problem: self.setting.problem,
             places: self.setting.places,
         }
     }
 
-    /// Solves one program from the first barrier parameter that works.
-    fn solve(
-        &mut self,
-        sequence: &Sequence,
-        guess: &Path,
-        cuts: &[Cut],
-        barriers: &[f64],
-    ) -> Result<Option<(Collocation<'a>, nlp::Solution)>, InputError> {
-        for &barrier in barriers {
-            let mut program = Collocation::new(self.setting, sequence, guess, cuts, &self.elements);
-            let mut settings = nlp::Settings {
-                tolerance: self.settings.tolerance,
-                constraint_tolerance: self.settings.tolerance,
-                initial_barrier_parameter: barrier,
-                maximum_iterations: self.settings.maximum_iterations,
-                ..nlp::Settings::default()
-            };
-            if self.best.is_some() {
-                // A neighbour starts near its solution, or is not worth much.
-                settings.maximum_iterations = settings.maximum_iterations.min(NEIGHBOUR_ITERATIONS);
-            }
-            let best = self.best.as_ref().map(|best| best.solution.objective);
-            self.watch.begin("collocation", &self.counts, best);
-            let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info);
-            let solution =
-                nlp::solve_from(&mut program.program, &settings, None, Some(&mut observer))
-                    .map_err(|error| refused(&error))?;
-            self.counts.programs += 1;
-            self.counts.iterations += solution.counts.iterations;
-            self.counts.factorizations += solution.counts.factorizations;
-            if matches!(
-                solution.status,
-                nlp::Status::Solved | nlp::Status::Acceptable
-            ) {
-                return Ok(Some((program, solution)));
-            }
-            self.failure = Some((solution.status, solution.violations));
-            if self.watch.stopped {
-                break;
-            }
+    /// Keeps why a program failed, if it came nearer to a solution than those before.
+    pub(super) fn note_failure(&mut self, status: nlp::Status, violations: Vec<nlp::Violation>) {
+        self.last_failure = Some(status);
+        let worst =
+            |violations: &[nlp::Violation]| violations.first().map_or(0.0, |row| row.amount);
+        let nearer = |(_, before): &(_, Vec<nlp::Violation>)| worst(&violations) < worst(before);
+        if self.failure.as_ref().is_none_or(nearer) {
+            self.failure = Some((status, violations));
         }
-        Ok(None)
     }
 
     /// Follows improving neighbours until there is none; says what was proved.
@@ -319,9 +272,11 @@ impl<'a> Search<'a, '_> {
                 touching: TOUCHING * self.settings.gap_margin,
             };
             let directed = pressure.directed();
-            let neighbours: Vec<Sequence> =
-                directed.into_iter().chain(pressure.insertions()).collect();
-            let shortened = pressure.shortened();
+            let inserted = pressure.insertions().into_iter().chain(pressure.sliding());
+            let neighbours: Vec<Sequence> = directed.into_iter().chain(inserted).collect();
+            // No neighbours, but often in another basin: nothing is claimed about them.
+            let explored = pressure.shortened().into_iter().chain(pressure.shifted());
+            let explored: Vec<Sequence> = explored.collect();
             let (path, cuts) = (best.path.clone(), best.cuts.clone());
             self.best = Some(best);
             let stationarity = if neighbours.is_empty() {
@@ -330,28 +285,32 @@ impl<'a> Search<'a, '_> {
                 Stationarity::B
             };
             let mut improved = false;
-            self.undecided = false;
+            let mut undecided = false;
             for neighbour in neighbours {
-                if self.tried.contains(&neighbour.signature()) {
+                if let Some(verdict) = self.known(&neighbour) {
+                    undecided |= verdict == Verdict::Undecided;
                     continue;
                 }
-                if self.watch.stopped || self.counts.programs >= self.settings.maximum_programs {
+                if self.watch.stopped || self.counts.programs >= self.most_programs {
                     return Ok(Stationarity::None);
                 }
-                if self.attempt(&neighbour, &path, &cuts)? {
-                    improved = true;
-                    break;
+                match self.attempt(&neighbour, &path, &cuts, Purpose::Compare)? {
+                    Verdict::Better => {
+                        improved = true;
+                        break;
+                    }
+                    Verdict::NotBetter(_) => {}
+                    Verdict::Undecided => undecided = true,
                 }
             }
-            let undecided = self.undecided;
-            // No neighbour, but often in another basin: nothing is claimed about it.
-            if !improved
-                && let Some(sequence) = shortened
-                && !self.tried.contains(&sequence.signature())
-                && !self.watch.stopped
-                && self.counts.programs < self.settings.maximum_programs
-            {
-                improved = self.attempt(&sequence, &path, &cuts)?;
+            for sequence in explored {
+                if improved || self.watch.stopped || self.counts.programs >= self.most_programs {
+                    break;
+                }
+                if !self.was_tried(&sequence) {
+                    let verdict = self.attempt(&sequence, &path, &cuts, Purpose::Explore)?;
+                    improved = verdict == Verdict::Better;
+                }
             }
             if !improved {
                 return Ok(if undecided {

@@ -31,9 +31,31 @@ pub enum Formulation {
     /// Small contact-implicit programs, from coarse to fine.
     #[default]
     Phases,
-    /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing). It starts from
+    /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing), with constant controls. It starts from
     /// [`Guess::Straight`] or [`Guess::Ride`].
     TimeFreezing(TimeFreezingSettings),
+}
+
+/// Controls on the intervals of a problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ControlShape {
+    /// Constant on each interval; they may jump between intervals.
+    #[default]
+    Constant,
+    /// Linear on each interval and continuous over the ends of the intervals: one value a node, one node more than
+    /// intervals. Bounds at the nodes hold everywhere. The contact sequence is looked for with constant controls.
+    Linear,
+}
+
+impl ControlShape {
+    /// Name used on the command line and in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Linear => "linear",
+        }
+    }
 }
 
 /// Where the bounds of coordinates hold.
@@ -66,14 +88,17 @@ pub enum PathPoints {
 pub struct Settings {
     /// How the contact sequence is found; default [`Formulation::Phases`].
     pub formulation: Formulation,
+    /// Controls on each interval; default constant.
+    pub controls: ControlShape,
     /// Where the global phase starts; default [`Guess::Straight`].
     pub guess: Guess,
     /// Number of starts that are solved side by side, the first one with these settings, the others with other
     /// guesses and discretizations; default 1, at least 1. The best result is returned, with the distinct local
     /// optima; it does not depend on the number of threads.
     pub starts: usize,
-    /// Finite elements of a phase at the start; default 1, at least 1. More are taken in the intervals that the
-    /// re-simulation of each of them shows to be inaccurate.
+    /// Finite elements of a phase at the start; default 1, at least 1. Where the re-simulation does not confirm a plan,
+    /// more are taken in the intervals that a simulation of each shows to be inaccurate; see
+    /// [`Solution::elements`](super::Solution::elements).
     pub elements: usize,
     /// Radau IIA stages of an element; default 4, in `2..=9`. Order `2 n - 1`. More are taken where the re-simulation
     /// does not confirm a plan.
@@ -109,6 +134,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             formulation: Formulation::default(),
+            controls: ControlShape::default(),
             guess: Guess::default(),
             starts: 1,
             elements: 1,

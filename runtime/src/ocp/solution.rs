@@ -1,9 +1,11 @@
 //! What the caller keeps.
 
+use super::control_grid::signal;
 use super::previous::Previous;
+use super::settings::ControlShape;
 use crate::mpcc;
 use crate::nlp::{self, NlpProblem, Violation};
-use crate::simulation::{EventKind, Residuals, Simulation};
+use crate::simulation::{ControlSignal, EventKind, Residuals, Simulation};
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -184,6 +186,8 @@ pub struct Solution {
     pub stationarity: Stationarity,
     /// Largest difference of a final coordinate between plan and re-simulation.
     pub resimulation_error: f64,
+    /// The first contact event in which plan and re-simulation differ, in words.
+    pub disagreement: Option<String>,
     /// Residuals of the plan: violation of its equations and bounds, gradient of the Lagrangian,
     /// and largest `min(gap, normal acceleration)`.
     pub residuals: Residuals,
@@ -192,9 +196,14 @@ pub struct Solution {
     /// Largest violation of a bound of a coordinate or of a path constraint along the whole plan, if there is any;
     /// of the order of the tolerance unless bounds are asked for at the nodes only.
     pub excess: Option<Excess>,
-    /// Controls of each interval, all of equal length.
+    /// Controls of each interval, all of equal length, or at each node where they are linear in between.
     pub controls: Vec<Vec<f64>>,
-    /// The event-driven re-simulation of the plan's controls; absent without a plan.
+    /// What the controls are on an interval.
+    pub shape: ControlShape,
+    /// Finite elements of a phase in each interval: more than asked for where the re-simulation wanted them.
+    pub elements: Vec<usize>,
+    /// The event-driven re-simulation of the plan's controls; absent without a plan. Of an impact at the final time it
+    /// may show the one side or the other, while the plan, its goals and its objective mean the state after it.
     pub motion: Option<Simulation>,
     /// Worst violated rows, if a program failed.
     pub violations: Vec<Violation>,
@@ -225,6 +234,7 @@ impl Solution {
             horizon: f64::NAN,
             stationarity: Stationarity::None,
             resimulation_error: f64::INFINITY,
+            disagreement: None,
             residuals: Residuals {
                 primal: f64::NAN,
                 dual: f64::NAN,
@@ -233,6 +243,8 @@ impl Solution {
             planned_events: Vec::new(),
             excess: None,
             controls: Vec::new(),
+            shape: ControlShape::default(),
+            elements: Vec::new(),
             motion: None,
             violations,
             size: Size::default(),
@@ -242,6 +254,15 @@ impl Solution {
             previous: None,
             optima: Vec::new(),
         }
+    }
+
+    /// The controls over time; none without a plan.
+    #[must_use]
+    pub fn signal(&self) -> ControlSignal {
+        if self.controls.is_empty() {
+            return ControlSignal::Zero;
+        }
+        signal(self.shape, self.horizon, self.controls.clone())
     }
 
     /// Why the run did not end with a certified motion, in one line; `None` if it did.
@@ -258,13 +279,20 @@ impl Solution {
                  limit on programs",
                 self.counts.programs
             )),
-            Status::Unconfirmed => Some(format!(
-                "the re-simulation has other contact events than the plan or ends too far from it ({:.1e}); \
-                 raise the number of stages or of intervals, or the gap margin",
-                self.resimulation_error
-            )),
+            Status::Unconfirmed => {
+                let difference = match &self.disagreement {
+                    Some(event) => format!("has other contact events than the plan ({event})"),
+                    None => "ends too far from the plan".to_owned(),
+                };
+                Some(format!(
+                    "the re-simulation {difference}, {:.1e} away at the end; raise the number of stages or of \
+                     intervals, or the gap margin",
+                    self.resimulation_error
+                ))
+            }
             Status::Infeasible => Some(format!(
-                "the goal cannot be reached within the bounds from this guess; {worst}"
+                "no motion to the goal within the bounds was found from this guess, nor from the motion without \
+                 controls; try several starts or more intervals; {worst}"
             )),
             Status::Interrupted if self.motion.is_none() => {
                 Some("stopped before a first motion was found".to_owned())

@@ -3,13 +3,16 @@
 use cpu_time::ThreadTime;
 
 use super::collocation::{Places, Setting, parabolas};
-use super::path::{Path, Units};
+use super::levels;
+use super::path::Path;
+use super::previous::Previous;
 use super::problem::{Problem, bounds};
 use super::progress::{Observer, Watch};
 use super::search::Search;
 use super::settings::Settings;
 use super::solution::{Counts, Solution};
 use super::starts;
+use super::units::Units;
 use crate::model::Model;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
@@ -43,9 +46,39 @@ pub(super) fn solve_once(
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
     let clock = ThreadTime::try_now();
+    let start = Start {
+        watch: Watch::new(observer),
+        counts: Counts::default(),
+        coarser: None,
+    };
+    let mut solution = levels::solve(model, problem, settings, start)?;
+    if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
+        solution.seconds = elapsed.as_secs_f64();
+    }
+    Ok(solution)
+}
+
+/// What a solution on one grid takes over from the one before it.
+pub(super) struct Start<'s> {
+    pub(super) watch: Watch<'s>,
+    pub(super) counts: Counts,
+    /// The motion on a coarser grid.
+    pub(super) coarser: Option<Previous>,
+}
+
+/// Solves on the grid of the problem.
+pub(super) fn solve_grid<'s>(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &'s Settings,
+    start: Start<'s>,
+) -> Result<(Solution, Watch<'s>), InputError> {
     let (lower, upper) = bounds(model);
     let bounds = (&lower[..], &upper[..]);
-    let guess = Path::guess(model, problem, &settings.guess, bounds)?;
+    let guess = match &start.coarser {
+        Some(coarser) => coarser.path(model, problem)?,
+        None => Path::guess(model, problem, &settings.guess, bounds)?,
+    };
     let units = Units::new(model, &guess, bounds);
     let stages = (settings.stages..=ButcherTableau::MAX_STAGES).step_by(MORE_STAGES);
     let tableaus: Vec<ButcherTableau> = stages
@@ -66,24 +99,23 @@ pub(super) fn solve_once(
             bounds: settings.bounds,
             path: settings.path_points,
         },
+        shape: settings.controls,
     };
     let mut search = Search {
         setting,
         tableaus: &tableaus,
         elements: vec![settings.elements; problem.intervals],
         settings,
-        watch: Watch::new(observer),
-        counts: Counts::default(),
+        watch: start.watch,
+        most_programs: start.counts.programs + settings.maximum_programs,
+        counts: start.counts,
         time_freezing: None,
         tried: Vec::new(),
         best: None,
-        undecided: false,
         failure: None,
+        last_failure: None,
     };
-    let mut solution = search.run(&guess)?;
+    let mut solution = search.run(&guess, start.coarser.as_ref())?;
     solution.time_freezing = search.time_freezing;
-    if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
-        solution.seconds = elapsed.as_secs_f64();
-    }
-    Ok(solution)
+    Ok((solution, search.watch))
 }

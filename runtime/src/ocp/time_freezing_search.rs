@@ -2,8 +2,10 @@
 
 use cpu_time::ThreadTime;
 
+use super::control_grid::ControlGrid;
 use super::global::Relaxed;
-use super::path::{Path, with_forces};
+use super::mode::{Mode, is_rough, sliding_velocity};
+use super::path::{Path, drive, with_forces};
 use super::search::{Search, refused};
 use super::sequence::Sequence;
 use super::settings::Guess;
@@ -42,7 +44,7 @@ impl Search<'_, '_> {
             self.settings.maximum_iterations.max(ITERATIONS);
         self.watch
             .begin("time-freezing program", &self.counts, None);
-        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info);
+        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, 1.0);
         let solution = mpcc::solve_observed(&mut program, &relaxation, &mut observer)
             .map_err(|error| refused(&error))?;
         self.counts.programs += 1;
@@ -65,11 +67,11 @@ impl Search<'_, '_> {
         });
         let near = match solution.status {
             mpcc::Status::Failed(status) => {
-                self.failure = Some((status, solution.violations));
+                self.note_failure(status, solution.violations);
                 status == nlp::Status::Acceptable
             }
             mpcc::Status::Infeasible => {
-                self.failure = Some((nlp::Status::Infeasible, solution.violations));
+                self.note_failure(nlp::Status::Infeasible, solution.violations);
                 false
             }
             _ => true,
@@ -80,21 +82,47 @@ impl Search<'_, '_> {
         let path = self.path_of(&motion);
         Ok(vec![Relaxed {
             objective: solution.objective,
-            sequence: self.sequence_of(&motion, settings.elements, &path),
+            sequence: self.sequence_of(&motion, &settings, &path),
             path,
         }])
     }
 
-    /// The contacts that are closed in each element; a jump belongs to the contact after it.
-    fn sequence_of(&self, motion: &TimeFreezingMotion, elements: usize, path: &Path) -> Sequence {
+    /// What the contacts do in each element; a jump belongs to the contact after it. How they slide follows from the
+    /// velocity at the end: in a pair whose product is relaxed, both may be as large as its root.
+    fn sequence_of(
+        &self,
+        motion: &TimeFreezingMotion,
+        settings: &TimeFreezingSettings,
+        path: &Path,
+    ) -> Sequence {
+        let zero = settings.complementarity.sqrt();
+        let model = self.setting.model;
         let interval = motion.horizon / self.setting.problem.intervals as f64;
-        let closed: Vec<Vec<bool>> = motion
+        let states = motion.q.iter().zip(&motion.v).zip(&motion.time);
+        let modes: Vec<Vec<Mode>> = motion
             .step_functions
             .iter()
-            .map(|alpha| alpha.iter().map(|&alpha| alpha < OPEN).collect())
+            .zip(states)
+            .map(|(alpha, ((q, v), &time))| {
+                let state = [&q[..], v].concat();
+                let mode = |(contact, &alpha): (usize, &f64)| {
+                    if alpha >= OPEN {
+                        return Mode::Open;
+                    }
+                    let rough = is_rough(model, contact);
+                    let slides = rough.then(|| sliding_velocity(model, contact, &state, time));
+                    Mode::closed(rough, slides.unwrap_or(0.0), zero)
+                };
+                alpha.iter().enumerate().map(mode).collect()
+            })
             .collect();
         let ends: Vec<f64> = motion.time.iter().map(|time| time / interval).collect();
-        Sequence::of_elements(self.closed_at_start(path), &closed, (elements, &ends), 0.0)
+        Sequence::of_elements(
+            self.modes_at_start(path),
+            &modes,
+            (settings.elements, &ends),
+            0.0,
+        )
     }
 
     fn path_of(&self, motion: &TimeFreezingMotion) -> Path {
@@ -105,13 +133,18 @@ impl Search<'_, '_> {
         states.extend(ends.map(|(q, v)| [&q[..], &v[..]].concat()));
         let states = states.into_iter().enumerate().map(|(i, state)| {
             let interval = i.saturating_sub(1) / per_interval;
-            with_forces(model, state, &motion.controls[interval])
+            let time = i.checked_sub(1).map_or(0.0, |end| motion.time[end]);
+            with_forces(
+                model,
+                state,
+                &drive(model, &motion.controls[interval], time),
+            )
         });
         Path {
             states: states.collect(),
             time: std::iter::once(&0.0).chain(&motion.time).copied().collect(),
             horizon: motion.horizon,
-            controls: motion.controls.clone(),
+            controls: ControlGrid::constant(motion.controls.clone()),
         }
     }
 }

@@ -136,7 +136,9 @@ impl<'a> FixedRun<'a> {
             } else {
                 t + h
             };
-            self.dynamics.set_controls(&self.problem.controls, t);
+            // The piece at the middle of the step: jumps of the controls or of their slopes are not located either.
+            self.dynamics
+                .set_controls(&self.problem.controls, t + 0.5 * h);
             self.runge_kutta(t, h);
             let switched = self.evaluate(end)?;
             self.result.counts.elements += 1;
@@ -237,6 +239,7 @@ impl<'a> FixedRun<'a> {
 
     fn record(&mut self, t: f64) {
         let n = self.dynamics.n;
+        self.dynamics.write_controls(t);
         self.result.trajectory.push(
             t,
             self.y[2 * n],

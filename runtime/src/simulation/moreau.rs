@@ -116,7 +116,7 @@ impl<'a> TimeStepping<'a> {
         self.record(0.0);
         for step in 0..self.settings.steps {
             let t = step as f64 * h;
-            // Controls are those of the middle of the step: jumps are not located either.
+            // Controls are those of the piece at the middle of the step: jumps are not located either.
             self.dynamics
                 .set_controls(&self.problem.controls, t + 0.5 * h);
             if let Err((contact, message)) = self.step(t, h) {
@@ -261,6 +261,7 @@ impl<'a> TimeStepping<'a> {
 
     fn record(&mut self, time: f64) {
         let n = self.dynamics.n;
+        self.dynamics.write_controls(time);
         self.result.trajectory.push(
             time,
             self.numerical_time,

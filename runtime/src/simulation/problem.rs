@@ -1,6 +1,6 @@
 //! The initial value problem that every simulator takes, and the checks that come before it.
 
-use crate::model::{ContactDeclaration, ImpactLaw, Model};
+use crate::model::{ContactDeclaration, ControlPiece, ImpactLaw, Model};
 
 /// Gaps above `-GAP_TOLERANCE` times the scale of the coordinates count as "on the surface".
 const GAP_TOLERANCE: f64 = 1e-9;
@@ -32,28 +32,66 @@ pub enum ControlSignal {
         /// Control values of each interval.
         values: Vec<Vec<f64>>,
     },
+    /// Continuous and linear between nodes: `values[k]` (length `n_u`) at `times[k]`; the last one holds to the end.
+    PiecewiseLinear {
+        /// The nodes \[s\], increasing, the first at most 0.
+        times: Vec<f64>,
+        /// Control values at each node.
+        values: Vec<Vec<f64>>,
+    },
 }
 
 impl ControlSignal {
     /// Writes the controls that hold right after time `t` into `u`.
+    ///
+    /// # Examples
+    /// ```
+    /// use hangtime::simulation::ControlSignal;
+    ///
+    /// let (times, values) = (vec![0.0, 2.0], vec![vec![1.0], vec![5.0]]);
+    /// let ramp = ControlSignal::PiecewiseLinear { times, values };
+    /// let mut u = [0.0];
+    /// ramp.write(0.5, &mut u);
+    /// assert_eq!(u, [2.0]);
+    /// ramp.write(3.0, &mut u);
+    /// assert_eq!(u, [5.0]);
+    /// ```
     pub fn write(&self, t: f64, u: &mut [f64]) {
-        match self {
-            Self::Zero => u.fill(0.0),
-            Self::PiecewiseConstant { times, values } => {
-                let k = times.partition_point(|&start| start <= t).max(1) - 1;
-                u.copy_from_slice(&values[k]);
-            }
-        }
+        let mut piece = ControlPiece::default();
+        self.take_piece(t, u.len(), &mut piece);
+        piece.write(t, u);
     }
 
-    /// The next time after `t` at which the controls jump, if any.
+    /// The next time after `t` at which the controls jump or change their slope, if any.
     #[must_use]
-    pub fn next_jump(&self, t: f64) -> Option<f64> {
-        match self {
-            Self::Zero => None,
-            Self::PiecewiseConstant { times, .. } => times
-                .get(times.partition_point(|&start| start <= t))
-                .copied(),
+    pub fn next_break(&self, t: f64) -> Option<f64> {
+        let (Self::PiecewiseConstant { times, .. } | Self::PiecewiseLinear { times, .. }) = self
+        else {
+            return None;
+        };
+        let next = times.partition_point(|&start| start <= t);
+        times.get(next).copied()
+    }
+
+    /// Whether the controls may jump where pieces meet.
+    pub(crate) fn jumps(&self) -> bool {
+        matches!(self, Self::PiecewiseConstant { .. })
+    }
+
+    /// The `count` controls on the piece that holds right after time `t`.
+    pub(crate) fn take_piece(&self, t: f64, count: usize, piece: &mut ControlPiece) {
+        let (Self::PiecewiseConstant { times, values } | Self::PiecewiseLinear { times, values }) =
+            self
+        else {
+            piece.set_constant((0..count).map(|_| 0.0));
+            return;
+        };
+        let k = times.partition_point(|&start| start <= t).max(1) - 1;
+        match (self, times.get(k + 1), values.get(k + 1)) {
+            (Self::PiecewiseLinear { .. }, Some(&end), Some(next)) => {
+                piece.set_linear((times[k], &values[k]), (end, next));
+            }
+            _ => piece.set_constant(values[k].iter().copied()),
         }
     }
 }
@@ -261,18 +299,24 @@ impl InitialValueProblem {
     }
 
     fn check_controls(&self, controls: usize) -> Result<(), InputError> {
-        let ControlSignal::PiecewiseConstant { times, values } = &self.controls else {
+        let (ControlSignal::PiecewiseConstant { times, values }
+        | ControlSignal::PiecewiseLinear { times, values }) = &self.controls
+        else {
             return Ok(());
         };
-        length("control values", values.len(), times.len())?;
-        if times.first().is_none_or(|&first| first > 0.0)
-            || times.windows(2).any(|pair| pair[0] >= pair[1])
-        {
+        length("control values over time", values.len(), times.len())?;
+        for &time in times {
+            finite("a control time", time)?;
+        }
+        let disordered = times.windows(2).find(|pair| pair[0] >= pair[1]);
+        let late = times.first().copied().filter(|&first| first > 0.0);
+        let wrong = late.or_else(|| disordered.map(|pair| pair[1]));
+        if times.is_empty() || wrong.is_some() {
             return Err(InputError::OutOfRange {
-                what: "control times".into(),
-                value: times.first().copied().unwrap_or(f64::NAN),
+                what: "control time".into(),
+                value: wrong.unwrap_or(f64::NAN),
                 unit: "s".into(),
-                bound: "increasing, the first at most 0".into(),
+                bound: "one of increasing times, the first at most 0".into(),
             });
         }
         for value in values {

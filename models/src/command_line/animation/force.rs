@@ -3,8 +3,8 @@
 //! A force `F` on a body at `p(q)` is the generalized force `(dp/dq)' F`. The one of a contact is `n lambda_n + b
 //! lambda_t`. The arrow belongs to the body that can carry it, and is the least-squares solution there.
 
+use crate::Plane;
 use hangtime::model::{Model, contact_point, tangent_point};
-use hangtime_models::Plane;
 use serde::Serialize;
 
 use crate::command_line::sampling::State;
@@ -130,10 +130,10 @@ fn least_squares(jacobian: &[[f64; 2]], generalized: &[f64]) -> ([f64; 2], f64) 
 mod tests {
     use super::{Arrow, arrows};
     use crate::command_line::sampling::State;
-    use crate::command_line::settings::ChosenScene;
+    use crate::command_line::settings::{ChosenScene, find};
 
     fn arrow(scene: &str, q: &[f64], force: f64, contact: usize) -> Arrow {
-        let chosen = ChosenScene::new(scene, &[]).unwrap();
+        let chosen = ChosenScene::new(find(crate::scenes(), scene).unwrap(), &[]).unwrap();
         let declaration = chosen.model.declaration();
         let mut contact_force = vec![0.0; declaration.contacts.len()];
         contact_force[contact] = force;

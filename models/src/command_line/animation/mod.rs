@@ -2,9 +2,9 @@
 
 mod force;
 
+use crate::{GroundLine, Plane};
 use hangtime::model::Model;
 use hangtime::simulation::Simulation;
-use hangtime_models::{GroundLine, Plane};
 use serde::Serialize;
 
 use self::force::Arrow;

@@ -6,15 +6,15 @@ mod sweep;
 
 use std::fmt::Write as _;
 
+use crate::Scene;
 use hangtime::simulation::InitialValueProblem;
-use hangtime_models::scenes;
 
 use super::Report;
 use super::arguments::ChartArguments;
 use super::failure::BadInput;
 use super::output::OutputDirectory;
 use super::page::{Page, Section};
-use super::settings::ChosenScene;
+use super::settings::{ChosenScene, find};
 
 /// What one kind of chart comes to.
 struct Chart {
@@ -26,12 +26,15 @@ struct Chart {
     diagnoses: Vec<String>,
 }
 
-pub(super) fn run(arguments: &ChartArguments) -> Result<Report, BadInput> {
+pub(super) fn run(
+    scenes: &'static [Scene],
+    arguments: &ChartArguments,
+) -> Result<Report, BadInput> {
     let chosen: Vec<ChosenScene> = match &arguments.scene {
-        Some(name) => vec![ChosenScene::new(name, &arguments.settings)?],
-        None => scenes()
+        Some(name) => vec![ChosenScene::new(find(scenes, name)?, &arguments.settings)?],
+        None => scenes
             .iter()
-            .map(|scene| ChosenScene::new(scene.name, &[]))
+            .map(|scene| ChosenScene::new(scene, &[]))
             .collect::<Result<_, _>>()?,
     };
     let problems = chosen

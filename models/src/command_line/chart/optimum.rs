@@ -243,7 +243,7 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
 #[cfg(test)]
 mod tests {
     use super::{Grid, chart};
-    use crate::command_line::settings::ChosenScene;
+    use crate::command_line::settings::{ChosenScene, find};
 
     /// The cheapest grids that solve.
     const COARSE: [Grid; 1] = [Grid {
@@ -254,7 +254,7 @@ mod tests {
 
     #[test]
     fn chart_of_the_solver_has_a_row_for_every_run_and_measures_from_the_best() {
-        let chosen = ChosenScene::new("pump-track", &[]).unwrap();
+        let chosen = ChosenScene::new(find(crate::scenes(), "pump-track").unwrap(), &[]).unwrap();
         let chart = chart(&chosen, &COARSE).unwrap().unwrap();
         let section = chart.section.unwrap();
         assert_eq!(section.rows.len(), 2);
@@ -279,7 +279,7 @@ mod tests {
 
     #[test]
     fn chart_of_the_solver_without_an_objective_is_none() {
-        let chosen = ChosenScene::new("ski-jump", &[]).unwrap();
+        let chosen = ChosenScene::new(find(crate::scenes(), "ski-jump").unwrap(), &[]).unwrap();
         assert!(chart(&chosen, &COARSE).unwrap().is_none());
     }
 }

@@ -1,6 +1,6 @@
 //! Pictures of a motion in a plane.
 
-use hangtime_models::{GroundLine, PublishedPoint};
+use crate::{GroundLine, PublishedPoint};
 use kuva::prelude::{LegendPosition, LinePlot, LineStyle, MarkerShape, Plot, ScatterPlot};
 
 use super::{COLOURS, GREY, SIZE, layout, svg};

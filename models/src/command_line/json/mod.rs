@@ -273,11 +273,11 @@ mod tests {
 
     use super::Document;
     use crate::command_line::method::MethodSettings;
-    use crate::command_line::settings::ChosenScene;
+    use crate::command_line::settings::{ChosenScene, find};
 
     #[test]
     fn document_of_a_run_that_became_infinite_ends_before_the_first_infinite_row() {
-        let chosen = ChosenScene::new("ski-jump", &[]).unwrap();
+        let chosen = ChosenScene::new(find(crate::scenes(), "ski-jump").unwrap(), &[]).unwrap();
         let mut trajectory = Trajectory::default();
         trajectory.push(0.0, 0.0, &[1.0, 0.1], &[0.0, 0.0], &[], &[0.0, 0.0]);
         trajectory.push(0.5, 0.5, &[2.0, 0.2], &[1e300, 0.0], &[], &[0.0, 0.0]);

@@ -21,6 +21,8 @@ pub(crate) struct SolverSettings {
     pub(crate) stages: usize,
     /// Control intervals.
     pub(crate) intervals: usize,
+    /// What the controls are on an interval: constant or linear.
+    pub(crate) control_shape: &'static str,
     /// Finite elements: of a phase, or of an interval with time-freezing.
     pub(crate) elements: usize,
     /// Starts that were solved side by side.
@@ -46,6 +48,7 @@ impl SolverSettings {
             scheme: scheme.name(),
             stages,
             intervals,
+            control_shape: settings.controls.name(),
             elements,
             starts: settings.starts,
         }

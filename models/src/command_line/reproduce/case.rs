@@ -1,6 +1,6 @@
 //! One published case: its scene and data, and what came out.
 
-use hangtime_models::{ComparedValue, Measure, PublishedCase, PublishedData, Quantity, Scene};
+use crate::{ComparedValue, Measure, PublishedCase, PublishedData, Quantity, Scene};
 
 use super::super::failure::BadInput;
 use super::super::page::Section;
@@ -54,7 +54,7 @@ impl Case {
             .collect();
         Ok(Self {
             published,
-            chosen: ChosenScene::new(scene.name, &settings)?,
+            chosen: ChosenScene::new(scene, &settings)?,
             data: (published.data)().map_err(|error| BadInput::new(error.to_string()))?,
         })
     }
@@ -138,7 +138,7 @@ impl Row {
     }
 
     pub(super) fn known_text(&self) -> String {
-        use hangtime_models::Reference::{BestKnown, Certified, Unknown};
+        use crate::Reference::{BestKnown, Certified, Unknown};
         match self.value.reference {
             Certified(value) => decimals(Some(value)),
             BestKnown(value) => value.to_string(),

@@ -1,7 +1,7 @@
 //! One motion of a case, and the numbers that are read from it.
 
+use crate::{ComparedValue, Measure, Quantity};
 use hangtime::simulation::{Event, EventKind, InitialValueProblem, Simulation};
-use hangtime_models::{ComparedValue, Measure, Quantity};
 
 use super::super::method::ChosenMethod;
 use super::super::quantity;

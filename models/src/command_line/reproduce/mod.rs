@@ -9,7 +9,7 @@ mod simulated;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use hangtime_models::{PublishedCase, Scene, Task, scenes};
+use crate::{PublishedCase, Scene, Task};
 
 use self::case::{Case, Reproduced};
 use super::Report;
@@ -21,9 +21,14 @@ use super::progress::Progress;
 /// The page that shows everything.
 const INDEX: &str = "index.html";
 
-pub(super) fn run(out: &Path) -> Result<Report, BadInput> {
+pub(super) fn run(scenes: &'static [Scene], out: &Path) -> Result<Report, BadInput> {
+    if scenes.iter().all(|scene| scene.published.is_empty()) {
+        return Err(BadInput::new(
+            "none of the scenes has published results to reproduce; run `list` for the scenes, `--help` for the commands",
+        ));
+    }
     let directory = OutputDirectory::open(out)?;
-    let cases: Vec<(&'static Scene, &'static PublishedCase)> = scenes()
+    let cases: Vec<(&'static Scene, &'static PublishedCase)> = scenes
         .iter()
         .flat_map(|scene| scene.published.iter().map(move |case| (scene, case)))
         .collect();

@@ -1,11 +1,11 @@
 //! A published optimal motion, solved again, and its published controls put to the test.
 
+use crate::{Measure, Quantity};
 use hangtime::model::Model;
 use hangtime::ocp::{self, Problem, Settings, Solution};
 use hangtime::simulation::{
     ControlSignal, EventDriven, InitialValueProblem, InputError, Simulation, Simulator as _,
 };
-use hangtime_models::{Measure, Quantity};
 
 use super::super::failure::BadInput;
 use super::super::files::ResultFiles;

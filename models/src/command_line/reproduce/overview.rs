@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use hangtime_models::{PublishedCase, Quantity, Reference, Task};
+use crate::{PublishedCase, Quantity, Reference, Task};
 
 use super::super::figure::{COLOURS, Series, over_time};
 use super::super::motion::{panel, series};

@@ -6,6 +6,11 @@ use super::layout::{
     W,
 };
 
+/// Rate of the control at a place of `xi`, if there is one; the controls begin at `first`.
+fn slope_of(drive: &[f64], first: usize, place: usize) -> Option<f64> {
+    drive.get(place.checked_sub(first)?).copied()
+}
+
 impl HeavisideSystem<'_> {
     /// Place in `xi` of component `k` of the model's input vector.
     fn local_of_input(&self, k: usize) -> usize {
@@ -21,6 +26,21 @@ impl HeavisideSystem<'_> {
 
     /// Entries (row, column, value) of the Jacobian of the local rows at `xi`, always in the same order.
     pub(crate) fn jacobian(&mut self, xi: &[f64], mut add: impl FnMut(usize, usize, f64)) {
+        if self.drive.1.is_empty() {
+            self.undriven_jacobian(xi, add);
+            return;
+        }
+        let (drive, time) = (self.drive.1.clone(), self.time());
+        let first = self.states();
+        self.undriven_jacobian(xi, |row, column, value| {
+            add(row, column, value);
+            if let Some(slope) = slope_of(&drive, first, column) {
+                add(row, time, value * slope);
+            }
+        });
+    }
+
+    fn undriven_jacobian(&mut self, xi: &[f64], mut add: impl FnMut(usize, usize, f64)) {
         self.write_input(xi);
         self.system.evaluate(&self.input);
         self.system.evaluate_jacobians(&self.input);
@@ -146,6 +166,38 @@ impl HeavisideSystem<'_> {
     /// Entries (one of (i, j) and (j, i) each) of the Hessian of `weights' rows` at `xi`, always in the
     /// same order. An entry with `i = j` is a diagonal one.
     pub(crate) fn hessian(
+        &mut self,
+        xi: &[f64],
+        weights: &[f64],
+        mut add: impl FnMut(usize, usize, f64),
+    ) {
+        if self.drive.1.is_empty() {
+            self.undriven_hessian(xi, weights, add);
+            return;
+        }
+        let (drive, time) = (self.drive.1.clone(), self.time());
+        let first = self.states();
+        self.undriven_hessian(xi, weights, |i, j, value| {
+            add(i, j, value);
+            let (by_i, by_j) = (slope_of(&drive, first, i), slope_of(&drive, first, j));
+            // An entry off the diagonal stands for two; where it moves onto the diagonal it is both.
+            let mut moved = |a: usize, factor: f64| {
+                let both = if a == time && i != j { 2.0 } else { 1.0 };
+                add(a.max(time), a.min(time), both * factor * value);
+            };
+            if let Some(slope) = by_i {
+                moved(j, slope);
+            }
+            if let Some(slope) = by_j.filter(|_| i != j) {
+                moved(i, slope);
+            }
+            if let (Some(a), Some(b)) = (by_i, by_j) {
+                moved(time, a * b);
+            }
+        });
+    }
+
+    fn undriven_hessian(
         &mut self,
         xi: &[f64],
         weights: &[f64],

@@ -62,6 +62,8 @@ pub(crate) struct HeavisideSystem<'a> {
     elastic: Vec<usize>,
     input: Vec<f64>,
     force_weights: Vec<f64>,
+    /// Time at which the controls have their values, and their rates, empty where they are constant.
+    drive: (f64, Vec<f64>),
 }
 
 impl<'a> HeavisideSystem<'a> {
@@ -79,8 +81,15 @@ impl<'a> HeavisideSystem<'a> {
             elastic: contacts.filter(|&i| system.restitution(i) > 0.0).collect(),
             input: vec![0.0; declaration.inputs()],
             force_weights: vec![0.0; system.coordinates()],
+            drive: (0.0, Vec::new()),
             system,
         }
+    }
+
+    /// The system under controls that change at given rates of physical time: those in `xi` hold at `time`.
+    pub(crate) fn driven(mut self, time: f64, slopes: &[f64]) -> Self {
+        self.drive = (time, slopes.to_vec());
+        self
     }
 
     /// Input vector of the model from `xi`.
@@ -89,6 +98,10 @@ impl<'a> HeavisideSystem<'a> {
         self.input[..2 * n].copy_from_slice(&xi[..2 * n]);
         self.input[2 * n..2 * n + self.controls]
             .copy_from_slice(&xi[states..states + self.controls]);
+        let elapsed = xi[2 * n] - self.drive.0;
+        for (control, slope) in self.input[2 * n..].iter_mut().zip(&self.drive.1) {
+            *control += slope * elapsed;
+        }
         if let Some(time) = self.input.get_mut(2 * n + self.controls) {
             *time = xi[2 * n];
         }

@@ -43,9 +43,7 @@ impl FiniteElement<'_> {
     fn project_end(&mut self) -> Result<(), ElementError> {
         let (n, contacts, forces) = (self.n, self.active().len(), self.constraints.count());
         let mut x = self.stage_input(self.tableau.stages() - 1).to_vec();
-        if self.model.declaration().explicit_time {
-            x[self.inputs - 1] = self.end.time;
-        }
+        self.write_time(self.end.time, &mut x);
         let mut matrix = vec![0.0; forces * forces];
         let mut pivots = vec![0; forces];
         let mut shift = vec![0.0; forces];

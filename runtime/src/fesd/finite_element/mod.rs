@@ -31,7 +31,7 @@ mod output;
 use super::active_contact::ActiveContact;
 use super::constraints::Constraints;
 use crate::linalg::dense;
-use crate::model::Model;
+use crate::model::{ControlPiece, Model};
 use crate::rk::ButcherTableau;
 
 /// Newton iterations after which an element counts as not converged.
@@ -88,6 +88,9 @@ pub(crate) struct FiniteElement<'a> {
     tableau: &'a ButcherTableau,
     n: usize,
     inputs: usize,
+    controls: ControlPiece,
+    /// Input vector at the start.
+    first: Vec<f64>,
     constraints: Constraints<'a>,
     start: State,
     length: f64,
@@ -128,6 +131,8 @@ impl<'a> FiniteElement<'a> {
             tableau,
             n,
             inputs: declaration.inputs(),
+            controls: ControlPiece::default(),
+            first: vec![0.0; declaration.inputs()],
             constraints: Constraints::new(model),
             start: State::default(),
             length: 0.0,
@@ -200,8 +205,13 @@ impl<'a> FiniteElement<'a> {
         self.factorized = false;
     }
 
-    /// Solves the element of length `h` from `start` with controls `u`; the end state is in `end`.
-    pub(crate) fn solve(&mut self, start: &State, h: f64, u: &[f64]) -> Result<(), ElementError> {
+    /// Solves the element of length `h` from `start` under `controls`; the end state is in `end`.
+    pub(crate) fn solve(
+        &mut self,
+        start: &State,
+        h: f64,
+        controls: &ControlPiece,
+    ) -> Result<(), ElementError> {
         self.start.copy_from(start);
         if (h - self.length).abs() > 0.2 * h {
             self.factorized = false;
@@ -209,10 +219,16 @@ impl<'a> FiniteElement<'a> {
         self.length = h;
         // What a much shorter element says of its rates is rounding error, multiplied.
         self.has_previous &= h <= MOST_GROWTH * self.previous_length;
-        for stage in self.inputs_of_stages.chunks_exact_mut(self.inputs) {
-            stage[2 * self.n..2 * self.n + u.len()].copy_from_slice(u);
+        self.controls.clone_from(controls);
+        let place = self.place_of_controls();
+        for (stage, c) in self
+            .inputs_of_stages
+            .chunks_exact_mut(self.inputs)
+            .zip(self.tableau.c())
+        {
+            controls.write(start.time + c * h, &mut stage[place.clone()]);
         }
-        self.evaluate_start(u);
+        self.evaluate_start();
         self.predict(h);
         let predicted = self.has_previous;
         let mut outcome = self.iterate();
@@ -221,7 +237,7 @@ impl<'a> FiniteElement<'a> {
             if predicted {
                 // The prediction may have led astray.
                 self.has_previous = false;
-                self.evaluate_start(u);
+                self.evaluate_start();
                 self.predict(h);
                 outcome = self.iterate();
             }
@@ -261,23 +277,39 @@ impl<'a> FiniteElement<'a> {
         }
     }
 
+    /// Where the controls are in the input vector.
+    fn place_of_controls(&self) -> std::ops::Range<usize> {
+        2 * self.n..2 * self.n + self.model.declaration().controls.len()
+    }
+
+    /// Writes the controls at `time`, and the time where the model depends on it, into an input vector.
+    fn write_time(&self, time: f64, x: &mut [f64]) {
+        if self.controls.varies() {
+            self.controls.write(time, &mut x[self.place_of_controls()]);
+        }
+        if self.model.declaration().explicit_time {
+            x[self.inputs - 1] = time;
+        }
+    }
+
     /// Evaluates the directions of the position corrections, and the free acceleration at the start where no
     /// previous element helps.
-    fn evaluate_start(&mut self, u: &[f64]) {
+    fn evaluate_start(&mut self) {
         if self.active().is_empty() && self.has_previous {
             return;
         }
         let n = self.n;
-        let first = &mut self.inputs_of_stages[..self.inputs];
+        let mut first = std::mem::take(&mut self.first);
+        let controls = self.place_of_controls();
+        first[controls.clone()].copy_from_slice(&self.stage_input(0)[controls]);
         first[..n].copy_from_slice(&self.start.q);
         first[n..2 * n].copy_from_slice(&self.start.v);
-        if self.model.declaration().explicit_time {
-            first[2 * n + u.len()] = self.start.time;
-        }
+        self.write_time(self.start.time, &mut first);
         if !self.has_previous {
-            self.model.free_acceleration(first, &mut self.acceleration);
+            self.model.free_acceleration(&first, &mut self.acceleration);
         }
-        self.constraints.evaluate(first);
+        self.constraints.evaluate(&first);
+        self.first = first;
         let length = self.corrections.len();
         self.corrections
             .copy_from_slice(&self.constraints.directions[..length]);

@@ -46,8 +46,6 @@ impl FiniteElement<'_> {
             x[k] = self.start.q[k] + h * position;
             x[n + k] = self.start.v[k] + h * velocity;
         }
-        if self.model.declaration().explicit_time {
-            x[self.inputs - 1] = self.start.time + theta * h;
-        }
+        self.write_time(self.start.time + theta * h, x);
     }
 }

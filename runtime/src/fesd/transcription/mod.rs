@@ -429,7 +429,7 @@ mod tests {
             coordinates { y: m, z: m }
             controls { u: N }
             lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
-            forces { y: u - c*dot(y) }
+            forces { y: u*cos(k*y) + u^2/10[N] - c*dot(y) }
             surface floor: z - sin(k*y)/(4*k) >= 0
             surface wall: 1[m] - y - k*z^2/8 >= 0
             impact floor: inelastic
@@ -444,7 +444,7 @@ mod tests {
             coordinates { y: m, z: m }
             controls { u: N }
             lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
-            forces { y: u - c*dot(y) }
+            forces { y: u*cos(k*y) + u^2/10[N] - c*dot(y) }
             surface floor: z - sin(k*y)/(4*k) >= 0
             surface wall: 1[m] - y - k*z^2/8 >= 0
             impact floor: inelastic, friction 0.4, sliding dot(y) + cos(k*y)/4*dot(z)
@@ -452,15 +452,29 @@ mod tests {
         }
     }
 
-    fn worst_derivative(tableau: &ButcherTableau, bead: &dyn Model, free: bool) -> f64 {
-        let system = TimeFreezingSystem::new(bead, 50.0);
+    /// What is unknown beside the motion.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    enum Unknown {
+        /// Nothing: the controls are given.
+        Nothing,
+        /// Nothing, and the controls change with time.
+        NothingUnderRamps,
+        /// Controls and horizon.
+        Everything,
+    }
+
+    fn worst_derivative(tableau: &ButcherTableau, bead: &dyn Model, unknown: Unknown) -> f64 {
+        let mut dcs = HeavisideSystem::new(TimeFreezingSystem::new(bead, 50.0));
+        if unknown == Unknown::NothingUnderRamps {
+            dcs = dcs.driven(0.3, &[2.5]);
+        }
         let start = State {
             time: 0.3,
             q: vec![0.2, 0.4],
             v: vec![1.5, -0.7],
         };
         let mut task = Task::step(&start, &[0.8], 0.25, 2);
-        if free {
+        if unknown == Unknown::Everything {
             task.horizon_bounds = Some((0.1, 1.0));
             task.intervals = 2;
             task.controls = Controls::Free {
@@ -475,7 +489,7 @@ mod tests {
                 final_state: vec![(1, 0.3)],
             };
         }
-        let mut program = Transcription::new(HeavisideSystem::new(system), tableau, task);
+        let mut program = Transcription::new(dcs, tableau, task);
         // A point off every bound and symmetry.
         let mut x = vec![0.0; program.variables()];
         program.initial_point(&mut x);
@@ -494,10 +508,15 @@ mod tests {
         let beads: [&dyn Model; 2] = [&bead, &rough];
         for scheme in [Scheme::RadauIia, Scheme::GaussLegendre] {
             let tableau = ButcherTableau::new(scheme, 2).expect("two stages");
-            for (bead, free) in beads.into_iter().flat_map(|b| [(b, false), (b, true)]) {
+            let unknowns = [
+                Unknown::Nothing,
+                Unknown::NothingUnderRamps,
+                Unknown::Everything,
+            ];
+            for (bead, unknown) in beads.into_iter().flat_map(|b| unknowns.map(|u| (b, u))) {
                 // Central differences of functions of size 100 with steps of 6e-6.
-                let worst = worst_derivative(&tableau, bead, free);
-                assert!(worst < 1e-6, "{scheme:?}: {worst:e}");
+                let worst = worst_derivative(&tableau, bead, unknown);
+                assert!(worst < 1e-6, "{scheme:?}, {unknown:?}: {worst:e}");
             }
         }
     }

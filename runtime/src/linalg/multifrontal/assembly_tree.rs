@@ -32,8 +32,8 @@ struct Growing {
     below: u32,
 }
 
-/// Nanoseconds, roughly, to build and eliminate a front: a constant for finding its places, one for each multiplication
-/// and one for each entry of the Schur complement that moves to the parent.
+/// Half nanoseconds, roughly, to build and eliminate a front: a constant for finding its places, one for each
+/// multiplication and one for each entry of the Schur complement that moves to the parent.
 fn cost(columns: usize, below: usize) -> f64 {
     let (k, h) = (columns as f64, (columns + below) as f64);
     let multiplications = k * h * h - k * k * h + k * k * k / 3.0;
@@ -41,18 +41,19 @@ fn cost(columns: usize, below: usize) -> f64 {
 }
 
 /// Cost of a front whatever its size.
-const FRONT: f64 = 200.0;
+const FRONT: f64 = 150.0;
 
 impl AssemblyTree {
-    /// Merges nodes with their parents wherever that lowers the [`cost`]; `below(j)` are the rows of column `j` of the
-    /// factor below the diagonal, the parent in the elimination tree first.
-    pub(crate) fn new<'f>(n: usize, below: impl Fn(usize) -> &'f [usize]) -> Self {
+    /// Merges nodes with their parents wherever that lowers the [`cost`]; column `j` of the factor has `below[j]` entries
+    /// below its diagonal, and `parent(j)` is the parent of `j` in the elimination tree.
+    pub(crate) fn new(below: &[u32], parent: impl Fn(usize) -> Option<usize>) -> Self {
+        let n = below.len();
         let mut nodes: Vec<Growing> = (0..n)
             .map(|j| Growing {
                 head: j as u32,
                 child: NONE,
                 columns: 1,
-                below: below(j).len() as u32,
+                below: below[j],
             })
             .collect();
         // linked lists: next column of a node, next sibling of a child
@@ -87,8 +88,8 @@ impl AssemblyTree {
                     nodes[j].child = c as u32;
                 }
             }
-            match below(j).first() {
-                Some(&parent) => {
+            match parent(j) {
+                Some(parent) => {
                     sibling[j] = nodes[parent].child;
                     nodes[parent].child = j as u32;
                 }
@@ -129,34 +130,18 @@ impl AssemblyTree {
         tree
     }
 
-    /// The nodes, and the rows of each in the order of elimination: its columns, then those below.
-    pub(crate) fn supernodes<'f>(
-        &self,
-        below: impl Fn(usize) -> &'f [usize],
-    ) -> (Vec<Supernode>, Vec<u32>) {
-        let mut position = vec![0_u32; self.columns.len()];
-        for (new, &old) in self.columns.iter().enumerate() {
-            position[old as usize] = new as u32;
-        }
-        let mut nodes = Vec::with_capacity(self.lengths.len());
-        let mut rows = Vec::with_capacity(2 * self.columns.len());
+    /// The nodes in the order of elimination.
+    pub(crate) fn supernodes(&self, below: &[u32]) -> Vec<Supernode> {
         let mut first = 0;
-        for &length in &self.lengths {
+        let node = |&length: &u32| {
             let end = first + length as usize;
-            rows.extend((first..end).map(|j| j as u32));
-            let start = rows.len();
             // every row of an earlier column is among the columns or below the last one
-            let last = self.columns[end - 1] as usize;
-            rows.extend(below(last).iter().map(|&i| position[i]));
-            rows[start..].sort_unstable();
-            nodes.push(Supernode {
-                first,
-                end,
-                below: rows.len() - start,
-            });
+            let below = below[self.columns[end - 1] as usize] as usize;
+            let node = Supernode { first, end, below };
             first = end;
-        }
-        (nodes, rows)
+            node
+        };
+        self.lengths.iter().map(node).collect()
     }
 }
 
@@ -181,13 +166,17 @@ mod tests {
         rows
     }
 
+    fn counts(below: &[Vec<usize>]) -> Vec<u32> {
+        below.iter().map(|rows| rows.len() as u32).collect()
+    }
+
     #[test]
     fn new_children_come_before_parents_and_every_column_once() {
         // a long chain with a leaf at every second link
         let n = 400;
         let above = |j: usize| j + 1 + j % 2;
         let below = fill((0..n).map(|j| within(vec![above(j)], n)).collect());
-        let tree = AssemblyTree::new(n, |j| &below[j]);
+        let tree = AssemblyTree::new(&counts(&below), |j| below[j].first().copied());
         let mut place = vec![usize::MAX; n];
         for (new, &old) in tree.columns.iter().enumerate() {
             assert_eq!(place[old as usize], usize::MAX);
@@ -203,31 +192,24 @@ mod tests {
     }
 
     #[test]
-    fn supernodes_rows_of_a_child_lie_in_the_front_of_its_parent() {
+    fn supernodes_hold_the_rows_of_all_their_columns() {
         let n = 60;
         let below = fill((0..n).map(|j| within(vec![j + 1, j + 7], n)).collect());
-        let tree = AssemblyTree::new(n, |j| &below[j]);
-        let (nodes, rows) = tree.supernodes(|j| &below[j]);
-        let mut start = 0;
-        let fronts: Vec<&[u32]> = nodes
-            .iter()
-            .map(|node| {
-                let end = start + node.end - node.first + node.below;
-                let front = &rows[start..end];
-                start = end;
-                front
-            })
-            .collect();
-        for (node, front) in nodes.iter().zip(&fronts) {
-            let rest = &front[node.end - node.first..];
-            if let Some(&first) = rest.first() {
-                let parent = nodes
-                    .iter()
-                    .position(|p| (p.first..p.end).contains(&(first as usize)))
-                    .unwrap();
-                assert!(rest.iter().all(|row| fronts[parent].contains(row)));
+        let counts = counts(&below);
+        let tree = AssemblyTree::new(&counts, |j| below[j].first().copied());
+        let mut next = 0;
+        for node in tree.supernodes(&counts) {
+            assert_eq!(node.first, next);
+            next = node.end;
+            let columns = &tree.columns[node.first..node.end];
+            let last = columns[columns.len() - 1] as usize;
+            assert_eq!(node.below, below[last].len());
+            for &column in columns {
+                let inside = |i: &usize| columns.contains(&(*i as u32)) || below[last].contains(i);
+                assert!(below[column as usize].iter().all(inside));
             }
         }
+        assert_eq!(next, n);
     }
 
     #[test]

@@ -8,13 +8,19 @@
 //!
 //! Fronts of sparse programs have a handful of rows, so what costs is not arithmetic but finding places. As long as no
 //! column is postponed to a front, its rows are known from the pattern, and entries and Schur complements go to places
-//! computed once; only fronts that inherit columns look places up.
+//! computed once; only fronts that inherit columns look places up. Columns of fronts are padded to blocks of four rows, and
+//! factorization and solution are compiled for the widest vectors of the machine as well, with the same results.
 
 mod assembly_tree;
 mod front;
+mod kernels;
+mod substitution;
 mod symbolic;
 
+use pulp::Simd;
+
 use front::{Front, Pivot};
+use kernels::padded;
 use symbolic::{Node, Symbolic};
 
 use super::{FactorizationError, Inertia, KktFactorization, SymmetricPattern};
@@ -46,21 +52,21 @@ pub struct MultifrontalLdl {
     scale: Vec<f64>,
     is_scaled: bool,
     work: Vec<f64>,
-    /// Shifted values in the order of the entries.
+    /// Shifted values: the diagonal by permuted row, and the others in the order of the entries.
+    diagonal: Vec<f64>,
     entries: Vec<f64>,
     /// Permuted row to row of the current front, for fronts that inherit columns.
     local: Vec<u32>,
-    // front in work: what is below its panel, and arrays of its rows
-    rest: Vec<f64>,
-    index: Vec<u32>,
+    /// Work arrays of a front's rows.
     product: Vec<f64>,
     gathered: Vec<f64>,
-    // stack of Schur complements: full square blocks, the names of their postponed columns, and one record for each
+    // stack of Schur complements: square blocks, the names of their postponed columns, and one record for each
     blocks: Vec<f64>,
     postponed: Vec<u32>,
     records: Vec<Block>,
-    // factors: panels with what is above their diagonals, and the names of their rows
+    // factors: the eliminated columns of the fronts, padded, and the names of their rows; `B^-1` is tridiagonal
     pivots: Vec<Pivot>,
+    inverse: Vec<[f64; 2]>,
     factor: Vec<f64>,
     factor_rows: Vec<u32>,
     fronts: Vec<FrontRecord>,
@@ -77,8 +83,8 @@ struct Block {
 /// A front of the factor.
 #[derive(Debug, Clone, Copy)]
 struct FrontRecord {
-    pivots: usize,
-    rows: usize,
+    pivots: u32,
+    rows: u32,
 }
 
 impl MultifrontalLdl {
@@ -89,90 +95,105 @@ impl MultifrontalLdl {
     pub fn new(pattern: &SymmetricPattern, primal: usize) -> Result<Self, FactorizationError> {
         let n = pattern.dimension();
         let symbolic = Symbolic::new(pattern)?;
-        let panel = |node: &Node| node.columns * node.rows.len();
-        let factor = symbolic.nodes.iter().map(panel).sum();
-        let largest = symbolic.nodes.iter().map(|node| node.rows.len()).max();
-        let largest = largest.unwrap_or(0);
-        let below = |node: &Node| node.rows.len() - node.columns;
-        let rest = symbolic.nodes.iter().map(below).max().unwrap_or(0).pow(2);
+        let panel = |node: &Node| node.columns * padded(node.rows.len());
+        let factor: usize = symbolic.nodes.iter().map(panel).sum();
+        let square = |node: &Node| node.rows.len() * padded(node.rows.len());
+        let largest = symbolic.nodes.iter().map(square).max().unwrap_or(0);
         Ok(Self {
             primal,
             scale: vec![1.0; n],
             is_scaled: false,
             work: vec![0.0; n],
-            entries: vec![0.0; pattern.stored()],
+            diagonal: vec![0.0; n],
+            entries: vec![0.0; symbolic.entries.len()],
             local: vec![0; n],
-            rest: Vec::with_capacity(rest),
-            index: Vec::with_capacity(largest),
             product: Vec::new(),
-            gathered: Vec::with_capacity(largest),
+            gathered: Vec::new(),
             blocks: Vec::with_capacity(symbolic.stack()),
             postponed: Vec::new(),
             records: Vec::new(),
             pivots: Vec::with_capacity(n),
-            factor: Vec::with_capacity(factor),
+            inverse: Vec::with_capacity(n),
+            factor: Vec::with_capacity(factor + largest),
             factor_rows: Vec::with_capacity(symbolic.rows.len()),
             fronts: Vec::with_capacity(symbolic.nodes.len()),
             symbolic,
         })
     }
 
-    /// Brings the shifted values into the order of the entries.
+    /// Brings the shifted values into the order of elimination and equilibrates them in the infinity norm (Ruiz 2001), by
+    /// two sweeps for the first matrix. Those of an interior point method change little from one to the next, so that one
+    /// sweep mends the scales of the last.
     fn take_values(
         &mut self,
         values: &[f64],
         delta_w: f64,
         delta_c: f64,
     ) -> Result<(), FactorizationError> {
-        let mut is_finite = true;
+        // zero, and not a number from the first entry on that is not finite
+        let mut fault = 0.0;
+        let rows = self
+            .symbolic
+            .permutation
+            .iter()
+            .zip(&self.symbolic.diagonal);
+        for (value, (&old, &position)) in self.diagonal.iter_mut().zip(rows) {
+            let is_primal = (old as usize) < self.primal;
+            *value = values[position as usize] + if is_primal { delta_w } else { -delta_c };
+            fault += *value * 0.0;
+        }
         for (value, entry) in self.entries.iter_mut().zip(&self.symbolic.entries) {
             *value = values[entry.position as usize];
-            is_finite &= value.is_finite();
+            fault += *value * 0.0;
         }
-        for (row, &entry) in self.symbolic.diagonal.iter().enumerate() {
-            self.entries[entry as usize] += if row < self.primal { delta_w } else { -delta_c };
+        if fault != 0.0 {
+            return Err(FactorizationError::NotFinite(self.faulty_row()));
         }
-        if is_finite && delta_w.is_finite() && delta_c.is_finite() {
-            return Ok(());
+        if !self.is_scaled {
+            self.is_scaled = true;
+            self.equilibrate();
         }
-        let entry = self.entries.iter().position(|a| !a.is_finite());
-        let row = entry.map_or(0, |k| self.symbolic.entries[k].row as usize);
-        Err(FactorizationError::NotFinite(
-            self.symbolic.permutation[row] as usize,
-        ))
+        self.equilibrate();
+        Ok(())
     }
 
-    /// Symmetric equilibration in the infinity norm (Ruiz 2001), two sweeps for the first matrix. Those of an interior
-    /// point method change little from one to the next, so that one sweep mends the scales of the last.
+    /// Row of the first value that is not finite.
+    fn faulty_row(&self) -> usize {
+        let on_diagonal = self.diagonal.iter().position(|a| !a.is_finite());
+        let entry = || self.entries.iter().position(|a| !a.is_finite());
+        let row = on_diagonal.or_else(|| entry().map(|k| self.symbolic.entries[k].row as usize));
+        self.symbolic.permutation[row.unwrap_or(0)] as usize
+    }
+
+    /// A sweep of equilibration: divides the scale of each row by the root of its largest entry.
     fn equilibrate(&mut self) {
-        let sweeps = if self.is_scaled { 1 } else { 2 };
-        self.is_scaled = true;
-        for _ in 0..sweeps {
-            self.work.fill(0.0);
-            for (value, entry) in self.entries.iter().zip(&self.symbolic.entries) {
-                let (row, column) = (entry.row as usize, entry.column as usize);
-                let a = (value * self.scale[row] * self.scale[column]).abs();
-                // entries are finite here; plain comparisons cost less than `f64::max`
-                if a > self.work[row] {
-                    self.work[row] = a;
-                }
-                if a > self.work[column] {
-                    self.work[column] = a;
-                }
+        for ((largest, value), scale) in self.work.iter_mut().zip(&self.diagonal).zip(&self.scale) {
+            *largest = (value * scale * scale).abs();
+        }
+        for (value, entry) in self.entries.iter().zip(&self.symbolic.entries) {
+            let (row, column) = (entry.row as usize, entry.column as usize);
+            let a = (value * self.scale[row] * self.scale[column]).abs();
+            // entries are finite here; plain comparisons cost less than `f64::max`
+            if a > self.work[row] {
+                self.work[row] = a;
             }
-            for (scale, largest) in self.scale.iter_mut().zip(&self.work) {
-                // a row of zeros says nothing, and a scale that overflowed may not stay
-                *scale = if *largest > 0.0 && largest.is_finite() {
-                    *scale / largest.sqrt()
-                } else {
-                    1.0
-                };
+            if a > self.work[column] {
+                self.work[column] = a;
             }
+        }
+        for (scale, largest) in self.scale.iter_mut().zip(&self.work) {
+            // a row of zeros says nothing, and a scale that overflowed may not stay
+            *scale = if *largest > 0.0 && largest.is_finite() {
+                *scale / largest.sqrt()
+            } else {
+                1.0
+            };
         }
     }
 
-    /// Builds the front of node `k` from its entries and its children: the panel at the end of `factor`, its rows at the
+    /// Builds the front of node `k` from its entries and its children: the square at the end of `factor`, its rows at the
     /// end of `factor_rows`. Returns the numbers of rows and of summed columns.
+    #[inline(always)]
     fn assemble(&mut self, k: usize) -> (usize, usize) {
         let node = self.symbolic.nodes[k].clone();
         let first_child = self.records.len() - node.children;
@@ -183,41 +204,49 @@ impl MultifrontalLdl {
         let names = &self.symbolic.rows[node.rows.clone()];
         let summed = node.columns + inherited;
         let rows = names.len() + inherited;
-        let length = rows - summed;
+        let stride = padded(rows);
         let start = self.factor.len();
-        self.factor.resize(start + rows * summed, 0.0);
-        self.rest.clear();
-        self.rest.resize(length * length, 0.0);
-        self.index.clear();
-        self.index.extend_from_slice(&names[..node.columns]);
-        self.index
-            .extend_from_slice(&self.postponed[self.postponed.len() - inherited..]);
-        self.index.extend_from_slice(&names[node.columns..]);
+        self.factor.resize(start + rows * stride, 0.0);
         if inherited == 0 {
-            self.gather(&node, start, rows);
+            self.factor_rows.extend_from_slice(names);
+            self.gather(&node, start, stride);
         } else {
-            self.gather_inherited(&node, start, rows, summed);
+            let (columns, below) = names.split_at(node.columns);
+            self.factor_rows.extend_from_slice(columns);
+            let postponed = self.postponed.len() - inherited;
+            self.factor_rows
+                .extend_from_slice(&self.postponed[postponed..]);
+            self.factor_rows.extend_from_slice(below);
+            self.gather_inherited(&node, start, rows);
         }
-        // the panel is symmetric in its summed rows, so that pivoting can exchange them
-        let panel = &mut self.factor[start..];
+        // summed rows and columns are symmetric, so that pivoting can exchange them
+        let square = &mut self.factor[start..];
         for column in 0..summed {
             for row in column + 1..summed {
-                panel[row * rows + column] = panel[column * rows + row];
+                square[row * stride + column] = square[column * stride + row];
             }
         }
         (rows, summed)
     }
 
+    /// Scaled entry on the diagonal of a permuted row.
+    #[inline(always)]
+    fn scaled_diagonal(&self, row: usize) -> f64 {
+        self.diagonal[row] * self.scale[row] * self.scale[row]
+    }
+
     /// Adds entries and children at the places known from the pattern.
-    fn gather(&mut self, node: &Node, start: usize, rows: usize) {
-        let (summed, length) = (node.columns, rows - node.columns);
-        let panel = &mut self.factor[start..];
+    #[inline(always)]
+    fn gather(&mut self, node: &Node, start: usize, stride: usize) {
+        let first = self.symbolic.rows[node.rows.start] as usize;
+        for column in 0..node.columns {
+            self.factor[start + column * (stride + 1)] = self.scaled_diagonal(first + column);
+        }
+        let square = &mut self.factor[start..];
         let values = &self.entries[node.entries.clone()];
-        for (value, entry) in values
-            .iter()
-            .zip(&self.symbolic.entries[node.entries.clone()])
-        {
-            panel[entry.place as usize] =
+        let entries = &self.symbolic.entries[node.entries.clone()];
+        for (value, entry) in values.iter().zip(entries) {
+            square[entry.place as usize] =
                 value * self.scale[entry.row as usize] * self.scale[entry.column as usize];
         }
         for _ in 0..node.children {
@@ -229,16 +258,10 @@ impl MultifrontalLdl {
             let places = &self.symbolic.parent_places[first..first + size];
             let from = self.blocks.len() - size * size;
             for (c, column) in self.blocks[from..].chunks_exact(size).enumerate() {
-                let j = places[c] as usize;
                 // places increase: everything from the diagonal down stays there
-                let target = if j < summed {
-                    &mut panel[j * rows..(j + 1) * rows]
-                } else {
-                    &mut self.rest[(j - summed) * length..(j - summed + 1) * length]
-                };
-                let offset = if j < summed { 0 } else { summed };
+                let target = &mut square[places[c] as usize * stride..][..stride];
                 for (a, &place) in column[c..].iter().zip(&places[c..]) {
-                    target[place as usize - offset] += a;
+                    target[place as usize] += a;
                 }
             }
             self.blocks.truncate(from);
@@ -246,20 +269,24 @@ impl MultifrontalLdl {
     }
 
     /// As [`MultifrontalLdl::gather`], for a front with postponed columns, whose places are looked up.
-    fn gather_inherited(&mut self, node: &Node, start: usize, rows: usize, summed: usize) {
-        let length = rows - summed;
-        for (place, &row) in self.index.iter().enumerate() {
+    #[inline(never)]
+    fn gather_inherited(&mut self, node: &Node, start: usize, rows: usize) {
+        let stride = padded(rows);
+        let names = self.factor_rows.len() - rows;
+        for (place, &row) in self.factor_rows[names..].iter().enumerate() {
             self.local[row as usize] = place as u32;
         }
-        let panel = &mut self.factor[start..];
+        let first = self.symbolic.rows[node.rows.start] as usize;
+        for column in 0..node.columns {
+            self.factor[start + column * (stride + 1)] = self.scaled_diagonal(first + column);
+        }
+        let square = &mut self.factor[start..];
         let values = &self.entries[node.entries.clone()];
-        for (value, entry) in values
-            .iter()
-            .zip(&self.symbolic.entries[node.entries.clone()])
-        {
+        let entries = &self.symbolic.entries[node.entries.clone()];
+        for (value, entry) in values.iter().zip(entries) {
             let (row, column) = (entry.row as usize, entry.column as usize);
             let (i, j) = (self.local[row] as usize, self.local[column] as usize);
-            panel[j * rows + i] = value * self.scale[row] * self.scale[column];
+            square[j * stride + i] = value * self.scale[row] * self.scale[column];
         }
         for _ in 0..node.children {
             let Some(block) = self.records.pop() else {
@@ -278,12 +305,7 @@ impl MultifrontalLdl {
                 let j = self.local[name(c) as usize] as usize;
                 for (r, a) in column.iter().enumerate().skip(c) {
                     let i = self.local[name(r) as usize] as usize;
-                    let (low, high) = (i.min(j), i.max(j));
-                    if low < summed {
-                        panel[low * rows + high] += a;
-                    } else {
-                        self.rest[(low - summed) * length + high - summed] += a;
-                    }
+                    square[i.min(j) * stride + i.max(j)] += a;
                 }
             }
             self.postponed.truncate(names);
@@ -292,32 +314,70 @@ impl MultifrontalLdl {
     }
 
     /// Keeps the eliminated columns of the front and pushes the Schur complement.
+    #[inline(always)]
     fn store(&mut self, k: usize, rows: usize, summed: usize, done: usize) {
-        let start = self.factor.len() - rows * summed;
-        self.fronts.push(FrontRecord { pivots: done, rows });
-        self.factor_rows.extend_from_slice(&self.index);
+        let stride = padded(rows);
+        let start = self.factor.len() - rows * stride;
+        self.fronts.push(FrontRecord {
+            pivots: done as u32,
+            rows: rows as u32,
+        });
         if !self.symbolic.nodes[k].is_root {
-            let (size, postponed, length) = (rows - done, summed - done, rows - summed);
-            self.postponed.extend_from_slice(&self.index[done..summed]);
-            for column in self.factor[start..].chunks_exact(rows).skip(done) {
-                self.blocks.extend_from_slice(&column[done..]);
-            }
-            if postponed == 0 {
-                self.blocks.extend_from_slice(&self.rest);
-            } else {
-                for column in 0..length {
-                    self.blocks.extend(std::iter::repeat_n(0.0, postponed));
-                    self.blocks
-                        .extend_from_slice(&self.rest[column * length..(column + 1) * length]);
-                }
+            let names = self.factor_rows.len() - rows;
+            self.postponed
+                .extend_from_slice(&self.factor_rows[names + done..names + summed]);
+            let columns = &self.factor[start + done * stride..];
+            for column in columns.chunks_exact(stride) {
+                self.blocks.extend_from_slice(&column[done..rows]);
             }
             self.records.push(Block {
                 node: k,
-                size,
-                postponed,
+                size: rows - done,
+                postponed: summed - done,
             });
         }
-        self.factor.truncate(start + rows * done);
+        self.factor.truncate(start + done * stride);
+    }
+
+    /// Eliminates node after node.
+    #[inline(always)]
+    fn eliminate<S: Simd>(&mut self, simd: S) {
+        self.blocks.clear();
+        self.postponed.clear();
+        self.records.clear();
+        self.pivots.clear();
+        self.factor.clear();
+        self.factor_rows.clear();
+        self.fronts.clear();
+        for k in 0..self.symbolic.nodes.len() {
+            let (rows, summed) = self.assemble(k);
+            let stride = padded(rows);
+            let start = self.factor.len() - rows * stride;
+            let names = self.factor_rows.len() - rows;
+            let mut front = Front {
+                simd,
+                rows,
+                stride,
+                summed,
+                square: &mut self.factor[start..],
+                index: &mut self.factor_rows[names..],
+                product: &mut self.product,
+            };
+            let done = front.factorize(self.symbolic.nodes[k].is_root, &mut self.pivots);
+            self.store(k, rows, summed, done);
+        }
+    }
+}
+
+/// [`MultifrontalLdl::eliminate`], for the vectors of the machine.
+struct Eliminate<'m>(&'m mut MultifrontalLdl);
+
+impl pulp::WithSimd for Eliminate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.eliminate(simd);
     }
 }
 
@@ -329,126 +389,48 @@ impl KktFactorization for MultifrontalLdl {
         delta_c: f64,
     ) -> Result<Inertia, FactorizationError> {
         self.take_values(values, delta_w, delta_c)?;
-        self.equilibrate();
-        self.blocks.clear();
-        self.postponed.clear();
-        self.records.clear();
-        self.pivots.clear();
-        self.factor.clear();
-        self.factor_rows.clear();
-        self.fronts.clear();
-        for k in 0..self.symbolic.nodes.len() {
-            let (rows, summed) = self.assemble(k);
-            let start = self.factor.len() - rows * summed;
-            let mut front = Front {
-                rows,
-                summed,
-                panel: &mut self.factor[start..],
-                rest: &mut self.rest,
-                index: &mut self.index,
-                product: &mut self.product,
-            };
-            let done = front.factorize(self.symbolic.nodes[k].is_root, &mut self.pivots);
-            self.store(k, rows, summed, done);
-        }
+        pulp::Arch::new().dispatch(Eliminate(self));
+        invert(&self.pivots, &mut self.inverse);
         inertia(&self.pivots).ok_or(FactorizationError::NotFinite(
             self.scale.len().saturating_sub(1),
         ))
     }
 
     fn solve(&mut self, right_hand_side: &mut [f64]) {
-        for ((x, &old), scale) in self
-            .work
-            .iter_mut()
-            .zip(&self.symbolic.permutation)
-            .zip(&self.scale)
-        {
+        let scaled = self.symbolic.permutation.iter().zip(&self.scale);
+        for (x, (&old, scale)) in self.work.iter_mut().zip(scaled) {
             *x = right_hand_side[old as usize] * scale;
         }
-        let x = &mut self.work;
-        let w = &mut self.gathered;
-        let (mut entry, mut name, mut pivot) = (0, 0, 0);
-        for front in &self.fronts {
-            let names = &self.factor_rows[name..name + front.rows];
-            let panel = &self.factor[entry..entry + front.rows * front.pivots];
-            w.clear();
-            w.extend(names.iter().map(|&name| x[name as usize]));
-            for (k, column) in panel.chunks_exact(front.rows).enumerate() {
-                let w_k = w[k];
-                for (w, l) in w[k + 1..].iter_mut().zip(&column[k + 1..]) {
-                    *w -= l * w_k;
-                }
-            }
-            let pivots = &self.pivots[pivot..pivot + front.pivots];
-            divide(pivots, &mut w[..front.pivots]);
-            for (&name, w) in names.iter().zip(&*w) {
-                x[name as usize] = *w;
-            }
-            entry += panel.len();
-            name += front.rows;
-            pivot += front.pivots;
-        }
-        for front in self.fronts.iter().rev() {
-            name -= front.rows;
-            entry -= front.rows * front.pivots;
-            let names = &self.factor_rows[name..name + front.rows];
-            let panel = &self.factor[entry..entry + front.rows * front.pivots];
-            w.clear();
-            w.extend(names.iter().map(|&name| x[name as usize]));
-            for (k, column) in panel.chunks_exact(front.rows).enumerate().rev() {
-                w[k] -= dot(&column[k + 1..], &w[k + 1..]);
-            }
-            for (&name, w) in names.iter().zip(&w[..front.pivots]) {
-                x[name as usize] = *w;
-            }
-        }
-        for ((x, &old), scale) in self
-            .work
-            .iter()
-            .zip(&self.symbolic.permutation)
-            .zip(&self.scale)
-        {
+        substitution::solve(self);
+        let scaled = self.symbolic.permutation.iter().zip(&self.scale);
+        for (x, (&old, scale)) in self.work.iter().zip(scaled) {
             right_hand_side[old as usize] = x * scale;
         }
     }
 
     fn factor_entries(&self) -> usize {
         let entries = |front: &FrontRecord| {
-            front.pivots * front.rows - front.pivots * (front.pivots.saturating_sub(1)) / 2
+            let (pivots, rows) = (front.pivots as usize, front.rows as usize);
+            pivots * rows - pivots * pivots.saturating_sub(1) / 2
         };
         self.fronts.iter().map(entries).sum()
     }
 }
 
-/// `B^-1 w`.
-fn divide(pivots: &[Pivot], w: &mut [f64]) {
-    for (k, pivot) in pivots.iter().enumerate() {
-        match *pivot {
-            Pivot::One(d) => w[k] /= d,
-            Pivot::Zero => w[k] = 0.0,
-            Pivot::Second => {}
-            Pivot::Two(a, b, c) => {
-                let (u, v) = (w[k], w[k + 1]);
-                let determinant = a * c - b * b;
-                w[k] = (c * u - b * v) / determinant;
-                w[k + 1] = (a * v - b * u) / determinant;
-            }
+/// Diagonal and coupling to the next row of `B^-1`.
+fn invert(pivots: &[Pivot], inverse: &mut Vec<[f64; 2]>) {
+    inverse.clear();
+    let mut second = 0.0;
+    inverse.extend(pivots.iter().map(|pivot| match *pivot {
+        Pivot::One(d) => [1.0 / d, 0.0],
+        Pivot::Two(a, b, c) => {
+            let determinant = a * c - b * b;
+            second = a / determinant;
+            [c / determinant, -b / determinant]
         }
-    }
-}
-
-/// Scalar product in four lanes.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a_fours, a_others) = a.as_chunks::<4>();
-    let (b_fours, b_others) = b.as_chunks::<4>();
-    let mut lanes = [0.0; 4];
-    for (a, b) in a_fours.iter().zip(b_fours) {
-        for (lane, (a, b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
-            *lane += a * b;
-        }
-    }
-    let others: f64 = a_others.iter().zip(b_others).map(|(a, b)| a * b).sum();
-    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + others
+        Pivot::Second => [second, 0.0],
+        Pivot::Zero => [0.0, 0.0],
+    }));
 }
 
 /// Inertia of `B`; `None` if a pivot is not finite.

@@ -2,14 +2,15 @@
 
 use std::ops::Range;
 
-use faer::Side;
+use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+use faer::sparse::linalg::amd;
+use faer::sparse::linalg::cholesky::simplicial::{
+    prefactorize_symbolic_cholesky, prefactorize_symbolic_cholesky_scratch,
 };
 
 use super::assembly_tree::{AssemblyTree, Supernode};
+use super::kernels::padded;
 use crate::linalg::{FactorizationError, SymmetricPattern};
 
 /// A node of the assembly tree. Everything about its front is known in advance as long as no column was postponed to
@@ -29,15 +30,15 @@ pub(crate) struct Node {
     pub(crate) is_root: bool,
 }
 
-/// An entry of the pattern in the permuted matrix, row >= column. Half the width of `usize` keeps the scans over all
-/// entries short.
+/// An entry of the pattern below the diagonal of the permuted matrix, row > column. Half the width of `usize` keeps the
+/// scans over all entries short.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Entry {
     /// Position in the value array of the pattern.
     pub(crate) position: u32,
     pub(crate) row: u32,
     pub(crate) column: u32,
-    /// Place in the panel of its node's front.
+    /// Place in the square of its node's front.
     pub(crate) place: u32,
 }
 
@@ -50,70 +51,42 @@ pub(crate) struct Symbolic {
     /// Rows of all fronts, node after node.
     pub(crate) rows: Vec<u32>,
     pub(crate) parent_places: Vec<u32>,
-    /// Entries of the pattern by the node that eliminates them.
+    /// Entries of the pattern outside the diagonal by the node that eliminates them.
     pub(crate) entries: Vec<Entry>,
-    /// Index in `entries` of each diagonal entry, by old row.
+    /// Position in the value array of the diagonal entry of each permuted row.
     pub(crate) diagonal: Vec<u32>,
 }
 
 impl Symbolic {
     pub(crate) fn new(pattern: &SymmetricPattern) -> Result<Self, FactorizationError> {
         let n = pattern.dimension();
-        if u32::try_from(pattern.stored().max(n)).is_err() {
-            return Err(FactorizationError::Analysis(n));
-        }
-        let lower = SymbolicSparseColMatRef::new_checked(
-            n,
-            n,
-            pattern.column_pointers(),
-            None,
-            pattern.row_indices(),
-        );
-        let parameters = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
-            ..Default::default()
-        };
-        let symbolic =
-            factorize_symbolic_cholesky(lower, Side::Lower, SymmetricOrdering::Amd, parameters)
-                .map_err(|_| FactorizationError::Analysis(n))?;
-        let SymbolicCholeskyRaw::Simplicial(factor) = symbolic.raw() else {
-            return Err(FactorizationError::Analysis(n));
-        };
-        let order: Vec<usize> = match symbolic.perm() {
-            Some(permutation) => permutation.arrays().0.to_vec(),
-            None => (0..n).collect(),
-        };
-        // the diagonal comes first in a column of the factor, then the parent in the elimination tree
-        let below = |j: usize| {
-            let column = factor.col_ptr()[j]..factor.col_ptr()[j + 1];
-            factor.row_idx()[column].get(1..).unwrap_or_default()
-        };
-        let tree = AssemblyTree::new(n, below);
-        let permutation: Vec<u32> = tree
-            .columns
-            .iter()
-            .map(|&j| order[j as usize] as u32)
-            .collect();
-        let (supernodes, rows) = tree.supernodes(below);
-
-        let mut inverse = vec![0_u32; n];
+        let failed = FactorizationError::Analysis(n);
+        let (order, place) = minimum_degree(pattern).ok_or(failed)?;
+        let upper = upper_triangle(pattern, &place);
+        let (parents, below) = elimination_tree(n, &upper).ok_or(failed)?;
+        let tree = AssemblyTree::new(&below, |j| usize::try_from(parents[j]).ok());
+        let supernodes = tree.supernodes(&below);
+        let permutation: Vec<u32> = tree.columns.iter().map(|&j| order[j as usize]).collect();
+        let mut inverse = place;
         for (new, &old) in permutation.iter().enumerate() {
             inverse[old as usize] = new as u32;
         }
+        let diagonal = permutation
+            .iter()
+            .map(|&old| pattern.diagonal(old as usize) as u32)
+            .collect();
         let mut symbolic = Self {
             permutation,
             nodes: Vec::with_capacity(supernodes.len()),
-            rows,
-            parent_places: Vec::new(),
-            entries: Vec::with_capacity(pattern.stored()),
-            diagonal: vec![0; n],
+            rows: Vec::with_capacity(supernodes.iter().map(|s| s.end - s.first + s.below).sum()),
+            parent_places: Vec::with_capacity(supernodes.iter().map(|s| s.below).sum()),
+            entries: Vec::new(),
+            diagonal,
         };
-        symbolic.add_nodes(n, &supernodes);
-        let panel = |node: &Node| node.columns.saturating_mul(node.rows.len());
-        if u32::try_from(symbolic.nodes.iter().map(panel).max().unwrap_or(0)).is_err() {
-            return Err(FactorizationError::Analysis(n));
-        }
-        symbolic.add_entries(pattern, &inverse, &supernodes);
+        let owner = owners(n, &supernodes);
+        symbolic.add_nodes(&supernodes);
+        symbolic.sort_entries(pattern, &inverse, &owner);
+        symbolic.add_rows(&supernodes, &owner).ok_or(failed)?;
         Ok(symbolic)
     }
 
@@ -135,9 +108,8 @@ impl Symbolic {
         most
     }
 
-    /// Nodes, with the places of their rows in their parents' fronts.
-    fn add_nodes(&mut self, n: usize, supernodes: &[Supernode]) {
-        let owner = owners(n, supernodes);
+    /// Nodes without entries and links.
+    fn add_nodes(&mut self, supernodes: &[Supernode]) {
         let mut start = 0;
         for supernode in supernodes {
             let columns = supernode.end - supernode.first;
@@ -152,51 +124,25 @@ impl Symbolic {
             });
             start = end;
         }
-        for k in 0..self.nodes.len() {
-            self.nodes[k].parent_places = self.parent_places.len();
-            let rows = &self.rows[self.nodes[k].rows.clone()];
-            let below = &rows[self.nodes[k].columns..];
-            let Some(&first) = below.first() else {
-                continue;
-            };
-            let parent = owner[first as usize] as usize;
-            self.nodes[parent].children += 1;
-            let above = &self.rows[self.nodes[parent].rows.clone()];
-            let mut place = 0;
-            for &row in below {
-                // both lists increase, and the parent's holds every row of the child's
-                while above[place] != row {
-                    place += 1;
-                }
-                self.parent_places.push(place as u32);
-            }
-        }
     }
 
-    /// Entries by node, with their places in the panels.
-    fn add_entries(
-        &mut self,
-        pattern: &SymmetricPattern,
-        inverse: &[u32],
-        supernodes: &[Supernode],
-    ) {
-        let n = inverse.len();
-        let owner = owners(n, supernodes);
-        // counting sort by node, then by column and row within the node
-        let mut starts = vec![0_usize; supernodes.len() + 1];
-        let place_of = |j: usize, k: usize| {
-            let (a, b) = (inverse[pattern.row_indices()[k]], inverse[j]);
-            (a.max(b), a.min(b))
+    /// Entries by node, without their places: a counting sort.
+    fn sort_entries(&mut self, pattern: &SymmetricPattern, inverse: &[u32], owner: &[u32]) {
+        let below = |j: usize| {
+            let ends = &pattern.column_pointers()[j..j + 2];
+            // the diagonal comes first
+            ends[0] as usize + 1..ends[1] as usize
         };
-        let columns = pattern.column_pointers();
-        for j in 0..n {
-            for k in columns[j]..columns[j + 1] {
-                starts[owner[place_of(j, k).1 as usize] as usize + 1] += 1;
+        let mut starts = vec![0_u32; self.nodes.len() + 1];
+        for (j, &b) in inverse.iter().enumerate() {
+            for &i in &pattern.row_indices()[below(j)] {
+                let column = inverse[i as usize].min(b);
+                starts[owner[column as usize] as usize + 1] += 1;
             }
         }
-        for node in 0..supernodes.len() {
-            starts[node + 1] += starts[node];
-            self.nodes[node].entries = starts[node]..starts[node + 1];
+        for (k, node) in self.nodes.iter_mut().enumerate() {
+            starts[k + 1] += starts[k];
+            node.entries = starts[k] as usize..starts[k + 1] as usize;
         }
         let blank = Entry {
             position: 0,
@@ -204,39 +150,162 @@ impl Symbolic {
             column: 0,
             place: 0,
         };
-        self.entries.resize(pattern.stored(), blank);
-        for j in 0..n {
-            for k in columns[j]..columns[j + 1] {
-                let (row, column) = place_of(j, k);
+        self.entries
+            .resize(pattern.stored() - pattern.dimension(), blank);
+        for (j, &b) in inverse.iter().enumerate() {
+            for k in below(j) {
+                let a = inverse[pattern.row_indices()[k] as usize];
+                let column = a.min(b);
                 let next = &mut starts[owner[column as usize] as usize];
-                self.entries[*next] = Entry {
+                self.entries[*next as usize] = Entry {
                     position: k as u32,
-                    row,
+                    row: a.max(b),
                     column,
                     place: 0,
                 };
                 *next += 1;
             }
         }
-        let mut local = vec![0_u32; n];
-        for (node, supernode) in self.nodes.iter().zip(supernodes) {
-            let rows = &self.rows[node.rows.clone()];
+    }
+
+    /// Rows of the fronts, from the entries of each node and the rows of its children, and the places of entries and
+    /// children in them. `None` if a front exceeds the index range.
+    fn add_rows(&mut self, supernodes: &[Supernode], owner: &[u32]) -> Option<()> {
+        const NONE: u32 = u32::MAX;
+        // last node that saw a row; then the row's place in the front in work
+        let mut seen = vec![NONE; owner.len()];
+        let mut local = vec![0_u32; owner.len()];
+        // children of each node as linked lists
+        let mut child = vec![NONE; supernodes.len()];
+        let mut sibling = vec![NONE; supernodes.len()];
+        for (k, supernode) in supernodes.iter().enumerate() {
+            let name = k as u32;
+            let (first, end) = (supernode.first as u32, supernode.end as u32);
+            let start = self.rows.len();
+            let columns = supernode.end - supernode.first;
+            self.rows.extend(first..end);
+            for entry in &self.entries[self.nodes[k].entries.clone()] {
+                if entry.row >= end && seen[entry.row as usize] != name {
+                    seen[entry.row as usize] = name;
+                    self.rows.push(entry.row);
+                }
+            }
+            let mut next = child[k];
+            while next != NONE {
+                let node = &self.nodes[next as usize];
+                for place in node.rows.start + node.columns..node.rows.end {
+                    let row = self.rows[place];
+                    if row >= end && seen[row as usize] != name {
+                        seen[row as usize] = name;
+                        self.rows.push(row);
+                    }
+                }
+                next = sibling[next as usize];
+            }
+            self.rows[start + columns..].sort_unstable();
+            let rows = &self.rows[start..];
+            debug_assert_eq!(rows.len(), columns + supernode.below);
+            let stride = padded(rows.len());
+            u32::try_from(stride * rows.len()).ok()?;
             for (place, &row) in rows.iter().enumerate() {
                 local[row as usize] = place as u32;
             }
-            let entries = &mut self.entries[node.entries.clone()];
-            for entry in entries.iter_mut() {
-                let column = entry.column - supernode.first as u32;
-                entry.place = column * rows.len() as u32 + local[entry.row as usize];
+            for entry in &mut self.entries[self.nodes[k].entries.clone()] {
+                entry.place = (entry.column - first) * stride as u32 + local[entry.row as usize];
             }
-            entries.sort_unstable_by_key(|entry| entry.place);
-        }
-        for (index, entry) in self.entries.iter().enumerate() {
-            if entry.row == entry.column {
-                self.diagonal[self.permutation[entry.row as usize] as usize] = index as u32;
+            // every row of a child is a column or a row of its parent
+            let mut next = child[k];
+            while next != NONE {
+                let node = &mut self.nodes[next as usize];
+                node.parent_places = self.parent_places.len();
+                let below = &self.rows[node.rows.start + node.columns..node.rows.end];
+                self.parent_places
+                    .extend(below.iter().map(|&row| local[row as usize]));
+                self.nodes[k].children += 1;
+                next = sibling[next as usize];
+            }
+            if let Some(&row) = rows.get(columns) {
+                let parent = owner[row as usize] as usize;
+                sibling[k] = child[parent];
+                child[parent] = name;
             }
         }
+        Some(())
     }
+}
+
+/// The approximate minimum degree order, `order[new] = old`, and its inverse. `None` without memory for it.
+fn minimum_degree(pattern: &SymmetricPattern) -> Option<(Vec<u32>, Vec<u32>)> {
+    let n = pattern.dimension();
+    let lower = SymbolicSparseColMatRef::new_checked(
+        n,
+        n,
+        pattern.column_pointers(),
+        None,
+        pattern.row_indices(),
+    );
+    let (mut order, mut place) = (vec![0_u32; n], vec![0_u32; n]);
+    let scratch = amd::order_maybe_unsorted_scratch::<u32>(n, pattern.stored());
+    let mut memory = MemBuffer::try_new(scratch).ok()?;
+    amd::order_maybe_unsorted(
+        &mut order,
+        &mut place,
+        lower,
+        amd::Control::default(),
+        MemStack::new(&mut memory),
+    )
+    .ok()?;
+    Some((order, place))
+}
+
+/// Column pointers and rows of the upper triangle of the permuted matrix, the diagonal left out.
+fn upper_triangle(pattern: &SymmetricPattern, place: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let n = place.len();
+    let entries = |visit: &mut dyn FnMut(u32, u32)| {
+        for (j, ends) in pattern.column_pointers().windows(2).enumerate() {
+            for &i in &pattern.row_indices()[ends[0] as usize + 1..ends[1] as usize] {
+                let (a, b) = (place[i as usize], place[j]);
+                visit(a.min(b), a.max(b));
+            }
+        }
+    };
+    let mut pointers = vec![0_u32; n + 2];
+    // one ahead, so that filling the columns moves the starts into place
+    entries(&mut |_, column| pointers[column as usize + 2] += 1);
+    for j in 0..n {
+        pointers[j + 2] += pointers[j + 1];
+    }
+    let mut rows = vec![0_u32; pattern.stored() - n];
+    entries(&mut |row, column| {
+        let next = &mut pointers[column as usize + 1];
+        rows[*next as usize] = row;
+        *next += 1;
+    });
+    pointers.truncate(n + 1);
+    (pointers, rows)
+}
+
+/// Parents in the elimination tree, negative at roots, and numbers of entries of the factor below the diagonal of each
+/// column. `None` without memory for it.
+fn elimination_tree(
+    n: usize,
+    (pointers, rows): &(Vec<u32>, Vec<u32>),
+) -> Option<(Vec<i32>, Vec<u32>)> {
+    let upper = SymbolicSparseColMatRef::new_unsorted_checked(n, n, pointers, None, rows);
+    let (mut parents, mut counts) = (vec![0_i32; n], vec![0_u32; n]);
+    let scratch = prefactorize_symbolic_cholesky_scratch::<u32>(n, rows.len());
+    let mut memory = MemBuffer::try_new(scratch).ok()?;
+    prefactorize_symbolic_cholesky::<u32>(
+        &mut parents,
+        &mut counts,
+        upper,
+        MemStack::new(&mut memory),
+    );
+    // counts include the diagonal
+    for count in &mut counts {
+        *count -= 1;
+    }
+    Some((parents, counts))
 }
 
 /// The node that eliminates each column.

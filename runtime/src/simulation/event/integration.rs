@@ -124,8 +124,8 @@ impl<'a> Integration<'a> {
             let limit = self
                 .problem
                 .controls
-                .next_jump(self.t)
-                .map_or(horizon, |jump| jump.min(horizon));
+                .next_break(self.t)
+                .map_or(horizon, |next| next.min(horizon));
             let remaining = limit - self.t;
             let wanted = self.h.min(longest);
             // A step that would leave a sliver behind takes it along.
@@ -434,6 +434,7 @@ impl<'a> Integration<'a> {
 
     fn record(&mut self) {
         let n = self.dynamics.n;
+        self.dynamics.write_controls(self.t);
         let trajectory = &mut self.result.trajectory;
         trajectory.push(
             self.t,

@@ -6,7 +6,7 @@ use super::{Fesd, StepFormulation};
 use crate::fesd::active_contact::{ActiveContact, force_count};
 use crate::fesd::contacts::{Contacts, ModeError, Touching};
 use crate::fesd::finite_element::{ElementError, FiniteElement, State};
-use crate::model::{ImpactLaw, Model};
+use crate::model::{ControlPiece, ImpactLaw, Model};
 use crate::rk::ButcherTableau;
 use crate::simulation::{
     ControlSignal, Counts, Event, InitialValueProblem, ProblemSize, Residuals, Seconds, Simulation,
@@ -111,7 +111,10 @@ pub(super) struct Driver<'a> {
     pub(super) segment_start: State,
     pub(super) numerical_time: f64,
     pub(super) active: Vec<ActiveContact>,
+    /// Controls at the present state.
     pub(super) u: Vec<f64>,
+    /// The controls over time, until they jump or change their slope.
+    pub(super) piece: ControlPiece,
     pub(super) x: Vec<f64>,
     pub(super) gaps: Vec<f64>,
     /// Normal velocities of all contacts at the present state.
@@ -173,6 +176,7 @@ impl<'a> Driver<'a> {
             numerical_time: 0.0,
             active: Vec::with_capacity(contacts),
             u: vec![0.0; declaration.controls.len()],
+            piece: ControlPiece::default(),
             x: problem.input(model),
             gaps: vec![0.0; contacts],
             velocities: vec![0.0; contacts],
@@ -229,7 +233,7 @@ impl<'a> Driver<'a> {
     }
 
     fn steps(&mut self, progress: &mut dyn FnMut(f64)) -> SimulationStatus {
-        self.controls.write(0.0, &mut self.u);
+        self.take_piece(0.0);
         self.active.clear();
         if let Err(error) = self.settle(&[]) {
             return self.stopped(0, &Stop::Mode(error));
@@ -249,7 +253,7 @@ impl<'a> Driver<'a> {
         SimulationStatus::Solved
     }
 
-    /// Advances to `end`, with as many segments as there are switches and control jumps.
+    /// Advances to `end`, with as many segments as there are switches and pieces of the controls.
     fn step(&mut self, step: usize, end: f64) -> Result<(), SimulationStatus> {
         let begin = self.state.time;
         let shortest = 1e-14 * self.horizon;
@@ -261,8 +265,8 @@ impl<'a> Driver<'a> {
             self.take_up_controls(step)?;
             let segment_end = self
                 .controls
-                .next_jump(self.state.time)
-                .map_or(end, |jump| jump.min(end));
+                .next_break(self.state.time)
+                .map_or(end, |next| next.min(end));
             if self.settings.formulation == StepFormulation::TimeFreezing {
                 if let Err(stop) = self.solve_program(segment_end) {
                     return Err(self.stopped(step, &stop));
@@ -372,6 +376,13 @@ impl<'a> Driver<'a> {
         ratio > 1.0
     }
 
+    fn take_piece(&mut self, time: f64) {
+        self.controls
+            .take_piece(time, self.u.len(), &mut self.piece);
+        self.piece.write(time, &mut self.u);
+        self.contacts.set_control_slopes(self.piece.slopes());
+    }
+
     /// Controls that hold from now on; a jump of theirs may change the contact mode.
     fn take_up_controls(&mut self, step: usize) -> Result<(), SimulationStatus> {
         if self.u.is_empty() {
@@ -380,8 +391,8 @@ impl<'a> Driver<'a> {
         let before = self.u.clone();
         // A jump within rounding error of the present time has been reached.
         let now = self.state.time + 4.0 * f64::EPSILON * self.horizon;
-        self.controls.write(now, &mut self.u);
-        if before != self.u && self.state.time > 0.0 {
+        self.take_piece(now);
+        if self.controls.jumps() && before != self.u && self.state.time > 0.0 {
             if let Err(error) = self.settle(&[]) {
                 return Err(self.stopped(step, &Stop::Mode(error)));
             }
@@ -405,7 +416,7 @@ impl<'a> Driver<'a> {
         let length = (end - self.state.time) / elements as f64;
         let mut violation = None;
         for count in 1..=elements {
-            self.element.solve(&self.state, length, &self.u)?;
+            self.element.solve(&self.state, length, &self.piece)?;
             if self.control_error() {
                 return Ok(Segment::Rejected);
             }
@@ -527,6 +538,7 @@ impl<'a> Driver<'a> {
         let n = self.n;
         self.x[..n].copy_from_slice(&self.state.q);
         self.x[n..2 * n].copy_from_slice(&self.state.v);
+        self.piece.write(self.state.time, &mut self.u);
         self.x[2 * n..2 * n + self.u.len()].copy_from_slice(&self.u);
         if self.model.declaration().explicit_time
             && let Some(time) = self.x.last_mut()
@@ -536,6 +548,7 @@ impl<'a> Driver<'a> {
     }
 
     pub(super) fn record(&mut self) {
+        self.piece.write(self.state.time, &mut self.u);
         self.force_row.fill(0.0);
         for (held, &r) in self.active.iter().zip(&self.forces) {
             self.force_row[held.contact] = self.contacts.force(held.contact, r);

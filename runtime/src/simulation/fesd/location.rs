@@ -61,7 +61,7 @@ impl Driver<'_> {
             } else {
                 self.state.copy_from(&self.segment_start);
                 for _ in 0..count {
-                    self.element.solve(&self.state, length, &self.u)?;
+                    self.element.solve(&self.state, length, &self.piece)?;
                     self.accept_element()?;
                 }
             }
@@ -182,7 +182,7 @@ impl Driver<'_> {
     pub(super) fn solve_elements(&mut self, length: f64, count: usize) -> Result<(), Stop> {
         self.state.copy_from(&self.segment_start);
         for _ in 0..count {
-            self.element.solve(&self.state, length, &self.u)?;
+            self.element.solve(&self.state, length, &self.piece)?;
             self.state.copy_from(&self.element.end);
         }
         Ok(())
@@ -264,7 +264,7 @@ impl Driver<'_> {
             .filter(|held| held.contact != contact)
             .collect();
         self.next_element.set_mode(&released);
-        self.next_element.solve(&self.state, h, &self.u)?;
+        self.next_element.solve(&self.state, h, &self.piece)?;
         Ok(self.model.gap(contact, self.next_element.stage_input(0)))
     }
 }

@@ -143,7 +143,7 @@ impl Driver<'_> {
             let system = TimeFreezingSystem::new(self.model, AUXILIARY_ACCELERATION)
                 .without_bounces(resting);
             let mut program = Transcription::new(
-                HeavisideSystem::new(system),
+                HeavisideSystem::new(system).driven(self.state.time, self.piece.slopes()),
                 self.tableau,
                 Task::step(&self.state, &self.u, end - self.state.time, elements),
             );

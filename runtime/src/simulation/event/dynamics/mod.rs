@@ -7,7 +7,7 @@ mod switch;
 pub(in crate::simulation) use switch::Switch;
 
 use super::contact_state::ContactState;
-use crate::model::{Model, contact_point, tangent_point};
+use crate::model::{ControlPiece, Model, contact_point, tangent_point};
 use crate::simulation::{
     ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation, SimulationStatus,
     Trajectory,
@@ -35,6 +35,8 @@ pub(in crate::simulation) struct Dynamics<'a> {
     pub(in crate::simulation) active: Vec<usize>,
     /// Controls that hold now.
     pub(in crate::simulation) u: Vec<f64>,
+    /// The controls over time, until they jump or change their slope.
+    piece: ControlPiece,
     /// Switching functions at the last evaluation.
     pub(in crate::simulation) values: Vec<f64>,
     /// Smallest of `values` since [`sample_from`](Self::sample_from).
@@ -101,6 +103,7 @@ impl<'a> Dynamics<'a> {
             contacts,
             active: Vec::with_capacity(contacts),
             u: vec![0.0; declaration.controls.len()],
+            piece: ControlPiece::default(),
             values: vec![0.0; functions],
             lowest: vec![0.0; functions],
             highest: vec![0.0; functions],
@@ -148,17 +151,26 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// Sets the controls that hold right after `t`.
+    /// Takes up the piece of the controls that holds right after `t`.
     pub(in crate::simulation) fn set_controls(&mut self, signal: &ControlSignal, t: f64) {
-        signal.write(t, &mut self.u);
+        signal.take_piece(t, self.u.len(), &mut self.piece);
+        self.write_controls(t);
+    }
+
+    /// Evaluates the controls at `t`.
+    pub(in crate::simulation) fn write_controls(&mut self, t: f64) {
+        self.piece.write(t, &mut self.u);
         let n = self.n;
         self.x[2 * n..2 * n + self.u.len()].copy_from_slice(&self.u);
     }
 
-    /// Writes the state into the input vector that the model's kernels read.
+    /// Writes state and controls at `t` into the input vector that the model's kernels read.
     pub(in crate::simulation) fn load(&mut self, t: f64, y: &[f64]) {
         let n = self.n;
         self.x[..2 * n].copy_from_slice(&y[..2 * n]);
+        if self.piece.varies() {
+            self.write_controls(t);
+        }
         if self.explicit_time
             && let Some(last) = self.x.last_mut()
         {

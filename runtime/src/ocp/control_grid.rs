@@ -1,0 +1,147 @@
+//! Controls over equal intervals: constant on each, or linear between nodes.
+
+use super::settings::ControlShape;
+use crate::simulation::ControlSignal;
+
+/// Controls as a function of time, in units of intervals.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ControlGrid {
+    shape: ControlShape,
+    /// One vector an interval, or one more where they are linear.
+    values: Vec<Vec<f64>>,
+}
+
+impl ControlGrid {
+    /// At least one interval.
+    pub(super) fn new(shape: ControlShape, values: Vec<Vec<f64>>) -> Self {
+        Self { shape, values }
+    }
+
+    /// Constant on each interval.
+    pub(super) fn constant(values: Vec<Vec<f64>>) -> Self {
+        Self::new(ControlShape::Constant, values)
+    }
+
+    pub(super) fn shape(&self) -> ControlShape {
+        self.shape
+    }
+
+    /// Values of the intervals, or at the nodes.
+    pub(super) fn values(&self) -> &[Vec<f64>] {
+        &self.values
+    }
+
+    pub(super) fn intervals(&self) -> usize {
+        match self.shape {
+            ControlShape::Constant => self.values.len(),
+            ControlShape::Linear => self.values.len() - 1,
+        }
+    }
+
+    /// Controls right after the start.
+    pub(super) fn start(&self) -> &[f64] {
+        &self.values[0]
+    }
+
+    /// Controls at `place`, in units of intervals, on the later side of a jump.
+    pub(super) fn at(&self, place: f64) -> Vec<f64> {
+        let last = self.intervals() - 1;
+        let interval = (place.max(0.0) as usize).min(last);
+        match self.shape {
+            ControlShape::Constant => self.values[interval].clone(),
+            ControlShape::Linear => {
+                let share = (place - interval as f64).clamp(0.0, 1.0);
+                let ends = self.values[interval].iter().zip(&self.values[interval + 1]);
+                ends.map(|(from, to)| from + share * (to - from)).collect()
+            }
+        }
+    }
+
+    /// The controls in another shape, on another number of intervals: those at the middle of each interval, or at the
+    /// nodes, where a jump is met halfway.
+    pub(super) fn resampled(&self, shape: ControlShape, intervals: usize) -> Self {
+        if shape == self.shape && intervals == self.intervals() {
+            return self.clone();
+        }
+        let length = self.intervals() as f64 / intervals as f64;
+        let middle = |k: usize| self.at((k as f64 + 0.5) * length);
+        let values = match (shape, self.shape) {
+            (ControlShape::Constant, _) => (0..intervals).map(middle).collect(),
+            (ControlShape::Linear, ControlShape::Linear) => (0..=intervals)
+                .map(|node| self.at(node as f64 * length))
+                .collect(),
+            (ControlShape::Linear, ControlShape::Constant) => (0..=intervals)
+                .map(|node| {
+                    let before = middle(node.max(1) - 1);
+                    let after = middle(node.min(intervals - 1));
+                    let sides = before.iter().zip(&after);
+                    sides
+                        .map(|(before, after)| 0.5 * (before + after))
+                        .collect()
+                })
+                .collect(),
+        };
+        Self { shape, values }
+    }
+
+    /// The controls as a signal over `horizon`.
+    pub(super) fn signal(&self, horizon: f64) -> ControlSignal {
+        signal(self.shape, horizon, self.values.clone())
+    }
+
+    /// The controls of one interval as a signal that starts with it.
+    pub(super) fn signal_of(&self, interval: usize, length: f64) -> ControlSignal {
+        let count = match self.shape {
+            ControlShape::Constant => 1,
+            ControlShape::Linear => 2,
+        };
+        let values = self.values[interval..interval + count].to_vec();
+        signal(self.shape, length, values)
+    }
+}
+
+/// The signal of controls on equal intervals of a motion of length `horizon`.
+pub(super) fn signal(shape: ControlShape, horizon: f64, values: Vec<Vec<f64>>) -> ControlSignal {
+    let intervals = match shape {
+        ControlShape::Constant => values.len(),
+        ControlShape::Linear => values.len() - 1,
+    };
+    let times = (0..values.len())
+        .map(|k| {
+            if k == intervals {
+                horizon
+            } else {
+                horizon * k as f64 / intervals as f64
+            }
+        })
+        .collect();
+    match shape {
+        ControlShape::Constant => ControlSignal::PiecewiseConstant { times, values },
+        ControlShape::Linear => ControlSignal::PiecewiseLinear { times, values },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(shape: ControlShape, values: &[f64]) -> ControlGrid {
+        ControlGrid::new(shape, values.iter().map(|&u| vec![u]).collect())
+    }
+
+    #[test]
+    fn grid_in_another_shape_keeps_what_both_can_express() {
+        use ControlShape::{Constant, Linear};
+        let steps = grid(Constant, &[1.0, 3.0]);
+        assert_eq!(steps.resampled(Linear, 2), grid(Linear, &[1.0, 2.0, 3.0]));
+        assert_eq!(
+            steps.resampled(Constant, 4),
+            grid(Constant, &[1.0, 1.0, 3.0, 3.0])
+        );
+        let ramp = grid(Linear, &[1.0, 3.0]);
+        assert_eq!(ramp.resampled(Linear, 2), grid(Linear, &[1.0, 2.0, 3.0]));
+        assert_eq!(ramp.resampled(Constant, 2), grid(Constant, &[1.5, 2.5]));
+        assert_eq!(ramp.resampled(Linear, 1), ramp);
+        assert_eq!(ramp.at(5.0), [3.0]);
+    }
+}

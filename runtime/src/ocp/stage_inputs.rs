@@ -1,0 +1,180 @@
+//! What drives the motion at the stages of a phase from outside: the controls, and the time where the model reads it.
+//!
+//! Linear controls are those of the nodes at both ends of the interval, `u = u_k + tau (u_k+1 - u_k)`, where `tau` is
+//! the share of the *physical* length `T / N` that has passed. Without a switch in the interval `tau` is a number;
+//! with switches it is an unknown of its own, since the lengths of the phases before it are.
+
+use super::collocation::Phase;
+use super::settings::ControlShape;
+use super::transcribe::Builder;
+
+/// A moment in an interval: the time passed since its start as a sum of `coefficient variable`.
+#[derive(Clone)]
+pub(super) struct Elapsed {
+    terms: Vec<(usize, f64)>,
+    /// The time passed as a share of the interval, if that is a number: as long as the length of the motion is all
+    /// that it depends on.
+    share: Option<f64>,
+    horizon: usize,
+    intervals: usize,
+}
+
+impl Elapsed {
+    /// The start of an interval, where that many make up the `horizon`.
+    pub(super) fn none(horizon: usize, intervals: usize) -> Self {
+        Self {
+            terms: Vec::new(),
+            share: Some(0.0),
+            horizon,
+            intervals,
+        }
+    }
+
+    /// A moment later by `factor` times the variable `scale`.
+    pub(super) fn later(&self, scale: usize, factor: f64) -> Self {
+        let mut later = self.clone();
+        later.terms.push((scale, factor));
+        let known = self.share.filter(|_| scale == self.horizon);
+        later.share = known.map(|share| share + factor * self.intervals as f64);
+        later
+    }
+
+    /// The end of the interval.
+    pub(super) fn all(mut self) -> Self {
+        self.share = Some(1.0);
+        self
+    }
+}
+
+impl Builder<'_, '_> {
+    /// The controls at a moment of an interval, and the time where the model reads it; `guess` is the share of the
+    /// interval as far as it is known.
+    pub(super) fn drive_at(
+        &mut self,
+        interval: usize,
+        elapsed: &Elapsed,
+        guess: f64,
+        place: &str,
+    ) -> Vec<usize> {
+        let mut drive = self.controls_at(interval, elapsed, guess, place);
+        if self.setting.model.declaration().explicit_time {
+            let share = 1.0 / self.setting.problem.intervals as f64;
+            let mut terms = vec![(self.frame.horizon, interval as f64 * share)];
+            terms.extend(&elapsed.terms);
+            let time = self.guess.horizon * (interval as f64 + guess) * share;
+            let name = format!("time {place}");
+            drive.push(self.frame.time(&mut self.program, name, &terms, time));
+        }
+        drive
+    }
+
+    /// The controls at a moment of an interval; `guess` is its share of the interval as far as it is known.
+    fn controls_at(
+        &mut self,
+        interval: usize,
+        elapsed: &Elapsed,
+        guess: f64,
+        place: &str,
+    ) -> Vec<usize> {
+        let (model, problem) = (self.setting.model, self.setting.problem);
+        let from = self.frame.controls[interval].clone();
+        if self.setting.shape == ControlShape::Constant || from.is_empty() {
+            return from;
+        }
+        let to = self.frame.controls[interval + 1].clone();
+        if elapsed.share == Some(0.0) {
+            return from;
+        }
+        if elapsed.share == Some(1.0) {
+            return to;
+        }
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let horizon = self.frame.horizon;
+        let program = &mut self.program;
+        let tau = elapsed.share.is_none().then(|| {
+            let name = format!("share of interval {interval} {place}");
+            let tau = program.variable(name.clone(), free, guess, 1.0);
+            let row = program.row(name, 0.0, 0.0);
+            program.bilinear(row, horizon, tau, 1.0 / problem.intervals as f64);
+            for &(variable, coefficient) in &elapsed.terms {
+                program.linear(row, variable, -coefficient);
+            }
+            tau
+        });
+        let guessed = self.guess.controls.at(interval as f64 + guess);
+        let names = model.declaration().controls.iter();
+        let controls = names.zip(from.iter().zip(&to)).zip(guessed);
+        controls
+            .map(|((control, (&from, &to)), guessed)| {
+                let name = format!("`{}` {place}", control.name);
+                let unit = program.unit(from);
+                let u = program.variable(name.clone(), free, guessed, unit);
+                let row = program.row(name, 0.0, 0.0);
+                program.linear(row, u, 1.0 / unit);
+                match (tau, elapsed.share) {
+                    (Some(tau), _) => {
+                        program.linear(row, from, -1.0 / unit);
+                        program.bilinear(row, tau, to, -1.0 / unit);
+                        program.bilinear(row, tau, from, 1.0 / unit);
+                    }
+                    (None, share) => {
+                        let share = share.unwrap_or(guess);
+                        program.linear(row, from, -(1.0 - share) / unit);
+                        program.linear(row, to, -share / unit);
+                    }
+                }
+                u
+            })
+            .collect()
+    }
+
+    /// The path constraints on linear controls at the very start, which is no stage.
+    pub(super) fn first_path_rows(&mut self, phase: &Phase) {
+        let problem = self.setting.problem;
+        let declared = problem.declared(self.setting.model);
+        let Some(declared) = declared.filter(|_| self.setting.shape == ControlShape::Linear) else {
+            return;
+        };
+        let first = usize::from(declared.running_cost);
+        let (from, u) = (2 * self.n, self.frame.controls[0].clone());
+        let reads = |constraint: &usize| {
+            let controls = |column: usize| (from..from + u.len()).contains(&column);
+            let mut entries = declared.path_jacobian.entries.iter();
+            entries.any(|&(row, column)| {
+                row as usize == first + constraint && controls(column as usize)
+            })
+        };
+        let chosen: Vec<usize> = (0..declared.constraints.len()).filter(reads).collect();
+        let inputs = [&phase.start[..self.n], &phase.start[self.n..], &u[..]];
+        self.frame
+            .path_rows_of(&mut self.program, problem, &chosen, inputs, "at the start");
+    }
+
+    /// The same at the share `theta` of a phase.
+    pub(super) fn drive_within(&mut self, phase: &Phase, theta: f64, place: &str) -> Vec<usize> {
+        let c = self.setting.tableau.c();
+        let (Some(first), Some(last)) = (phase.stages.first(), phase.stages.last()) else {
+            return Vec::new();
+        };
+        let share = (theta - c[0]) / (c[c.len() - 1] - c[0]);
+        let program = &mut self.program;
+        let pairs = first.drive.iter().zip(&last.drive).enumerate();
+        pairs
+            .map(|(k, (&from, &to))| {
+                if from == to {
+                    return from;
+                }
+                let (a, b) = (program.guessed(from), program.guessed(to));
+                let name = format!("drive {k} {place}");
+                let free = (f64::NEG_INFINITY, f64::INFINITY);
+                let unit = program.unit(from);
+                let u = program.variable(name.clone(), free, a + share * (b - a), unit);
+                let row = program.row(name, 0.0, 0.0);
+                program.linear(row, u, 1.0 / unit);
+                program.linear(row, from, -(1.0 - share) / unit);
+                program.linear(row, to, -share / unit);
+                u
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,115 @@
+//! Motions that end with an impact, against closed forms.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+use hangtime::model::Model;
+use hangtime::ocp::{
+    self, Component, ControlShape, Goal, Guess, Horizon, Objective, Problem, Settings, Solution,
+    Status,
+};
+use hangtime::simulation::EventKind;
+
+hangtime::model! {
+    /// A mass that is to come to rest on the ground.
+    Lander {
+        parameters { m: kg = 1, g: m/s^2 = 9.81 }
+        coordinates { z: m }
+        controls { u: N in -1..=1 }
+        lagrangian m/2*dot(z)^2 - m*g*z
+        forces { z: u }
+        surface ground: z >= 0
+        impact ground: inelastic
+        start { z: 1 [m] }
+    }
+}
+
+hangtime::model! {
+    /// A ball that is to fly up at a given speed.
+    Ball {
+        parameters { m: kg = 1, g: m/s^2 = 9.81 }
+        coordinates { z: m }
+        controls { u: N in -1..=1 }
+        lagrangian m/2*dot(z)^2 - m*g*z
+        forces { z: u }
+        surface ground: z >= 0
+        impact ground: restitution 0.5
+        start { z: 1 [m] }
+    }
+}
+
+/// Reaches `(z, dz/dt)` in least time.
+fn solve(model: &dyn Model, (z, v): (f64, f64), settings: &Settings) -> Solution {
+    let goal = |component, value| Goal { component, value };
+    let goals = vec![
+        goal(Component::Coordinate(0), z),
+        goal(Component::Velocity(0), v),
+    ];
+    let problem = Problem {
+        // The ball is on its way down from its first bounce.
+        horizon: Horizon::Free { guess: Some(0.5) },
+        ..Problem::new(model, Objective::time(), goals, 4)
+    };
+    let solution = ocp::solve(model, &problem, settings, &mut |_| true).unwrap();
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    solution
+}
+
+#[test]
+fn impact_at_the_final_time_brings_the_motion_to_rest() {
+    for controls in [ControlShape::Constant, ControlShape::Linear] {
+        let mut settings = Settings::default();
+        settings.controls = controls;
+        let solution = solve(&Lander::default(), (0.0, 0.0), &settings);
+        // It is pushed down all the way, and the ground stops it.
+        let time = (2.0_f64 / (9.81 + 1.0)).sqrt();
+        assert!(
+            (solution.horizon - time).abs() < 1e-8,
+            "{} against {time}",
+            solution.horizon
+        );
+        assert_eq!(
+            solution.planned_events,
+            [(solution.horizon, EventKind::Impact, 0)]
+        );
+        // The motion is a start for others, with the impact where it is.
+        settings.guess = Guess::Previous(Box::new(solution.previous.unwrap()));
+        let again = solve(&Lander::default(), (0.0, 0.0), &settings);
+        assert_eq!(again.counts.global_iterations, 0);
+        assert!((again.horizon - time).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn bounce_at_the_final_time_gives_the_speed_after_it() {
+    // The ground halves the speed, so it has to be met at 4.4 m/s: after a push down in the first two intervals, up in
+    // the last, and u in between. With h = T / 4: h (4 g + 1 - u) = 4.4 and h^2 (8 g + 5.5 - 1.5 u) = 1.
+    let solution = solve(&Ball::default(), (0.0, 2.2), &Settings::default());
+    let g = 9.81;
+    let length = |u: f64| 4.4 / (4.0 * g + 1.0 - u);
+    let fall = |u: f64| length(u).powi(2) * (8.0 * g + 5.5 - 1.5 * u);
+    let (mut lower, mut upper) = (-1.0, 1.0);
+    assert!(fall(lower) < 1.0 && fall(upper) > 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (lower + upper);
+        if fall(middle) < 1.0 {
+            lower = middle;
+        } else {
+            upper = middle;
+        }
+    }
+    let time = 4.0 * length(lower);
+    assert!(
+        (solution.horizon - time).abs() < 1e-8,
+        "{} against {time}",
+        solution.horizon
+    );
+    assert_eq!(
+        solution.planned_events,
+        [(solution.horizon, EventKind::Impact, 0)]
+    );
+}

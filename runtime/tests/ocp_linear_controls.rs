@@ -1,0 +1,329 @@
+//! Optimal control with controls that are linear between nodes, against closed forms.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+use hangtime::model::Model;
+use hangtime::ocp::{
+    self, Component, ControlShape, Formulation, Goal, Guess, Horizon, Objective, Problem, Settings,
+    Solution, Status, TimeFreezingSettings,
+};
+use hangtime::simulation::EventKind;
+
+/// The solver's tolerance is 1e-9, that of the re-simulation 1e-12.
+const DIGITS: f64 = 1e-8;
+
+fn linear() -> Settings {
+    let mut settings = Settings::default();
+    settings.controls = ControlShape::Linear;
+    settings
+}
+
+fn solve(model: &dyn Model, problem: &Problem, settings: &Settings) -> Solution {
+    let solution = ocp::solve(model, problem, settings, &mut |_| true).unwrap();
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    solution
+}
+
+fn goal(component: Component, value: f64) -> Goal {
+    Goal { component, value }
+}
+
+hangtime::model! {
+    /// A cart that is pushed.
+    Cart {
+        parameters { m: kg = 1 }
+        coordinates { y: m }
+        controls { u: N }
+        lagrangian m/2*dot(y)^2
+        forces { y: u }
+        minimize integral(u^2)
+        finally { y == 1[m], dot(y) == 0 }
+        horizon 1 [s]
+    }
+}
+
+/// From rest to rest over 1 m in 1 s at least effort.
+fn rest_to_rest(intervals: usize) -> Problem {
+    let cart = Cart::default();
+    let goals = vec![
+        goal(Component::Coordinate(0), 1.0),
+        goal(Component::Velocity(0), 0.0),
+    ];
+    Problem {
+        horizon: Horizon::Fixed(1.0),
+        ..Problem::new(&cart, Objective::effort(), goals, intervals)
+    }
+}
+
+#[test]
+fn least_effort_of_a_cart_is_linear_in_time_on_every_grid() {
+    let cart = Cart::default();
+    for intervals in [1, 2, 5] {
+        let by_weights = solve(&cart, &rest_to_rest(intervals), &linear());
+        let declared = solve(&cart, &Problem::of(&cart, intervals), &linear());
+        for solution in [&by_weights, &declared] {
+            // u = 6 (1 - 2 t), and the integral of its square is 12.
+            assert!(
+                (solution.objective - 12.0).abs() < DIGITS,
+                "{}",
+                solution.objective
+            );
+            assert_eq!(solution.controls.len(), intervals + 1);
+            for (node, u) in solution.controls.iter().enumerate() {
+                let expected = 6.0 - 12.0 * node as f64 / intervals as f64;
+                assert!((u[0] - expected).abs() < DIGITS, "{u:?} against {expected}");
+            }
+            let trajectory = &solution.motion.as_ref().unwrap().trajectory;
+            for (&t, q) in trajectory.time.iter().zip(&trajectory.q) {
+                assert!(
+                    (q[0] - t * t * (3.0 - 2.0 * t)).abs() < DIGITS,
+                    "{q:?} at {t}"
+                );
+            }
+        }
+        if intervals > 1 {
+            // Constant controls lose the share 1 / N^2 of their effort.
+            let constant = solve(&cart, &rest_to_rest(intervals), &Settings::default());
+            let expected = 12.0 / (1.0 - 1.0 / (intervals * intervals) as f64);
+            assert!((constant.objective - expected).abs() < DIGITS * expected);
+        }
+    }
+}
+
+#[test]
+fn effort_with_a_price_on_time_has_the_free_final_time_of_the_closed_form() {
+    let cart = Cart::default();
+    // T + w 12 / T^3 is least for T^4 = 36 w.
+    let objective = Objective {
+        final_time: 1.0,
+        control_effort: 16.0 / 36.0,
+        ..Objective::default()
+    };
+    let problem = Problem {
+        horizon: Horizon::Free { guess: Some(1.0) },
+        objective,
+        ..rest_to_rest(3)
+    };
+    let solution = solve(&cart, &problem, &linear());
+    // Second-order conditions make the time as accurate as the square root of the objective is.
+    assert!(
+        (solution.horizon - 2.0).abs() < 1e-6,
+        "{}",
+        solution.horizon
+    );
+    assert!(
+        (solution.objective - 8.0 / 3.0).abs() < DIGITS,
+        "{}",
+        solution.objective
+    );
+}
+
+hangtime::model! {
+    /// A cart that must not go further than a ninth of a metre (Bryson, Denham, Dreyfus 1963).
+    Confined {
+        parameters { m: kg = 1 }
+        coordinates { y: m in -1..=1/9 }
+        controls { u: N }
+        lagrangian m/2*dot(y)^2
+        forces { y: u }
+        start { dot(y): 1 [m/s] }
+    }
+}
+
+#[test]
+fn coordinate_that_rests_on_its_bound_follows_the_closed_form() {
+    let cart = Confined::default();
+    let goals = vec![
+        goal(Component::Coordinate(0), 0.0),
+        goal(Component::Velocity(0), -1.0),
+    ];
+    let problem = Problem {
+        horizon: Horizon::Fixed(1.0),
+        ..Problem::new(&cart, Objective::effort(), goals, 3)
+    };
+    let solution = solve(&cart, &problem, &linear());
+    // For a bound l <= 1/6 the control is -2/(3 l) (1 - t/(3 l)) up to 3 l, then 0, then mirrored: with l = 1/9
+    // linear on three intervals, and the integral of its square is 8/(9 l).
+    assert!(
+        (solution.objective - 8.0).abs() < 1e-6,
+        "{}",
+        solution.objective
+    );
+    for (u, expected) in solution.controls.iter().zip([-6.0, 0.0, 0.0, -6.0]) {
+        // The objective is flat to second order.
+        assert!((u[0] - expected).abs() < 1e-3, "{u:?} against {expected}");
+    }
+    let excess = solution.excess.map_or(0.0, |excess| excess.amount);
+    assert!(excess < DIGITS, "{excess}");
+}
+
+hangtime::model! {
+    /// A cart whose push is limited by a path constraint.
+    Limited {
+        parameters { m: kg = 1 }
+        coordinates { y: m }
+        controls { u: N }
+        lagrangian m/2*dot(y)^2
+        forces { y: u }
+        constraint push: 5[N] - u >= 0
+        constraint pull: 5[N] + u >= 0
+        minimize integral(u^2)
+        finally { y == 1[m], dot(y) == 0 }
+        horizon 1 [s]
+    }
+}
+
+#[test]
+fn path_constraint_on_linear_controls_holds_from_the_start_on() {
+    let cart = Limited::default();
+    let solution = solve(&cart, &Problem::of(&cart, 4), &linear());
+    // By symmetry u = (a, b, 0, -b, -a), with distance (a + 6 b) / 48 * 2 ... = 1 and the least effort at a = 5.
+    assert!(
+        (solution.controls[0][0] - 5.0).abs() < DIGITS,
+        "{:?}",
+        solution.controls
+    );
+    assert!(
+        (solution.controls[4][0] + 5.0).abs() < DIGITS,
+        "{:?}",
+        solution.controls
+    );
+    let excess = solution.excess.map_or(0.0, |excess| excess.amount);
+    assert!(excess < DIGITS, "{excess}");
+}
+
+hangtime::model! {
+    /// A mass with an engine, on the ground.
+    Hopper {
+        parameters { m: kg = 1, g: m/s^2 = 9.81 }
+        coordinates { z: m }
+        controls { u: N in 0..=40 }
+        lagrangian m/2*dot(z)^2 - m*g*z
+        forces { z: u }
+        surface ground: z >= 0
+        impact ground: inelastic
+    }
+}
+
+/// To rest at 0.5 m in 1.2 s at least effort.
+fn hop(intervals: usize) -> Problem {
+    let goals = vec![
+        goal(Component::Coordinate(0), 0.5),
+        goal(Component::Velocity(0), 0.0),
+    ];
+    Problem {
+        horizon: Horizon::Fixed(1.2),
+        ..Problem::new(&Hopper::default(), Objective::effort(), goals, intervals)
+    }
+}
+
+/// The least effort of [`hop`] with four intervals and no thrust in the first, by golden section over the thrust at the
+/// middle: the ones after it follow from the goals.
+fn least_effort_by_search() -> f64 {
+    let h: f64 = 0.3;
+    let effort = |u2: f64| {
+        let slope = u2 / h;
+        // From the lift-off to the middle, then two intervals whose ends are affine in (u3, u4).
+        let t = h - 9.81 / slope;
+        let after = |(z, v): (f64, f64), (a, b): (f64, f64)| {
+            let (a, b) = (a - 9.81, b - 9.81);
+            (
+                z + v * h + h * h * (2.0 * a + b) / 6.0,
+                v + h * (a + b) / 2.0,
+            )
+        };
+        let end = |u3: f64, u4: f64| {
+            let middle = (slope * t * t * t / 6.0, slope * t * t / 2.0);
+            let (z, v) = after(after(middle, (u2, u3)), (u3, u4));
+            [z - 0.5, v]
+        };
+        let (zero, by3, by4) = (end(0.0, 0.0), end(1.0, 0.0), end(0.0, 1.0));
+        let [a, b] = [by3[0] - zero[0], by4[0] - zero[0]];
+        let [c, d] = [by3[1] - zero[1], by4[1] - zero[1]];
+        let determinant = a * d - b * c;
+        let u3 = (-zero[0] * d + b * zero[1]) / determinant;
+        let u4 = (-a * zero[1] + c * zero[0]) / determinant;
+        let square = |a: f64, b: f64| h / 3.0 * (a * a + a * b + b * b);
+        square(0.0, u2) + square(u2, u3) + square(u3, u4)
+    };
+    let (mut from, mut to) = (10.0, 40.0);
+    for _ in 0..100 {
+        let (a, b) = (from + 0.382 * (to - from), to - 0.382 * (to - from));
+        if effort(a) < effort(b) {
+            to = b;
+        } else {
+            from = a;
+        }
+    }
+    effort(from)
+}
+
+#[test]
+fn hopper_leaves_the_ground_where_the_thrust_carries_it() {
+    let hopper = Hopper::default();
+    let solution = solve(&hopper, &hop(4), &linear());
+    let kinds: Vec<EventKind> = solution
+        .planned_events
+        .iter()
+        .map(|event| event.1)
+        .collect();
+    assert_eq!(kinds, [EventKind::LiftOff]);
+    let mut u = [0.0];
+    solution
+        .signal()
+        .write(solution.planned_events[0].0, &mut u);
+    assert!((u[0] - 9.81).abs() < 1e-6, "{u:?}");
+    assert!(
+        solution.resimulation_error < 1e-9,
+        "{:e}",
+        solution.resimulation_error
+    );
+    let least = least_effort_by_search();
+    assert!(
+        (solution.objective - least).abs() < DIGITS * least,
+        "{} {least}",
+        solution.objective
+    );
+    // The complementarity problem of the time-freezing system keeps constant controls and finds the same sequence.
+    let mut settings = linear();
+    settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
+    let other = solve(&hopper, &hop(4), &settings);
+    assert!(
+        (other.objective - least).abs() < DIGITS * least,
+        "{} {least}",
+        other.objective
+    );
+}
+
+#[test]
+fn previous_motion_starts_other_grids_and_shapes() {
+    let hopper = Hopper::default();
+    let coarse = solve(&hopper, &hop(4), &linear());
+    let mut objectives = vec![coarse.objective];
+    let mut previous = coarse.previous.unwrap();
+    for (intervals, controls) in [
+        (8, ControlShape::Linear),
+        (8, ControlShape::Constant),
+        (16, ControlShape::Linear),
+    ] {
+        let mut settings = linear();
+        settings.controls = controls;
+        settings.guess = Guess::Previous(Box::new(previous));
+        let solution = solve(&hopper, &hop(intervals), &settings);
+        // No search: the contact sequence of the motion before is enough.
+        assert_eq!(solution.counts.global_iterations, 0);
+        assert_eq!(solution.shape, controls);
+        objectives.push(solution.objective);
+        previous = solution.previous.unwrap();
+    }
+    // What four linear pieces can do, eight and sixteen can do better.
+    assert!(
+        objectives[1] < objectives[0] && objectives[3] < objectives[1],
+        "{objectives:?}"
+    );
+}

@@ -1,0 +1,104 @@
+//! Plans that the first grid cannot resolve.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+use hangtime::ocp::{
+    self, Component, ControlShape, Goal, Horizon, Objective, Problem, Settings, Solution, Status,
+};
+use hangtime::simulation::{Fesd, InitialValueProblem, Simulator};
+
+hangtime::model! {
+    /// A cart that has to pass a narrow magnet on its way.
+    Passage {
+        parameters { m: kg = 1, depth: J = 0.2, place: m = 0.3, width: m = 0.02 }
+        coordinates { y: m }
+        controls { u: N }
+        lagrangian m/2*dot(y)^2 + depth*exp(-((y - place)/width)^2/2)
+        forces { y: u }
+    }
+}
+
+const INTERVALS: usize = 8;
+
+/// From rest to rest over 1 m in 1 s.
+fn pass(model: &Passage, settings: &Settings) -> Solution {
+    let goal = |component, value| Goal { component, value };
+    let goals = vec![
+        goal(Component::Coordinate(0), 1.0),
+        goal(Component::Velocity(0), 0.0),
+    ];
+    let problem = Problem {
+        horizon: Horizon::Fixed(1.0),
+        ..Problem::new(model, Objective::effort(), goals, INTERVALS)
+    };
+    let solution = ocp::solve(model, &problem, settings, &mut |_| true).unwrap();
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    solution
+}
+
+/// Whether the cart is in the magnet at any time of each interval: 5 widths from it, its force is 2e-5 of its largest.
+fn in_the_magnet(model: &Passage, solution: &Solution) -> Vec<bool> {
+    let trajectory = &solution.motion.as_ref().unwrap().trajectory;
+    let mut inside = vec![false; INTERVALS];
+    for (time, q) in trajectory.time.iter().zip(&trajectory.q) {
+        let interval = ((time * INTERVALS as f64) as usize).min(INTERVALS - 1);
+        inside[interval] |= (q[0] - model.place).abs() < 5.0 * model.width;
+    }
+    inside
+}
+
+#[test]
+fn elements_grow_where_the_plan_departs_from_the_motion_and_nowhere_else() {
+    for controls in [ControlShape::Constant, ControlShape::Linear] {
+        let model = Passage::default();
+        let mut settings = Settings::default();
+        settings.controls = controls;
+        let solution = pass(&model, &settings);
+        assert!(solution.resimulation_error < settings.largest_distance);
+        let inside = in_the_magnet(&model, &solution);
+        assert!(inside.iter().any(|&inside| inside) && inside.iter().any(|&inside| !inside));
+        for (interval, (&elements, inside)) in solution.elements.iter().zip(inside).enumerate() {
+            assert_eq!(elements > 1, inside, "{elements} in interval {interval}");
+        }
+        // A method that had no part in the plan ends at the goal as well.
+        let problem = InitialValueProblem {
+            controls: solution.signal(),
+            ..InitialValueProblem::of(&model, Some(1.0)).unwrap()
+        };
+        let simulation = Fesd::default()
+            .with_tolerance(1e-11)
+            .simulate(&model, &problem, &mut |_| {})
+            .unwrap();
+        let reached = simulation.trajectory.q.last().unwrap()[0];
+        assert!(
+            (reached - 1.0).abs() < settings.largest_distance,
+            "{reached}"
+        );
+    }
+}
+
+#[test]
+fn smaller_distances_ask_for_more_elements_and_coarse_scenes_for_none() {
+    let mut settings = Settings::default();
+    let count = |solution: &Solution| solution.elements.iter().sum::<usize>();
+    let usual = pass(&Passage::default(), &settings);
+    settings.largest_distance = 1e-9;
+    let strict = pass(&Passage::default(), &settings);
+    assert!(
+        strict.resimulation_error < 1e-9,
+        "{:e}",
+        strict.resimulation_error
+    );
+    assert!(count(&strict) > count(&usual));
+    let wide = Passage {
+        width: 1.0,
+        ..Passage::default()
+    };
+    let solution = pass(&wide, &Settings::default());
+    assert_eq!(solution.elements, [1; INTERVALS]);
+}
