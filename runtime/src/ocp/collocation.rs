@@ -12,9 +12,9 @@
 //! normal accelerations times `h`, so that the system stays regular for short phases. Between phases:
 //! an opening inside an interval happens where the force vanishes, `r_i = 0`; one at a jump of the
 //! controls where `r_i >= 0` before and the normal acceleration is `>= 0` after it, and one at a node of linear
-//! controls, which do not jump, where `r_i = 0` before it; a closing or a touch where
-//! `g_i = 0`, possibly at the very end, followed by the impact map `v+ = v + sum_B d_i p_i`, `v_n,i(v+) = -e_i v_n,i(v)` for all contacts `B`
-//! closed there. A touch leaves its contact open; without a bounce the normal acceleration is `>= 0` after it.
+//! controls, which do not jump, where `r_i = 0` before it; a closing or a touch where `g_i = 0`, possibly at the very
+//! end, followed by the impact map `v+ = v + sum_B d_i p_i`, `v_n,i(v+) = -e_i v_n,i(v)` for all contacts `B` closed
+//! there. A touch leaves its contact open; without a bounce the normal acceleration is `>= 0` after it.
 //! Contacts with friction are the subject of [`friction`](super::friction).
 //!
 //! A coordinate whose acceleration depends on nothing but the controls is a parabola on each interval,

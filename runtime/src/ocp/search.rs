@@ -71,26 +71,23 @@ impl<'a> Search<'a, '_> {
         known.extend(previous.map(|previous| previous.relaxed(guess, intervals)));
         for relaxed in known {
             if found.is_empty() && !self.watch.stopped {
-                self.attempt_and_repair(relaxed, true, &mut found)?;
+                self.attempt_and_repair(relaxed, coarser.is_some(), &mut found)?;
             }
         }
         // Without a previous motion, or too far from it: search.
-        let relaxed = match &settings.formulation {
-            _ if !found.is_empty() || self.watch.stopped => Vec::new(),
-            Formulation::Phases => self.global(guess)?,
-            Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
-        };
-        let bouncing = self.bouncing(guess)?;
-        if !relaxed.is_empty() {
-            // Rows of the programs that follow say more than those of relaxed ones.
-            self.failure = None;
+        if found.is_empty() {
+            self.search_from(guess, &mut found)?;
         }
-        let relaxed = relaxed.into_iter().take(settings.refined_motions);
-        for global in bouncing.into_iter().chain(relaxed) {
-            if self.watch.stopped {
-                break;
-            }
-            self.attempt_and_repair(global, false, &mut found)?;
+        // The ride without controls obeys the dynamics, which is what other guesses may be too far from.
+        if found.is_empty() && !matches!(settings.guess, Guess::Ride) && !self.watch.stopped {
+            let Setting {
+                model,
+                problem,
+                bounds,
+                ..
+            } = self.setting;
+            let ride = Path::guess(model, problem, &Guess::Ride, bounds)?;
+            self.search_from(&ride, &mut found)?;
         }
         // The best that the re-simulation confirms, or else the best.
         let mut result: Option<Solution> = None;
@@ -108,6 +105,36 @@ impl<'a> Search<'a, '_> {
             Some(solution) => solution,
             None => self.failed(),
         })
+    }
+
+    /// Adds the local optima that the motions of the global phase lead to.
+    fn search_from(
+        &mut self,
+        guess: &Path,
+        found: &mut Vec<(Local<'a>, Stationarity)>,
+    ) -> Result<(), InputError> {
+        if self.watch.stopped {
+            return Ok(());
+        }
+        let settings = self.settings;
+        let known = self.failure.take();
+        let relaxed = match &settings.formulation {
+            Formulation::Phases => self.global(guess)?,
+            Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
+        };
+        let bouncing = self.bouncing(guess)?;
+        if known.is_some() || !relaxed.is_empty() {
+            // Rows of the programs of contact sequences say more than those of relaxed ones.
+            self.failure = known;
+        }
+        let relaxed = relaxed.into_iter().take(settings.refined_motions);
+        for global in bouncing.into_iter().chain(relaxed) {
+            if self.watch.stopped {
+                break;
+            }
+            self.attempt_and_repair(global, false, found)?;
+        }
+        Ok(())
     }
 
     /// The motion under the guessed controls, where a contact bounces: the global phase knows no bounce.

@@ -184,12 +184,13 @@ impl Builder<'_, '_> {
                 .collect()
         };
         let mut begin = 0.0;
-        let mut elapsed = Elapsed::none();
+        let mut elapsed = Elapsed::none(self.frame.horizon, self.setting.problem.intervals);
         for (p, &end) in ends.iter().enumerate() {
-            let (scale, factor, whole) = match durations.get(p) {
-                Some(&duration) => (duration, 1.0, None),
-                None => (self.frame.horizon, share, Some(1.0)),
+            let (scale, factor) = match durations.get(p) {
+                Some(&duration) => (duration, 1.0),
+                None => (self.frame.horizon, share),
             };
+            let factor = factor / elements as f64;
             let times = (
                 (interval as f64 + begin) * length,
                 (interval as f64 + end) * length,
@@ -226,9 +227,8 @@ impl Builder<'_, '_> {
                 let time = |e: usize| times.0 + e as f64 / elements as f64 * (times.1 - times.0);
                 self.phase(
                     (interval, (p * elements + e, count * elements)),
-                    (scale, factor / elements as f64, whole),
-                    (&elapsed, p + 1 == count && last),
-                    (time(e), time(e + 1)),
+                    (scale, factor),
+                    (&elapsed, time(e), time(e + 1)),
                     (ending.filter(|_| last), if last { &closing } else { &[] }),
                     if first {
                         (&opened, &touched, &turns)
@@ -236,8 +236,7 @@ impl Builder<'_, '_> {
                         (&[], &[], &turns)
                     },
                 );
-                let part = 1.0 / elements as f64;
-                elapsed = elapsed.later(scale, factor * part, whole.map(|whole| whole * part));
+                elapsed = elapsed.later(scale, factor);
             }
             turns = Turns::default();
             if let Some((index, switch)) = ending {
@@ -259,9 +258,8 @@ impl Builder<'_, '_> {
     fn phase(
         &mut self,
         (interval, index): (usize, (usize, usize)),
-        (scale, factor, whole): (usize, f64, Option<f64>),
-        (elapsed, ends): (&Elapsed, bool),
-        (from, to): (f64, f64),
+        (scale, factor): (usize, f64),
+        (elapsed, from, to): (&Elapsed, f64, f64),
         (ending, closing): (Option<(usize, &Switch)>, &[usize]),
         (opened, touched, turns): (&[usize], &[usize], &Turns),
     ) {
@@ -283,11 +281,10 @@ impl Builder<'_, '_> {
         let label = format!("interval {interval}, phase {}", index.0);
         let stages = tableau.stages();
         let mut drives = Vec::with_capacity(stages);
-        let part = whole.map(|whole| whole * factor * problem.intervals as f64);
         let length = self.guess.horizon / problem.intervals as f64;
         for (m, c) in tableau.c().iter().enumerate() {
-            let mut moment = elapsed.later(scale, c * factor, part.map(|part| c * part));
-            if ends && m + 1 == stages && *c == 1.0 {
+            let mut moment = elapsed.later(scale, c * factor);
+            if index.0 + 1 == index.1 && m + 1 == stages {
                 moment = moment.all();
             }
             let guess = (from + c * (to - from)) / length - interval as f64;
