@@ -2,6 +2,7 @@
 
 use super::collocation::Setting;
 use super::contact_implicit::ContactImplicit;
+use super::mode::{Mode, is_rough, sliding_velocity, zero_velocity};
 use super::path::Path;
 use super::search::{Search, refused};
 use super::sequence::Sequence;
@@ -68,34 +69,32 @@ pub(super) struct Relaxed {
 impl Search<'_, '_> {
     /// The contact-implicit phase: distinct motions, the best first; the guess itself if no program could be solved.
     pub(super) fn global(&mut self, guess: &Path) -> Result<Vec<Relaxed>, InputError> {
+        let finer = LEAST_ELEMENTS.div_ceil(self.setting.problem.intervals);
+        let elements = finer * self.settings.refined_elements;
         let mut coarse: Vec<Relaxed> = Vec::new();
-        let intervals = self.setting.problem.intervals;
-        let finer = LEAST_ELEMENTS.div_ceil(intervals);
+        let mut fine: Vec<Relaxed> = Vec::new();
         for (per_interval, rule) in COARSE_PROGRAMS {
             if self.watch.stopped {
                 return Ok(Vec::new());
             }
-            let found = self.relaxed(guess, finer * per_interval, rule, COARSE)?;
-            insert(&mut coarse, found);
-        }
-        let mut starts: Vec<Path> = coarse.into_iter().map(|found| found.path).collect();
-        if starts.is_empty() {
-            starts.push(guess.clone());
-        }
-        let mut fine: Vec<Relaxed> = Vec::new();
-        let elements = finer * self.settings.refined_elements;
-        for start in &starts {
-            for rule in FINE_RULES {
-                if self.watch.stopped {
-                    break;
-                }
-                let found = self.relaxed(start, elements, rule, FINE)?;
-                let solved = found.is_some();
-                insert(&mut fine, found);
-                if solved {
-                    break;
-                }
+            let Some(found) = self.relaxed(guess, finer * per_interval, rule, COARSE)? else {
+                continue;
+            };
+            let start = found.path.clone();
+            if !insert(&mut coarse, found) {
+                continue;
             }
+            // Two programs that lead to the same motion leave little doubt.
+            if let Some(refined) = self.refined(&start, elements)?
+                && !insert(&mut fine, refined)
+            {
+                break;
+            }
+        }
+        if coarse.is_empty()
+            && let Some(refined) = self.refined(guess, elements)?
+        {
+            fine.push(refined);
         }
         if fine.is_empty() {
             // Too few elements for the motion, perhaps: the next phase starts from the guess.
@@ -103,7 +102,7 @@ impl Search<'_, '_> {
                 objective: f64::INFINITY,
                 path: guess.clone(),
                 sequence: Sequence {
-                    initially: self.closed_at_start(guess),
+                    initially: self.modes_at_start(guess),
                     switches: Vec::new(),
                 },
             });
@@ -115,9 +114,17 @@ impl Search<'_, '_> {
     pub(super) fn on_this_grid(&mut self, coarser: &Path) -> Result<Option<Relaxed>, InputError> {
         let intervals = self.setting.problem.intervals;
         let elements = LEAST_FINE_ELEMENTS.div_ceil(intervals);
+        self.refined(coarser, elements)
+    }
+
+    /// The program with many elements from a relaxed motion, by the first rule that works.
+    fn refined(&mut self, start: &Path, elements: usize) -> Result<Option<Relaxed>, InputError> {
         for rule in FINE_RULES {
-            let found = self.relaxed(coarser, elements, rule, FINE)?;
-            if found.is_some() || self.watch.stopped {
+            if self.watch.stopped {
+                break;
+            }
+            let found = self.relaxed(start, elements, rule, FINE)?;
+            if found.is_some() {
                 return Ok(found);
             }
         }
@@ -159,16 +166,16 @@ impl Search<'_, '_> {
         self.counts.global_iterations += solution.iterations;
         self.counts.factorizations += solution.factorizations;
         if solution.status == mpcc::Status::Relaxed {
-            let closed = program.closed(&solution.x);
-            let ends: Vec<f64> = (1..=closed.len())
+            let modes = program.modes(&solution.x);
+            let ends: Vec<f64> = (1..=modes.len())
                 .map(|end| end as f64 / elements as f64)
                 .collect();
             let path = program.path(&solution.x);
-            let initially = self.closed_at_start(&path);
+            let initially = self.modes_at_start(&path);
             return Ok(Some(Relaxed {
                 objective: unit * solution.objective,
                 path,
-                sequence: Sequence::of_elements(initially, &closed, (elements, &ends), CLOSING),
+                sequence: Sequence::of_elements(initially, &modes, (elements, &ends), CLOSING),
             }));
         }
         let status = match solution.status {
@@ -179,27 +186,36 @@ impl Search<'_, '_> {
         Ok(None)
     }
 
-    /// Contacts that a path starts on.
-    pub(super) fn closed_at_start(&self, path: &Path) -> Vec<bool> {
+    /// What the contacts do at the start of a path.
+    pub(super) fn modes_at_start(&self, path: &Path) -> Vec<Mode> {
         let Setting { model, units, .. } = self.setting;
         let mut input = self.setting.problem.start_of(model, path);
+        let zero = zero_velocity(&input[input.len() / 2..]);
         input.resize(model.declaration().inputs(), 0.0);
         let free = self.setting.problem.has_free_start(model);
         let near = if free { NEAR_START } else { AT_START };
         (0..model.declaration().contacts.len())
-            .map(|contact| model.gap(contact, &input) <= near * units.gap[contact])
+            .map(|contact| {
+                if model.gap(contact, &input) > near * units.gap[contact] {
+                    return Mode::Open;
+                }
+                let rough = is_rough(model, contact);
+                let slides = rough.then(|| sliding_velocity(model, contact, &input, 0.0));
+                Mode::closed(rough, slides.unwrap_or(0.0), zero)
+            })
             .collect()
     }
 }
 
-/// Adds a motion to those sorted by objective, unless one with the same objective is there.
-fn insert(motions: &mut Vec<Relaxed>, found: Option<Relaxed>) {
-    let Some(found) = found else { return };
+/// Adds a motion to those sorted by objective, unless one with the same objective is there; says whether it did.
+fn insert(motions: &mut Vec<Relaxed>, found: Relaxed) -> bool {
     let objective = found.objective;
     let tolerance = SAME * objective.abs().max(f64::MIN_POSITIVE);
     let same = |other: &Relaxed| (other.objective - objective).abs() <= tolerance;
-    if !motions.iter().any(same) {
-        let place = motions.partition_point(|other| other.objective < objective);
-        motions.insert(place, found);
+    if motions.iter().any(same) {
+        return false;
     }
+    let place = motions.partition_point(|other| other.objective < objective);
+    motions.insert(place, found);
+    true
 }

@@ -71,26 +71,23 @@ impl<'a> Search<'a, '_> {
         known.extend(previous.map(|previous| previous.relaxed(guess, intervals)));
         for relaxed in known {
             if found.is_empty() && !self.watch.stopped {
-                self.attempt_and_repair(relaxed, true, &mut found)?;
+                self.attempt_and_repair(relaxed, coarser.is_some(), &mut found)?;
             }
         }
         // Without a previous motion, or too far from it: search.
-        let relaxed = match &settings.formulation {
-            _ if !found.is_empty() || self.watch.stopped => Vec::new(),
-            Formulation::Phases => self.global(guess)?,
-            Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
-        };
-        let bouncing = self.bouncing(guess)?;
-        if !relaxed.is_empty() {
-            // Rows of the programs that follow say more than those of relaxed ones.
-            self.failure = None;
+        if found.is_empty() {
+            self.search_from(guess, &mut found)?;
         }
-        let relaxed = relaxed.into_iter().take(settings.refined_motions);
-        for global in bouncing.into_iter().chain(relaxed) {
-            if self.watch.stopped {
-                break;
-            }
-            self.attempt_and_repair(global, false, &mut found)?;
+        // The ride without controls obeys the dynamics, which is what other guesses may be too far from.
+        if found.is_empty() && !matches!(settings.guess, Guess::Ride) && !self.watch.stopped {
+            let Setting {
+                model,
+                problem,
+                bounds,
+                ..
+            } = self.setting;
+            let ride = Path::guess(model, problem, &Guess::Ride, bounds)?;
+            self.search_from(&ride, &mut found)?;
         }
         // The best that the re-simulation confirms, or else the best.
         let mut result: Option<Solution> = None;
@@ -108,6 +105,36 @@ impl<'a> Search<'a, '_> {
             Some(solution) => solution,
             None => self.failed(),
         })
+    }
+
+    /// Adds the local optima that the motions of the global phase lead to.
+    fn search_from(
+        &mut self,
+        guess: &Path,
+        found: &mut Vec<(Local<'a>, Stationarity)>,
+    ) -> Result<(), InputError> {
+        if self.watch.stopped {
+            return Ok(());
+        }
+        let settings = self.settings;
+        let known = self.failure.take();
+        let relaxed = match &settings.formulation {
+            Formulation::Phases => self.global(guess)?,
+            Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
+        };
+        let bouncing = self.bouncing(guess)?;
+        if known.is_some() || !relaxed.is_empty() {
+            // Rows of the programs of contact sequences say more than those of relaxed ones.
+            self.failure = known;
+        }
+        let relaxed = relaxed.into_iter().take(settings.refined_motions);
+        for global in bouncing.into_iter().chain(relaxed) {
+            if self.watch.stopped {
+                break;
+            }
+            self.attempt_and_repair(global, false, found)?;
+        }
+        Ok(())
     }
 
     /// The motion under the guessed controls, where a contact bounces: the global phase knows no bounce.
@@ -245,9 +272,11 @@ impl<'a> Search<'a, '_> {
                 touching: TOUCHING * self.settings.gap_margin,
             };
             let directed = pressure.directed();
-            let neighbours: Vec<Sequence> =
-                directed.into_iter().chain(pressure.insertions()).collect();
-            let shortened = pressure.shortened();
+            let inserted = pressure.insertions().into_iter().chain(pressure.sliding());
+            let neighbours: Vec<Sequence> = directed.into_iter().chain(inserted).collect();
+            // No neighbours, but often in another basin: nothing is claimed about them.
+            let explored = pressure.shortened().into_iter().chain(pressure.shifted());
+            let explored: Vec<Sequence> = explored.collect();
             let (path, cuts) = (best.path.clone(), best.cuts.clone());
             self.best = Some(best);
             let stationarity = if neighbours.is_empty() {
@@ -274,15 +303,14 @@ impl<'a> Search<'a, '_> {
                     Verdict::Undecided => undecided = true,
                 }
             }
-            // No neighbour, but often in another basin: nothing is claimed about it.
-            if !improved
-                && let Some(sequence) = shortened
-                && !self.was_tried(&sequence)
-                && !self.watch.stopped
-                && self.counts.programs < self.most_programs
-            {
-                improved =
-                    self.attempt(&sequence, &path, &cuts, Purpose::Explore)? == Verdict::Better;
+            for sequence in explored {
+                if improved || self.watch.stopped || self.counts.programs >= self.most_programs {
+                    break;
+                }
+                if !self.was_tried(&sequence) {
+                    let verdict = self.attempt(&sequence, &path, &cuts, Purpose::Explore)?;
+                    improved = verdict == Verdict::Better;
+                }
             }
             if !improved {
                 return Ok(if undecided {

@@ -291,7 +291,8 @@ impl Solution {
                 ))
             }
             Status::Infeasible => Some(format!(
-                "the goal cannot be reached within the bounds from this guess; {worst}"
+                "no motion to the goal within the bounds was found from this guess, nor from the motion without \
+                 controls; try several starts or more intervals; {worst}"
             )),
             Status::Interrupted if self.motion.is_none() => {
                 Some("stopped before a first motion was found".to_owned())
