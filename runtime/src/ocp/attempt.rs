@@ -102,7 +102,12 @@ impl<'a> Search<'a, '_> {
         purpose: Purpose,
     ) -> Result<Verdict, InputError> {
         let mut cuts = cuts.to_vec();
-        let mut guess = guess.clone();
+        let intervals = self.setting.problem.intervals;
+        let mut guess = if sequence.ends_with_impact(intervals) {
+            guess.up_to_last_jump(intervals)
+        } else {
+            guess.clone()
+        };
         let mut sequence = sequence.clone();
         for round in 0..ROUNDS {
             let last = round + 1 == ROUNDS;
