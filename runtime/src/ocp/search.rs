@@ -41,6 +41,8 @@ pub(super) struct Search<'a, 's> {
     /// Most programs, those of coarser grids included.
     pub(super) most_programs: usize,
     pub(super) counts: Counts,
+    /// Whether sequences in other basins are tried; on a coarser grid they were.
+    pub(super) explores: bool,
     pub(super) time_freezing: Option<TimeFreezingReport>,
     pub(super) tried: Vec<Tried>,
     pub(super) best: Option<Local<'a>>,
@@ -298,6 +300,7 @@ impl<'a> Search<'a, '_> {
             }
             // No neighbour, but often in another basin: nothing is claimed about it.
             if !improved
+                && self.explores
                 && let Some(sequence) = shortened
                 && !self.was_tried(&sequence)
                 && !self.watch.stopped
