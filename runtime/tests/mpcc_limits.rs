@@ -8,22 +8,23 @@ mod solver_support;
 use hangtime::mpcc::{self, Settings, Solution, Status};
 use hangtime::nlp::{self, IterationInfo};
 use solver_support::{TextProblem, read_problems};
+use std::sync::LazyLock;
 
 fn literature() -> Vec<TextProblem> {
     read_problems(include_str!("data/mpcc_literature.txt"))
 }
 
 /// A problem whose solve needs relaxed runs, crossovers, and linear programs for its certificate.
-fn problem() -> TextProblem {
+static PROBLEM: LazyLock<TextProblem> = LazyLock::new(|| {
     let certified = |problem: &TextProblem| {
         let solution = mpcc::solve(&mut problem.clone(), &Settings::default()).unwrap();
         solution.crossover_iterations > 0 && solution.certificate_iterations > 0
     };
     literature().into_iter().find(certified).unwrap()
-}
+});
 
 fn solve_within(settings: &Settings) -> Solution {
-    mpcc::solve(&mut problem(), settings).unwrap()
+    mpcc::solve(&mut PROBLEM.clone(), settings).unwrap()
 }
 
 #[test]
@@ -56,7 +57,8 @@ fn observer_interrupts_wherever_the_solve_is() {
             lines <= allowed
         };
         let solution =
-            mpcc::solve_observed(&mut problem(), &Settings::default(), &mut observer).unwrap();
+            mpcc::solve_observed(&mut PROBLEM.clone(), &Settings::default(), &mut observer)
+                .unwrap();
         assert_eq!(
             solution.status,
             Status::Failed(nlp::Status::Interrupted),
@@ -88,6 +90,27 @@ fn iteration_limit_bounds_the_whole_solve() {
 }
 
 #[test]
+fn infeasible_problem_cut_short_has_failed_and_is_not_called_infeasible() {
+    let text = "problem infeasible 2\nstart 1 1\nbounds 1 0 inf\nbounds 2 0 inf\nminimize x1 + x2\n\
+                row 1 inf x1\nrow 1 inf x2\npair 1 2";
+    let solve = |settings: &Settings| mpcc::solve(&mut read_problems(text)[0], settings).unwrap();
+    let whole = solve(&Settings::default());
+    assert_eq!(whole.status, Status::Infeasible);
+    assert!(whole.violations.iter().any(|v| v.name.contains("_|_")));
+    for limit in 1..whole.iterations {
+        let mut settings = Settings::default();
+        settings.maximum_iterations = limit;
+        let status = solve(&settings).status;
+        // a rule that came to its end before the limit may have found the infeasibility
+        let failed = status == Status::Failed(nlp::Status::IterationLimit);
+        assert!(failed || limit > whole.iterations / 2 && status == Status::Infeasible);
+    }
+    let mut feasible = read_problems(&text.replace("row 1 inf x2", "row 0 inf x2")).remove(0);
+    let solution = mpcc::solve(&mut feasible, &Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+}
+
+#[test]
 fn time_limit_ends_the_solve_and_not_only_a_run() {
     let mut settings = Settings::default();
     settings.interior_point.maximum_seconds = 1e-9;
@@ -95,6 +118,6 @@ fn time_limit_ends_the_solve_and_not_only_a_run() {
     assert_eq!(solution.status, Status::Failed(nlp::Status::TimeLimit));
     // one run that stopped at its first look at the clock, none by the other rules
     assert!(solution.iterations <= 1, "{}", solution.iterations);
-    let parallel = mpcc::solve_parallel(&problem(), &settings).unwrap();
+    let parallel = mpcc::solve_parallel(&*PROBLEM, &settings).unwrap();
     assert_eq!(parallel.status, Status::Failed(nlp::Status::TimeLimit));
 }

@@ -5,7 +5,7 @@ use super::{Mpcc, Settings};
 use crate::nlp::{self, NlpProblem, WarmStart};
 
 /// Dual shift below which convergence is fast even for dependent rows.
-const LEAST_SHIFT: f64 = 1e-9;
+const LEAST_SHIFT: f64 = 1e-12;
 /// Steps in a row that leave more than this share of the violation ask for a smaller dual shift.
 const SLOW: f64 = 0.5;
 const SLOW_STEPS: usize = 4;
@@ -16,8 +16,16 @@ const SHORT: f64 = 0.05;
 const SHORT_STEPS: usize = 6;
 /// Violation up to which a point is accepted.
 const FEASIBLE: f64 = 1e-9;
-/// Most iterations of an attempt.
+/// Most iterations of an attempt, and how often it gets as many again while its violation is below `ALMOST`:
+/// multipliers of dependent rows converge slowly.
 const ITERATIONS: usize = 40;
+const EXTENSIONS: usize = 3;
+const ALMOST: f64 = 1e-6;
+/// Size of multipliers up to which the optimality error has to be within tolerance, not only relative to them, and
+/// what complementarity may be relative to the tolerance: multipliers of a branch without a constraint qualification
+/// grow without bound, and would let any point pass.
+const LARGE_MULTIPLIERS: f64 = 100.0;
+const COMPLEMENTARITY: f64 = 10.0;
 
 /// How a program is solved.
 #[derive(Debug, Clone, Copy)]
@@ -65,7 +73,7 @@ impl Progress {
     }
 
     fn is_slow(&self) -> bool {
-        self.slow >= SLOW_STEPS && (10.0 * FEASIBLE..NEAR).contains(&self.violation)
+        self.slow >= SLOW_STEPS && (FEASIBLE..NEAR).contains(&self.violation)
     }
 }
 
@@ -89,6 +97,7 @@ pub(crate) fn solve_branch(
     };
     let mut dual_shift = attempt.dual_shift;
     let mut left = ITERATIONS;
+    let mut extensions = 0;
     let tolerance = settings.interior_point.tolerance;
     let solution = loop {
         if watch.stop.is_some() {
@@ -120,10 +129,14 @@ pub(crate) fn solve_branch(
             )
             .ok()?;
         left = left.saturating_sub(solution.counts.iterations);
-        if !progress.is_slow() || dual_shift <= LEAST_SHIFT || left == 0 {
+        if left == 0 && extensions < EXTENSIONS && solution.residuals.primal < ALMOST {
+            (extensions, left) = (extensions + 1, ITERATIONS);
+        } else if !progress.is_slow() || dual_shift <= LEAST_SHIFT || left == 0 {
             break solution;
         }
-        dual_shift = (1e-2 * dual_shift).max(LEAST_SHIFT);
+        if progress.is_slow() {
+            dual_shift = (1e-2 * dual_shift).max(LEAST_SHIFT);
+        }
         warm = WarmStart::from_solution(&solution);
     };
     // residuals decide, not the status: a program with as many equations as variables may end with a
@@ -131,8 +144,9 @@ pub(crate) fn solve_branch(
     let multipliers = solution.multipliers.iter();
     let scale = multipliers.fold(1.0, |a: f64, y| a.max(y.abs()));
     let accepted = solution.residuals.primal <= FEASIBLE
-        && solution.residuals.dual <= tolerance * scale
-        && solution.residuals.complementarity <= tolerance * scale;
+        && solution.residuals.dual <= tolerance * (scale / LARGE_MULTIPLIERS).max(1.0)
+        && solution.residuals.complementarity
+            <= COMPLEMENTARITY * tolerance * solution.objective.abs().max(1.0);
     accepted.then_some(solution)
 }
 

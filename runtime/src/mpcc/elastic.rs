@@ -153,7 +153,7 @@ const UNBOUNDED: f64 = 1e6;
 const FEASIBLE: f64 = 1e-6;
 /// Share of the error that a step has to leave to count as progress, and most steps without.
 const PROGRESS: f64 = 0.9;
-const STALLED_STEPS: usize = 40;
+const STALLED_STEPS: usize = 100;
 
 /// Why an elastic program is given up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -272,6 +272,9 @@ pub(crate) fn elastic(
         }
         if progress.given_up == Some(GivenUp::Stalled) {
             solution.status = nlp::Status::Acceptable;
+            if slack <= settings.final_relaxation {
+                break (solution, slack);
+            }
         }
         let solved = solution.status == nlp::Status::Solved;
         let exact = solved && slack <= settings.final_relaxation;

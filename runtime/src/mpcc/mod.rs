@@ -17,7 +17,7 @@
 //!
 //! ```text
 //!     RollOff        sigma = mu^2 / (mu^2 + 1e-6)
-//!     Elastic        min f + s / sigma,  x_i x_j <= s,  sigma = 1, 0.1, ...
+//!     Elastic        min f + s / sigma,  x_i x_j <= s,  s >= 0,  sigma = 1, 0.1, ... until s vanishes
 //!     Continuation   sigma in steps whose length follows the iterations of the last one
 //!     Proportional   sigma = 10 mu
 //!     Homotopy       sigma = 1, 0.1, ..., 1e-8 in separate solves, for comparison
@@ -26,7 +26,9 @@
 //! At `sigma = 1e-5` a *crossover* fixes one side of each pair at zero, the smaller one or those that
 //! [`Mpcc::vanishing_sides`] says, and with it all that linear rows then force to zero, and solves the remaining
 //! smooth program to full accuracy: `min(x_i, x_j) = 0` exactly. If that fails, the run goes on to the final `sigma`
-//! and crosses over from there.
+//! and crosses over from there; since it often ends at a poor local solution then, the next rule is asked too
+//! ([`Settings::second_opinion`]) and the better of the two points counts. A point is exact if no row is violated by
+//! more than 1e-9 and its optimality error is within tolerance, relative to the multipliers only where these exceed 100.
 //!
 //! A *certificate* follows. With the multipliers `nu_i`, `nu_j` of a pair with `x_i = x_j = 0` the point is strongly
 //! stationary if both are nonnegative; else branch and bound over the sides of these pairs looks for a descent
@@ -38,6 +40,11 @@
 //!
 //! None means B-stationary: certified. A direction leads to another choice of sides and a lower point. Last, choices
 //! next to the certified one that the problem knows of ([`Mpcc::neighbour`]) are tried for a better objective.
+//!
+//! # How a solve ends
+//! Every end has a [`Status`]. *Infeasible* is said of a problem only where runs converged to stationary points of the
+//! violation, with the rows and pairs that are to blame; runs that end otherwise, by a limit among them, have *failed*, and
+//! say why. Iterations, seconds and the observer are those of the whole solve, crossovers and certificates included.
 
 mod branch;
 mod certificate;

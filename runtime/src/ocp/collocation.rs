@@ -12,9 +12,10 @@
 //! normal accelerations times `h`, so that the system stays regular for short phases. Between phases:
 //! an opening inside an interval happens where the force vanishes, `r_i = 0`; one at a jump of the
 //! controls where `r_i >= 0` before and the normal acceleration is `>= 0` after it, and one at a node of linear
-//! controls, which do not jump, where `r_i = 0` before it; a closing or a touch where
-//! `g_i = 0`, possibly at the very end, followed by the impact map `v+ = v + sum_B d_i p_i`, `v_n,i(v+) = -e_i v_n,i(v)` for all contacts `B`
-//! closed there. A touch leaves its contact open; without a bounce the normal acceleration is `>= 0` after it.
+//! controls, which do not jump, where `r_i = 0` before it; a closing or a touch where `g_i = 0`, possibly at the very
+//! end, followed by the impact map `v+ = v + sum_B d_i p_i`, `v_n,i(v+) = -e_i v_n,i(v)` for all contacts `B` closed
+//! there. A touch leaves its contact open; without a bounce the normal acceleration is `>= 0` after it.
+//! Contacts with friction are the subject of [`friction`](super::friction).
 //!
 //! A coordinate whose acceleration depends on nothing but the controls is a parabola on each interval,
 //! so a bound holds at all times if and only if the shifted control points `b_0, b_1, b_2` of the parabola
@@ -24,13 +25,15 @@
 //! with a condition alike (`cubic_bounds`). Other bounds hold at the stages, and between them where a [`Cut`] says so.
 
 use super::control_grid::ControlGrid;
+use super::friction::Tangential;
+use super::mode::{Direction, Mode, is_rough};
 use super::path::Path;
 use super::problem::Problem;
 use super::program::Program;
 use super::sequence::{Sequence, Switch};
 use super::settings::{BoundsAt, ControlShape, PathPoints};
 use super::units::Units;
-use crate::model::{Model, contact_point};
+use crate::model::{Model, contact_point, tangent_point};
 use crate::rk::ButcherTableau;
 
 /// What must hold between the stages of a phase.
@@ -44,6 +47,10 @@ pub(super) enum CutKind {
     Path(usize),
     /// The normal acceleration of a contact right after the start of the phase is at least 0.
     Departure(usize),
+    /// A sticking contact's force stays on its side of the edge from which it would slip that way.
+    Cone(usize, Direction),
+    /// A slipping contact does not slip back.
+    Slip(usize),
 }
 
 /// A condition inside a phase, at the share `theta` of its length.
@@ -67,6 +74,8 @@ pub(super) struct Stage {
     pub(super) forces: Vec<usize>,
     /// Row of each contact's gap.
     pub(super) gap_rows: Vec<usize>,
+    /// The closed contacts with friction.
+    pub(super) tangential: Vec<Tangential>,
 }
 
 /// One element of a phase and where its unknowns are.
@@ -75,6 +84,8 @@ pub(super) struct Phase {
     /// Index in its interval, and the number of elements there.
     pub(super) index: (usize, usize),
     pub(super) closed: Vec<usize>,
+    /// Mode of each contact.
+    pub(super) modes: Vec<Mode>,
     /// State `(q, v)` at the start, after any jump.
     pub(super) start: Vec<usize>,
     pub(super) stages: Vec<Stage>,
@@ -83,10 +94,16 @@ pub(super) struct Phase {
     pub(super) factor: f64,
     /// (contact, row) of the normal acceleration after an opening at a jump of the controls.
     pub(super) openings: Vec<(usize, usize)>,
+    /// (contact, row) of the sliding acceleration of contacts that are pulled into slip at the start.
+    pub(super) pulled: Vec<(usize, usize)>,
+    /// (contact, direction of the slip beyond, row) of the friction cones of sticking contacts at the start.
+    pub(super) cones: Vec<(usize, Direction, usize)>,
+    /// Contacts that begin to slip at the start with no acceleration.
+    pub(super) yielded: Vec<usize>,
     /// The switch at the end inside the interval, as an index into the sequence.
     pub(super) ends_with: Option<usize>,
-    /// The contact that closes or is touched at the end.
-    pub(super) closing: Option<usize>,
+    /// The contacts that close or are touched at the end.
+    pub(super) closing: Vec<usize>,
 }
 
 /// The program with its phases.
@@ -95,6 +112,8 @@ pub(super) struct Collocation<'a> {
     pub(super) model: &'a dyn Model,
     pub(super) sequence: Sequence,
     pub(super) phases: Vec<Phase>,
+    /// Contacts with friction in the impacts, by the index of the switch.
+    pub(super) impacts: Vec<(usize, Tangential)>,
     /// Touches, and the row of the least impact velocity of each.
     pub(super) touches: Vec<(Switch, usize)>,
     pub(super) tableau: &'a ButcherTableau,
@@ -126,13 +145,14 @@ pub(super) struct Places {
 }
 
 /// Which coordinates are parabolas while the controls are constant: their acceleration is affine in the
-/// controls alone, and no contact pushes them.
+/// controls alone, and no contact pushes or rubs them.
 pub(super) fn parabolas(model: &dyn Model, start: &[f64]) -> Vec<bool> {
     let declaration = model.declaration();
     let n = declaration.coordinates.len();
     let mut x = start.to_vec();
     x.resize(declaration.inputs(), 0.0);
     let mut point = vec![0.0; contact_point::length(n)];
+    let mut tangent = vec![0.0; tangent_point::length(n)];
     let places = 2 * n..2 * n + declaration.controls.len();
     let controls = |column: u32| places.contains(&(column as usize));
     let affine = !declaration
@@ -147,7 +167,15 @@ pub(super) fn parabolas(model: &dyn Model, start: &[f64]) -> Vec<bool> {
             let pushed = declaration.contacts.iter().enumerate().any(|(i, contact)| {
                 model.contact(i, &x, &mut point);
                 let mut entries = contact.jacobian.entries.iter();
-                point[contact_point::direction(n) + k] != 0.0
+                let friction = contact.friction.filter(|_| is_rough(model, i));
+                let rubbed = friction.is_some_and(|friction| {
+                    model.tangent(i, &x, &mut tangent);
+                    let mut entries = friction.jacobian.entries.iter();
+                    tangent[tangent_point::direction(n) + k] != 0.0
+                        || entries.any(|&(row, _)| row as usize == 1 + k)
+                });
+                rubbed
+                    || point[contact_point::direction(n) + k] != 0.0
                     || entries.any(|&(row, _)| row as usize == 2 + k)
             });
             affine && free && !pushed
@@ -258,6 +286,11 @@ impl Collocation<'_> {
             if let Some(index) = phase.ends_with {
                 let switch = &mut sequence.switches[index];
                 switch.time = (solved.start + solved.length) / horizon * intervals;
+            }
+        }
+        for index in 1..sequence.switches.len() {
+            if sequence.switches[index].accompanies {
+                sequence.switches[index].time = sequence.switches[index - 1].time;
             }
         }
         (path, sequence)

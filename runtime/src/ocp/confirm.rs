@@ -3,6 +3,7 @@
 use super::attempt::Purpose;
 use super::cuts::excess;
 use super::grid::ROUNDS;
+use super::mode::Mode;
 use super::path::Path;
 use super::previous::Previous;
 use super::search::{Local, Search};
@@ -39,7 +40,7 @@ impl<'a> Search<'a, '_> {
     pub(super) fn read(&self, replay: &Simulation, path: &Path) -> Sequence {
         let intervals = self.setting.problem.intervals;
         let interval = path.horizon / intervals as f64;
-        let mut initially: Vec<bool> = match replay.trajectory.contact_force.first() {
+        let mut closed: Vec<bool> = match replay.trajectory.contact_force.first() {
             Some(forces) => forces.iter().map(|&force| force > 0.0).collect(),
             None => Vec::new(),
         };
@@ -47,14 +48,14 @@ impl<'a> Search<'a, '_> {
         let mut input = vec![0.0; self.setting.model.declaration().inputs()];
         input[..start.len()].copy_from_slice(&start);
         // A start that rounding puts above a surface lands at once.
-        for (contact, closed) in initially.iter_mut().enumerate() {
+        for (contact, closed) in closed.iter_mut().enumerate() {
             let own = |event: &&Event| event.contact == contact;
             *closed |= self.setting.model.gap(contact, &input) <= ON_THE_SURFACE
                 && replay.events.iter().find(own).is_some_and(|first| {
                     first.kind != EventKind::LiftOff && first.time < AT_ONCE * interval
                 });
         }
-        Sequence::read(initially, replay, interval, intervals)
+        Sequence::read(self.setting.model, &closed, replay, (interval, intervals))
     }
 
     /// A result without a motion.
@@ -138,7 +139,20 @@ impl<'a> Search<'a, '_> {
         };
         let read = self.read(&replay, &best.path);
         let interval = best.path.horizon / self.setting.problem.intervals as f64;
-        let disagreement = self.disagreement(&best.sequence, &read, interval);
+        let model = self.setting.model;
+        let simulated = Path::of_simulation(
+            model,
+            &replay,
+            best.path.horizon,
+            best.path.controls.clone(),
+        );
+        // A slip over less than the distance that is let pass is none.
+        let slowest = self.settings.largest_distance / best.path.horizon;
+        let disagreement = self.disagreement(
+            &best.sequence.seen(model, &best.path, slowest),
+            &read.seen(model, &simulated, slowest),
+            interval,
+        );
         let agrees = distance <= self.settings.largest_distance && disagreement.is_none();
         let status = if self.watch.stopped {
             Status::Interrupted
@@ -158,10 +172,11 @@ impl<'a> Search<'a, '_> {
         let size = Size::of(&best.program.program, 0);
         let planned_events = best.sequence.switches.iter().map(|switch| {
             let time = switch.time * interval;
-            let kind = if switch.closes {
-                EventKind::Impact
-            } else {
-                EventKind::LiftOff
+            let kind = match switch.mode {
+                _ if switch.closes => EventKind::Impact,
+                Mode::Open => EventKind::LiftOff,
+                Mode::Stick => EventKind::Stick,
+                Mode::Slip(_) | Mode::Frictionless => EventKind::Slip,
             };
             (time, kind, switch.contact)
         });
@@ -198,24 +213,25 @@ impl Search<'_, '_> {
         let other = initially
             .zip(contacts)
             .find(|((plan, read), _)| plan != read);
-        if let Some(((&closed, _), contact)) = other {
-            let which = if closed { "" } else { "not " };
+        if let Some(((mode, read), contact)) = other {
+            let (mode, read) = (mode.state(), read.state());
             return Some(format!(
-                "`{}` is {which}closed at the start of the plan, other than in the re-simulation",
+                "`{}` is {mode} at the start of the plan, and {read} at that of the re-simulation",
                 contact.name
             ));
         }
-        let kind = |s: &Switch| (s.contact, s.closes, s.touches);
+        let kind = |s: &Switch| (s.contact, s.closes, s.mode);
         let words = |sequence: &Sequence, index: usize| match sequence.switches.get(index) {
             None => "nothing".to_owned(),
             Some(switch) => {
                 let name = contacts[switch.contact].name;
-                let verb = match (switch.closes, switch.touches) {
-                    (true, true) => "is touched",
-                    (true, false) => "closes",
-                    (false, _) => "opens",
-                };
-                format!("`{name}` {verb} at {:.6} s", switch.time * interval)
+                let time = switch.time * interval;
+                match (switch.closes, switch.mode) {
+                    (true, Mode::Open) => format!("`{name}` is touched at {time:.6} s"),
+                    (false, Mode::Open) => format!("`{name}` opens at {time:.6} s"),
+                    (true, Mode::Frictionless) => format!("`{name}` closes at {time:.6} s"),
+                    (_, mode) => format!("`{name}` is {} from {time:.6} s on", mode.state()),
+                }
             }
         };
         // A simulation may end on either side of an impact at the final time.

@@ -7,6 +7,14 @@
 //! q+ = q + h v+      v+ = v + h (a(q+, v+, u) + sum_i d_i(q+) r_i)      0 <= r_i  _|_  g_i(q+) >= 0
 //! ```
 //!
+//! In the plane Coulomb's law is piecewise linear, and takes two pairs more of a contact with friction: with the parts
+//! of its sliding velocity and what is left of its friction cone on either side,
+//!
+//! ```text
+//! v_t,i(q+, v+) = w+ - w-      c+ + c- = 2 mu_i r_i      s_i = (c+ - c-) / 2
+//! 0 <= w+  _|_  c+ >= 0        0 <= w-  _|_  c- >= 0
+//! ```
+//!
 //! With one stage an element the position level performs an inelastic impact of any size within two
 //! elements: it is a time-stepping scheme. Gaps are variables of their own, in units of the order of
 //! one, so that the relaxed products are balanced.
@@ -14,12 +22,22 @@
 use super::control_grid::ControlGrid;
 use super::frame::{Frame, state_name};
 use super::kernel::Kernel;
+use super::mode::{Direction, Mode, is_rough, sliding_velocity};
 use super::path::{Path, drive};
 use super::problem::Problem;
 use super::program::Program;
 use super::settings::ControlShape;
 use super::units::Units;
 use crate::model::Model;
+
+/// Unknowns of a contact in an element.
+struct Contact {
+    force: usize,
+    gap: usize,
+    /// (part of the sliding velocity, what is left of the cone before the contact slips that way), forward and
+    /// backward, of a contact with friction.
+    sliding: Option<[(usize, usize); 2]>,
+}
 
 /// The program and where its unknowns are.
 pub(super) struct ContactImplicit<'a> {
@@ -28,8 +46,8 @@ pub(super) struct ContactImplicit<'a> {
     controls: Vec<Vec<usize>>,
     /// Variables `(q, v, r)` at the end of each element.
     elements: Vec<Vec<usize>>,
-    /// Pairs (force, gap) of the contacts of each element.
-    pairs: Vec<Vec<(usize, usize)>>,
+    /// Unknowns of the contacts of each element.
+    contacts: Vec<Vec<Contact>>,
     /// Variables `(q, v)` at the start.
     start: Vec<usize>,
 }
@@ -56,7 +74,7 @@ impl<'a> ContactImplicit<'a> {
         let free = (f64::NEG_INFINITY, f64::INFINITY);
         let mut before = frame.start.clone();
         let mut elements = Vec::with_capacity(count);
-        let mut pairs = Vec::with_capacity(count);
+        let mut unknowns = Vec::with_capacity(count);
         for element in 0..count {
             let mut u = frame.controls[element / per_interval].clone();
             let time = guess.horizon * (element + 1) as f64 * share;
@@ -80,7 +98,7 @@ impl<'a> ContactImplicit<'a> {
             let (q, v): (Vec<usize>, Vec<usize>) =
                 (variables[..n].to_vec(), variables[n..].to_vec());
             let mut forces = Vec::with_capacity(contacts.len());
-            let mut gaps = Vec::with_capacity(contacts.len());
+            let mut pairs = Vec::with_capacity(contacts.len());
             for &contact in &contacts {
                 let name = declaration.contacts[contact].name;
                 let force = program.variable(
@@ -102,7 +120,22 @@ impl<'a> ContactImplicit<'a> {
                 program.block(&block, [&q, &[], u, &[]], None, vec![(row, 0, 1.0)]);
                 program.pair(force, gap);
                 forces.push(force);
-                gaps.push((force, gap));
+                let sliding = is_rough(model, contact).then(|| {
+                    let place = (contact, element, force);
+                    friction(
+                        &mut program,
+                        model,
+                        place,
+                        [&q, &v, u],
+                        (&sample, time),
+                        units,
+                    )
+                });
+                pairs.push(Contact {
+                    force,
+                    gap,
+                    sliding,
+                });
             }
             let mut uses = Vec::with_capacity(n);
             for k in 0..n {
@@ -118,6 +151,17 @@ impl<'a> ContactImplicit<'a> {
                 program.linear(row, before[n + k], -1.0);
                 uses.push((row, k, -share));
             }
+            for (contact, pair) in pairs.iter().enumerate() {
+                let Some(sliding) = pair.sliding else {
+                    continue;
+                };
+                for (direction, (_, reserve)) in Direction::BOTH.into_iter().zip(sliding) {
+                    let half = 0.5 * direction.sign();
+                    let uses = uses.iter().map(|&(row, k, c)| (row, k, half * c)).collect();
+                    let kernel = Kernel::Friction(vec![contact]);
+                    program.block(&kernel, [&q, &[], u, &[reserve]], Some(horizon), uses);
+                }
+            }
             let kernel = Kernel::Acceleration(contacts.clone());
             program.block(&kernel, [&q, &v, u, &forces], Some(horizon), uses);
             frame.running_cost(&mut program, problem, [&q, &v, u], (horizon, share));
@@ -126,7 +170,7 @@ impl<'a> ContactImplicit<'a> {
             before.clone_from(&variables);
             variables.extend(forces);
             elements.push(variables);
-            pairs.push(gaps);
+            unknowns.push(pairs);
         }
         frame.finish(&mut program, problem, &before);
         Self {
@@ -134,22 +178,28 @@ impl<'a> ContactImplicit<'a> {
             horizon,
             controls: frame.controls,
             elements,
-            pairs,
+            contacts: unknowns,
             start: frame.start,
         }
     }
 
-    /// Which contacts are closed in each element at a solver's point: those whose force exceeds the gap, each
-    /// in its unit.
-    pub(super) fn closed(&self, x: &[f64]) -> Vec<Vec<bool>> {
-        let elements = self.pairs.iter();
+    /// What the contacts do in each element at a solver's point: those are closed whose force exceeds the gap, each in
+    /// its unit, and those slip whose velocity exceeds what is left of the cone.
+    pub(super) fn modes(&self, x: &[f64]) -> Vec<Vec<Mode>> {
+        let mode = |contact: &Contact| {
+            if x[contact.force] <= x[contact.gap] {
+                return Mode::Open;
+            }
+            let Some(sliding) = contact.sliding else {
+                return Mode::Frictionless;
+            };
+            let mut both = Direction::BOTH.into_iter().zip(sliding);
+            both.find(|&(_, (velocity, reserve))| x[velocity] > x[reserve])
+                .map_or(Mode::Stick, |(direction, _)| Mode::Slip(direction))
+        };
+        let elements = self.contacts.iter();
         elements
-            .map(|pairs| {
-                pairs
-                    .iter()
-                    .map(|&(force, gap)| x[force] > x[gap])
-                    .collect()
-            })
+            .map(|contacts| contacts.iter().map(mode).collect())
             .collect()
     }
 
@@ -172,6 +222,49 @@ impl<'a> ContactImplicit<'a> {
             states,
         }
     }
+}
+
+/// Adds the unknowns and the law of friction of a contact in an element, with the given normal force.
+fn friction(
+    program: &mut Program,
+    model: &dyn Model,
+    (contact, element, force): (usize, usize, usize),
+    [q, v, u]: [&[usize]; 3],
+    (sample, time): (&[f64], f64),
+    units: &Units,
+) -> [(usize, usize); 2] {
+    let name = model.declaration().contacts[contact].name;
+    let mu = model.friction(contact);
+    let n = q.len();
+    let velocity = sliding_velocity(model, contact, sample, time);
+    let positive = (0.0, f64::INFINITY);
+    let label = format!("sliding of `{name}`, element {element}");
+    let row = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
+    let label = format!("friction of `{name}`, element {element}");
+    let cone = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
+    let uses = vec![(row, 0, -1.0)];
+    program.block(&Kernel::Sliding(contact), [q, v, u, &[]], None, uses);
+    program.linear(cone, force, -2.0 * mu);
+    Direction::BOTH.map(|direction| {
+        let sign = direction.sign();
+        let side = format!("{direction:?} of `{name}` in element {element}");
+        let part = program.variable(
+            format!("sliding {side}"),
+            positive,
+            (sign * velocity).max(0.0),
+            units.velocity(contact),
+        );
+        let reserve = program.variable(
+            format!("cone {side}"),
+            positive,
+            mu * sample[2 * n + contact],
+            mu * units.force[contact],
+        );
+        program.linear(row, part, sign);
+        program.linear(cone, reserve, 1.0);
+        program.pair(part, reserve);
+        (part, reserve)
+    })
 }
 
 /// Gap of a contact at `(q, v)` and a time, at least 0.

@@ -30,11 +30,13 @@ pub(super) struct Limits<'a> {
 }
 
 /// The continuous motion of a solved program.
-struct Motion<'p, 'm> {
-    program: &'p Collocation<'m>,
-    solved: Vec<SolvedPhase>,
+pub(super) struct Motion<'p, 'm> {
+    pub(super) program: &'p Collocation<'m>,
+    pub(super) solved: Vec<SolvedPhase>,
     /// Weights of the states of a phase at its points `i / POINTS`.
     weights: Vec<Vec<f64>>,
+    /// Physical values of the unknowns.
+    pub(super) x: Vec<f64>,
 }
 
 impl<'p, 'm> Motion<'p, 'm> {
@@ -46,11 +48,12 @@ impl<'p, 'm> Motion<'p, 'm> {
             weights: thetas
                 .map(|theta| lagrange(program.tableau, theta, false))
                 .collect(),
+            x: program.program.physical(x),
         }
     }
 
     /// Writes the first components of the model's input vector at the share `theta` of a phase.
-    fn write(&self, phase: usize, theta: f64, input: &mut [f64]) {
+    pub(super) fn write(&self, phase: usize, theta: f64, input: &mut [f64]) {
         let place = theta * POINTS as f64;
         let between;
         let weights = if place.fract() == 0.0 {
@@ -135,7 +138,7 @@ pub(super) fn between_stages(
         while next < program.phases.len() {
             let open = |phase: &usize| !program.phases[*phase].closed.contains(&contact);
             // A flight ends where the contact closes or is touched.
-            let lands = |phase: &usize| program.phases[*phase].closing == Some(contact);
+            let lands = |phase: &usize| program.phases[*phase].closing.contains(&contact);
             let until = (next..program.phases.len()).find(lands);
             let until = until.map_or(program.phases.len(), |last| last + 1);
             let flight: Vec<usize> = (next..until).take_while(open).collect();
@@ -153,6 +156,7 @@ pub(super) fn between_stages(
         }
     }
     found.extend(departures(program, &motion.solved, limits));
+    found.extend(motion.friction(limits));
     if limits.places.bounds == BoundsAt::Nodes {
         return found;
     }
@@ -270,7 +274,7 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
 
 /// Local minima below the limit of a function over consecutive phases, as (phase, theta, whether the function
 /// exceeds the limit before and after): those of which that is true, and those deeper than the depth.
-fn lows(
+pub(super) fn lows(
     phases: &[usize],
     value: &mut dyn FnMut(usize, f64) -> f64,
     (limit, depth): (f64, f64),

@@ -2,6 +2,7 @@
 
 use super::collocation::Setting;
 use super::contact_implicit::ContactImplicit;
+use super::mode::{Mode, is_rough, sliding_velocity, zero_velocity};
 use super::path::Path;
 use super::search::{Search, refused};
 use super::sequence::Sequence;
@@ -101,7 +102,7 @@ impl Search<'_, '_> {
                 objective: f64::INFINITY,
                 path: guess.clone(),
                 sequence: Sequence {
-                    initially: self.closed_at_start(guess),
+                    initially: self.modes_at_start(guess),
                     switches: Vec::new(),
                 },
             });
@@ -165,16 +166,16 @@ impl Search<'_, '_> {
         self.counts.global_iterations += solution.iterations;
         self.counts.factorizations += solution.factorizations;
         if solution.status == mpcc::Status::Relaxed {
-            let closed = program.closed(&solution.x);
-            let ends: Vec<f64> = (1..=closed.len())
+            let modes = program.modes(&solution.x);
+            let ends: Vec<f64> = (1..=modes.len())
                 .map(|end| end as f64 / elements as f64)
                 .collect();
             let path = program.path(&solution.x);
-            let initially = self.closed_at_start(&path);
+            let initially = self.modes_at_start(&path);
             return Ok(Some(Relaxed {
                 objective: unit * solution.objective,
                 path,
-                sequence: Sequence::of_elements(initially, &closed, (elements, &ends), CLOSING),
+                sequence: Sequence::of_elements(initially, &modes, (elements, &ends), CLOSING),
             }));
         }
         let status = match solution.status {
@@ -185,15 +186,23 @@ impl Search<'_, '_> {
         Ok(None)
     }
 
-    /// Contacts that a path starts on.
-    pub(super) fn closed_at_start(&self, path: &Path) -> Vec<bool> {
+    /// What the contacts do at the start of a path.
+    pub(super) fn modes_at_start(&self, path: &Path) -> Vec<Mode> {
         let Setting { model, units, .. } = self.setting;
         let mut input = self.setting.problem.start_of(model, path);
+        let zero = zero_velocity(&input[input.len() / 2..]);
         input.resize(model.declaration().inputs(), 0.0);
         let free = self.setting.problem.has_free_start(model);
         let near = if free { NEAR_START } else { AT_START };
         (0..model.declaration().contacts.len())
-            .map(|contact| model.gap(contact, &input) <= near * units.gap[contact])
+            .map(|contact| {
+                if model.gap(contact, &input) > near * units.gap[contact] {
+                    return Mode::Open;
+                }
+                let rough = is_rough(model, contact);
+                let slides = rough.then(|| sliding_velocity(model, contact, &input, 0.0));
+                Mode::closed(rough, slides.unwrap_or(0.0), zero)
+            })
             .collect()
     }
 }

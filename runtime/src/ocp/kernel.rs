@@ -1,6 +1,6 @@
 //! Functions of a model that appear in the rows of a program, with their derivatives.
 
-use crate::model::{Declaration, Model, SparsityPattern, contact_point};
+use crate::model::{Declaration, Model, SparsityPattern, contact_point, tangent_point};
 
 /// A vector-valued function of a local input vector `(q, v, u, r)`, where `r` has one entry for each
 /// contact that acts.
@@ -12,6 +12,10 @@ pub(super) enum Kernel {
     Push(Vec<usize>),
     /// `(g_i(q), v_n,i(q, v))`: gap and normal velocity of one contact.
     Contact(usize),
+    /// `v_t,i(q, v)`: sliding velocity of one contact with friction.
+    Sliding(usize),
+    /// `e_i(q) s_i`: the effect of a tangential force or impulse of one contact with friction.
+    Friction(Vec<usize>),
     /// The path functions that the scene declares, of `(q, v, u)`.
     Path,
     /// The terminal functions that the scene declares, of `(q, v, T)`.
@@ -22,8 +26,34 @@ impl Kernel {
     /// Contacts that act.
     fn acting(&self) -> &[usize] {
         match self {
-            Self::Acceleration(contacts) | Self::Push(contacts) => contacts,
-            Self::Contact(_) | Self::Path | Self::Terminal => &[],
+            Self::Acceleration(contacts) | Self::Push(contacts) | Self::Friction(contacts) => {
+                contacts
+            }
+            Self::Contact(_) | Self::Sliding(_) | Self::Path | Self::Terminal => &[],
+        }
+    }
+
+    /// Contact whose gap or velocities are the outputs.
+    fn observed(&self) -> Option<usize> {
+        match *self {
+            Self::Contact(contact) | Self::Sliding(contact) => Some(contact),
+            _ => None,
+        }
+    }
+
+    /// Patterns of Jacobian and Hessian of a contact's functions, those of its tangential side if that is what the
+    /// kernel reads, and how many of them precede the direction.
+    fn side(
+        &self,
+        declaration: &Declaration,
+        contact: usize,
+    ) -> (SparsityPattern, SparsityPattern, usize) {
+        let contact = &declaration.contacts[contact];
+        match (self, contact.friction) {
+            (Self::Sliding(_) | Self::Friction(_), Some(friction)) => {
+                (friction.jacobian, friction.hessian, 1)
+            }
+            _ => (contact.jacobian, contact.hessian, 2),
         }
     }
 }
@@ -90,8 +120,9 @@ impl<'a> Evaluator<'a> {
         let functions = declared(&kernel, declaration);
         let outputs = match kernel {
             Kernel::Contact(_) => 2,
+            Kernel::Sliding(_) => 1,
             Kernel::Path | Kernel::Terminal => functions.map_or(0, |f| f.2),
-            Kernel::Acceleration(_) | Kernel::Push(_) => n,
+            Kernel::Acceleration(_) | Kernel::Push(_) | Kernel::Friction(_) => n,
         };
         let mut jacobian = vec![false; outputs * inputs];
         let mut hessian = vec![false; inputs * inputs];
@@ -105,28 +136,28 @@ impl<'a> Evaluator<'a> {
             }
         }
         for (index, &contact) in kernel.acting().iter().enumerate() {
-            let contact = &declaration.contacts[contact];
-            for &(row, column) in contact.jacobian.entries {
-                if row >= 2 {
-                    jacobian[(row as usize - 2) * inputs + column as usize] = true;
+            let (first, second, skipped) = kernel.side(declaration, contact);
+            for &(row, column) in first.entries {
+                if row as usize >= skipped {
+                    jacobian[(row as usize - skipped) * inputs + column as usize] = true;
                     mark(plain + index, column as usize);
                 }
             }
-            for &(i, j) in contact.hessian.entries {
+            for &(i, j) in second.entries {
                 mark(i as usize, j as usize);
             }
             for output in 0..n {
                 jacobian[output * inputs + plain + index] = true;
             }
         }
-        if let Kernel::Contact(contact) = kernel {
-            let contact = &declaration.contacts[contact];
-            for &(row, column) in contact.jacobian.entries {
-                if row < 2 {
+        if let Some(contact) = kernel.observed() {
+            let (first, second, observed) = kernel.side(declaration, contact);
+            for &(row, column) in first.entries {
+                if (row as usize) < observed {
                     jacobian[row as usize * inputs + column as usize] = true;
                 }
             }
-            for &(i, j) in contact.hessian.entries {
+            for &(i, j) in second.entries {
                 mark(i as usize, j as usize);
             }
         }
@@ -146,11 +177,11 @@ impl<'a> Evaluator<'a> {
             .contacts
             .iter()
             .flat_map(|contact| {
-                [
-                    contact.jacobian.entries.len(),
-                    contact.hessian.entries.len(),
-                ]
+                let tangential = contact.friction.map(|f| [f.jacobian, f.hessian]);
+                let patterns = tangential.into_iter().flatten();
+                patterns.chain([contact.jacobian, contact.hessian])
             })
+            .map(|pattern| pattern.entries.len())
             .chain([
                 declaration.free_jacobian.entries.len(),
                 declaration.free_hessian.entries.len(),
@@ -188,7 +219,7 @@ impl<'a> Evaluator<'a> {
         let (plain, forces) = x.split_at(self.plain);
         match &self.kernel {
             Kernel::Acceleration(_) => self.model.free_acceleration(plain, &mut self.outputs),
-            Kernel::Push(_) => self.outputs.fill(0.0),
+            Kernel::Push(_) | Kernel::Friction(_) => self.outputs.fill(0.0),
             Kernel::Path => self.model.path_functions(plain, &mut self.outputs),
             Kernel::Terminal => self.model.terminal_functions(plain, &mut self.outputs),
             Kernel::Contact(contact) => {
@@ -196,14 +227,63 @@ impl<'a> Evaluator<'a> {
                 self.outputs[0] = self.point[contact_point::GAP];
                 self.outputs[1] = self.point[contact_point::NORMAL_VELOCITY];
             }
+            Kernel::Sliding(contact) => {
+                let point = &mut self.point[..tangent_point::length(self.coordinates)];
+                self.model.tangent(*contact, plain, point);
+                self.outputs[0] = self.point[tangent_point::SLIDING_VELOCITY];
+            }
         }
-        let direction = contact_point::direction(self.coordinates);
-        for (&contact, force) in self.kernel.acting().iter().zip(forces) {
-            self.model.contact(contact, plain, &mut self.point);
+        for (index, force) in forces.iter().enumerate() {
+            let direction = self.locate(index, plain);
             for (output, d) in self.outputs.iter_mut().zip(&self.point[direction..]) {
                 *output += d * force;
             }
         }
+    }
+
+    /// Evaluates the direction of the acting contact with this index, which begins at the returned place.
+    fn locate(&mut self, index: usize, plain: &[f64]) -> usize {
+        let contact = self.kernel.acting()[index];
+        match self.kernel {
+            Kernel::Friction(_) => {
+                let point = &mut self.point[..tangent_point::length(self.coordinates)];
+                self.model.tangent(contact, plain, point);
+                tangent_point::direction(self.coordinates)
+            }
+            _ => {
+                self.model.contact(contact, plain, &mut self.point);
+                contact_point::direction(self.coordinates)
+            }
+        }
+    }
+
+    /// Writes the Jacobian of a contact's functions to `values`; returns its pattern and how many functions precede
+    /// the direction.
+    fn side_jacobian(&mut self, contact: usize, plain: &[f64]) -> (SparsityPattern, usize) {
+        let (pattern, _, skipped) = self.kernel.side(self.model.declaration(), contact);
+        let values = &mut self.values[..pattern.entries.len()];
+        match self.kernel {
+            Kernel::Sliding(_) | Kernel::Friction(_) => {
+                self.model.tangent_jacobian(contact, plain, values);
+            }
+            _ => self.model.contact_jacobian(contact, plain, values),
+        }
+        (pattern, skipped)
+    }
+
+    /// Adds the Hessian of a contact's functions, weighted by `weights`.
+    fn add_side_hessian(&mut self, contact: usize, plain: &[f64]) {
+        let (_, pattern, skipped) = self.kernel.side(self.model.declaration(), contact);
+        let values = &mut self.values[..pattern.entries.len()];
+        let weights = &self.weights[..skipped + self.coordinates];
+        match self.kernel {
+            Kernel::Sliding(_) | Kernel::Friction(_) => {
+                self.model.tangent_hessian(contact, plain, weights, values);
+            }
+            _ => self.model.contact_hessian(contact, plain, weights, values),
+        }
+        let inputs = self.inputs();
+        scatter(pattern.entries, &self.values, &mut self.hessian, inputs);
     }
 
     /// Evaluates `outputs` and `jacobian`.
@@ -219,19 +299,17 @@ impl<'a> Evaluator<'a> {
                 .free_jacobian(plain, &mut self.values[..entries.len()]);
             scatter(entries, &self.values, &mut self.jacobian, inputs);
         }
-        let direction = contact_point::direction(self.coordinates);
-        for (index, (&contact, force)) in self.kernel.acting().iter().zip(forces).enumerate() {
-            self.model.contact(contact, plain, &mut self.point);
+        for (index, force) in forces.iter().enumerate() {
+            let direction = self.locate(index, plain);
             for output in 0..self.coordinates {
                 self.jacobian[output * inputs + self.plain + index] =
                     self.point[direction + output];
             }
-            let entries = declaration.contacts[contact].jacobian.entries;
-            self.model
-                .contact_jacobian(contact, plain, &mut self.values[..entries.len()]);
-            for (&(row, column), value) in entries.iter().zip(&self.values) {
-                if row >= 2 {
-                    self.jacobian[(row as usize - 2) * inputs + column as usize] += value * force;
+            let (pattern, skipped) = self.side_jacobian(self.kernel.acting()[index], plain);
+            for (&(row, column), value) in pattern.entries.iter().zip(&self.values) {
+                if row as usize >= skipped {
+                    self.jacobian[(row as usize - skipped) * inputs + column as usize] +=
+                        value * force;
                 }
             }
         }
@@ -243,12 +321,10 @@ impl<'a> Evaluator<'a> {
             }
             scatter(pattern.entries, &self.values, &mut self.jacobian, inputs);
         }
-        if let Kernel::Contact(contact) = self.kernel {
-            let entries = declaration.contacts[contact].jacobian.entries;
-            self.model
-                .contact_jacobian(contact, plain, &mut self.values[..entries.len()]);
-            for (&(row, column), value) in entries.iter().zip(&self.values) {
-                if row < 2 {
+        if let Some(contact) = self.kernel.observed() {
+            let (pattern, observed) = self.side_jacobian(contact, plain);
+            for (&(row, column), value) in pattern.entries.iter().zip(&self.values) {
+                if (row as usize) < observed {
                     self.jacobian[row as usize * inputs + column as usize] += value;
                 }
             }
@@ -268,26 +344,19 @@ impl<'a> Evaluator<'a> {
                 .free_hessian(plain, multipliers, &mut self.values[..entries.len()]);
             scatter(entries, &self.values, &mut self.hessian, inputs);
         }
-        for (index, (&contact, force)) in self.kernel.acting().iter().zip(forces).enumerate() {
-            self.weights[..2].fill(0.0);
-            for (weight, multiplier) in self.weights[2..].iter_mut().zip(multipliers) {
+        for (index, force) in forces.iter().enumerate() {
+            let contact = self.kernel.acting()[index];
+            let (.., skipped) = self.kernel.side(declaration, contact);
+            self.weights[..skipped].fill(0.0);
+            for (weight, multiplier) in self.weights[skipped..].iter_mut().zip(multipliers) {
                 *weight = multiplier * force;
             }
-            let entries = declaration.contacts[contact].hessian.entries;
-            self.model.contact_hessian(
-                contact,
-                plain,
-                &self.weights,
-                &mut self.values[..entries.len()],
-            );
-            scatter(entries, &self.values, &mut self.hessian, inputs);
-            let entries = declaration.contacts[contact].jacobian.entries;
-            self.model
-                .contact_jacobian(contact, plain, &mut self.values[..entries.len()]);
-            for (&(row, column), value) in entries.iter().zip(&self.values) {
-                if row >= 2 {
+            self.add_side_hessian(contact, plain);
+            let (pattern, skipped) = self.side_jacobian(contact, plain);
+            for (&(row, column), value) in pattern.entries.iter().zip(&self.values) {
+                if row as usize >= skipped {
                     self.hessian[(self.plain + index) * inputs + column as usize] +=
-                        value * multipliers[row as usize - 2];
+                        value * multipliers[row as usize - skipped];
                 }
             }
         }
@@ -299,17 +368,10 @@ impl<'a> Evaluator<'a> {
             }
             scatter(pattern.entries, &self.values, &mut self.hessian, inputs);
         }
-        if let Kernel::Contact(contact) = self.kernel {
+        if let Some(contact) = self.kernel.observed() {
             self.weights.fill(0.0);
-            self.weights[..2].copy_from_slice(multipliers);
-            let entries = declaration.contacts[contact].hessian.entries;
-            self.model.contact_hessian(
-                contact,
-                plain,
-                &self.weights,
-                &mut self.values[..entries.len()],
-            );
-            scatter(entries, &self.values, &mut self.hessian, inputs);
+            self.weights[..multipliers.len()].copy_from_slice(multipliers);
+            self.add_side_hessian(contact, plain);
         }
     }
 }

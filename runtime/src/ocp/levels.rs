@@ -50,8 +50,13 @@ fn on_grid(solution: Solution, intervals: usize) -> Solution {
     else {
         return Solution::without_motion(solution.status, solution.violations, solution.counts);
     };
+    let factor = intervals / previous.intervals();
     let previous = previous.resampled(intervals);
+    let elements = solution.elements.iter();
     Solution {
+        elements: elements
+            .flat_map(|&elements| std::iter::repeat_n(elements, factor))
+            .collect(),
         controls: previous.controls(),
         previous: Some(previous),
         ..solution

@@ -64,6 +64,10 @@ impl Builder<'_, '_> {
                     let kernel = Kernel::Contact(contact);
                     program.block(&kernel, [&state, &[], &drive, &[]], None, uses);
                 }
+                CutKind::Cone(contact, direction) => {
+                    self.cone_cut(phase, contact, direction, cut, &at)
+                }
+                CutKind::Slip(contact) => self.slip_cut(phase, contact, cut, &at),
                 CutKind::Path(constraint) => {
                     let state = self.state_at(phase, cut, 2 * n, &at);
                     let (q, v) = state.split_at(n);
@@ -77,7 +81,13 @@ impl Builder<'_, '_> {
     }
 
     /// Variables of the first `count` components of the state at a cut.
-    fn state_at(&mut self, phase: &Phase, cut: &Cut, count: usize, at: &str) -> Vec<usize> {
+    pub(super) fn state_at(
+        &mut self,
+        phase: &Phase,
+        cut: &Cut,
+        count: usize,
+        at: &str,
+    ) -> Vec<usize> {
         let Setting {
             model,
             problem,

@@ -12,6 +12,9 @@
 //! re-simulation      event-driven, under the final controls; its distance from the plan is part of the result
 //! ```
 //!
+//! A contact without friction is open or closed; one with Coulomb friction is open, sticks, or slips forward or
+//! backward, and the sequence holds the changes between these as well.
+//!
 //! The relaxed complementarity problem of the first phase is never reported as a result. What comes out is a local
 //! optimum; [`Stationarity`] says what is proved about its contact sequence.
 //!
@@ -61,11 +64,16 @@ mod control_grid;
 mod cubic_bounds;
 mod cuts;
 mod frame;
+mod friction;
+mod friction_checks;
+mod friction_neighbours;
 mod global;
 mod grid;
+mod impact_map;
 mod kernel;
 mod levels;
 mod limits;
+mod mode;
 mod path;
 mod previous;
 mod problem;
@@ -78,6 +86,7 @@ mod settings;
 mod solution;
 mod solve;
 mod stage_inputs;
+mod start_conditions;
 mod starts;
 #[cfg(test)]
 mod test_scene;

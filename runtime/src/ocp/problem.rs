@@ -184,12 +184,6 @@ impl Problem {
         };
         self.initial_value_problem(&self.start(), horizon, ControlSignal::Zero)
             .check(model)?;
-        if let Some(contact) = declaration.contacts.iter().find(|c| c.friction.is_some()) {
-            return Err(InputError::UnsupportedLaw {
-                method: "optimal control".into(),
-                contact: contact.name.into(),
-            });
-        }
         let n = declaration.coordinates.len();
         let objective = &self.objective;
         let finals = objective.final_coordinates.iter();

@@ -1,6 +1,7 @@
 //! Neighbours of a contact sequence: where a solution presses against the sequence it was given.
 
 use super::collocation::{Collocation, Stage};
+use super::mode::Mode;
 use super::sequence::{Place, Sequence, Switch};
 use super::settings::ControlShape;
 use crate::nlp;
@@ -8,13 +9,13 @@ use crate::nlp;
 /// Switches of a contact closer than this many intervals may cancel each other.
 const CLOSE: f64 = 1.1;
 /// A switch nearer to the end of its interval than this share of it sticks there.
-const STUCK: f64 = 0.01;
+pub(super) const STUCK: f64 = 0.01;
 /// A contact shorter than this many intervals may be no more than a touch.
 const TOUCH: f64 = 1.5;
 /// Where a moved switch is started, as a distance from the end it came through.
-const ENTRY: f64 = 0.05;
+pub(super) const ENTRY: f64 = 0.05;
 /// Half the length of an inserted contact or flight, in intervals.
-const INSERTED: f64 = 0.2;
+pub(super) const INSERTED: f64 = 0.2;
 /// Distance from a switch of the same contact within which no other one is inserted, in intervals.
 const NEAR: f64 = 0.6;
 /// Multipliers above this share of the largest one belong to conditions that matter.
@@ -40,14 +41,16 @@ impl Pressure<'_, '_> {
         time: f64,
     ) -> Option<Sequence> {
         let mut sequence = self.sequence.clone();
-        let switch = &mut sequence.switches[index];
-        switch.interval = interval?;
-        switch.place = place;
-        switch.time = time;
+        let companions = Sequence::companions(&sequence.switches, index).len();
+        for switch in &mut sequence.switches[index..=index + companions] {
+            switch.interval = interval?;
+            switch.place = place;
+            switch.time = time;
+        }
         sequence.ordered(self.intervals)
     }
 
-    fn threshold(&self) -> f64 {
+    pub(super) fn threshold(&self) -> f64 {
         let all = self.solution.multipliers.iter();
         ACTIVE * all.fold(f64::MIN_POSITIVE, |largest, y| largest.max(y.abs()))
     }
@@ -73,7 +76,8 @@ impl Pressure<'_, '_> {
         found.extend(self.touches_and_contacts());
         for closes in [false, true] {
             for (index, switch) in switches.iter().enumerate() {
-                if switch.place == Place::Start || switch.closes != closes {
+                let own = !switch.accompanies && switch.place == Place::Inside;
+                if !own || switch.closes != closes {
                     continue;
                 }
                 let (k, offset) = (switch.interval, switch.time - switch.interval as f64);
@@ -91,11 +95,19 @@ impl Pressure<'_, '_> {
         }
         let threshold = self.threshold();
         for (index, switch) in switches.iter().enumerate() {
-            if switch.place != Place::Start {
+            if switch.accompanies || switch.place != Place::Start {
                 continue;
             }
             let k = switch.interval;
-            if switch.closes || self.program.shape == ControlShape::Linear {
+            // What ends at a zero of the motion happens at a jump of the controls by chance only.
+            let slips = matches!(
+                self.sequence.mode_before(index, switch.contact),
+                Mode::Slip(_)
+            );
+            if switch.closes
+                || slips && switch.slides()
+                || self.program.shape == ControlShape::Linear
+            {
                 let time = k as f64 - ENTRY;
                 found.extend(self.moved(index, k.checked_sub(1), Place::Inside, time));
                 found.extend(self.moved(index, Some(k), Place::Inside, k as f64 + ENTRY));
@@ -104,7 +116,8 @@ impl Pressure<'_, '_> {
             let phases = &self.program.phases;
             let after = phases.iter().find(|phase| phase.interval == k);
             let pressed = after.is_some_and(|phase| {
-                phase.openings.iter().any(|&(contact, row)| {
+                let mut rows = phase.openings.iter().chain(&phase.pulled);
+                rows.any(|&(contact, row)| {
                     contact == switch.contact && self.solution.multipliers[row].abs() > threshold
                 })
             });
@@ -113,6 +126,9 @@ impl Pressure<'_, '_> {
             }
             let before = phases.iter().rev().find(|phase| phase.interval + 1 == k);
             let pressed = before.is_some_and(|phase| {
+                if switch.slides() {
+                    return self.at_the_edge(phase, switch);
+                }
                 let slot = phase.closed.iter().position(|&i| i == switch.contact);
                 let stage = phase.stages.last();
                 slot.zip(stage).is_some_and(|(slot, stage)| {
@@ -127,6 +143,13 @@ impl Pressure<'_, '_> {
         found
     }
 
+    /// Whether a contact switches near a time.
+    pub(super) fn near(&self, contact: usize, time: f64) -> bool {
+        let switches = self.sequence.switches.iter();
+        let mut own = switches.filter(|s| s.contact == contact);
+        own.any(|switch| (switch.time - time).abs() < NEAR)
+    }
+
     /// Sequences with a touch in the place of a short contact, and with a short contact in the
     /// place of a touch after which nothing pulls the contact open.
     fn touches_and_contacts(&self) -> Vec<Sequence> {
@@ -134,15 +157,15 @@ impl Pressure<'_, '_> {
         let mut found = Vec::new();
         for (i, j) in self.sequence.neighbours() {
             let (first, second) = (&switches[i], &switches[j]);
-            if first.stays() && !second.closes && second.time - first.time < TOUCH {
+            if first.stays() && second.opens() && second.time - first.time < TOUCH {
                 let mut sequence = self.sequence.clone();
-                sequence.switches[i].touches = true;
+                sequence.switches[i].mode = Mode::Open;
                 sequence.switches.remove(j);
                 found.extend(sequence.ordered(self.intervals));
             }
         }
         let threshold = self.threshold();
-        for (index, switch) in switches.iter().enumerate().filter(|(_, s)| s.touches) {
+        for (index, switch) in switches.iter().enumerate().filter(|(_, s)| s.touches()) {
             let mut touches = self.program.touches.iter();
             let grazes = touches.any(|(touch, row)| {
                 (touch.contact, touch.interval, touch.place)
@@ -162,11 +185,11 @@ impl Pressure<'_, '_> {
                 });
             if pressed {
                 let mut sequence = self.sequence.clone();
-                sequence.switches[index].touches = false;
+                sequence.switches[index].mode = switch.impulse;
                 let time = (switch.time + INSERTED).min(self.intervals as f64 - STUCK);
                 sequence.switches.push(Switch {
                     closes: false,
-                    touches: false,
+                    mode: Mode::Open,
                     interval: time.floor() as usize,
                     place: Place::Inside,
                     time,
@@ -181,7 +204,7 @@ impl Pressure<'_, '_> {
     /// The sequence without its last switch: the motion may end before it.
     pub(super) fn shortened(&self) -> Option<Sequence> {
         let mut sequence = self.sequence.clone();
-        sequence.switches.pop()?;
+        while sequence.switches.pop()?.accompanies {}
         sequence.ordered(self.intervals)
     }
 
@@ -191,7 +214,7 @@ impl Pressure<'_, '_> {
     /// none of them.
     pub(super) fn insertions(&self) -> Vec<Sequence> {
         let threshold = self.threshold();
-        let mut places: Vec<(usize, bool, f64)> = Vec::new();
+        let mut places: Vec<(usize, bool, Mode, f64)> = Vec::new();
         let contacts = self.sequence.initially.len();
         let tableau = self.program.tableau;
         let x = self.program.program.physical(&self.solution.x);
@@ -201,7 +224,7 @@ impl Pressure<'_, '_> {
             let opens = phase
                 .ends_with
                 .map(|index| &self.sequence.switches[index])
-                .filter(|switch| !switch.closes)
+                .filter(|switch| switch.opens())
                 .map(|switch| switch.contact);
             let time = |theta: f64| {
                 (solved.start + theta * solved.length) / horizon * self.intervals as f64
@@ -211,41 +234,37 @@ impl Pressure<'_, '_> {
                 for (&contact, &force) in phase.closed.iter().zip(&stage.forces) {
                     let exits = last && opens == Some(contact);
                     if !exits && self.solution.multipliers_lower[force] > threshold {
-                        places.push((contact, false, time(*c)));
+                        places.push((contact, false, phase.modes[contact], time(*c)));
                     }
                 }
                 for contact in (0..contacts).filter(|i| !phase.closed.contains(i)) {
                     let row = stage.gap_rows[contact];
-                    let closes = last && phase.closing == Some(contact);
+                    let closes = last && phase.closing.contains(&contact);
                     if !closes
                         && self.solution.multipliers[row].abs() > threshold
                         && self.gap(contact, stage, &x) < self.touching
                     {
-                        places.push((contact, true, time(*c)));
+                        let seconds = solved.start + c * solved.length;
+                        let mode = self.mode_at(contact, (stage, seconds), &x);
+                        places.push((contact, true, mode, time(*c)));
                     }
                 }
             }
         }
         // Gap and force vanish together at every switch; that is no sign of another one nearby.
-        let near = |contact: usize, time: f64| {
-            let mut own = self
-                .sequence
-                .switches
-                .iter()
-                .filter(|s| s.contact == contact);
-            own.any(|switch| (switch.time - time).abs() < NEAR)
-        };
-        places.retain(|&(contact, _, time)| !near(contact, time));
+        places.retain(|&(contact, .., time)| !self.near(contact, time));
         let mut found: Vec<Sequence> = Vec::new();
         let intervals = self.intervals as f64;
-        for (contact, closes, time) in places {
+        for (contact, closes, mode, time) in places {
             let mut sequence = self.sequence.clone();
             for (closes, time) in [(closes, time - INSERTED), (!closes, time + INSERTED)] {
                 let time = time.clamp(0.0, intervals - STUCK);
                 sequence.switches.push(Switch {
                     contact,
                     closes,
-                    touches: false,
+                    mode: if closes { mode } else { Mode::Open },
+                    impulse: mode,
+                    accompanies: false,
                     interval: time.floor() as usize,
                     place: Place::Inside,
                     time,

@@ -119,11 +119,16 @@ impl<'a> Search<'a, '_> {
             return Ok(());
         }
         let settings = self.settings;
+        let known = self.failure.take();
         let relaxed = match &settings.formulation {
             Formulation::Phases => self.global(guess)?,
             Formulation::TimeFreezing(formulation) => self.time_freezing(formulation)?,
         };
         let bouncing = self.bouncing(guess)?;
+        if known.is_some() || !relaxed.is_empty() {
+            // Rows of the programs of contact sequences say more than those of relaxed ones.
+            self.failure = known;
+        }
         let relaxed = relaxed.into_iter().take(settings.refined_motions);
         for global in bouncing.into_iter().chain(relaxed) {
             if self.watch.stopped {
@@ -269,9 +274,11 @@ impl<'a> Search<'a, '_> {
                 touching: TOUCHING * self.settings.gap_margin,
             };
             let directed = pressure.directed();
-            let neighbours: Vec<Sequence> =
-                directed.into_iter().chain(pressure.insertions()).collect();
-            let shortened = pressure.shortened();
+            let inserted = pressure.insertions().into_iter().chain(pressure.sliding());
+            let neighbours: Vec<Sequence> = directed.into_iter().chain(inserted).collect();
+            // No neighbours, but often in another basin: nothing is claimed about them.
+            let explored = pressure.shortened().into_iter().chain(pressure.shifted());
+            let explored: Vec<Sequence> = explored.collect();
             let (path, cuts) = (best.path.clone(), best.cuts.clone());
             self.best = Some(best);
             let stationarity = if neighbours.is_empty() {
@@ -298,16 +305,18 @@ impl<'a> Search<'a, '_> {
                     Verdict::Undecided => undecided = true,
                 }
             }
-            // No neighbour, but often in another basin: nothing is claimed about it.
-            if !improved
-                && self.explores
-                && let Some(sequence) = shortened
-                && !self.was_tried(&sequence)
-                && !self.watch.stopped
-                && self.counts.programs < self.most_programs
-            {
-                improved =
-                    self.attempt(&sequence, &path, &cuts, Purpose::Explore)? == Verdict::Better;
+            for sequence in explored {
+                if improved
+                    || !self.explores
+                    || self.watch.stopped
+                    || self.counts.programs >= self.most_programs
+                {
+                    break;
+                }
+                if !self.was_tried(&sequence) {
+                    let verdict = self.attempt(&sequence, &path, &cuts, Purpose::Explore)?;
+                    improved = verdict == Verdict::Better;
+                }
             }
             if !improved {
                 return Ok(if undecided {

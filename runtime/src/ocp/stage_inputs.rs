@@ -12,27 +12,31 @@ use super::transcribe::Builder;
 #[derive(Clone)]
 pub(super) struct Elapsed {
     terms: Vec<(usize, f64)>,
-    /// The time passed as a share of the interval, if that is a number.
+    /// The time passed as a share of the interval, if that is a number: as long as the length of the motion is all
+    /// that it depends on.
     share: Option<f64>,
+    horizon: usize,
+    intervals: usize,
 }
 
 impl Elapsed {
-    /// The start of an interval.
-    pub(super) fn none() -> Self {
+    /// The start of an interval, where that many make up the `horizon`.
+    pub(super) fn none(horizon: usize, intervals: usize) -> Self {
         Self {
             terms: Vec::new(),
             share: Some(0.0),
+            horizon,
+            intervals,
         }
     }
 
-    /// A moment later by `factor` times the variable `scale`, which is the known `share` of the interval, if it is.
-    pub(super) fn later(&self, scale: usize, factor: f64, share: Option<f64>) -> Self {
-        let mut terms = self.terms.clone();
-        terms.push((scale, factor));
-        Self {
-            terms,
-            share: self.share.zip(share).map(|(a, b)| a + b),
-        }
+    /// A moment later by `factor` times the variable `scale`.
+    pub(super) fn later(&self, scale: usize, factor: f64) -> Self {
+        let mut later = self.clone();
+        later.terms.push((scale, factor));
+        let known = self.share.filter(|_| scale == self.horizon);
+        later.share = known.map(|share| share + factor * self.intervals as f64);
+        later
     }
 
     /// The end of the interval.

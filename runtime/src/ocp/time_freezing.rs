@@ -4,11 +4,11 @@ use super::problem::{Component, Horizon, Objective, Problem, bounds};
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
 use crate::fesd::transcription::{Controls, Guess, Task, Transcription, Weights};
-use crate::model::{ConstraintRelation, Model, OptimalControlDeclaration};
+use crate::model::{ConstraintRelation, ImpactLaw, Model, OptimalControlDeclaration};
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
 use crate::rk::{ButcherTableau, Scheme};
-use crate::simulation::{InitialValueProblem, InputError};
+use crate::simulation::InputError;
 use crate::time_freezing::TimeFreezingSystem;
 
 /// Shortest and longest horizon relative to the guess, where it is free.
@@ -100,7 +100,16 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
     ) -> Result<Self, InputError> {
         problem.check(model)?;
-        InitialValueProblem::check_inelastic(model, "time-freezing optimal control")?;
+        let mut contacts = model.declaration().contacts.iter();
+        if let Some(contact) = contacts.find(|contact| contact.law != ImpactLaw::Inelastic) {
+            return Err(InputError::Unsupported {
+                what: format!(
+                    "restitution of `{}` in the time-freezing formulation",
+                    contact.name
+                ),
+                remedy: "leave the formulation at its default".into(),
+            });
+        }
         let refuse = |what: &str, value: f64, bound: String| {
             Err(InputError::OutOfRange {
                 what: what.into(),

@@ -4,6 +4,7 @@ use cpu_time::ThreadTime;
 
 use super::control_grid::ControlGrid;
 use super::global::Relaxed;
+use super::mode::{Mode, is_rough, sliding_velocity};
 use super::path::{Path, drive, with_forces};
 use super::search::{Search, refused};
 use super::sequence::Sequence;
@@ -81,21 +82,47 @@ impl Search<'_, '_> {
         let path = self.path_of(&motion);
         Ok(vec![Relaxed {
             objective: solution.objective,
-            sequence: self.sequence_of(&motion, settings.elements, &path),
+            sequence: self.sequence_of(&motion, &settings, &path),
             path,
         }])
     }
 
-    /// The contacts that are closed in each element; a jump belongs to the contact after it.
-    fn sequence_of(&self, motion: &TimeFreezingMotion, elements: usize, path: &Path) -> Sequence {
+    /// What the contacts do in each element; a jump belongs to the contact after it. How they slide follows from the
+    /// velocity at the end: in a pair whose product is relaxed, both may be as large as its root.
+    fn sequence_of(
+        &self,
+        motion: &TimeFreezingMotion,
+        settings: &TimeFreezingSettings,
+        path: &Path,
+    ) -> Sequence {
+        let zero = settings.complementarity.sqrt();
+        let model = self.setting.model;
         let interval = motion.horizon / self.setting.problem.intervals as f64;
-        let closed: Vec<Vec<bool>> = motion
+        let states = motion.q.iter().zip(&motion.v).zip(&motion.time);
+        let modes: Vec<Vec<Mode>> = motion
             .step_functions
             .iter()
-            .map(|alpha| alpha.iter().map(|&alpha| alpha < OPEN).collect())
+            .zip(states)
+            .map(|(alpha, ((q, v), &time))| {
+                let state = [&q[..], v].concat();
+                let mode = |(contact, &alpha): (usize, &f64)| {
+                    if alpha >= OPEN {
+                        return Mode::Open;
+                    }
+                    let rough = is_rough(model, contact);
+                    let slides = rough.then(|| sliding_velocity(model, contact, &state, time));
+                    Mode::closed(rough, slides.unwrap_or(0.0), zero)
+                };
+                alpha.iter().enumerate().map(mode).collect()
+            })
             .collect();
         let ends: Vec<f64> = motion.time.iter().map(|time| time / interval).collect();
-        Sequence::of_elements(self.closed_at_start(path), &closed, (elements, &ends), 0.0)
+        Sequence::of_elements(
+            self.modes_at_start(path),
+            &modes,
+            (settings.elements, &ends),
+            0.0,
+        )
     }
 
     fn path_of(&self, motion: &TimeFreezingMotion) -> Path {

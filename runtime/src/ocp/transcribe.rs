@@ -2,7 +2,10 @@
 
 use super::collocation::{Collocation, Cut, Phase, Setting, Stage, lagrange};
 use super::frame::{Frame, state_name};
+use super::friction::{Tangential, Turns, start_rows, tangential};
+use super::impact_map::{touches, vanish};
 use super::kernel::Kernel;
+use super::mode::Mode;
 use super::path::Path;
 use super::program::Program;
 use super::sequence::{Place, Sequence, Switch};
@@ -16,10 +19,6 @@ const GUESS_MARGIN: f64 = 0.02;
 /// Shortest phase relative to its interval: in a phase of no length the contact forces are undetermined.
 const SHORTEST: f64 = 2e-3;
 
-/// Least impact velocity of a touch, relative to what the acceleration of the contact does in an interval: a motion
-/// that grazes a surface is none that can be followed.
-const LEAST_IMPACT: f64 = 1e-3;
-
 /// State of the construction.
 pub(super) struct Builder<'a, 's> {
     pub(super) setting: Setting<'a>,
@@ -29,9 +28,10 @@ pub(super) struct Builder<'a, 's> {
     /// Finite elements of a phase in each interval.
     elements: &'s [usize],
     pub(super) frame: Frame<'a>,
-    phases: Vec<Phase>,
-    touches: Vec<(Switch, usize)>,
-    closed: Vec<usize>,
+    pub(super) phases: Vec<Phase>,
+    pub(super) impacts: Vec<(usize, Tangential)>,
+    pub(super) modes: Vec<Mode>,
+    pub(super) touches: Vec<(Switch, usize)>,
     pub(super) state: Vec<usize>,
     /// What drove the motion at the end of the phase before; nothing at the start, at time 0.
     pub(super) before: Vec<usize>,
@@ -58,7 +58,6 @@ impl<'a> Collocation<'a> {
             setting.bounds,
         );
         let state = frame.start.clone();
-        let closed = sequence.initially.iter().enumerate();
         let mut builder = Builder {
             setting,
             program,
@@ -67,8 +66,9 @@ impl<'a> Collocation<'a> {
             elements,
             frame,
             phases: Vec::new(),
+            impacts: Vec::new(),
+            modes: sequence.initially.clone(),
             touches: Vec::new(),
-            closed: closed.filter(|(_, c)| **c).map(|(i, _)| i).collect(),
             state,
             before: Vec::new(),
             n: problem.q.len(),
@@ -78,8 +78,12 @@ impl<'a> Collocation<'a> {
             builder.interval(interval, &sequence.switches);
         }
         let last = |switch: &&Switch| switch.interval == problem.intervals;
-        for switch in sequence.switches.iter().filter(last) {
-            builder.close(switch, "the last interval", guess.horizon);
+        for (index, switch) in sequence.switches.iter().enumerate() {
+            if last(&switch) && !switch.accompanies {
+                let companions = Sequence::companions(&sequence.switches, index);
+                let label = "the last interval";
+                builder.close((index, switch), companions, label, guess.horizon);
+            }
         }
         let (frame, mut program) = (builder.frame, builder.program);
         frame.finish(&mut program, problem, &builder.state);
@@ -88,6 +92,7 @@ impl<'a> Collocation<'a> {
             model,
             sequence: sequence.clone(),
             phases: builder.phases,
+            impacts: builder.impacts,
             touches: builder.touches,
             tableau: setting.tableau,
             horizon: frame.horizon,
@@ -98,74 +103,50 @@ impl<'a> Collocation<'a> {
 }
 
 impl Builder<'_, '_> {
-    /// Where initial values are free: contacts closed at the start touch and rest, the others are open.
-    fn free_start(&mut self) {
-        let Setting {
-            model,
-            problem,
-            units,
-            ..
-        } = self.setting;
-        let free: Vec<usize> = (0..2 * self.n)
-            .filter(|&k| {
-                let (lower, upper) = self.program.bounds(self.frame.start[k]);
-                lower < upper
-            })
-            .collect();
-        if !problem.has_free_start(model) {
-            return;
-        }
-        for (i, contact) in model.declaration().contacts.iter().enumerate() {
-            let reads = |row: u32| {
-                let mut entries = contact.jacobian.entries.iter();
-                entries.any(|&(r, column)| r == row && free.contains(&(column as usize)))
-            };
-            let closed = self.closed.contains(&i);
-            let mut uses = Vec::new();
-            if reads(0) {
-                let upper = if closed { 0.0 } else { f64::INFINITY };
-                let name = format!("gap `{}` at the start", contact.name);
-                let row = self.program.row_in(units.gap_rows[i], name, 0.0, upper);
-                uses.push((row, 0, 1.0));
-            }
-            if closed && reads(1) {
-                let name = format!("normal velocity of `{}` at the start", contact.name);
-                let row = self.program.row_in(units.gap_rows[i], name, 0.0, 0.0);
-                uses.push((row, 1, 1.0));
-            }
-            if !uses.is_empty() {
-                let (q, v) = self.frame.start.split_at(self.n);
-                self.program
-                    .block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
-            }
-        }
+    /// The closed contacts.
+    fn closed(&self) -> Vec<usize> {
+        let modes = self.modes.iter().enumerate();
+        modes
+            .filter(|(_, m)| !m.is_open())
+            .map(|(i, _)| i)
+            .collect()
     }
 
     fn interval(&mut self, interval: usize, switches: &[Switch]) {
         let share = 1.0 / self.setting.problem.intervals as f64;
         let here = |place: Place| {
             let all = switches.iter().enumerate();
-            all.filter(move |(_, s)| s.interval == interval && s.place == place)
+            all.filter(move |(_, s)| s.interval == interval && s.place == place && !s.accompanies)
         };
         let (mut openings, mut before) = (Vec::new(), self.state.clone());
         let mut touched: Vec<usize> = Vec::new();
-        for (_, switch) in here(Place::Start) {
+        let jumps = self.setting.shape == ControlShape::Constant;
+        let mut turns = Turns::default();
+        if interval == 0 {
+            turns.pulled = self.pulled_at_start();
+        }
+        for (index, switch) in here(Place::Start) {
+            let companions = Sequence::companions(switches, index);
+            for other in std::iter::once(switch).chain(companions) {
+                turns.start(other, self.modes[other.contact], switch.closes, jumps);
+            }
             if switch.closes {
                 let time = self.guess.horizon * interval as f64 * share;
-                self.close(switch, &format!("interval {}", interval - 1), time);
-                if switch.touches {
-                    touched.push(switch.contact);
-                }
+                let label = format!("interval {}", interval - 1);
+                self.close((index, switch), companions, &label, time);
+                touched.extend(touches(switch, companions));
                 before.clone_from(&self.state);
             } else {
+                if switch.opens() {
+                    openings.push(switch.contact);
+                }
                 // Controls that do not jump let go of a contact where its force vanishes.
-                if let (ControlShape::Linear, Some(phase)) =
-                    (self.setting.shape, self.phases.last())
+                if let (true, ControlShape::Linear, Some(phase)) =
+                    (switch.opens(), self.setting.shape, self.phases.last())
                 {
                     vanish(&mut self.program, phase, switch.contact);
                 }
-                self.closed.retain(|&contact| contact != switch.contact);
-                openings.push(switch.contact);
+                self.enter(switch, companions);
             }
         }
         let inside: Vec<(usize, &Switch)> = here(Place::Inside).collect();
@@ -203,51 +184,71 @@ impl Builder<'_, '_> {
                 .collect()
         };
         let mut begin = 0.0;
-        let mut elapsed = Elapsed::none();
+        let mut elapsed = Elapsed::none(self.frame.horizon, self.setting.problem.intervals);
         for (p, &end) in ends.iter().enumerate() {
-            let (scale, factor, whole) = match durations.get(p) {
-                Some(&duration) => (duration, 1.0, None),
-                None => (self.frame.horizon, share, Some(1.0)),
+            let (scale, factor) = match durations.get(p) {
+                Some(&duration) => (duration, 1.0),
+                None => (self.frame.horizon, share),
             };
+            let factor = factor / elements as f64;
             let times = (
                 (interval as f64 + begin) * length,
                 (interval as f64 + end) * length,
             );
             let ending = inside.get(p).copied();
-            let closing = match ending {
-                Some((_, switch)) => switch.closes.then_some(switch.contact),
-                None => switches
-                    .iter()
-                    .find(|s| s.closes && s.interval == interval + 1 && s.place == Place::Start)
-                    .map(|s| s.contact),
-            };
             let opened: Vec<usize> = match p.checked_sub(1).map(|before| inside[before].1) {
                 None => openings.clone(),
-                Some(before) if before.closes => Vec::new(),
-                Some(before) => vec![before.contact],
+                Some(before) if before.opens() => vec![before.contact],
+                Some(_) => Vec::new(),
             };
+            let ends = |(index, switch): (usize, &Switch)| match ending {
+                Some((first, _)) => {
+                    let companions = Sequence::companions(switches, first).len();
+                    (first..=first + companions).contains(&index)
+                }
+                None => switch.interval == interval + 1 && switch.place == Place::Start,
+            };
+            turns.finishing = interval + 1 == self.setting.problem.intervals && p + 1 == count;
+            let (mut closing, mut impact) = (Vec::new(), false);
+            for (index, switch) in switches.iter().enumerate() {
+                impact = switch.closes || impact && switch.accompanies;
+                if !ends((index, switch)) {
+                    continue;
+                }
+                if switch.closes {
+                    closing.push(switch.contact);
+                } else if !impact {
+                    turns.end(switch, self.modes[switch.contact], jumps);
+                }
+            }
             for e in 0..elements {
                 let (first, last) = (e == 0, e + 1 == elements);
+                let turns = turns.of_element(first, last);
                 let time = |e: usize| times.0 + e as f64 / elements as f64 * (times.1 - times.0);
                 self.phase(
-                    interval,
-                    (p * elements + e, count * elements),
-                    (scale, factor / elements as f64, whole),
-                    (&elapsed, p + 1 == count && last),
-                    (time(e), time(e + 1)),
-                    (ending.filter(|_| last), closing.filter(|_| last)),
+                    (interval, (p * elements + e, count * elements)),
+                    (scale, factor),
+                    (&elapsed, time(e), time(e + 1)),
+                    (ending.filter(|_| last), if last { &closing } else { &[] }),
                     if first {
-                        (&opened, &touched)
+                        (&opened, &touched, &turns)
                     } else {
-                        (&[], &[])
+                        (&[], &[], &turns)
                     },
                 );
-                let part = 1.0 / elements as f64;
-                elapsed = elapsed.later(scale, factor * part, whole.map(|whole| whole * part));
+                elapsed = elapsed.later(scale, factor);
+            }
+            turns = Turns::default();
+            if let Some((index, switch)) = ending {
+                let companions = Sequence::companions(switches, index);
+                for other in std::iter::once(switch).chain(companions) {
+                    turns.start(other, self.modes[other.contact], switch.closes, jumps);
+                }
+                self.switch((index, switch), companions, (interval, p), times.1);
             }
             touched = match ending {
-                Some((_, switch)) if switch.touches => vec![switch.contact],
-                _ => Vec::new(),
+                Some((index, switch)) => touches(switch, Sequence::companions(switches, index)),
+                None => Vec::new(),
             };
             begin = end;
         }
@@ -256,13 +257,11 @@ impl Builder<'_, '_> {
 
     fn phase(
         &mut self,
-        interval: usize,
-        index: (usize, usize),
-        (scale, factor, whole): (usize, f64, Option<f64>),
-        (elapsed, ends): (&Elapsed, bool),
-        (from, to): (f64, f64),
-        (ending, closing): (Option<(usize, &Switch)>, Option<usize>),
-        (opened, touched): (&[usize], &[usize]),
+        (interval, index): (usize, (usize, usize)),
+        (scale, factor): (usize, f64),
+        (elapsed, from, to): (&Elapsed, f64, f64),
+        (ending, closing): (Option<(usize, &Switch)>, &[usize]),
+        (opened, touched, turns): (&[usize], &[usize], &Turns),
     ) {
         let Setting {
             model,
@@ -278,15 +277,14 @@ impl Builder<'_, '_> {
         let n = self.n;
         let contacts = model.declaration().contacts;
         let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let closed = self.closed.clone();
+        let closed = self.closed();
         let label = format!("interval {interval}, phase {}", index.0);
         let stages = tableau.stages();
         let mut drives = Vec::with_capacity(stages);
-        let part = whole.map(|whole| whole * factor * problem.intervals as f64);
         let length = self.guess.horizon / problem.intervals as f64;
         for (m, c) in tableau.c().iter().enumerate() {
-            let mut moment = elapsed.later(scale, c * factor, part.map(|part| c * part));
-            if ends && m + 1 == stages && *c == 1.0 {
+            let mut moment = elapsed.later(scale, c * factor);
+            if index.0 + 1 == index.1 && m + 1 == stages {
                 moment = moment.all();
             }
             let guess = (from + c * (to - from)) / length - interval as f64;
@@ -298,13 +296,17 @@ impl Builder<'_, '_> {
             interval,
             index,
             closed: closed.clone(),
+            modes: self.modes.clone(),
             start: self.state.clone(),
             stages: Vec::with_capacity(stages),
             scale,
             factor,
             openings: Vec::new(),
+            pulled: Vec::new(),
+            cones: Vec::new(),
+            yielded: turns.yielded.clone(),
             ends_with: ending.map(|(index, _)| index),
-            closing,
+            closing: closing.to_vec(),
         };
         let mut corrections = Vec::with_capacity(stages);
         for (m, c) in tableau.c().iter().enumerate() {
@@ -327,14 +329,26 @@ impl Builder<'_, '_> {
                 .collect();
             let mut forces = Vec::new();
             let mut shifts = Vec::new();
+            let mut rubbing = Vec::new();
             for &i in &closed {
                 let name = contacts[i].name;
                 let length = to - from;
-                forces.push(program.variable(
+                let unit = units.force[i] * length;
+                let force = program.variable(
                     format!("force of `{name}` at stage {m} of {label}"),
                     (0.0, f64::INFINITY),
                     sample[2 * n + i] * length,
-                    units.force[i] * length,
+                    unit,
+                );
+                forces.push(force);
+                let at = format!("at stage {m} of {label}");
+                let mode = (i, self.modes[i]);
+                rubbing.extend(tangential(
+                    program,
+                    model,
+                    mode,
+                    (force, unit, units.gap_rows[i]),
+                    &at,
                 ));
                 let name = format!("correction of `{name}` at stage {m} of {label}");
                 shifts.push(program.variable(name, free, 0.0, units.gap[i]));
@@ -345,9 +359,11 @@ impl Builder<'_, '_> {
                 drive: std::mem::take(&mut drives[m]),
                 forces,
                 gap_rows: Vec::new(),
+                tangential: rubbing,
             });
         }
         for (m, corrections) in corrections.iter().enumerate() {
+            let mut rubbing = std::mem::take(&mut phase.stages[m].tangential);
             let Stage {
                 state,
                 drive: u,
@@ -379,13 +395,19 @@ impl Builder<'_, '_> {
             let kernel = Kernel::Acceleration(Vec::new());
             program.block(&kernel, [q, v, u, &[]], Some(scale), free_pushes);
             if !closed.is_empty() {
+                for tangential in &mut rubbing {
+                    let place = (turns, m + 1 == stages);
+                    let label = format!("at stage {m} of {label}");
+                    tangential.push(program, model, (q, u), &pushes);
+                    tangential.constrain(program, model, [q, v, u], place, &label);
+                }
                 let kernel = Kernel::Push(closed.clone());
                 program.block(&kernel, [q, &[], u, forces], None, pushes);
                 program.block(&kernel, [q, &[], u, corrections], None, moves);
             }
             for (i, contact) in contacts.iter().enumerate() {
                 let last = m + 1 == stages;
-                let closes = last && closing == Some(i);
+                let closes = last && closing.contains(&i);
                 let upper = if closed.contains(&i) || closes {
                     0.0
                 } else {
@@ -410,6 +432,7 @@ impl Builder<'_, '_> {
                 program.block(&Kernel::Contact(i), [q, v, u, &[]], None, uses);
             }
             phase.stages[m].gap_rows = gap_rows;
+            phase.stages[m].tangential = rubbing;
         }
         for (m, stage) in phase.stages.iter().enumerate() {
             let (q, v) = stage.state.split_at(n);
@@ -459,93 +482,13 @@ impl Builder<'_, '_> {
             }
             phase.openings.push((i, row));
         }
+        start_rows(program, self.setting, &mut phase, turns, &label);
         self.add_cuts(&phase);
         if let Some(stage) = phase.stages.last() {
             self.state.clone_from(&stage.state);
             self.before.clone_from(&stage.drive);
         }
-        if let Some((_, switch)) = ending {
-            self.switch(switch, &phase, &label, to);
-        }
         self.phases.push(phase);
-    }
-
-    /// What happens at the end of a phase.
-    fn switch(&mut self, switch: &Switch, phase: &Phase, label: &str, time: f64) {
-        if switch.closes {
-            self.close(switch, label, time);
-            return;
-        }
-        vanish(&mut self.program, phase, switch.contact);
-        self.closed.retain(|&contact| contact != switch.contact);
-    }
-
-    /// The impact map where a contact closes or is touched, `v_n+ = -e v_n-` for all contacts that are closed then.
-    fn close(&mut self, switch: &Switch, label: &str, time: f64) {
-        let (n, program, drive) = (self.n, &mut self.program, &self.before);
-        self.closed.push(switch.contact);
-        self.closed.sort_unstable();
-        let Setting { model, units, .. } = self.setting;
-        let contacts = model.declaration().contacts;
-        let sample = self.guess.at(time, true);
-        let q = self.state[..n].to_vec();
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut after = q.clone();
-        let mut uses = Vec::with_capacity(n);
-        for k in 0..n {
-            let name = format!(
-                "{} after the impact that ends {label}",
-                state_name(model, n + k)
-            );
-            let unit = units.states[n + k];
-            let velocity = program.variable(name, free, sample[n + k], unit);
-            let name = format!("impact on {}, end of {label}", state_name(model, n + k));
-            let row = program.row_in(unit, name, 0.0, 0.0);
-            program.linear(row, velocity, 1.0);
-            program.linear(row, self.state[n + k], -1.0);
-            uses.push((row, k, -1.0));
-            after.push(velocity);
-        }
-        let mut impulses = Vec::new();
-        for &i in &self.closed {
-            let name = format!("impulse of `{}` that ends {label}", contacts[i].name);
-            let unit = units.gap_rows[i];
-            impulses.push(program.variable(name, (0.0, f64::INFINITY), 0.0, unit));
-            let name = format!("impact of `{}`, end of {label}", contacts[i].name);
-            let row = program.row_in(unit, name, 0.0, 0.0);
-            let uses = vec![(row, 1, 1.0)];
-            let kernel = Kernel::Contact(i);
-            program.block(&kernel, [&q, &after[n..], drive, &[]], None, uses);
-            let restitution = model.restitution(i);
-            if restitution > 0.0 {
-                let uses = vec![(row, 1, restitution)];
-                let v = &self.state[n..];
-                program.block(&kernel, [&q, v, drive, &[]], None, uses);
-            }
-        }
-        let kernel = Kernel::Push(self.closed.clone());
-        program.block(&kernel, [&q, &[], drive, &impulses], None, uses);
-        if switch.touches {
-            let contact = switch.contact;
-            let length = self.guess.horizon / self.setting.problem.intervals as f64;
-            let least = LEAST_IMPACT * self.setting.units.force[contact] * length;
-            let name = format!("touch of `{}` that ends {label}", contacts[contact].name);
-            let row = program.row(name, f64::NEG_INFINITY, -least);
-            let v = &self.state[n..];
-            let uses = vec![(row, 1, 1.0)];
-            program.block(&Kernel::Contact(contact), [&q, v, &[], &[]], None, uses);
-            self.touches.push((*switch, row));
-            self.closed.retain(|&contact| contact != switch.contact);
-        }
-        self.state = after;
-    }
-}
-
-/// The force of a contact vanishes at the end of a phase.
-fn vanish(program: &mut Program, phase: &Phase, contact: usize) {
-    let slot = phase.closed.iter().position(|&i| i == contact);
-    if let (Some(slot), Some(stage)) = (slot, phase.stages.last()) {
-        program.bound(stage.forces[slot], 0.0, 0.0);
     }
 }
 
@@ -620,13 +563,19 @@ mod tests {
         let switch = |closes, interval, place, time| Switch {
             contact: 0,
             closes,
-            touches: false,
+            mode: if closes {
+                Mode::Frictionless
+            } else {
+                Mode::Open
+            },
+            impulse: Mode::Frictionless,
+            accompanies: false,
             interval,
             place,
             time,
         };
         let sequence = Sequence {
-            initially: vec![false],
+            initially: vec![Mode::Open],
             switches: vec![
                 switch(true, 0, Place::Inside, 0.4),
                 switch(false, 0, Place::Inside, 0.8),

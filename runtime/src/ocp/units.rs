@@ -31,6 +31,11 @@ pub(super) struct Units {
 }
 
 impl Units {
+    /// Sliding velocity of a contact: what its normal acceleration gives in a tenth of the time.
+    pub(super) fn velocity(&self, contact: usize) -> f64 {
+        0.1 * self.force[contact] * self.time
+    }
+
     pub(super) fn new(model: &dyn Model, path: &Path, bounds: (&[f64], &[f64])) -> Self {
         let declaration = model.declaration();
         let (n, controls) = (declaration.coordinates.len(), declaration.controls.len());

@@ -12,6 +12,7 @@ pub mod gold;
 pub mod laws;
 pub mod scene;
 pub mod scenes;
+pub mod shapes;
 
 use hangtime::model::Model;
 use hangtime::simulation::{ControlSignal, InitialValueProblem, Simulation, Trajectory};

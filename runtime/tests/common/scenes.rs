@@ -1,6 +1,7 @@
 //! The scenes.
 
 use super::scene::{HandWritten, Number, Scene};
+use super::shapes::{Body, FLAT, Ground, Shape};
 
 /// Acceleration of gravity in every scene [m/s^2].
 pub const GRAVITY: f64 = 9.81;
@@ -27,24 +28,54 @@ macro_rules! point_mass {
     };
 }
 
-/// A point mass above flat ground.
+/// A point mass on some ground, without friction.
 #[derive(Debug, Clone)]
-pub struct Ball;
+pub struct OnGround {
+    pub mass: f64,
+    pub ground: Ground,
+}
 
-impl Scene<2, 0> for Ball {
-    point_mass!(0.5);
+impl Scene<2, 0> for OnGround {
+    fn coordinates(&self) -> [&'static str; 2] {
+        ["y", "z"]
+    }
 
     fn contacts(&self) -> &'static [&'static str] {
         &["ground"]
     }
 
+    fn mass<D: Number>(&self, _q: &[D; 2]) -> [[D; 2]; 2] {
+        let (m, zero) = (D::from(self.mass), D::from(0.0));
+        [[m, zero], [zero, m]]
+    }
+
+    fn force<D: Number>(&self, _q: &[D; 2], _v: &[D; 2], _u: &[D; 0]) -> [D; 2] {
+        [D::from(0.0), D::from(self.mass) * -GRAVITY]
+    }
+
+    fn potential(&self, q: &[f64; 2]) -> f64 {
+        self.mass * GRAVITY * q[1]
+    }
+
     fn gap<D: Number>(&self, _contact: usize, q: &[D; 2]) -> D {
-        q[1]
+        self.ground.gap(q)
     }
 }
 
-pub fn ball() -> HandWritten<Ball, 2, 0> {
-    HandWritten::new(Ball)
+/// A point mass above flat ground.
+pub fn ball() -> HandWritten<OnGround, 2, 0> {
+    HandWritten::new(OnGround {
+        mass: 0.5,
+        ground: FLAT,
+    })
+}
+
+/// A point mass on wavy ground `z = height cos(number y)`.
+pub fn waves(height: f64, number: f64) -> HandWritten<OnGround, 2, 0> {
+    HandWritten::new(OnGround {
+        mass: 1.0,
+        ground: Ground::Waves { height, number },
+    })
 }
 
 /// The ski jump: a point mass on the table and the slope.
@@ -74,29 +105,6 @@ impl Scene<2, 0> for SkiJump {
 
 pub fn ski_jump() -> HandWritten<SkiJump, 2, 0> {
     HandWritten::new(SkiJump)
-}
-
-/// A point mass on wavy ground `z = height cos(number y)`.
-#[derive(Debug, Clone)]
-pub struct Waves {
-    pub height: f64,
-    pub number: f64,
-}
-
-impl Scene<2, 0> for Waves {
-    point_mass!(1.0);
-
-    fn contacts(&self) -> &'static [&'static str] {
-        &["ground"]
-    }
-
-    fn gap<D: Number>(&self, _contact: usize, q: &[D; 2]) -> D {
-        q[1] - (q[0] * self.number).cos() * self.height
-    }
-}
-
-pub fn waves(height: f64, number: f64) -> HandWritten<Waves, 2, 0> {
-    HandWritten::new(Waves { height, number })
 }
 
 /// A point mass on the unit disc; the gap is in square metres.
@@ -190,51 +198,16 @@ pub fn pendulum(wall: f64) -> HandWritten<Pendulum, 1, 0> {
     HandWritten::new(Pendulum { wall })
 }
 
-/// A bar `(y, z, angle)` of unit mass with tips at distances `front` and `rear` from its centre and
-/// the radius of gyration `radius`: on flat ground, `D_12 = (1 - front rear / radius^2) / m` when it is
-/// level.
-#[derive(Debug, Clone)]
-pub struct Bar {
-    pub front: f64,
-    pub rear: f64,
-    pub radius: f64,
-}
-
-impl Scene<3, 0> for Bar {
-    fn coordinates(&self) -> [&'static str; 3] {
-        ["y", "z", "angle"]
+/// A bar of unit mass with tips at distances `front` and `rear` from its centre and the radius of gyration
+/// `radius`, without friction: on flat ground, `D_12 = (1 - front rear / radius^2) / m` when it is level.
+pub fn bar(front: f64, rear: f64, radius: f64) -> HandWritten<Body, 3, 0> {
+    Body {
+        gyration: radius,
+        shape: Shape::Tips { front, rear },
+        friction: 0.0,
+        restitution: 0.0,
     }
-
-    fn contacts(&self) -> &'static [&'static str] {
-        &["front", "rear"]
-    }
-
-    fn mass<D: Number>(&self, _q: &[D; 3]) -> [[D; 3]; 3] {
-        let (one, zero) = (D::from(1.0), D::from(0.0));
-        let inertia = D::from(self.radius * self.radius);
-        [[one, zero, zero], [zero, one, zero], [zero, zero, inertia]]
-    }
-
-    fn force<D: Number>(&self, _q: &[D; 3], _v: &[D; 3], _u: &[D; 0]) -> [D; 3] {
-        [D::from(0.0), D::from(-GRAVITY), D::from(0.0)]
-    }
-
-    fn potential(&self, q: &[f64; 3]) -> f64 {
-        GRAVITY * q[1]
-    }
-
-    fn gap<D: Number>(&self, contact: usize, q: &[D; 3]) -> D {
-        let tip = if contact == 0 { self.front } else { -self.rear };
-        q[1] + q[2].sin() * tip
-    }
-}
-
-pub fn bar(front: f64, rear: f64, radius: f64) -> HandWritten<Bar, 3, 0> {
-    HandWritten::new(Bar {
-        front,
-        rear,
-        radius,
-    })
+    .model()
 }
 
 /// A mass at `z` above the ground that a control `u` pulls up, and a second one on a spring above it.
