@@ -468,12 +468,6 @@ hangtime::model! {
 fn free_initial_speed_of_a_curling_stone_is_what_friction_takes() {
     let solution = solve(&Curling::default(), 4, &Settings::default());
     let speed = (2.0_f64 * 0.2 * 28.0).sqrt();
-    eprintln!(
-        "{} {} {:?}",
-        solution.horizon,
-        speed / 0.2,
-        solution.residuals
-    );
     assert!((solution.horizon - speed / 0.2).abs() < DIGITS * solution.horizon);
     let motion = solution.motion.unwrap();
     assert!((motion.trajectory.v[0][0] - speed).abs() < DIGITS);

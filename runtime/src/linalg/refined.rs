@@ -15,6 +15,17 @@ pub struct SolveQuality {
     pub steps: usize,
 }
 
+impl SolveQuality {
+    /// The worse of two solves in every respect.
+    pub(crate) fn worse(&self, other: &Self) -> Self {
+        Self {
+            residual: self.residual.max(other.residual),
+            backward: self.backward.max(other.backward),
+            steps: self.steps.max(other.steps),
+        }
+    }
+}
+
 /// A factorization together with the matrix it belongs to.
 ///
 /// The system is `K + diag(delta_w I, -delta_c I)` with the shifts of the last

@@ -7,8 +7,9 @@
 //! until the error is below the references again.
 
 use super::Status;
-use super::quality_function::{MeanSquares, best_centring, mean_square, products, quality};
+use super::quality_function::{MeanSquares, best_centring, mean_square, products};
 use super::solver::{Loop, fraction_to_boundary};
+use crate::linalg::SolveQuality;
 
 /// Number of errors that progress is measured by.
 const REFERENCES: usize = 4;
@@ -105,17 +106,16 @@ impl Loop<'_, '_, '_, '_> {
         status
     }
 
-    /// In free mode, sets the barrier parameter from the factorized Newton matrix.
-    pub(crate) fn choose_centring(&mut self) {
-        let Some(adaptive) = self.adaptive.as_ref().filter(|adaptive| adaptive.is_free) else {
-            return;
-        };
+    /// In free mode, sets the barrier parameter from the factorized Newton matrix and combines its direction from those of
+    /// the search; `None` if there is no such direction.
+    pub(crate) fn choose_centring(&mut self) -> Option<SolveQuality> {
+        let adaptive = self.adaptive.as_ref().filter(|adaptive| adaptive.is_free)?;
         let average = self.average_complementarity();
         if average <= 0.0 {
-            return;
+            return None;
         }
         let squares = self.mean_squares();
-        let clamped = |sigma: f64| adaptive.clamped(sigma * average);
+        let mut worst: Option<SolveQuality> = None;
         for (mu, direction) in [(0.0, &mut self.correction), (average, &mut self.direction)] {
             let solved = self.core.kkt.direction(
                 &self.problem,
@@ -126,32 +126,45 @@ impl Loop<'_, '_, '_, '_> {
                 direction,
             );
             if solved.residual.is_nan() || solved.residual > 1e-5 {
-                return;
+                return None;
             }
+            worst = Some(worst.map_or(solved, |worst| worst.worse(&solved)));
         }
         // the direction is linear in mu
         let (affine, centring) = (&self.correction, &mut self.direction);
-        for (c, a) in [
+        let parts = [
             (&mut centring.v, &affine.v),
+            (&mut centring.y, &affine.y),
             (&mut centring.z_lower, &affine.z_lower),
             (&mut centring.z_upper, &affine.z_upper),
-        ] {
+        ];
+        for (c, a) in parts {
             for (c, a) in c.iter_mut().zip(a) {
                 *c -= a;
             }
         }
+        let quality = &mut self.quality;
+        quality.update(&self.problem, &self.iterate, (affine, centring), squares);
+        let clamped = |sigma: f64| adaptive.clamped(sigma * average);
         let mu = clamped(best_centring(|sigma| {
-            quality(
-                &self.problem,
-                &self.iterate,
-                (affine, centring),
-                &squares,
-                (sigma, fraction_to_boundary(clamped(sigma))),
-            )
+            quality.value(sigma, fraction_to_boundary(clamped(sigma)))
         }));
+        let sigma = mu / average;
+        let parts = [
+            (&mut centring.v, &affine.v),
+            (&mut centring.y, &affine.y),
+            (&mut centring.z_lower, &affine.z_lower),
+            (&mut centring.z_upper, &affine.z_upper),
+        ];
+        for (c, a) in parts {
+            for (c, a) in c.iter_mut().zip(a) {
+                *c = a + sigma * *c;
+            }
+        }
         if mu != self.mu {
             self.change_parameters(mu, self.sigma);
         }
+        worst
     }
 }
 

@@ -64,61 +64,81 @@ pub(crate) fn products<'i>(
     })
 }
 
-/// `q(sigma)` for the direction `affine + sigma centring`.
-pub(crate) fn quality(
-    problem: &BarrierProblem,
-    iterate: &Iterate,
-    (affine, centring): (&Iterate, &Iterate),
-    squares: &MeanSquares,
-    (sigma, tau): (f64, f64),
-) -> f64 {
-    let step = |a: &[f64], c: &[f64], i: usize| a[i] + sigma * c[i];
-    let (mut primal, mut dual) = (1.0_f64, 1.0_f64);
-    let shorten = |alpha: &mut f64, value: f64, change: f64| {
-        if change < 0.0 {
-            *alpha = alpha.min(-tau * value / change);
-        }
-    };
-    let bounds = |i: usize| {
-        (
-            problem.lower[i].is_finite(),
-            problem.upper[i].is_finite(),
-            iterate.v[i] - problem.lower[i],
-            problem.upper[i] - iterate.v[i],
-        )
-    };
-    for i in 0..iterate.v.len() {
-        let (has_lower, has_upper, below, above) = bounds(i);
-        let d = step(&affine.v, &centring.v, i);
-        if has_lower {
-            shorten(&mut primal, below, d);
-            let change = step(&affine.z_lower, &centring.z_lower, i);
-            shorten(&mut dual, iterate.z_lower[i], change);
-        }
-        if has_upper {
-            shorten(&mut primal, above, -d);
-            let change = step(&affine.z_upper, &centring.z_upper, i);
-            shorten(&mut dual, iterate.z_upper[i], change);
-        }
-    }
-    let (mut sum, mut count) = (0.0, 0_usize);
-    for i in 0..iterate.v.len() {
-        let (has_lower, has_upper, below, above) = bounds(i);
-        let d = primal * step(&affine.v, &centring.v, i);
-        if has_lower {
-            let z = iterate.z_lower[i] + dual * step(&affine.z_lower, &centring.z_lower, i);
-            sum += ((below + d) * z).powi(2);
-            count += 1;
-        }
-        if has_upper {
-            let z = iterate.z_upper[i] + dual * step(&affine.z_upper, &centring.z_upper, i);
-            sum += ((above - d) * z).powi(2);
-            count += 1;
+/// A bound with its multiplier, and how both change along the affine and the centring direction.
+#[derive(Debug, Clone, Copy)]
+struct Bound {
+    distance: f64,
+    z: f64,
+    distance_steps: (f64, f64),
+    z_steps: (f64, f64),
+}
+
+/// `q(sigma)` for the directions `affine + sigma centring`.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct QualityFunction {
+    bounds: Vec<Bound>,
+    squares: MeanSquares,
+}
+
+impl QualityFunction {
+    /// Takes the bounds of a point and its directions; keeps the memory of the last point.
+    pub(crate) fn update(
+        &mut self,
+        problem: &BarrierProblem,
+        iterate: &Iterate,
+        (affine, centring): (&Iterate, &Iterate),
+        squares: MeanSquares,
+    ) {
+        self.squares = squares;
+        self.bounds.clear();
+        for i in 0..iterate.v.len() {
+            let (lower, upper) = (problem.lower[i], problem.upper[i]);
+            if lower.is_finite() {
+                self.bounds.push(Bound {
+                    distance: iterate.v[i] - lower,
+                    z: iterate.z_lower[i],
+                    distance_steps: (affine.v[i], centring.v[i]),
+                    z_steps: (affine.z_lower[i], centring.z_lower[i]),
+                });
+            }
+            if upper.is_finite() {
+                self.bounds.push(Bound {
+                    distance: upper - iterate.v[i],
+                    z: iterate.z_upper[i],
+                    distance_steps: (-affine.v[i], -centring.v[i]),
+                    z_steps: (affine.z_upper[i], centring.z_upper[i]),
+                });
+            }
         }
     }
-    (1.0 - dual).powi(2) * squares.dual
-        + (1.0 - primal).powi(2) * squares.primal
-        + sum / count.max(1) as f64
+
+    /// The value, with steps to the fraction `tau` of the way to the boundary.
+    pub(crate) fn value(&self, sigma: f64, tau: f64) -> f64 {
+        let (mut primal, mut dual) = (1.0_f64, 1.0_f64);
+        let shorten = |alpha: &mut f64, value: f64, change: f64| {
+            // most steps end before they need a division
+            if tau * value < *alpha * -change {
+                *alpha = -tau * value / change;
+            }
+        };
+        for bound in &self.bounds {
+            let (affine, centring) = bound.distance_steps;
+            shorten(&mut primal, bound.distance, affine + sigma * centring);
+            let (affine, centring) = bound.z_steps;
+            shorten(&mut dual, bound.z, affine + sigma * centring);
+        }
+        let mut sum = 0.0;
+        for bound in &self.bounds {
+            let (affine, centring) = bound.distance_steps;
+            let distance = bound.distance + primal * (affine + sigma * centring);
+            let (affine, centring) = bound.z_steps;
+            let z = bound.z + dual * (affine + sigma * centring);
+            sum += (distance * z).powi(2);
+        }
+        (1.0 - dual).powi(2) * self.squares.dual
+            + (1.0 - primal).powi(2) * self.squares.primal
+            + sum / self.bounds.len().max(1) as f64
+    }
 }
 
 /// Centring parameter of least quality function. Whether more or less centring than 1 pays decides which side of 1 is
@@ -169,6 +189,28 @@ fn golden_section(f: impl Fn(f64) -> f64, lower: f64, upper: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn value_of_one_bound_by_hand() {
+        // distance 2 falls by 4 (1 - sigma), z = 3 grows by sigma
+        let quality = QualityFunction {
+            bounds: vec![Bound {
+                distance: 2.0,
+                z: 3.0,
+                distance_steps: (-4.0, 4.0),
+                z_steps: (0.0, 1.0),
+            }],
+            squares: MeanSquares {
+                dual: 10.0,
+                primal: 100.0,
+                complementarity: 0.0,
+            },
+        };
+        // half the step reaches the bound, so tau = 0.5 allows a quarter: (3/4)^2 of the primal error, (2 - 1) 3 remains
+        assert!((quality.value(0.0, 0.5) - (100.0 * 0.75_f64.powi(2) + 9.0)).abs() < 1e-13);
+        // no step towards the bound: both steps are full
+        assert!((quality.value(1.0, 0.5) - (2.0 * 4.0_f64).powi(2)).abs() < 1e-13);
+    }
 
     #[test]
     fn golden_section_parabola_finds_its_minimum_to_the_last_interval() {

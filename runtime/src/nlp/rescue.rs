@@ -36,6 +36,7 @@ impl Loop<'_, '_, '_, '_> {
         if had_direction && self.soft_restoration_step() {
             return None;
         }
+        self.soft_steps = 0;
         self.restore(0.9)
     }
 
@@ -51,6 +52,13 @@ impl Loop<'_, '_, '_, '_> {
             return Some(self.outcome(Status::RestorationFailed));
         }
         let restored = self.restoration_phase(factor);
+        // where the violation came back, it may not grow again: the phases to come end at a feasible point, or at the
+        // least violation there is
+        let reached = self.values.theta;
+        if self.problem.products.is_empty() && reached >= self.restored_theta {
+            self.filter.theta_max = self.filter.theta_max.min(reached);
+        }
+        self.restored_theta = self.restored_theta.min(reached);
         self.last_restoration = Some(self.core.iterations);
         self.info.acceptance = 'R';
         match restored {

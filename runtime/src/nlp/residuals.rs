@@ -136,6 +136,7 @@ pub(crate) fn lagrangian_gradient(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::nlp::barrier_problem::Objective;
 
     #[test]
     fn scaled_takes_the_largest_of_the_three_scaled_norms() {
@@ -147,5 +148,46 @@ mod tests {
             complementarity_scale: 2.0,
         };
         assert_eq!(error.scaled(), 2e-2);
+    }
+
+    #[test]
+    fn scaled_error_that_is_not_a_number_is_not_hidden_by_the_others() {
+        let error = OptimalityError {
+            dual: f64::NAN,
+            dual_scale: 1.0,
+            complementarity_scale: 1.0,
+            ..OptimalityError::default()
+        };
+        assert!(error.scaled().is_nan());
+    }
+
+    #[test]
+    fn optimality_gives_the_error_of_every_barrier_parameter() {
+        let infinite = f64::INFINITY;
+        let problem = BarrierProblem {
+            n: 2,
+            m: 1,
+            products: Vec::new(),
+            slacks: Vec::new(),
+            lower: vec![0.0, -infinite],
+            upper: vec![infinite, 3.0],
+            b: vec![0.0],
+            objective: Objective::Original,
+        };
+        // distances times multipliers are 1 and 8
+        let iterate = Iterate {
+            v: vec![2.0, 1.0],
+            y: vec![-895.5],
+            z_lower: vec![0.5, 0.0],
+            z_upper: vec![0.0, 4.0],
+        };
+        let optimality = Optimality::new(&problem, &iterate, &[0.25], &[-0.5, 0.125]);
+        let error = optimality.error(0.0);
+        assert_eq!((error.primal, error.dual), (0.25, 0.5));
+        assert_eq!(error.complementarity, 8.0);
+        assert_eq!(optimality.error(10.0).complementarity, 9.0);
+        assert_eq!(optimality.error(2.0).complementarity, 6.0);
+        // (895.5 + 4.5) / 3 = 300, and 4.5 / 2 is below 100
+        assert_eq!((error.dual_scale, error.complementarity_scale), (3.0, 1.0));
     }
 }

@@ -6,9 +6,12 @@
 //!     E(mu) = |dual|_1/n + |primal|_1/m + |distance z - mu|_1/b
 //! ```
 //!
-//! if it is short enough, whatever objective and violation do. Such steps, each of which must reach 0.9999 of the error
-//! before it, often bring the iterates to a point that the filter accepts, without the restoration phase.
+//! if it is short enough, whatever objective and violation do. Where the line search fails, the point enters the filter, and
+//! such steps are taken instead of a search, each of which must reach 0.9999 of the error before it, until one of them
+//! leads to a point that the filter accepts; only then, or when one fails, comes the restoration phase (Waechter and
+//! Biegler, Mathematical Programming 106, 2006, section 3.3).
 
+use super::filter::is_sufficient;
 use super::quality_function::products;
 use super::solver::Loop;
 
@@ -26,29 +29,46 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 impl Loop<'_, '_, '_, '_> {
-    /// `E(mu)` of the current point, whose Lagrangian is up to date.
+    /// `E(mu)` of the current point, whose Lagrangian is up to date; in free mode `mu = 0`.
     fn primal_dual_error(&self) -> f64 {
+        let is_free = self.adaptive.as_ref().is_some_and(|a| a.is_free);
+        let mu = if is_free { 0.0 } else { self.mu };
         mean(self.lagrangian.iter().copied())
             + mean(self.values.residual.iter().copied())
-            + mean(products(&self.problem, &self.iterate).map(|product| product - self.mu))
+            + mean(products(&self.problem, &self.iterate).map(|product| product - mu))
     }
 
-    /// Takes the Newton step if it lowers the primal-dual error; `false` leaves the point as it was.
+    /// Takes the Newton step if the filter accepts its end, which ends the soft restoration, or if it lowers the
+    /// primal-dual error; `false` leaves the point as it was.
     pub(crate) fn soft_restoration_step(&mut self) -> bool {
         let is_main = !self.is_restoration && self.problem.products.is_empty();
         if !is_main || self.soft_steps >= self.core.settings.soft_restoration_steps {
+            self.soft_steps = 0;
             return false;
         }
         let error = self.primal_dual_error();
-        let theta = self.values.theta;
-        let phi = self.barrier_function();
+        let (theta, phi) = (self.values.theta, self.barrier_function());
+        if self.soft_steps == 0 {
+            self.filter.add(theta, phi);
+        }
         let alpha = self
             .longest_step(&self.direction)
             .min(self.longest_dual_step(&self.direction));
         if !self.take_trial(alpha, false) {
+            self.soft_steps = 0;
             return false;
         }
-        let before = self.iterate.clone();
+        let (trial_theta, trial_phi) = (
+            self.trial_values.theta,
+            self.problem
+                .barrier_function(&self.trial, &mut self.trial_values, self.mu),
+        );
+        let leaves = trial_phi.is_finite()
+            && trial_theta <= self.filter.theta_max
+            && is_sufficient(trial_theta, trial_phi, theta, phi)
+            && self.filter.accepts(trial_theta, trial_phi);
+        // the correction of the search that failed is not needed any more
+        self.correction.copy_from(&self.iterate);
         std::mem::swap(&mut self.iterate.v, &mut self.trial);
         std::mem::swap(&mut self.values, &mut self.trial_values);
         for (value, step) in [
@@ -60,25 +80,25 @@ impl Loop<'_, '_, '_, '_> {
                 *value += alpha * step;
             }
         }
-        self.safeguard();
-        self.evaluate_first_derivatives();
-        self.update_lagrangian();
-        let reached = self.primal_dual_error();
-        if reached.is_finite() && reached <= REDUCTION * error {
-            if self.soft_steps == 0 {
-                self.filter.add(theta, phi);
+        if !leaves {
+            self.evaluate_first_derivatives();
+            self.update_lagrangian();
+            let reached = self.primal_dual_error();
+            if !(reached.is_finite() && reached <= REDUCTION * error) {
+                self.iterate.copy_from(&self.correction);
+                std::mem::swap(&mut self.values, &mut self.trial_values);
+                self.evaluate_first_derivatives();
+                self.update_lagrangian();
+                self.soft_steps = 0;
+                return false;
             }
-            self.soft_steps += 1;
-            self.info.acceptance = 's';
-            self.info.step_length_primal = alpha;
-            self.info.step_length_dual = alpha;
-            return true;
         }
-        self.iterate.copy_from(&before);
-        std::mem::swap(&mut self.values, &mut self.trial_values);
-        self.evaluate_first_derivatives();
-        self.update_lagrangian();
-        false
+        self.safeguard();
+        self.soft_steps = if leaves { 0 } else { self.soft_steps + 1 };
+        self.info.acceptance = if leaves { 'S' } else { 's' };
+        self.info.step_length_primal = alpha;
+        self.info.step_length_dual = alpha;
+        true
     }
 }
 

@@ -67,7 +67,7 @@ pub struct Solution {
     pub residuals: Residuals,
     /// Work done.
     pub counts: Counts,
-    /// CPU seconds of factorizations and solves.
+    /// CPU seconds of assembling, factorizing and solving the Newton systems.
     pub linear_seconds: f64,
     /// Wall-clock seconds of the run.
     pub seconds: f64,

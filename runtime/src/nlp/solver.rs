@@ -11,6 +11,7 @@ use super::inertia_correction::InertiaCorrection;
 use super::iterate::{Iterate, longest_dual_step, longest_primal_step};
 use super::kkt_system::KktSystem;
 use super::line_search::{Acceptance, Search};
+use super::quality_function::QualityFunction;
 use super::residuals::{Optimality, OptimalityError, lagrangian_gradient};
 use super::watchdog::Watchdog;
 use super::{InputError, IterationInfo, Settings, Status};
@@ -106,7 +107,10 @@ pub(crate) struct Loop<'c, 'a, 'o, 'p> {
     pub(crate) acceptable: usize,
     pub(crate) degenerate: usize,
     pub(crate) last_restoration: Option<usize>,
+    /// Least violation that a restoration phase reached.
+    pub(crate) restored_theta: f64,
     pub(crate) adaptive: Option<AdaptiveBarrier>,
+    pub(crate) quality: QualityFunction,
     pub(crate) watchdog: Watchdog,
     /// Steps of the soft restoration in a row.
     pub(crate) soft_steps: usize,
@@ -123,20 +127,18 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
         let n = problem.variables();
         let rows = problem.rows();
         let (mu, sigma) = path.first();
-        let values = Values::zeros(rows);
-        let zeros = Iterate::zeros(&problem);
         Self {
             core,
             path,
             is_restoration,
-            iterate: zeros.clone(),
-            trial_values: values.clone(),
-            values,
+            iterate: Iterate::zeros(&problem),
+            trial_values: Values::zeros(rows),
+            values: Values::zeros(rows),
             gradient: vec![0.0; n],
             lagrangian: vec![0.0; n],
             optimality: Optimality::default(),
-            direction: zeros.clone(),
-            correction: zeros.clone(),
+            direction: Iterate::zeros(&problem),
+            correction: Iterate::zeros(&problem),
             trial: vec![0.0; n],
             corrected_residual: vec![0.0; rows],
             mu,
@@ -146,7 +148,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             theta_min: 0.0,
             inertia: InertiaCorrection::default(),
             shift_floor: 0.0,
-            kept: zeros,
+            kept: Iterate::zeros(&problem),
             level_iterations: 0,
             jams: 0,
             filter_rejections: 0,
@@ -158,7 +160,9 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             acceptable: 0,
             degenerate: 0,
             last_restoration: None,
+            restored_theta: f64::INFINITY,
             adaptive: None,
+            quality: QualityFunction::default(),
             watchdog: Watchdog::default(),
             soft_steps: 0,
             info: IterationInfo {
@@ -266,7 +270,8 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             if !self.core.kkt.is_finite() {
                 return self.outcome(Status::NotFinite);
             }
-            let search = if found {
+            // in the soft restoration the Newton step is judged in another way
+            let search = if found && self.soft_steps == 0 {
                 self.line_search()
             } else {
                 Search::failed(0)
@@ -402,7 +407,10 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                     return None;
                 }
                 PathStep::Advance { mu, sigma } => {
-                    self.kept.copy_from(&self.iterate);
+                    // only paths of product problems return
+                    if !self.problem.products.is_empty() {
+                        self.kept.copy_from(&self.iterate);
+                    }
                     if self.change_parameters(mu, sigma) {
                         return None;
                     }
@@ -491,16 +499,18 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                 }
                 return false;
             }
-            self.choose_centring();
+            let quality = match self.choose_centring() {
+                Some(quality) => quality,
+                None => self.core.kkt.direction(
+                    &self.problem,
+                    &self.iterate,
+                    &self.lagrangian,
+                    &self.values.residual,
+                    self.mu,
+                    &mut self.direction,
+                ),
+            };
             let core = &mut *self.core;
-            let quality = core.kkt.direction(
-                &self.problem,
-                &self.iterate,
-                &self.lagrangian,
-                &self.values.residual,
-                self.mu,
-                &mut self.direction,
-            );
             let solved = quality.residual <= 1e-5 && is_finite(&self.direction.v);
             // static shifts that refinement cannot remove show in the backward error
             let imprecise = !solved || quality.backward > 1e-4;

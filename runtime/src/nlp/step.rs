@@ -84,7 +84,9 @@ impl Loop<'_, '_, '_, '_> {
         } else {
             0.05
         };
-        if search.alpha < short && self.values.theta > 1e-6 {
+        if search.acceptance == Acceptance::Watchdog {
+            // a step without a test says nothing
+        } else if search.alpha < short && self.values.theta > 1e-6 {
             self.jams += 1;
         } else {
             self.jams = 0;
@@ -165,5 +167,20 @@ fn room(bound: f64, distance: f64, mu: f64) -> f64 {
         (f64::EPSILON.powf(0.75) * bound.abs().max(1.0)).max(smallest)
     } else {
         0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn room_is_left_where_rounding_reached_the_bound_and_nowhere_else() {
+        assert_eq!(room(3.0, 1e-12, 0.1), 0.0);
+        // closer than the spacing of the numbers: eps^(3/4) of the bound
+        let moved = room(3.0, 1e-16, 0.1);
+        assert!((moved / (3.0 * f64::EPSILON.powf(0.75)) - 1.0).abs() < 1e-12);
+        assert_eq!(room(0.0, 1e-25, 1e-9), 0.0);
+        assert!(room(0.0, 0.0, 1e-9) > 0.0);
     }
 }

@@ -25,6 +25,10 @@ use super::sequence::{Place, Switch};
 use crate::model::Model;
 use crate::rk::ButcherTableau;
 
+/// Room of a sliding velocity at the end of the motion, in its unit: where that is to end at rest, the row would have no
+/// interior. Where it is not, the sign is checked afterwards.
+const AT_THE_END: f64 = 1e-6;
+
 const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 /// A closed contact with friction at a stage or in an impact: where its unknown and its conditions are.
@@ -60,6 +64,8 @@ pub(super) struct Turns {
     pub(super) yielding: Vec<(usize, Direction)>,
     /// Sticking contacts that open at the end: the cone has shrunk to a point.
     pub(super) opening: Vec<usize>,
+    /// Whether the motion ends at the end.
+    pub(super) finishing: bool,
 }
 
 impl Turns {
@@ -103,6 +109,7 @@ impl Turns {
         if !last {
             (turns.stopping, turns.stopped) = (Vec::new(), Vec::new());
             (turns.yielding, turns.opening) = (Vec::new(), Vec::new());
+            turns.finishing = false;
         }
         turns
     }
@@ -189,10 +196,10 @@ impl Tangential {
                 return;
             }
             let stops = last && turns.stopping.contains(&contact);
-            let lower = if turns.yielded.contains(&contact) && !stops {
-                f64::NEG_INFINITY
-            } else {
-                0.0
+            let lower = match stops {
+                false if turns.yielded.contains(&contact) => f64::NEG_INFINITY,
+                false if last && turns.finishing => -AT_THE_END * unit,
+                _ => 0.0,
             };
             let upper = if stops { 0.0 } else { f64::INFINITY };
             let row = velocity(program, direction.sign(), (lower, upper));

@@ -42,6 +42,10 @@ impl Motion<'_, '_> {
                         let mut velocity = self.sliding(contact, direction);
                         let lows = lows(&[index], &mut velocity, (-tolerance, tolerance));
                         found.extend(lows.iter().map(|low| cut(low.1, CutKind::Slip(contact))));
+                        let last = index + 1 == self.program.phases.len();
+                        if last && velocity(index, 1.0) < -tolerance {
+                            found.push(cut(1.0, CutKind::Slip(contact)));
+                        }
                     }
                     Mode::Open | Mode::Frictionless => {}
                 }

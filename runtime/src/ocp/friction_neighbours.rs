@@ -47,6 +47,7 @@ impl Pressure<'_, '_> {
         let candidates = self
             .beginnings()
             .into_iter()
+            .chain(self.endings())
             .chain(self.turned())
             .chain(self.inserted_sliding())
             .chain(self.impacts());
@@ -114,6 +115,28 @@ impl Pressure<'_, '_> {
             }
         }
         found
+    }
+
+    /// With contacts that come to rest at the end at rest a little before.
+    fn endings(&self) -> Option<Sequence> {
+        let x = self.program.program.physical(&self.solution.x);
+        let phase = self.program.phases.last()?;
+        let stage = phase.stages.last()?;
+        let end = self.intervals as f64;
+        let rests = |contact: &usize| {
+            let time = self.program.horizon_at(&x);
+            self.mode_at(*contact, (stage, time), &x) == Mode::Stick && !self.near(*contact, end)
+        };
+        let slipping = stage.tangential.iter().filter(|t| t.mode != Mode::Stick);
+        let changes: Vec<Change> = slipping
+            .filter(|tangential| rests(&tangential.contact))
+            .map(|tangential| Change {
+                contact: tangential.contact,
+                to: Mode::Stick,
+                back: tangential.mode,
+            })
+            .collect();
+        self.inserted(&changes, (Place::Inside, end))
     }
 
     /// Sequences with a slip that begins at a jump of the controls earlier or later by an interval. The force of a contact

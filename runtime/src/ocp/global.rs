@@ -69,34 +69,32 @@ pub(super) struct Relaxed {
 impl Search<'_, '_> {
     /// The contact-implicit phase: distinct motions, the best first; the guess itself if no program could be solved.
     pub(super) fn global(&mut self, guess: &Path) -> Result<Vec<Relaxed>, InputError> {
+        let finer = LEAST_ELEMENTS.div_ceil(self.setting.problem.intervals);
+        let elements = finer * self.settings.refined_elements;
         let mut coarse: Vec<Relaxed> = Vec::new();
-        let intervals = self.setting.problem.intervals;
-        let finer = LEAST_ELEMENTS.div_ceil(intervals);
+        let mut fine: Vec<Relaxed> = Vec::new();
         for (per_interval, rule) in COARSE_PROGRAMS {
             if self.watch.stopped {
                 return Ok(Vec::new());
             }
-            let found = self.relaxed(guess, finer * per_interval, rule, COARSE)?;
-            insert(&mut coarse, found);
-        }
-        let mut starts: Vec<Path> = coarse.into_iter().map(|found| found.path).collect();
-        if starts.is_empty() {
-            starts.push(guess.clone());
-        }
-        let mut fine: Vec<Relaxed> = Vec::new();
-        let elements = finer * self.settings.refined_elements;
-        for start in &starts {
-            for rule in FINE_RULES {
-                if self.watch.stopped {
-                    break;
-                }
-                let found = self.relaxed(start, elements, rule, FINE)?;
-                let solved = found.is_some();
-                insert(&mut fine, found);
-                if solved {
-                    break;
-                }
+            let Some(found) = self.relaxed(guess, finer * per_interval, rule, COARSE)? else {
+                continue;
+            };
+            let start = found.path.clone();
+            if !insert(&mut coarse, found) {
+                continue;
             }
+            // Two programs that lead to the same motion leave little doubt.
+            if let Some(refined) = self.refined(&start, elements)?
+                && !insert(&mut fine, refined)
+            {
+                break;
+            }
+        }
+        if coarse.is_empty()
+            && let Some(refined) = self.refined(guess, elements)?
+        {
+            fine.push(refined);
         }
         if fine.is_empty() {
             // Too few elements for the motion, perhaps: the next phase starts from the guess.
@@ -116,9 +114,17 @@ impl Search<'_, '_> {
     pub(super) fn on_this_grid(&mut self, coarser: &Path) -> Result<Option<Relaxed>, InputError> {
         let intervals = self.setting.problem.intervals;
         let elements = LEAST_FINE_ELEMENTS.div_ceil(intervals);
+        self.refined(coarser, elements)
+    }
+
+    /// The program with many elements from a relaxed motion, by the first rule that works.
+    fn refined(&mut self, start: &Path, elements: usize) -> Result<Option<Relaxed>, InputError> {
         for rule in FINE_RULES {
-            let found = self.relaxed(coarser, elements, rule, FINE)?;
-            if found.is_some() || self.watch.stopped {
+            if self.watch.stopped {
+                break;
+            }
+            let found = self.relaxed(start, elements, rule, FINE)?;
+            if found.is_some() {
                 return Ok(found);
             }
         }
@@ -201,14 +207,15 @@ impl Search<'_, '_> {
     }
 }
 
-/// Adds a motion to those sorted by objective, unless one with the same objective is there.
-fn insert(motions: &mut Vec<Relaxed>, found: Option<Relaxed>) {
-    let Some(found) = found else { return };
+/// Adds a motion to those sorted by objective, unless one with the same objective is there; says whether it did.
+fn insert(motions: &mut Vec<Relaxed>, found: Relaxed) -> bool {
     let objective = found.objective;
     let tolerance = SAME * objective.abs().max(f64::MIN_POSITIVE);
     let same = |other: &Relaxed| (other.objective - objective).abs() <= tolerance;
-    if !motions.iter().any(same) {
-        let place = motions.partition_point(|other| other.objective < objective);
-        motions.insert(place, found);
+    if motions.iter().any(same) {
+        return false;
     }
+    let place = motions.partition_point(|other| other.objective < objective);
+    motions.insert(place, found);
+    true
 }

@@ -208,6 +208,7 @@ impl Builder<'_, '_> {
                 }
                 None => switch.interval == interval + 1 && switch.place == Place::Start,
             };
+            turns.finishing = interval + 1 == self.setting.problem.intervals && p + 1 == count;
             let (mut closing, mut impact) = (Vec::new(), false);
             for (index, switch) in switches.iter().enumerate() {
                 impact = switch.closes || impact && switch.accompanies;

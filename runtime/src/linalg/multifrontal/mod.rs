@@ -72,6 +72,10 @@ pub struct MultifrontalLdl {
     fronts: Vec<FrontRecord>,
 }
 
+/// Most sweeps of equilibration, and the imbalance before one that is small enough after it.
+const SWEEPS: usize = 10;
+const IMBALANCE: f64 = 1e8;
+
 /// A Schur complement on the stack: its postponed columns, then the rows below its node.
 #[derive(Debug, Clone, Copy)]
 struct Block {
@@ -121,9 +125,9 @@ impl MultifrontalLdl {
         })
     }
 
-    /// Brings the shifted values into the order of elimination and equilibrates them in the infinity norm (Ruiz 2001), by
-    /// two sweeps for the first matrix. Those of an interior point method change little from one to the next, so that one
-    /// sweep mends the scales of the last.
+    /// Brings the shifted values into the order of elimination and equilibrates them in the infinity norm (Ruiz 2001). The
+    /// matrices of an interior point method mostly change little from one to the next, so that one sweep mends the scales
+    /// of the last; but a large shift needs more, or rows beside it would look like zeros.
     fn take_values(
         &mut self,
         values: &[f64],
@@ -153,7 +157,11 @@ impl MultifrontalLdl {
             self.is_scaled = true;
             self.equilibrate();
         }
-        self.equilibrate();
+        for _ in 0..SWEEPS {
+            if self.equilibrate() <= IMBALANCE {
+                break;
+            }
+        }
         Ok(())
     }
 
@@ -165,8 +173,9 @@ impl MultifrontalLdl {
         self.symbolic.permutation[row.unwrap_or(0)] as usize
     }
 
-    /// A sweep of equilibration: divides the scale of each row by the root of its largest entry.
-    fn equilibrate(&mut self) {
+    /// A sweep of equilibration: divides the scale of each row by the root of its largest entry. Returns by which factor
+    /// the largest entry of a row was off one at most.
+    fn equilibrate(&mut self) -> f64 {
         for ((largest, value), scale) in self.work.iter_mut().zip(&self.diagonal).zip(&self.scale) {
             *largest = (value * scale * scale).abs();
         }
@@ -181,14 +190,22 @@ impl MultifrontalLdl {
                 self.work[column] = a;
             }
         }
-        for (scale, largest) in self.scale.iter_mut().zip(&self.work) {
+        let (mut least, mut greatest) = (1.0_f64, 1.0_f64);
+        for (scale, &largest) in self.scale.iter_mut().zip(&self.work) {
             // a row of zeros says nothing, and a scale that overflowed may not stay
-            *scale = if *largest > 0.0 && largest.is_finite() {
+            *scale = if largest > 0.0 && largest.is_finite() {
+                least = if largest < least { largest } else { least };
+                greatest = if largest > greatest {
+                    largest
+                } else {
+                    greatest
+                };
                 *scale / largest.sqrt()
             } else {
                 1.0
             };
         }
+        greatest.max(1.0 / least)
     }
 
     /// Builds the front of node `k` from its entries and its children: the square at the end of `factor`, its rows at the

@@ -14,7 +14,7 @@ pub struct ElementProblem {
     jacobian_pattern: Vec<(usize, usize)>,
     hessian_pattern: Vec<(usize, usize)>,
     /// (target, variable, coefficient) with the objective as target `m`, by target.
-    linear: Vec<(usize, usize, f64)>,
+    linear: Vec<(u32, u32, f64)>,
     /// Constant parts of `(c, f)` and of the first derivatives.
     constant: Vec<f64>,
     constant_first: Vec<f64>,
@@ -44,7 +44,10 @@ impl Point {
     /// Whether `x` differs from the last point, by bits; takes it over.
     fn moves_to(&mut self, x: &[f64]) -> bool {
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
-        if self.is_set && self.x.iter().zip(x).all(same) {
+        let same_block = |(a, b): (&[f64], &[f64])| {
+            a.iter().zip(b).filter(|&pair| same(pair)).count() == a.len()
+        };
+        if self.is_set && self.x.chunks(64).zip(x.chunks(64)).all(same_block) {
             return false;
         }
         self.is_set = true;
@@ -117,7 +120,10 @@ impl ElementProblem {
         for (target, value) in constants {
             constant[target] += value;
         }
-        let mut linear = linear;
+        let mut linear: Vec<(u32, u32, f64)> = linear
+            .into_iter()
+            .map(|(target, variable, coefficient)| (narrow(target), narrow(variable), coefficient))
+            .collect();
         linear.sort_unstable_by_key(|&(target, variable, _)| (target, variable));
         Ok(Self {
             builder,
@@ -140,7 +146,7 @@ impl ElementProblem {
         }
         self.values.copy_from_slice(&self.constant);
         for &(target, variable, coefficient) in &self.linear {
-            self.values[target] += coefficient * x[variable];
+            self.values[target as usize] += coefficient * x[variable as usize];
         }
         for group in &self.builder.groups {
             group.add_values(x, &mut self.values);
