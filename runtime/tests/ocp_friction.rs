@@ -4,7 +4,8 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{
-    self, ControlShape, Formulation, Problem, Settings, Solution, Status, TimeFreezingSettings,
+    self, ControlShape, Formulation, Guess, Problem, Settings, Solution, Status,
+    TimeFreezingSettings,
 };
 use hangtime::simulation::EventKind;
 
@@ -66,9 +67,28 @@ fn block_from_rest_to_rest_accelerates_and_brakes_with_the_help_of_friction() {
 }
 
 #[test]
-fn friction_that_holds_against_the_largest_force_is_named_infeasible() {
+fn previous_motion_of_the_block_is_a_start_for_less_friction_on_another_grid() {
     let mut block = Block::default();
-    block.mu = 0.6;
+    let before = solve(&block, 8, &Settings::default());
+    block.mu = 0.2;
+    let mut settings = Settings::default();
+    settings.guess = Guess::Previous(Box::new(before.previous.unwrap()));
+    let solution = solve(&block, 10, &settings);
+    // The force turns round after seven tenths of the time.
+    let time = (2.0_f64 * (1.0 / 3.0 + 1.0 / 7.0)).sqrt();
+    assert!(
+        (solution.horizon - time).abs() < DIGITS,
+        "{}",
+        solution.horizon
+    );
+}
+
+#[test]
+fn friction_that_holds_against_the_largest_force_is_named_infeasible() {
+    let block = Block {
+        mu: 0.6,
+        ..Block::default()
+    };
     let solution = attempt(&block, 4, &Settings::default());
     assert_eq!(solution.status, Status::Infeasible);
     assert!(solution.motion.is_none() && solution.diagnosis().is_some());
@@ -262,8 +282,10 @@ fn puck_that_lands_slowly_enough_sticks_in_the_impact() {
 
 #[test]
 fn puck_that_lands_too_fast_to_stick_slides_on_to_its_place() {
-    let mut puck = Dropped::default();
-    puck.d = 0.35;
+    let puck = Dropped {
+        d: 0.35,
+        ..Dropped::default()
+    };
     let solution = solve(&puck, 2, &Settings::default());
     assert_eq!(kinds(&solution), [EventKind::Impact, EventKind::Stick]);
     let best = dropped_effort(0.35);
@@ -344,6 +366,16 @@ fn ball_that_bounces_on_loses_speed_to_friction_at_every_bounce() {
     assert_eq!(kinds(&solution), [EventKind::Impact; 2]);
 }
 
+#[test]
+fn time_freezing_formulation_of_a_bouncing_contact_is_refused_by_name() {
+    let ball = Bouncing::default();
+    let mut settings = Settings::default();
+    settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
+    let problem = Problem::of(&ball, 3);
+    let error = ocp::solve(&ball, &problem, &settings, &mut |_| true).unwrap_err();
+    insta::assert_snapshot!(error, @"restitution of `floor` in the time-freezing formulation is not supported; leave the formulation at its default");
+}
+
 hangtime::model! {
     /// A sledge that is pushed over rough hills from rest to rest.
     Hills {
@@ -418,8 +450,10 @@ fn bar_that_lands_tilted_strikes_the_floor_with_both_feet() {
     // Until the first foot strikes, the bar falls freely: 0.3 - 0.3 sin 0.3 metres.
     let fall = (0.3 - 0.3 * 0.3_f64.sin()) / 5.0;
     for mu in [0.25, 0.2] {
-        let mut bar = Tilted::default();
-        bar.mu = mu;
+        let bar = Tilted {
+            mu,
+            ..Tilted::default()
+        };
         let solution = solve(&bar, 6, &Settings::default());
         assert_eq!(kinds(&solution), [EventKind::Impact; 2]);
         assert!((solution.planned_events[0].0 - fall.sqrt()).abs() < DIGITS);

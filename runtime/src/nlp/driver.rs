@@ -438,9 +438,10 @@ fn solution(
     products.multipliers = of_products;
 
     // optimality of the original problem; fixed variables have the multiplier that balances them
-    let (objective, gradient, c, jacobian) = core.formulation.unscaled(&iterate.v[..n]);
-    let (mut dual, c) = (gradient.to_vec(), c.to_vec());
-    for ((row, column), value) in jacobian {
+    let point = core.formulation.unscaled(&iterate.v[..n]);
+    let objective = point.objective;
+    let (mut dual, c) = (point.gradient.to_vec(), point.constraints.to_vec());
+    for (&(row, column), value) in point.pattern.iter().zip(point.jacobian) {
         dual[column] += value * multipliers[row];
     }
     let mut residuals = Residuals {

@@ -343,15 +343,7 @@ impl<'a> Formulation<'a> {
     }
 
     /// The full unscaled problem at the full point: objective, gradient, constraints and Jacobian entries.
-    pub(crate) fn unscaled(
-        &mut self,
-        x: &[f64],
-    ) -> (
-        f64,
-        &[f64],
-        &[f64],
-        impl Iterator<Item = ((usize, usize), f64)> + '_,
-    ) {
+    pub(crate) fn unscaled(&mut self, x: &[f64]) -> Unscaled<'_> {
         self.full_point(x);
         let f = self.problem.objective(&self.x_user);
         self.problem.gradient(&self.x_user, &mut self.gradient_user);
@@ -359,10 +351,24 @@ impl<'a> Formulation<'a> {
             .constraint_values(&self.x_user, &mut self.c_user);
         self.problem
             .jacobian_values(&self.x_user, &mut self.jacobian_user);
-        let values = self.jacobian_user.iter().copied();
-        let jacobian = self.jacobian_pattern.iter().copied().zip(values);
-        (f, &self.gradient_user, &self.c_user, jacobian)
+        Unscaled {
+            objective: f,
+            gradient: &self.gradient_user,
+            constraints: &self.c_user,
+            pattern: &self.jacobian_pattern,
+            jacobian: &self.jacobian_user,
+        }
     }
+}
+
+/// The values of the full problem at a point, unscaled.
+pub(crate) struct Unscaled<'a> {
+    pub(crate) objective: f64,
+    pub(crate) gradient: &'a [f64],
+    pub(crate) constraints: &'a [f64],
+    /// (row, column) of the entries of the Jacobian.
+    pub(crate) pattern: &'a [(usize, usize)],
+    pub(crate) jacobian: &'a [f64],
 }
 
 fn check_pattern(

@@ -102,9 +102,12 @@ impl<'a> TimeFreezing<'a> {
         problem.check(model)?;
         let mut contacts = model.declaration().contacts.iter();
         if let Some(contact) = contacts.find(|contact| contact.law != ImpactLaw::Inelastic) {
-            return Err(InputError::UnsupportedLaw {
-                method: "time-freezing optimal control".into(),
-                contact: contact.name.into(),
+            return Err(InputError::Unsupported {
+                what: format!(
+                    "restitution of `{}` in the time-freezing formulation",
+                    contact.name
+                ),
+                remedy: "leave the formulation at its default".into(),
             });
         }
         let refuse = |what: &str, value: f64, bound: String| {
