@@ -182,6 +182,7 @@ impl Builder<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::super::collocation::{Collocation, Places, Setting};
+    use super::super::mode::Mode;
     use super::super::path::Path;
     use super::super::problem::{Component, Goal, Horizon, Objective, Problem, bounds};
     use super::super::sequence::{Place, Sequence, Switch};
@@ -233,11 +234,13 @@ mod tests {
             shape: ControlShape::Linear,
         };
         let sequence = Sequence {
-            initially: vec![true],
+            initially: vec![Mode::Frictionless],
             switches: vec![Switch {
                 contact: 0,
                 closes: false,
-                touches: false,
+                mode: Mode::Open,
+                impulse: Mode::Frictionless,
+                accompanies: false,
                 interval: 1,
                 place: Place::Start,
                 time: 1.0,
