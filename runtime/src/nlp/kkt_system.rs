@@ -42,11 +42,6 @@ pub(crate) struct KktSystem {
     /// `e` of each row and `D` of each slack, of the assembled matrix.
     flexibility: Vec<f64>,
     stiffness: Vec<f64>,
-    /// Inverse distances to the bounds at the assembled iterate, 0 where there is none, and the gradient of the barrier and
-    /// damping terms for `mu = 1`.
-    inverse_lower: Vec<f64>,
-    inverse_upper: Vec<f64>,
-    pub(crate) barrier_push: Vec<f64>,
     /// Gradient of the barrier Lagrangian, and `t`.
     barrier_gradient: Vec<f64>,
     row_terms: Vec<f64>,
@@ -102,9 +97,6 @@ impl KktSystem {
             jacobian_values: vec![0.0; jacobian_end - hessian_length],
             flexibility: Vec::new(),
             stiffness: Vec::new(),
-            inverse_lower: Vec::new(),
-            inverse_upper: Vec::new(),
-            barrier_push: Vec::new(),
             barrier_gradient: Vec::new(),
             row_terms: Vec::new(),
             right_hand_side: vec![0.0; n + m],
@@ -147,8 +139,17 @@ impl KktSystem {
         mu: f64,
         cap_products: bool,
     ) {
+        let stiffness_of = |i: usize| {
+            let mut stiffness = 0.0;
+            if problem.lower[i].is_finite() {
+                stiffness += iterate.z_lower[i] / (iterate.v[i] - problem.lower[i]);
+            }
+            if problem.upper[i].is_finite() {
+                stiffness += iterate.z_upper[i] / (problem.upper[i] - iterate.v[i]);
+            }
+            stiffness
+        };
         let start = ThreadTime::now();
-        self.measure_bounds(problem, iterate);
         let values = self.solver.values_mut();
         values.fill(0.0);
         for (&position, &h) in self.hessian_map.iter().zip(&self.hessian_values) {
@@ -157,6 +158,9 @@ impl KktSystem {
         for (&position, &a) in self.jacobian_map.iter().zip(&self.jacobian_values) {
             values[position as usize] += a;
         }
+        self.stiffness.clear();
+        self.stiffness
+            .extend((0..problem.variables()).map(stiffness_of));
         for i in 0..self.n {
             self.solver.add_to_diagonal(i, self.stiffness[i]);
         }
@@ -193,33 +197,6 @@ impl KktSystem {
             values[map[2] as usize] += r + w * x_i * x_j;
         }
         self.seconds += start.elapsed().as_secs_f64();
-    }
-
-    /// What the matrix and its right-hand sides need of the bounds: the only divisions by distances of an iteration.
-    fn measure_bounds(&mut self, problem: &BarrierProblem, iterate: &Iterate) {
-        // infinite distances have the inverse 0
-        let (v, lower, upper) = (&iterate.v, &problem.lower, &problem.upper);
-        self.inverse_lower.clear();
-        self.inverse_lower
-            .extend(v.iter().zip(lower).map(|(v, l)| 1.0 / (v - l)));
-        self.inverse_upper.clear();
-        self.inverse_upper
-            .extend(v.iter().zip(upper).map(|(v, u)| 1.0 / (u - v)));
-        let inverses = self.inverse_lower.iter().zip(&self.inverse_upper);
-        self.barrier_push.clear();
-        self.barrier_push.extend(
-            inverses
-                .clone()
-                .enumerate()
-                .map(|(i, (l, u))| problem.damping(i) - l + u),
-        );
-        let multipliers = iterate.z_lower.iter().zip(&iterate.z_upper);
-        self.stiffness.clear();
-        self.stiffness
-            .extend(inverses.zip(multipliers).map(|((l, u), (z_l, z_u))| {
-                // multipliers of absent bounds are zero
-                z_l * l + z_u * u
-            }));
     }
 
     /// Assembles the matrix of the least-squares multiplier problem, `[I J'; J -e]` with `D = 1`.
@@ -269,25 +246,32 @@ impl KktSystem {
         mu: f64,
         direction: &mut Iterate,
     ) -> SolveQuality {
-        let multipliers = iterate.z_lower.iter().zip(&iterate.z_upper);
-        let gradients = lagrangian.iter().zip(&self.barrier_push);
         self.barrier_gradient.clear();
-        self.barrier_gradient.extend(
-            gradients
-                .zip(multipliers)
-                .map(|((g, push), (z_lower, z_upper))| g + z_lower - z_upper + mu * push),
-        );
-        let quality = self.solve_reduced(problem, iterate, residual, direction);
-        // both are zero where there is no bound
-        let lower = iterate.z_lower.iter().zip(&self.inverse_lower);
-        let steps = direction.v.iter().zip(&mut direction.z_lower);
-        for ((step, d), (z, inverse)) in steps.zip(lower) {
-            *d = (mu - z * step) * inverse - z;
+        for (i, lagrangian) in lagrangian.iter().enumerate() {
+            let mut g = lagrangian + iterate.z_lower[i] - iterate.z_upper[i];
+            if problem.lower[i].is_finite() {
+                g -= mu / (iterate.v[i] - problem.lower[i]);
+            }
+            if problem.upper[i].is_finite() {
+                g += mu / (problem.upper[i] - iterate.v[i]);
+            }
+            self.barrier_gradient.push(g + mu * problem.damping(i));
         }
-        let upper = iterate.z_upper.iter().zip(&self.inverse_upper);
-        let steps = direction.v.iter().zip(&mut direction.z_upper);
-        for ((step, d), (z, inverse)) in steps.zip(upper) {
-            *d = (mu + z * step) * inverse - z;
+        let quality = self.solve_reduced(problem, iterate, residual, direction);
+        for i in 0..problem.variables() {
+            let step = direction.v[i];
+            direction.z_lower[i] = if problem.lower[i].is_finite() {
+                let distance = iterate.v[i] - problem.lower[i];
+                (mu - iterate.z_lower[i] * step) / distance - iterate.z_lower[i]
+            } else {
+                0.0
+            };
+            direction.z_upper[i] = if problem.upper[i].is_finite() {
+                let distance = problem.upper[i] - iterate.v[i];
+                (mu + iterate.z_upper[i] * step) / distance - iterate.z_upper[i]
+            } else {
+                0.0
+            };
         }
         quality
     }

@@ -80,12 +80,19 @@ impl Loop<'_, '_, '_, '_> {
 
     /// Directional derivative of the barrier function along `d`.
     fn slope(&self, d: &[f64]) -> f64 {
-        let push = &self.core.kkt.barrier_push;
-        let gradient = self.gradient.iter().zip(push);
-        gradient
-            .zip(d)
-            .map(|((g, push), d)| (g + self.mu * push) * d)
-            .sum()
+        let problem = &self.problem;
+        let mut slope = 0.0;
+        for (i, d) in d.iter().enumerate() {
+            let mut g = self.gradient[i] + self.mu * problem.damping(i);
+            if problem.lower[i].is_finite() {
+                g -= self.mu / (self.iterate.v[i] - problem.lower[i]);
+            }
+            if problem.upper[i].is_finite() {
+                g += self.mu / (problem.upper[i] - self.iterate.v[i]);
+            }
+            slope += g * d;
+        }
+        slope
     }
 
     /// Whether no component of the step exceeds ten units of rounding.

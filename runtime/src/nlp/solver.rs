@@ -407,10 +407,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                     return None;
                 }
                 PathStep::Advance { mu, sigma } => {
-                    // only paths of product problems return
-                    if !self.problem.products.is_empty() {
-                        self.kept.copy_from(&self.iterate);
-                    }
+                    self.kept.copy_from(&self.iterate);
                     if self.change_parameters(mu, sigma) {
                         return None;
                     }

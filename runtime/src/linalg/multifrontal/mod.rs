@@ -72,9 +72,10 @@ pub struct MultifrontalLdl {
     fronts: Vec<FrontRecord>,
 }
 
-/// Most sweeps of equilibration, and the imbalance before one that is small enough after it.
+/// Most sweeps of equilibration, and the imbalance before a sweep that is small enough after it: no entry that matters is
+/// below its root then, far above what counts as zero.
 const SWEEPS: usize = 10;
-const IMBALANCE: f64 = 1e8;
+const IMBALANCE: f64 = 1e14;
 
 /// A Schur complement on the stack: its postponed columns, then the rows below its node.
 #[derive(Debug, Clone, Copy)]
