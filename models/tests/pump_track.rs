@@ -4,7 +4,7 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{
-    self, ControlShape, Formulation, Problem, Settings, Solution, Stationarity, Status,
+    self, ControlShape, Formulation, Guess, Problem, Settings, Solution, Stationarity, Status,
     TimeFreezingSettings,
 };
 use hangtime::simulation::{
@@ -247,4 +247,68 @@ fn time_freezing_formulation_at_15_km_per_h_ends_at_the_optimum_of_the_phases() 
     let report = solution.time_freezing.unwrap();
     // The relaxation ends at products of 1e-6, the solver's own tolerance on top.
     assert!(report.complementarity < 1.1e-6 && report.primal < 1e-6);
+}
+
+#[test]
+fn rides_from_every_guess_end_certified_at_the_same_optimum() {
+    // With 12 intervals; `cargo bench --bench robustness` does it with 30, for more speeds and starts.
+    for speed in [12.0, 15.0, 20.0] {
+        let model = at(speed);
+        let problem = Problem::of(&model, 12);
+        let solutions = [
+            Guess::Straight,
+            Guess::Rest,
+            Guess::Ride,
+            Guess::Perturbed { seed: 1 },
+        ]
+        .map(|guess| {
+            let mut settings = Settings::default();
+            settings.guess = guess;
+            ocp::solve(&model, &problem, &settings, &mut |_| true).unwrap()
+        });
+        for solution in &solutions {
+            check_solution(solution);
+            // Certified points of one sequence differ by the tolerance of 1e-9; other optima by 1e-4 and more.
+            let difference = (solution.horizon - solutions[0].horizon).abs();
+            assert!(difference < 1e-7, "{speed}: {difference}");
+        }
+    }
+}
+
+#[test]
+fn ride_over_a_hill_that_is_barely_passable_is_found_from_every_guess() {
+    let model = at(8.0);
+    let problem = Problem::of(&model, 30);
+    let solutions = [Guess::Straight, Guess::Ride].map(|guess| {
+        let mut settings = Settings::default();
+        settings.guess = guess;
+        ocp::solve(&model, &problem, &settings, &mut |_| true).unwrap()
+    });
+    for solution in &solutions {
+        check_solution(solution);
+        // The best of all starts that were ever tried.
+        assert!((solution.horizon - 4.850_887_4).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn fine_grid_takes_its_contact_sequence_from_a_coarse_one() {
+    let count = |intervals: usize| {
+        let solution = solve(&PumpTrack::default(), intervals);
+        check_solution(&solution);
+        assert_eq!(solution.controls.len(), intervals);
+        solution
+    };
+    let (coarse, fine) = (count(30), count(120));
+    // The best known with 120 intervals without the coarse grid: 1.4119536 s; 1e-6 of that is left to other sequences.
+    assert!(fine.horizon < 1.411_955_1, "{}", fine.horizon);
+    // What the finer grid adds to the iterations of the coarse one must not grow with the number of intervals.
+    let total =
+        |solution: &Solution| solution.counts.global_iterations + solution.counts.iterations;
+    assert!(
+        total(&fine) < 3 * total(&coarse),
+        "{} against {}",
+        total(&fine),
+        total(&coarse)
+    );
 }

@@ -2,7 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-#[allow(dead_code, reason = "shared with other test programs")]
 mod solver_support;
 
 use hangtime::mpcc::{self, Settings, Solution, Status};

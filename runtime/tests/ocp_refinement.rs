@@ -82,6 +82,43 @@ fn elements_grow_where_the_plan_departs_from_the_motion_and_nowhere_else() {
     }
 }
 
+hangtime::model! {
+    /// A cart that is shaken.
+    Shaken {
+        parameters { m: kg = 1, f: N = 3, w: 1/s = 30 }
+        coordinates { y: m }
+        controls { u: N }
+        lagrangian m/2*dot(y)^2
+        forces { y: u + f*sin(w*t) }
+    }
+}
+
+#[test]
+fn elements_of_a_model_that_depends_on_time_grow_everywhere() {
+    let model = Shaken::default();
+    let goals = vec![Goal {
+        component: Component::Coordinate(0),
+        value: 1.0,
+    }];
+    let problem = Problem {
+        horizon: Horizon::Fixed(1.0),
+        ..Problem::new(&model, Objective::effort(), goals, 3)
+    };
+    let solution = ocp::solve(&model, &problem, &Settings::default(), &mut |_| true).unwrap();
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    let elements = solution.elements[0];
+    assert!(
+        elements > 1 && solution.elements == [elements; 3],
+        "{:?}",
+        solution.elements
+    );
+}
+
 #[test]
 fn smaller_distances_ask_for_more_elements_and_coarse_scenes_for_none() {
     let mut settings = Settings::default();

@@ -16,10 +16,9 @@ const SHORT: f64 = 0.05;
 const SHORT_STEPS: usize = 6;
 /// Violation up to which a point is accepted.
 const FEASIBLE: f64 = 1e-9;
-/// Most iterations of an attempt, and how often it gets as many again while its violation is below `ALMOST`:
-/// multipliers of dependent rows converge slowly.
+/// Most iterations of an attempt; it gets as many again if its violation is below `ALMOST` then, as multipliers of
+/// dependent rows converge slowly.
 const ITERATIONS: usize = 40;
-const EXTENSIONS: usize = 3;
 const ALMOST: f64 = 1e-6;
 /// Size of multipliers up to which the optimality error has to be within tolerance, not only relative to them, and
 /// what complementarity may be relative to the tolerance: multipliers of a branch without a constraint qualification
@@ -97,7 +96,7 @@ pub(crate) fn solve_branch(
     };
     let mut dual_shift = attempt.dual_shift;
     let mut left = ITERATIONS;
-    let mut extensions = 0;
+    let mut extended = false;
     let tolerance = settings.interior_point.tolerance;
     let solution = loop {
         if watch.stop.is_some() {
@@ -129,8 +128,8 @@ pub(crate) fn solve_branch(
             )
             .ok()?;
         left = left.saturating_sub(solution.counts.iterations);
-        if left == 0 && extensions < EXTENSIONS && solution.residuals.primal < ALMOST {
-            (extensions, left) = (extensions + 1, ITERATIONS);
+        if left == 0 && !extended && solution.residuals.primal < ALMOST {
+            (extended, left) = (true, ITERATIONS);
         } else if !progress.is_slow() || dual_shift <= LEAST_SHIFT || left == 0 {
             break solution;
         }

@@ -174,8 +174,13 @@ fn repair(
     Some(Exact::new(problem, settings, vanishes, point, watch))
 }
 
+/// Iterations that neighbours may take at least, and at most as a part of those before: a step of a scene has few
+/// and cheap ones, and in a long motion each of many may cost as much as the others without a gain.
+const NEIGHBOUR_ITERATIONS: usize = 150;
+const NEIGHBOUR_PART: usize = 4;
+
 /// Tries the neighbours of a certified point that the problem knows of, in their order, and goes on from each that
-/// is certified and better, until none is or [`Settings::maximum_neighbours`] are tried.
+/// is certified and better, until none is, [`Settings::maximum_neighbours`] are tried, or their iterations are used up.
 pub(crate) fn improve(
     problem: &mut dyn Mpcc,
     settings: &Settings,
@@ -183,10 +188,14 @@ pub(crate) fn improve(
     vanishes: &mut Vec<bool>,
     watch: &mut Watch<'_>,
 ) {
+    let before = watch.iterations;
+    let limit = before + NEIGHBOUR_ITERATIONS.max(before / NEIGHBOUR_PART);
     loop {
         let mut improved = false;
         for index in 0.. {
-            if solution.neighbours >= settings.maximum_neighbours || watch.stop.is_some() {
+            let spent =
+                solution.neighbours >= settings.maximum_neighbours || watch.iterations >= limit;
+            if spent || watch.stop.is_some() {
                 return;
             }
             let mut start = nlp::WarmStart {

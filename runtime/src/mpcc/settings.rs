@@ -48,7 +48,8 @@ pub struct Settings {
     /// Most changes of the fixed sides after the first crossover; default 10.
     pub maximum_repairs: usize,
     /// Most neighbouring choices of the fixed sides ([`Mpcc::neighbour`](super::Mpcc::neighbour)) that are tried for
-    /// a better objective after a certified crossover; default 100, 0 = none.
+    /// a better objective after a certified crossover; default 100, 0 = none. They end as well after a quarter of the
+    /// iterations before, 150 at least.
     pub maximum_neighbours: usize,
     /// A paired variable below this counts as zero when points are classified; default 1e-7, > 0.
     pub zero_tolerance: f64,

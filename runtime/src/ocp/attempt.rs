@@ -102,7 +102,12 @@ impl<'a> Search<'a, '_> {
         purpose: Purpose,
     ) -> Result<Verdict, InputError> {
         let mut cuts = cuts.to_vec();
-        let mut guess = guess.clone();
+        let intervals = self.setting.problem.intervals;
+        let mut guess = if sequence.ends_with_impact(intervals) {
+            guess.up_to_last_jump(intervals)
+        } else {
+            guess.clone()
+        };
         let mut sequence = sequence.clone();
         for round in 0..ROUNDS {
             let last = round + 1 == ROUNDS;
@@ -188,7 +193,7 @@ impl<'a> Search<'a, '_> {
                 maximum_iterations: settings.maximum_iterations.min(AFTER_CUT.1),
                 ..settings.clone()
             };
-            if let Some(solution) = self.solve(&mut program, &settings, None)? {
+            if let Some(solution) = self.solve(&mut program, &settings, None, true)? {
                 return Ok(Some((program, solution)));
             }
         }
@@ -197,7 +202,7 @@ impl<'a> Search<'a, '_> {
             (Some(_), Purpose::Compare) => &NEIGHBOUR,
             (Some(_), Purpose::Explore) => &EXPLORED,
         };
-        for &(barrier, iterations) in barriers {
+        for (index, &(barrier, iterations)) in barriers.iter().enumerate() {
             if self.watch.stopped {
                 break;
             }
@@ -206,7 +211,9 @@ impl<'a> Search<'a, '_> {
                 maximum_iterations: settings.maximum_iterations.min(iterations),
                 ..settings.clone()
             };
-            if let Some(solution) = self.solve(&mut program, &settings, None)? {
+            let gives_up =
+                purpose == Purpose::Compare && index + 1 < barriers.len() && self.best.is_some();
+            if let Some(solution) = self.solve(&mut program, &settings, None, gives_up)? {
                 return Ok(Some((program, solution)));
             }
         }
@@ -221,7 +228,7 @@ impl<'a> Search<'a, '_> {
     ) -> Result<Option<nlp::Solution>, InputError> {
         let settings = warm(&self.interior_point(), first.barrier_parameter);
         let start = nlp::WarmStart::from_solution(first);
-        self.solve(program, &settings, Some(&start))
+        self.solve(program, &settings, Some(&start), false)
     }
 
     fn interior_point(&self) -> nlp::Settings {
@@ -233,17 +240,21 @@ impl<'a> Search<'a, '_> {
         }
     }
 
-    /// One run of the interior point method; `None` if it ends without a solution.
+    /// One run of the interior point method; `None` if it ends without a solution. One that `gives_up` ends where it
+    /// would restore feasibility: that takes long, and a larger barrier parameter less.
     fn solve(
         &mut self,
         program: &mut Collocation<'a>,
         settings: &nlp::Settings,
         start: Option<&nlp::WarmStart>,
+        gives_up: bool,
     ) -> Result<Option<nlp::Solution>, InputError> {
         let best = self.best.as_ref().map(|best| best.solution.objective);
         self.watch.begin("collocation", &self.counts, best);
         let unit = program.program.objective_unit();
-        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
+        let mut observer = |info: &nlp::IterationInfo| {
+            self.watch.iteration(info, unit) && !(gives_up && info.restoration)
+        };
         let mut solution =
             nlp::solve_from(&mut program.program, settings, start, Some(&mut observer))
                 .map_err(|error| refused(&error))?;
@@ -260,7 +271,11 @@ impl<'a> Search<'a, '_> {
         ) {
             return Ok(Some(solution));
         }
-        self.note_failure(solution.status, solution.violations);
+        let status = match solution.status {
+            nlp::Status::Interrupted if !self.watch.stopped => nlp::Status::RestorationFailed,
+            status => status,
+        };
+        self.note_failure(status, solution.violations);
         Ok(None)
     }
 }

@@ -8,6 +8,7 @@ use super::mode::Mode;
 use super::program::Program;
 use super::sequence::Switch;
 use super::transcribe::Builder;
+use crate::model::contact_point;
 
 /// Least impact velocity of a touch, relative to what the acceleration of the contact does in an interval: a motion
 /// that grazes a surface is none that can be followed.
@@ -86,7 +87,19 @@ impl Builder<'_, '_> {
         for &(i, mode) in &laws {
             let name = format!("impulse of `{}` that ends {label}", contacts[i].name);
             let unit = units.gap_rows[i];
-            let impulse = program.variable(name, (0.0, f64::INFINITY), 0.0, unit);
+            // At the end of the motion the state before the impact is known from the guess, and the impulse with it.
+            let guess = if switch.interval == self.setting.problem.intervals {
+                let variables = self.state.iter().chain(drive);
+                let mut x: Vec<f64> = variables.map(|&k| program.guessed(k)).collect();
+                x.resize(model.declaration().inputs(), 0.0);
+                let mut point = vec![0.0; contact_point::length(n)];
+                model.contact(i, &x, &mut point);
+                let velocity = point[contact_point::NORMAL_VELOCITY];
+                (-(1.0 + model.restitution(i)) * velocity).max(0.0)
+            } else {
+                0.0
+            };
+            let impulse = program.variable(name, (0.0, f64::INFINITY), guess, unit);
             impulses.push(impulse);
             let name = format!("impact of `{}`, end of {label}", contacts[i].name);
             let row = program.row_in(unit, name, 0.0, 0.0);

@@ -6,6 +6,8 @@ use super::settings::Guess;
 use crate::model::{Model, contact_point};
 use crate::simulation::{ControlSignal, EventDriven, InputError, Simulation, Simulator as _};
 
+/// Instants nearer to each other than this share of the horizon are one.
+const SAME_TIME: f64 = 1e-12;
 /// Samples of a guess in each interval.
 const SAMPLES: usize = 4;
 
@@ -185,6 +187,29 @@ impl Path {
             time: trajectory.time.clone(),
             states: states.collect(),
         }
+    }
+
+    /// The motion up to its last jump, stretched to the whole length, if that is a jump in the last interval: a
+    /// start for a motion that ends with an impact.
+    pub(super) fn up_to_last_jump(&self, intervals: usize) -> Self {
+        let mut path = self.clone();
+        let jumps = |k: &usize| {
+            let passed = self.time[*k] - self.time[k - 1];
+            passed <= SAME_TIME * self.horizon && self.states[k - 1] != self.states[*k]
+        };
+        let late = |k: &usize| {
+            self.time[*k] > 0.0 && self.horizon - self.time[*k] < self.horizon / intervals as f64
+        };
+        let Some(last) = (1..self.time.len()).rev().find(jumps).filter(late) else {
+            return path;
+        };
+        let factor = self.horizon / self.time[last];
+        path.time.truncate(last + 1);
+        path.states.truncate(last + 1);
+        path.time.iter_mut().for_each(|time| *time *= factor);
+        path.time[last - 1] = self.horizon;
+        path.time[last] = self.horizon;
+        path
     }
 
     /// The controls as a signal.

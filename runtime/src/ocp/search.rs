@@ -41,6 +41,8 @@ pub(super) struct Search<'a, 's> {
     /// Most programs, those of coarser grids included.
     pub(super) most_programs: usize,
     pub(super) counts: Counts,
+    /// Whether sequences in other basins are tried; on a coarser grid they were.
+    pub(super) explores: bool,
     pub(super) time_freezing: Option<TimeFreezingReport>,
     pub(super) tried: Vec<Tried>,
     pub(super) best: Option<Local<'a>>,
@@ -304,7 +306,11 @@ impl<'a> Search<'a, '_> {
                 }
             }
             for sequence in explored {
-                if improved || self.watch.stopped || self.counts.programs >= self.most_programs {
+                if improved
+                    || !self.explores
+                    || self.watch.stopped
+                    || self.counts.programs >= self.most_programs
+                {
                     break;
                 }
                 if !self.was_tried(&sequence) {

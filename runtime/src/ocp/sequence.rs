@@ -302,6 +302,11 @@ impl Sequence {
         Some(self)
     }
 
+    /// Whether an impact ends the motion.
+    pub(super) fn ends_with_impact(&self, intervals: usize) -> bool {
+        self.switches.iter().any(|s| s.interval == intervals)
+    }
+
     /// The switches that accompany the one with this index.
     pub(super) fn companions(switches: &[Switch], index: usize) -> &[Switch] {
         let rest = &switches[index + 1..];

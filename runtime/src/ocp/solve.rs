@@ -109,6 +109,7 @@ pub(super) fn solve_grid<'s>(
         watch: start.watch,
         most_programs: start.counts.programs + settings.maximum_programs,
         counts: start.counts,
+        explores: start.coarser.is_none(),
         time_freezing: None,
         tried: Vec::new(),
         best: None,

@@ -178,3 +178,89 @@ impl Builder<'_, '_> {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::collocation::{Collocation, Places, Setting};
+    use super::super::mode::Mode;
+    use super::super::path::Path;
+    use super::super::problem::{Component, Goal, Horizon, Objective, Problem, bounds};
+    use super::super::sequence::{Place, Sequence, Switch};
+    use super::super::settings::{BoundsAt, ControlShape, Guess, PathPoints};
+    use super::super::units::Units;
+    use crate::nlp;
+    use crate::rk::{ButcherTableau, Scheme};
+
+    crate::model! {
+        /// A mass with an engine, on the ground.
+        Hopper {
+            parameters { m: kg = 2, g: m/s^2 = 9.81 }
+            coordinates { z: m }
+            controls { u: N in 0..=80 }
+            lagrangian m/2*dot(z)^2 - m*g*z
+            forces { z: u }
+            surface ground: z >= 0
+            impact ground: inelastic
+        }
+    }
+
+    #[test]
+    fn contact_that_opens_at_a_node_of_linear_controls_is_let_go_by_a_vanishing_force() {
+        let model = Hopper::default();
+        let goals = vec![Goal {
+            component: Component::Coordinate(0),
+            value: 0.5,
+        }];
+        let problem = Problem {
+            horizon: Horizon::Fixed(1.0),
+            ..Problem::new(&model, Objective::effort(), goals, 3)
+        };
+        let (lower, upper) = bounds(&model);
+        let bounds = (&lower[..], &upper[..]);
+        let guess = Path::guess(&model, &problem, &Guess::Straight, bounds).unwrap();
+        let units = Units::new(&model, &guess, bounds);
+        let tableau = ButcherTableau::new(Scheme::RadauIia, 4).unwrap();
+        let setting = Setting {
+            model: &model,
+            problem: &problem,
+            tableau: &tableau,
+            units: &units,
+            bounds,
+            parabolas: &[false],
+            places: Places {
+                bounds: BoundsAt::AllTimes,
+                path: PathPoints::Stages,
+            },
+            shape: ControlShape::Linear,
+        };
+        let sequence = Sequence {
+            initially: vec![Mode::Frictionless],
+            switches: vec![Switch {
+                contact: 0,
+                closes: false,
+                mode: Mode::Open,
+                impulse: Mode::Frictionless,
+                accompanies: false,
+                interval: 1,
+                place: Place::Start,
+                time: 1.0,
+            }],
+        };
+        let mut program = Collocation::new(setting, &sequence, &guess, &[], &[1; 3]);
+        let solution = nlp::solve(&mut program.program, &nlp::Settings::default()).unwrap();
+        assert_eq!(solution.status, nlp::Status::Solved);
+        let (path, sequence) = program.result(&solution.x);
+        assert_eq!(sequence.switches[0].time, 1.0);
+        // The engine carries the mass there, and not before.
+        let u: Vec<f64> = path.controls.values().iter().map(|u| u[0]).collect();
+        let weight = 2.0 * 9.81;
+        assert!((u[1] - weight).abs() < 1e-7, "{u:?}");
+        assert!(u[0] < weight && u[2] > weight, "{u:?}");
+        // From then on z'' = (u - weight) / m, linear on both intervals of a third of a second.
+        let h: f64 = 1.0 / 3.0;
+        let (a2, a3) = ((u[2] - weight) / 2.0, (u[3] - weight) / 2.0);
+        let (z, v) = (h * h * a2 / 6.0, h * a2 / 2.0);
+        let height = z + v * h + h * h * (2.0 * a2 + a3) / 6.0;
+        assert!((height - 0.5).abs() < 1e-9, "{height}");
+    }
+}
