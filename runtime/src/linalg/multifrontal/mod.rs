@@ -10,6 +10,10 @@
 //! column is postponed to a front, its rows are known from the pattern, and entries and Schur complements go to places
 //! computed once; only fronts that inherit columns look places up. Columns of fronts are padded to blocks of four rows, and
 //! factorization and solution are compiled for the widest vectors of the machine as well, with the same results.
+//!
+//! Postponed columns can fill everything where a matrix is close to singular in many places. A factorization that
+//! takes far more work than the pattern asks for is stopped, and counts what is left as zero in the inertia: the
+//! matrix wants larger shifts.
 
 mod assembly_tree;
 mod front;
@@ -70,7 +74,12 @@ pub struct MultifrontalLdl {
     factor: Vec<f64>,
     factor_rows: Vec<u32>,
     fronts: Vec<FrontRecord>,
+    /// Most multiplications of a factorization.
+    most_work: f64,
 }
+
+/// Most multiplications of a factorization: this many times those without postponed columns, and this many more.
+const MOST_WORK: (f64, f64) = (64.0, 1e8);
 
 /// Most sweeps of equilibration, and the imbalance before a sweep that is small enough after it: no entry that matters is
 /// below its root then, far above what counts as zero.
@@ -104,6 +113,9 @@ impl MultifrontalLdl {
         let factor: usize = symbolic.nodes.iter().map(panel).sum();
         let square = |node: &Node| node.rows.len() * padded(node.rows.len());
         let largest = symbolic.nodes.iter().map(square).max().unwrap_or(0);
+        let least_work = symbolic.nodes.iter();
+        let least_work = least_work.map(|node| work(node.rows.len(), node.columns));
+        let most_work = MOST_WORK.0 * least_work.sum::<f64>() + MOST_WORK.1;
         Ok(Self {
             primal,
             scale: vec![1.0; n],
@@ -122,6 +134,7 @@ impl MultifrontalLdl {
             factor: Vec::with_capacity(factor + largest),
             factor_rows: Vec::with_capacity(symbolic.rows.len()),
             fronts: Vec::with_capacity(symbolic.nodes.len()),
+            most_work,
             symbolic,
         })
     }
@@ -357,7 +370,7 @@ impl MultifrontalLdl {
         self.factor.truncate(start + done * stride);
     }
 
-    /// Eliminates node after node.
+    /// Eliminates node after node, as long as the work stays within its limit.
     #[inline(always)]
     fn eliminate<S: Simd>(&mut self, simd: S) {
         self.blocks.clear();
@@ -367,8 +380,16 @@ impl MultifrontalLdl {
         self.factor.clear();
         self.factor_rows.clear();
         self.fronts.clear();
+        let mut done_work = 0.0;
         for k in 0..self.symbolic.nodes.len() {
             let (rows, summed) = self.assemble(k);
+            done_work += work(rows, summed);
+            if done_work > self.most_work {
+                self.factor_rows.truncate(self.factor_rows.len() - rows);
+                self.factor
+                    .truncate(self.factor.len() - rows * padded(rows));
+                return;
+            }
             let stride = padded(rows);
             let start = self.factor.len() - rows * stride;
             let names = self.factor_rows.len() - rows;
@@ -409,9 +430,11 @@ impl KktFactorization for MultifrontalLdl {
         self.take_values(values, delta_w, delta_c)?;
         pulp::Arch::new().dispatch(Eliminate(self));
         invert(&self.pivots, &mut self.inverse);
-        inertia(&self.pivots).ok_or(FactorizationError::NotFinite(
+        let mut inertia = inertia(&self.pivots).ok_or(FactorizationError::NotFinite(
             self.scale.len().saturating_sub(1),
-        ))
+        ))?;
+        inertia.zero += self.scale.len() - self.pivots.len();
+        Ok(inertia)
     }
 
     fn solve(&mut self, right_hand_side: &mut [f64]) {
@@ -433,6 +456,11 @@ impl KktFactorization for MultifrontalLdl {
         };
         self.fronts.iter().map(entries).sum()
     }
+}
+
+/// Multiplications for the elimination of `columns` of a front, as if all rows took part to the end.
+fn work(rows: usize, columns: usize) -> f64 {
+    rows as f64 * rows as f64 * columns as f64
 }
 
 /// Diagonal and coupling to the next row of `B^-1`.
@@ -477,4 +505,37 @@ fn inertia(pivots: &[Pivot]) -> Option<Inertia> {
         }
     }
     Some(inertia)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factorization_beyond_its_limit_of_work_counts_the_rest_as_zero() {
+        // A chain of six masses, tied together by five springs of no compliance.
+        let n = 11;
+        let entries: Vec<(usize, usize)> = (0..6)
+            .map(|i| (i, i))
+            .chain((0..5).flat_map(|k| [(6 + k, k), (6 + k, k + 1)]))
+            .collect();
+        let (pattern, map) = SymmetricPattern::new(n, &entries).unwrap();
+        let mut values = vec![0.0; pattern.stored()];
+        for (&position, a) in map
+            .iter()
+            .zip([2.0; 6].into_iter().chain([1.0, -1.0].repeat(5)))
+        {
+            values[position] += a;
+        }
+        let mut factorization = MultifrontalLdl::new(&pattern, 6).unwrap();
+        let most_work = std::mem::replace(&mut factorization.most_work, 20.0);
+        let stopped = factorization.factor(&values, 0.0, 0.0).unwrap();
+        assert!(stopped.zero > 0, "{stopped:?}");
+        assert_eq!(stopped.positive + stopped.negative + stopped.zero, n);
+        // What is there can be solved with, whatever it is worth.
+        factorization.solve(&mut vec![1.0; n]);
+        factorization.most_work = most_work;
+        let whole = factorization.factor(&values, 0.0, 0.0).unwrap();
+        assert_eq!((whole.positive, whole.negative, whole.zero), (6, 5, 0));
+    }
 }
