@@ -8,6 +8,8 @@ use super::{GREY, SIZE, layout, styled};
 const COLUMNS: usize = 2;
 /// Height of a row of panels [px].
 const ROW: f64 = 260.0;
+/// A quantity that stays below this is zero up to rounding, whose digits are not worth an axis.
+const ROUNDING: f64 = 1e-12;
 
 /// One panel: a quantity over time.
 pub(crate) struct Panel {
@@ -38,6 +40,15 @@ pub(crate) struct Series {
 impl Panel {
     fn plots(&self) -> Vec<Plot> {
         let mut plots: Vec<Plot> = Vec::new();
+        let mut points = self
+            .series
+            .iter()
+            .flat_map(|s| s.line.iter().chain(&s.dots));
+        let is_zero = points.all(|point| point.1.abs() < ROUNDING);
+        let shown = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
+            let value = |value: f64| if is_zero { 0.0 } else { value };
+            points.iter().map(|&(t, v)| (t, value(v))).collect()
+        };
         let times = || {
             self.series
                 .iter()
@@ -54,7 +65,7 @@ impl Panel {
         }
         for series in &self.series {
             let mut line = LinePlot::new()
-                .with_data(series.line.iter().copied())
+                .with_data(shown(&series.line))
                 .with_color(series.colour)
                 .with_stroke_width(1.6);
             if series.dashed {
@@ -66,7 +77,7 @@ impl Panel {
             plots.push(line.into());
             if !series.dots.is_empty() {
                 let dots = ScatterPlot::new()
-                    .with_data(series.dots.iter().copied())
+                    .with_data(shown(&series.dots))
                     .with_color(series.colour)
                     .with_marker_opacity(0.6)
                     .with_size(2.2);
@@ -98,4 +109,36 @@ pub(crate) fn over_time(title: &str, panels: &[Panel]) -> String {
         .with_plots(plots)
         .with_figure_size(width, ROW * rows as f64 + 40.0);
     styled(&kuva::backend::svg::SvgBackend::new().render_scene(&figure.render()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Panel, Series, over_time};
+
+    #[test]
+    fn rounding_errors_around_zero_are_drawn_as_zero() {
+        let figure = |size: f64| {
+            let line = (0..5).map(|k| (f64::from(k), size * f64::from(k % 2)));
+            let series = Series {
+                name: None,
+                colour: "blue",
+                dashed: false,
+                line: line.collect(),
+                dots: Vec::new(),
+            };
+            let panel = Panel {
+                title: "gap".to_owned(),
+                label: "s [m]".to_owned(),
+                series: vec![series],
+                bounds: Vec::new(),
+            };
+            // Clip paths are numbered through all figures of a program.
+            let text = over_time("", &[panel]);
+            let (head, rest) = text.split_once("kuva-clip-").unwrap();
+            let (id, _) = rest.split_once('"').unwrap();
+            head.to_owned() + &rest.replace(&format!("kuva-clip-{id}"), "")[id.len()..]
+        };
+        assert_eq!(figure(1e-31), figure(0.0));
+        assert_ne!(figure(1e-9), figure(0.0));
+    }
 }
