@@ -13,6 +13,7 @@ use crate::model::contact_point;
 /// Least impact velocity of a touch, relative to what the acceleration of the contact does in an interval: a motion
 /// that grazes a surface is none that can be followed.
 const LEAST_IMPACT: f64 = 1e-3;
+
 impl Builder<'_, '_> {
     /// What happens at the end of a phase, the one with this (interval, index).
     pub(super) fn switch(
