@@ -138,6 +138,7 @@ impl<'a> Dynamics<'a> {
             status: SimulationStatus::Solved,
             events: Vec::new(),
             trajectory: Trajectory::default(),
+            error_estimate: None,
             residuals: Residuals::default(),
             size: ProblemSize {
                 variables: 2 * self.n,
