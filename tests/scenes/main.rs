@@ -2,6 +2,7 @@
 
 mod ball_on_slope;
 mod bike_on_two_wheels;
+mod charts;
 mod convergence_order;
 mod own_command_line;
 mod published_results;
