@@ -290,6 +290,8 @@ mod tests {
             &[0.0, 0.0],
         );
         let simulation = Simulation {
+            declaration: chosen.model.declaration(),
+            initial_modes: Vec::new(),
             status: SimulationStatus::NotFinite(Diagnosis {
                 time: 1.0,
                 step: 2,
