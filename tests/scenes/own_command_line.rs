@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use hangtime::ocp::{self, Problem, Settings, Stationarity};
 use hangtime::simulation::EventKind;
-use hangtime_models::CommandLine;
+use hangtime_cli::CommandLine;
 
 #[expect(
     dead_code,
