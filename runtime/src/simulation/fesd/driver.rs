@@ -9,8 +9,8 @@ use crate::fesd::finite_element::{ElementError, FiniteElement, MotionSize, State
 use crate::model::{ControlPiece, ImpactLaw, Model};
 use crate::rk::ButcherTableau;
 use crate::simulation::{
-    ControlSignal, Counts, Event, InitialValueProblem, ProblemSize, Residuals, Seconds, Simulation,
-    SimulationStatus, Trajectory,
+    ContactMode, ControlSignal, Counts, Event, InitialValueProblem, ProblemSize, Residuals,
+    Seconds, Simulation, SimulationStatus, Trajectory,
 };
 use crate::time_freezing::clock;
 use cpu_time::ThreadTime;
@@ -142,6 +142,8 @@ pub(super) struct Driver<'a> {
     /// Ends of bounce cascades, one entry a contact.
     pub(super) cascades: Vec<Cascades>,
     pub(super) energy_gains: Option<EnergyGains>,
+    /// Modes of the contacts right after the start.
+    pub(super) initial_modes: Vec<ContactMode>,
     pub(super) events: Vec<Event>,
     pub(super) trajectory: Trajectory,
     pub(super) residuals: Residuals,
@@ -201,6 +203,7 @@ impl<'a> Driver<'a> {
             struck: vec![f64::NEG_INFINITY; contacts],
             cascades: vec![Cascades::default(); contacts],
             energy_gains: None,
+            initial_modes: Vec::new(),
             events: Vec::new(),
             trajectory: Trajectory::default(),
             residuals: Residuals::default(),
@@ -247,8 +250,10 @@ impl<'a> Driver<'a> {
         self.counts.evaluations =
             newton.evaluations + other.evaluations + self.contacts.evaluations;
         let simulation = Simulation {
+            declaration: self.model.declaration(),
             status,
             error_estimate: (!controlled).then_some(self.error_estimate),
+            initial_modes: self.initial_modes,
             events: self.events,
             trajectory: self.trajectory,
             residuals: self.residuals,
@@ -278,6 +283,7 @@ impl<'a> Driver<'a> {
             self.record();
             return self.stopped(0, &Stop::Mode(error));
         }
+        self.initial_modes = self.modes();
         self.record();
         let steps = self.step_count();
         for step in 0..steps {

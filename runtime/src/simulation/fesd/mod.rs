@@ -105,13 +105,15 @@ impl Fesd {
     /// Error that is promised where none is asked for.
     pub(crate) const PROMISE: f64 = 1e-6;
     /// Steps of a grid where none are named.
-    pub(crate) const DEFAULT_STEPS: usize = 60;
+    pub const DEFAULT_STEPS: usize = 60;
 
-    /// The error that is promised; none on a grid.
+    /// The error that is promised; none on a grid, nor with the formulation or the take-offs that are there to be
+    /// compared with.
     #[must_use]
     pub fn promise(&self) -> Option<f64> {
         let grid = self.steps.is_some() && self.tolerance.is_none();
-        let controlled = self.formulation == StepFormulation::ActiveSet && !grid;
+        let published = self.formulation == StepFormulation::TimeFreezing || !self.exit_condition;
+        let controlled = !published && !grid;
         controlled.then(|| self.tolerance.unwrap_or(Self::PROMISE))
     }
 
