@@ -1,6 +1,5 @@
 //! Entry points: from the user's problem to the loop and back.
 
-use super::adaptive_barrier::AdaptiveBarrier;
 use super::barrier::{BarrierPath, Monotone};
 use super::barrier_problem::BarrierProblem;
 use super::formulation::Formulation;
@@ -8,7 +7,7 @@ use super::iterate::Iterate;
 use super::scaling::interior;
 use super::solution::diagnose;
 use super::solver::{Core, Loop, Observer, Outcome};
-use super::{BarrierStrategy, InputError, NlpProblem, Residuals, Settings, Solution, Status};
+use super::{InputError, NlpProblem, Residuals, Settings, Solution, Status};
 
 /// A point with multipliers to start from, for instance those of an earlier [`Solution`].
 #[derive(Debug, Clone, PartialEq)]
@@ -184,38 +183,12 @@ pub(crate) fn run<'o>(
     if let Some(start) = start {
         check_warm_start(problem, start)?;
     }
-    let point = start.map(|s| &s.x[..]);
-    run_loop(problem, settings, products, path, (point, start), observer)
-}
-
-/// As [`run`], from a point without multipliers, or from the end of an earlier run.
-pub(crate) fn run_from_point<'o>(
-    problem: &mut dyn NlpProblem,
-    settings: &Settings,
-    products: &mut Products,
-    path: &mut dyn BarrierPath,
-    point: Option<&[f64]>,
-    observer: Option<&'o mut Observer<'o>>,
-) -> Result<Solution, InputError> {
-    run_loop(problem, settings, products, path, (point, None), observer)
-}
-
-fn run_loop<'o>(
-    problem: &mut dyn NlpProblem,
-    settings: &Settings,
-    products: &mut Products,
-    path: &mut dyn BarrierPath,
-    (point, start): (Option<&[f64]>, Option<&WarmStart>),
-    observer: Option<&'o mut Observer<'o>>,
-) -> Result<Solution, InputError> {
     settings.validate()?;
+    let point = start.map(|s| &s.x[..]);
     let formulation = Formulation::new(problem, settings, &products.pairs, point)?;
     let mut core = Core::new(formulation, settings, observer)?;
     let main = BarrierProblem::main(&core.formulation);
     let mut main_loop = Loop::new(&mut core, main, path, false);
-    if settings.barrier_strategy == BarrierStrategy::Adaptive && products.pairs.is_empty() {
-        main_loop.adaptive = Some(AdaptiveBarrier::new(settings.tolerance, start.is_some()));
-    }
     first_point(&mut main_loop);
     if !main_loop.evaluate_iterate() {
         let what = not_finite(&main_loop);

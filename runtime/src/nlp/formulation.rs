@@ -3,7 +3,6 @@
 
 use super::scaling::row_scaling;
 use super::{Counts, InputError, NlpProblem, Settings};
-use crate::linalg::FactorizationError;
 
 /// Bounds of this size or larger count as absent.
 const INFINITE: f64 = 1e19;
@@ -133,9 +132,10 @@ impl<'a> Formulation<'a> {
         check_pattern("hessian", &hessian_pattern, n_user, n_user, true)?;
         let size = n_user.max(m_user);
         if u32::try_from(size.max(jacobian_pattern.len()).max(hessian_pattern.len())).is_err() {
-            return Err(InputError::Linear(FactorizationError::Analysis(
-                n_user + m_user,
-            )));
+            return Err(InputError::Size {
+                variables: n_user,
+                constraints: m_user,
+            });
         }
         let jacobian = kept_entries(&jacobian_pattern, &kept, &free);
         let hessian = kept_entries(&hessian_pattern, &free, &free);

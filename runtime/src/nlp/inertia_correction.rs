@@ -3,7 +3,7 @@
 use super::barrier_problem::BarrierProblem;
 use super::iterate::Iterate;
 use super::kkt_system::KktSystem;
-use crate::linalg::{FactorizationError, Inertia};
+use crate::linalg::Inertia;
 
 /// What the next factorization of a matrix with wrong inertia should use.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,10 +67,7 @@ impl InertiaCorrection {
                 {
                     Remedy::ShiftRows
                 }
-                Err(FactorizationError::ZeroPivot(_)) if !rows_shifted => Remedy::ShiftRows,
-                Err(FactorizationError::NotFinite(_) | FactorizationError::Analysis(_)) => {
-                    return false;
-                }
+                Err(_) => return false,
                 _ if !capped => Remedy::CapProducts,
                 _ => Remedy::ShiftHessian(self.next_shift(tried, floor)),
             };

@@ -15,21 +15,20 @@
 
 use cpu_time::ThreadTime;
 
+use super::InputError;
 use super::barrier_problem::{BarrierProblem, Objective};
 use super::formulation::Formulation;
 use super::iterate::Iterate;
-use super::{InputError, LinearSolver};
 use crate::linalg::norms::is_finite;
 use crate::linalg::{
-    FactorizationError, Inertia, KktFactorization, MultifrontalLdl, RefinedSolver, SimplicialLdl,
-    SolveQuality, SymmetricPattern,
+    FactorizationError, Inertia, MultifrontalLdl, RefinedSolver, SymmetricPattern,
 };
 
 /// Assembly, factorization and solution of Newton systems on one pattern.
 pub(crate) struct KktSystem {
     n: usize,
     m: usize,
-    solver: RefinedSolver,
+    solver: RefinedSolver<MultifrontalLdl>,
     /// Positions of the entries of Hessian and Jacobian in the matrix.
     hessian_map: Vec<u32>,
     jacobian_map: Vec<u32>,
@@ -51,14 +50,10 @@ pub(crate) struct KktSystem {
     pub(crate) capped: usize,
     pub(crate) factorizations: usize,
     pub(crate) seconds: f64,
-    is_static: bool,
 }
 
 impl KktSystem {
-    pub(crate) fn new(
-        formulation: &Formulation<'_>,
-        linear_solver: LinearSolver,
-    ) -> Result<Self, InputError> {
+    pub(crate) fn new(formulation: &Formulation<'_>) -> Result<Self, InputError> {
         let n = formulation.variables.len();
         let m = formulation.rows.len();
         let products = formulation.products.iter();
@@ -68,8 +63,12 @@ impl KktSystem {
             .chain(products.flat_map(|&(i, j)| [(i, i), (j, j), (i, j)]));
         let hessian_length = formulation.hessian_entries().count();
         let jacobian_end = hessian_length + formulation.jacobian_entries().count();
-        let (pattern, mut map) = SymmetricPattern::with_map(n + m, entries)
-            .ok_or(InputError::Linear(FactorizationError::Analysis(n + m)))?;
+        let too_large = InputError::Size {
+            variables: n,
+            constraints: m,
+        };
+        let (pattern, mut map) =
+            SymmetricPattern::with_map(n + m, entries).ok_or(too_large.clone())?;
         let product_map = map[jacobian_end..]
             .chunks_exact(3)
             .map(|p| [p[0], p[1], p[2]])
@@ -81,14 +80,11 @@ impl KktSystem {
             product_count[i] += 1.0;
             product_count[j] += 1.0;
         }
-        let back_end: Box<dyn KktFactorization + Send> = match linear_solver {
-            LinearSolver::Pivoting => Box::new(MultifrontalLdl::new(&pattern, n)?),
-            LinearSolver::Static => Box::new(SimplicialLdl::new(&pattern, n)?),
-        };
+        let factorization = MultifrontalLdl::new(&pattern, n).map_err(|_| too_large)?;
         Ok(Self {
             n,
             m,
-            solver: RefinedSolver::new(pattern, n, back_end),
+            solver: RefinedSolver::new(pattern, n, factorization),
             hessian_map: map,
             jacobian_map,
             product_map,
@@ -104,24 +100,7 @@ impl KktSystem {
             capped: 0,
             factorizations: 0,
             seconds: 0.0,
-            is_static: linear_solver == LinearSolver::Static,
         })
-    }
-
-    /// Changes from the static to the pivoting factorization for the rest of the run; `false` if it is in
-    /// use already.
-    pub(crate) fn change_to_pivoting(&mut self) -> bool {
-        if !self.is_static {
-            return false;
-        }
-        self.is_static = false;
-        match MultifrontalLdl::new(self.solver.pattern(), self.n) {
-            Ok(back_end) => {
-                self.solver.replace_back_end(Box::new(back_end));
-                true
-            }
-            Err(_) => false,
-        }
     }
 
     /// Number of explicit rows, the negative eigenvalues of a matrix that gives descent.
@@ -230,7 +209,7 @@ impl KktSystem {
     ) -> Result<Inertia, FactorizationError> {
         let start = ThreadTime::now();
         self.factorizations += 1;
-        let result = self.solver.factor_held(delta_w, delta_c);
+        let result = self.solver.factor(delta_w, delta_c);
         self.seconds += start.elapsed().as_secs_f64();
         result
     }
@@ -245,7 +224,7 @@ impl KktSystem {
         residual: &[f64],
         mu: f64,
         direction: &mut Iterate,
-    ) -> SolveQuality {
+    ) -> f64 {
         self.barrier_gradient.clear();
         for (i, lagrangian) in lagrangian.iter().enumerate() {
             let mut g = lagrangian + iterate.z_lower[i] - iterate.z_upper[i];
@@ -257,7 +236,7 @@ impl KktSystem {
             }
             self.barrier_gradient.push(g + mu * problem.damping(i));
         }
-        let quality = self.solve_reduced(problem, iterate, residual, direction);
+        let residual = self.solve_reduced(problem, iterate, residual, direction);
         for i in 0..problem.variables() {
             let step = direction.v[i];
             direction.z_lower[i] = if problem.lower[i].is_finite() {
@@ -273,7 +252,7 @@ impl KktSystem {
                 0.0
             };
         }
-        quality
+        residual
     }
 
     /// Solves for (dx, ds, dy) from `barrier_gradient` and `residual`.
@@ -283,7 +262,7 @@ impl KktSystem {
         iterate: &Iterate,
         residual: &[f64],
         direction: &mut Iterate,
-    ) -> SolveQuality {
+    ) -> f64 {
         let start = ThreadTime::now();
         let n = self.n;
         self.row_terms.clear();
@@ -303,7 +282,7 @@ impl KktSystem {
             self.right_hand_side[i] -= iterate.v[j] * t;
             self.right_hand_side[j] -= iterate.v[i] * t;
         }
-        let quality = self.solver.solve(&self.right_hand_side, &mut self.solution);
+        let residual = self.solver.solve(&self.right_hand_side, &mut self.solution);
         direction.v[..n].copy_from_slice(&self.solution[..n]);
         direction.y[..self.m].copy_from_slice(&self.solution[n..]);
         for (pair, &(i, j)) in problem.products.iter().enumerate() {
@@ -316,7 +295,7 @@ impl KktSystem {
             direction.v[n + k] = -g / self.stiffness[n + k];
         }
         self.seconds += start.elapsed().as_secs_f64();
-        quality
+        residual
     }
 
     /// Least-squares multipliers of the explicit rows,
@@ -359,9 +338,9 @@ impl KktSystem {
         for row in 0..self.m {
             self.right_hand_side[self.n + row] = -self.row_terms[row];
         }
-        let quality = self.solver.solve(&self.right_hand_side, &mut self.solution);
+        let residual = self.solver.solve(&self.right_hand_side, &mut self.solution);
         let y = &self.solution[self.n..];
-        if quality.residual < 1e-5 && y.iter().all(|y| y.abs() <= limit) {
+        if residual < 1e-5 && y.iter().all(|y| y.abs() <= limit) {
             work.y[..self.m].copy_from_slice(y);
             iterate.y[..self.m].copy_from_slice(y);
         }

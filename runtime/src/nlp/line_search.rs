@@ -18,8 +18,6 @@ pub(crate) enum Acceptance {
     Filter,
     /// The step is below the resolution of the numbers.
     Tiny,
-    /// A full step of the watchdog, taken without a test.
-    Watchdog,
 }
 
 impl Acceptance {
@@ -32,7 +30,6 @@ impl Acceptance {
             (Self::Filter, false) => 'h',
             (Self::Filter, true) => 'H',
             (Self::Tiny, _) => 't',
-            (Self::Watchdog, _) => 'w',
         }
     }
 }
@@ -107,9 +104,6 @@ impl Loop<'_, '_, '_, '_> {
     }
 
     pub(crate) fn line_search(&mut self) -> Search {
-        if let Some(search) = self.watchdog_step() {
-            return search;
-        }
         let alpha_max = self.longest_step(&self.direction);
         let reference = Reference {
             theta: self.values.theta,
@@ -126,26 +120,15 @@ impl Loop<'_, '_, '_, '_> {
                 filter_rejected: false,
             };
         }
-        if let Some(search) = self.begin_watchdog(&reference, alpha_max) {
-            return search;
-        }
-        let search = self.backtrack(&reference, alpha_max, alpha_max);
-        self.watchdog.see(&search);
-        search
+        self.backtrack(&reference, alpha_max)
     }
 
-    /// Halves the step from `first` on until the point is acceptable; a second-order correction belongs to the longest
-    /// step only.
-    pub(crate) fn backtrack(
-        &mut self,
-        reference: &Reference,
-        alpha_max: f64,
-        first: f64,
-    ) -> Search {
+    /// Halves the step until the point is acceptable; a second-order correction belongs to the longest step only.
+    fn backtrack(&mut self, reference: &Reference, alpha_max: f64) -> Search {
         let mut search = Search::failed(0);
         search.alpha_max = alpha_max;
         let alpha_min = smallest_step(reference.theta, reference.slope, self.theta_min);
-        let mut alpha = first;
+        let mut alpha = alpha_max;
         loop {
             search.trials += 1;
             if self.take_trial(alpha, false) {

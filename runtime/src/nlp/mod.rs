@@ -19,16 +19,13 @@
 //! until `max(|dual|/s_d, |c|, |complementarity|/s_c) <= 10 mu`; then `mu` falls. The Newton matrix is shifted
 //! until its inertia promises descent. A filter of pairs (violation, `phi`) accepts steps, with second-order
 //! corrections; where no step is acceptable a restoration phase minimizes the violation. Files follow
-//! these ideas. `mu` falls by an adaptive rule or by the monotone one ([`BarrierStrategy`]), a watchdog allows full steps
-//! after many shortened ones, and before a restoration phase steps are tried that lower the optimality error alone. The
-//! constants are those of Waechter and Biegler (Mathematical Programming 106, 2006) where
+//! these ideas. The constants are those of Waechter and Biegler (Mathematical Programming 106, 2006) where
 //! nothing else is said. What differs: slacks of inequalities and elastic slacks of the restoration phase are
 //! eliminated, so that both phases share one sparsity and one symbolic factorization; slacks of inequalities are
 //! reset to the constraint value at trial points while their barrier stays comparable, which halves the
 //! iterations on some problems; bounds are not relaxed by default; a solution whose multipliers are huge is called
 //! [`Status::Degenerate`], not solved.
 
-mod adaptive_barrier;
 mod barrier;
 mod barrier_problem;
 mod derivative_check;
@@ -45,20 +42,17 @@ mod kkt_system;
 mod line_search;
 mod pattern;
 mod problem;
-mod quality_function;
 mod rescue;
 mod residuals;
 mod restoration;
 mod scaling;
 mod second_order_correction;
 mod settings;
-mod soft_restoration;
 mod solution;
 mod solver;
 mod statistics;
 mod status;
 mod step;
-mod watchdog;
 
 pub use derivative_check::{DerivativeEntry, DerivativeReport, check_derivatives};
 pub use driver::{WarmStart, solve, solve_from};
@@ -69,11 +63,11 @@ pub use info::IterationInfo;
 pub use num_dual::DualNum;
 pub(crate) use pattern::Pattern;
 pub use problem::NlpProblem;
-pub use settings::{BarrierStrategy, LinearSolver, Settings};
+pub use settings::Settings;
 pub use solution::{Counts, Residuals, Solution, Violation};
 pub use solver::Observer;
 pub use statistics::ProblemStatistics;
 pub use status::Status;
 
 pub(crate) use barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};
-pub(crate) use driver::{Products, run, run_from_point};
+pub(crate) use driver::{Products, run};

@@ -1,4 +1,4 @@
-//! What to do when no step is found: larger shifts, soft restoration, restoration, or the end.
+//! What to do when no step is found: larger shifts, restoration, or the end.
 
 use super::Status;
 use super::restoration::Restored;
@@ -33,10 +33,6 @@ impl Loop<'_, '_, '_, '_> {
             };
             return Some(self.outcome(status));
         }
-        if had_direction && self.soft_restoration_step() {
-            return None;
-        }
-        self.soft_steps = 0;
         self.restore(0.9)
     }
 

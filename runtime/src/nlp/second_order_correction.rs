@@ -24,7 +24,7 @@ impl Loop<'_, '_, '_, '_> {
             {
                 *c = factor * *c + trial;
             }
-            let quality = self.core.kkt.direction(
+            let residual = self.core.kkt.direction(
                 &self.problem,
                 &self.iterate,
                 &self.lagrangian,
@@ -32,7 +32,7 @@ impl Loop<'_, '_, '_, '_> {
                 self.mu,
                 &mut self.correction,
             );
-            if quality.residual > 1e-5 {
+            if residual > 1e-5 {
                 return Acceptance::None;
             }
             let step = self.longest_step(&self.correction);

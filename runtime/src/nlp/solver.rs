@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use super::adaptive_barrier::AdaptiveBarrier;
 use super::barrier::{BarrierPath, Level, PathStep};
 use super::barrier_problem::{BarrierProblem, Values};
 use super::filter::Filter;
@@ -11,9 +10,7 @@ use super::inertia_correction::InertiaCorrection;
 use super::iterate::{Iterate, longest_dual_step, longest_primal_step};
 use super::kkt_system::KktSystem;
 use super::line_search::{Acceptance, Search};
-use super::quality_function::QualityFunction;
 use super::residuals::{Optimality, OptimalityError, lagrangian_gradient};
-use super::watchdog::Watchdog;
 use super::{InputError, IterationInfo, Settings, Status};
 use crate::linalg::norms::{is_finite, norm_inf};
 
@@ -38,7 +35,7 @@ impl<'a, 'o> Core<'a, 'o> {
         settings: &Settings,
         observer: Option<&'o mut Observer<'o>>,
     ) -> Result<Self, InputError> {
-        let kkt = KktSystem::new(&formulation, settings.linear_solver)?;
+        let kkt = KktSystem::new(&formulation)?;
         Ok(Self {
             formulation,
             kkt,
@@ -109,11 +106,6 @@ pub(crate) struct Loop<'c, 'a, 'o, 'p> {
     pub(crate) last_restoration: Option<usize>,
     /// Least violation that a restoration phase reached.
     pub(crate) restored_theta: f64,
-    pub(crate) adaptive: Option<AdaptiveBarrier>,
-    pub(crate) quality: QualityFunction,
-    pub(crate) watchdog: Watchdog,
-    /// Steps of the soft restoration in a row.
-    pub(crate) soft_steps: usize,
     pub(crate) info: IterationInfo,
 }
 
@@ -161,10 +153,6 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             degenerate: 0,
             last_restoration: None,
             restored_theta: f64::INFINITY,
-            adaptive: None,
-            quality: QualityFunction::default(),
-            watchdog: Watchdog::default(),
-            soft_steps: 0,
             info: IterationInfo {
                 acceptance: ' ',
                 ..IterationInfo::default()
@@ -261,7 +249,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             if let Some(status) = self.stop_test(&error) {
                 return self.outcome(status);
             }
-            if let Some(status) = self.update_adaptive_barrier() {
+            if let Some(status) = self.update_barrier() {
                 return self.outcome(status);
             }
             let count = self.core.kkt.factorizations;
@@ -270,8 +258,7 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
             if !self.core.kkt.is_finite() {
                 return self.outcome(Status::NotFinite);
             }
-            // in the soft restoration the Newton step is judged in another way
-            let search = if found && self.soft_steps == 0 {
+            let search = if found {
                 self.line_search()
             } else {
                 Search::failed(0)
@@ -431,7 +418,6 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
         self.mu = mu;
         self.tau = fraction_to_boundary(mu);
         self.filter.clear();
-        self.watchdog.reset();
         self.level_iterations = 0;
         self.jams = 0;
         let changed = sigma != self.sigma;
@@ -491,30 +477,17 @@ impl<'c, 'a, 'o, 'p> Loop<'c, 'a, 'o, 'p> {
                 floor,
                 dual_shift,
             ) {
-                if core.kkt.change_to_pivoting() {
-                    continue;
-                }
                 return false;
             }
-            let quality = match self.choose_centring() {
-                Some(quality) => quality,
-                None => self.core.kkt.direction(
-                    &self.problem,
-                    &self.iterate,
-                    &self.lagrangian,
-                    &self.values.residual,
-                    self.mu,
-                    &mut self.direction,
-                ),
-            };
-            let core = &mut *self.core;
-            let solved = quality.residual <= 1e-5 && is_finite(&self.direction.v);
-            // static shifts that refinement cannot remove show in the backward error
-            let imprecise = !solved || quality.backward > 1e-4;
-            if imprecise && core.kkt.change_to_pivoting() {
-                continue;
-            }
-            if solved {
+            let residual = core.kkt.direction(
+                &self.problem,
+                &self.iterate,
+                &self.lagrangian,
+                &self.values.residual,
+                self.mu,
+                &mut self.direction,
+            );
+            if residual <= 1e-5 && is_finite(&self.direction.v) {
                 return true;
             }
             // as good as singular: shift both blocks

@@ -40,7 +40,6 @@ impl Loop<'_, '_, '_, '_> {
         self.info.trials = search.trials;
         self.info.acceptance = search.acceptance.letter(search.corrected);
         self.stalls = 0;
-        self.soft_steps = 0;
         if search.acceptance == Acceptance::Tiny {
             self.tiny_steps += 1;
         } else {
@@ -84,9 +83,7 @@ impl Loop<'_, '_, '_, '_> {
         } else {
             0.05
         };
-        if search.acceptance == Acceptance::Watchdog {
-            // a step without a test says nothing
-        } else if search.alpha < short && self.values.theta > 1e-6 {
+        if search.alpha < short && self.values.theta > 1e-6 {
             self.jams += 1;
         } else {
             self.jams = 0;

@@ -95,9 +95,10 @@ impl ElementProblem {
         }
         let length = entries + n;
         if u32::try_from(length.max(second.len()).max(first.len())).is_err() {
-            return Err(InputError::Linear(
-                crate::linalg::FactorizationError::Analysis(n + m),
-            ));
+            return Err(InputError::Size {
+                variables: n,
+                constraints: m,
+            });
         }
         let jacobian_pattern = all_first[..entries].to_vec();
         let mut constant_first = vec![0.0; length];
