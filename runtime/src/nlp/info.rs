@@ -36,3 +36,6 @@ pub struct IterationInfo {
     /// correction, `t` tiny step, `R` after restoration, ` ` none.
     pub acceptance: char,
 }
+
+/// Receives each line of the log as it is made; `false` stops the run.
+pub type Observer<'a> = dyn FnMut(&IterationInfo) -> bool + 'a;

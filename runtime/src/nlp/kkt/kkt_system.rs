@@ -15,25 +15,21 @@
 
 use cpu_time::ThreadTime;
 
-use super::InputError;
-use super::barrier_problem::{BarrierProblem, Objective};
-use super::formulation::Formulation;
-use super::iterate::Iterate;
 use crate::linalg::norms::is_finite;
 use crate::linalg::{
     FactorizationError, Inertia, MultifrontalLdl, RefinedSolver, SymmetricPattern,
 };
+use crate::nlp::InputError;
+use crate::nlp::program::barrier_problem::{BarrierProblem, Objective};
+use crate::nlp::program::formulation::Formulation;
+use crate::nlp::program::iterate::Iterate;
 
 /// Assembly, factorization and solution of Newton systems on one pattern.
 pub(crate) struct KktSystem {
     n: usize,
     m: usize,
     solver: RefinedSolver<MultifrontalLdl>,
-    /// Positions of the entries of Hessian and Jacobian in the matrix.
-    hessian_map: Vec<u32>,
-    jacobian_map: Vec<u32>,
-    /// Positions (i, i), (j, j), (i, j) of each product.
-    product_map: Vec<[u32; 3]>,
+    maps: Maps,
     /// Number of products that a variable belongs to.
     product_count: Vec<f64>,
     pub(crate) hessian_values: Vec<f64>,
@@ -46,10 +42,17 @@ pub(crate) struct KktSystem {
     row_terms: Vec<f64>,
     right_hand_side: Vec<f64>,
     solution: Vec<f64>,
-    /// Number of products whose off-diagonal entry was capped in the last assembly.
-    pub(crate) capped: usize,
     pub(crate) factorizations: usize,
     pub(crate) seconds: f64,
+}
+
+/// Positions in the matrix.
+struct Maps {
+    /// Of the entries of Hessian and Jacobian.
+    hessian: Vec<u32>,
+    jacobian: Vec<u32>,
+    /// (i, i), (j, j), (i, j) of each product.
+    products: Vec<[u32; 3]>,
 }
 
 impl KktSystem {
@@ -85,9 +88,11 @@ impl KktSystem {
             n,
             m,
             solver: RefinedSolver::new(pattern, n, factorization),
-            hessian_map: map,
-            jacobian_map,
-            product_map,
+            maps: Maps {
+                hessian: map,
+                jacobian: jacobian_map,
+                products: product_map,
+            },
             product_count,
             hessian_values: vec![0.0; hessian_length],
             jacobian_values: vec![0.0; jacobian_end - hessian_length],
@@ -97,7 +102,6 @@ impl KktSystem {
             row_terms: Vec::new(),
             right_hand_side: vec![0.0; n + m],
             solution: vec![0.0; n + m],
-            capped: 0,
             factorizations: 0,
             seconds: 0.0,
         })
@@ -131,10 +135,10 @@ impl KktSystem {
         let start = ThreadTime::now();
         let values = self.solver.values_mut();
         values.fill(0.0);
-        for (&position, &h) in self.hessian_map.iter().zip(&self.hessian_values) {
+        for (&position, &h) in self.maps.hessian.iter().zip(&self.hessian_values) {
             values[position as usize] += h;
         }
-        for (&position, &a) in self.jacobian_map.iter().zip(&self.jacobian_values) {
+        for (&position, &a) in self.maps.jacobian.iter().zip(&self.jacobian_values) {
             values[position as usize] += a;
         }
         self.stiffness.clear();
@@ -157,8 +161,7 @@ impl KktSystem {
             self.solver
                 .add_to_diagonal(self.n + row, -self.flexibility[row]);
         }
-        self.capped = 0;
-        for (pair, (&(i, j), map)) in problem.products.iter().zip(&self.product_map).enumerate() {
+        for (pair, (&(i, j), map)) in problem.products.iter().zip(&self.maps.products).enumerate() {
             let w = 1.0 / self.flexibility[self.m + pair];
             let (x_i, x_j) = (iterate.v[i], iterate.v[j]);
             let mut r = iterate.y[self.m + pair];
@@ -167,7 +170,6 @@ impl KktSystem {
                 let cap = 0.99 * (share(i) * share(j)).sqrt();
                 if r.abs() > cap {
                     r = r.signum() * cap;
-                    self.capped += 1;
                 }
             }
             let values = self.solver.values_mut();
@@ -182,7 +184,7 @@ impl KktSystem {
     fn assemble_least_squares(&mut self, problem: &BarrierProblem) {
         let values = self.solver.values_mut();
         values.fill(0.0);
-        for (&position, &a) in self.jacobian_map.iter().zip(&self.jacobian_values) {
+        for (&position, &a) in self.maps.jacobian.iter().zip(&self.jacobian_values) {
             values[position as usize] += a;
         }
         self.stiffness.clear();
