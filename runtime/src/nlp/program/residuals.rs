@@ -135,8 +135,8 @@ pub(crate) fn lagrangian_gradient(
 
 #[cfg(test)]
 mod tests {
+    use super::super::barrier_problem::Objective;
     use super::*;
-    use crate::nlp::barrier_problem::Objective;
 
     #[test]
     fn scaled_takes_the_largest_of_the_three_scaled_norms() {

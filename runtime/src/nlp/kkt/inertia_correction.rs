@@ -1,9 +1,9 @@
 //! Shifts of the Newton matrix until it has the inertia of a descent direction.
 
-use super::barrier_problem::BarrierProblem;
-use super::iterate::Iterate;
 use super::kkt_system::KktSystem;
-use crate::linalg::{FactorizationError, Inertia};
+use crate::linalg::Inertia;
+use crate::nlp::program::barrier_problem::BarrierProblem;
+use crate::nlp::program::iterate::Iterate;
 
 /// What the next factorization of a matrix with wrong inertia should use.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,10 +67,7 @@ impl InertiaCorrection {
                 {
                     Remedy::ShiftRows
                 }
-                Err(FactorizationError::ZeroPivot(_)) if !rows_shifted => Remedy::ShiftRows,
-                Err(FactorizationError::NotFinite(_) | FactorizationError::Analysis(_)) => {
-                    return false;
-                }
+                Err(_) => return false,
                 _ if !capped => Remedy::CapProducts,
                 _ => Remedy::ShiftHessian(self.next_shift(tried, floor)),
             };

@@ -1,4 +1,4 @@
-//! The entry points: rules one after the other, or side by side.
+//! The entry points: rules one after the other.
 
 use super::crossover::improve;
 use super::run::{BINDING, Ended, solve_with};
@@ -145,99 +145,6 @@ pub fn solve_observed(
         value: 0.0,
         range: "a list of at least one rule",
     })
-}
-
-/// As [`solve`], with one thread for each rule, each on its own copy of the problem; of several certified
-/// points the one with the least objective is returned, of equal ones that of the first rule: the result does not
-/// depend on the speed of the threads.
-///
-/// Iterations and factorizations of the result are those of all threads.
-///
-/// # Errors
-/// As [`solve`].
-///
-/// # Examples
-/// Minimize `x_0^2 + 2 x_1^2` subject to `x_0 + x_1 = 1`, `0 <= x_0 _|_ x_1 >= 0`: of the two feasible points
-/// (1, 0) and (0, 1), both S-stationary, the first is the better one.
-///
-/// ```
-/// # use hangtime::nlp::NlpProblem;
-/// # #[derive(Clone)]
-/// # struct Problem;
-/// # impl NlpProblem for Problem {
-/// #     fn variables(&self) -> usize { 2 }
-/// #     fn constraints(&self) -> usize { 1 }
-/// #     fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) { lower.fill(0.0); upper.fill(f64::INFINITY); }
-/// #     fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) { lower[0] = 1.0; upper[0] = 1.0; }
-/// #     fn initial_point(&self, x: &mut [f64]) { x.fill(0.5); }
-/// #     fn objective(&mut self, x: &[f64]) -> f64 { x[0] * x[0] + 2.0 * x[1] * x[1] }
-/// #     fn gradient(&mut self, x: &[f64], g: &mut [f64]) { g[0] = 2.0 * x[0]; g[1] = 4.0 * x[1]; }
-/// #     fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) { c[0] = x[0] + x[1]; }
-/// #     fn jacobian_pattern(&self) -> Vec<(usize, usize)> { vec![(0, 0), (0, 1)] }
-/// #     fn jacobian_values(&mut self, _: &[f64], values: &mut [f64]) { values.fill(1.0); }
-/// #     fn hessian_pattern(&self) -> Vec<(usize, usize)> { vec![(0, 0), (1, 1)] }
-/// #     fn hessian_values(&mut self, _: &[f64], weight: f64, _: &[f64], values: &mut [f64]) {
-/// #         values[0] = 2.0 * weight;
-/// #         values[1] = 4.0 * weight;
-/// #     }
-/// # }
-/// use hangtime::mpcc::{self, Mpcc, Settings};
-///
-/// impl Mpcc for Problem {
-///     fn complementarities(&self) -> &[(usize, usize)] { &[(0, 1)] }
-/// }
-///
-/// let solution = mpcc::solve_parallel(&Problem, &Settings::default())?;
-/// assert!(solution.status.is_solved());
-/// assert!((solution.objective - 1.0).abs() < 1e-8);
-/// # Ok::<(), hangtime::nlp::InputError>(())
-/// ```
-pub fn solve_parallel<P>(problem: &P, settings: &Settings) -> Result<Solution, InputError>
-where
-    P: Mpcc + Clone + Send,
-{
-    settings.validate()?;
-    check_pairs(problem)?;
-    let copies = settings.rules.iter().map(|&rule| (problem.clone(), rule));
-    let copies: Vec<(P, RelaxationRule)> = copies.collect();
-    let run = |(mut copy, rule): (P, RelaxationRule)| {
-        let mut observer = |_: &nlp::IterationInfo| true;
-        let mut watch = Watch::new(settings, &mut observer);
-        let ended = solve_with(&mut copy, settings, rule, &mut watch)?;
-        Ok(complete(&mut copy, settings, ended, &mut watch))
-    };
-    let results: Vec<Result<Solution, InputError>> = std::thread::scope(|scope| {
-        let threads = copies
-            .into_iter()
-            .map(|copy| scope.spawn(move || run(copy)));
-        let threads: Vec<_> = threads.collect();
-        let joined = threads.into_iter().map(|thread| match thread.join() {
-            Ok(result) => result,
-            Err(panic) => std::panic::resume_unwind(panic),
-        });
-        joined.collect()
-    });
-    let solutions = results.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let total = |count: fn(&Solution) -> usize| solutions.iter().map(count).sum();
-    let iterations = total(|s| s.iterations);
-    let crossover_iterations = total(|s| s.crossover_iterations);
-    let certificate_iterations = total(|s| s.certificate_iterations);
-    let factorizations = total(|s| s.factorizations);
-    solutions
-        .into_iter()
-        .min_by(compare)
-        .map(|best| Solution {
-            iterations,
-            crossover_iterations,
-            certificate_iterations,
-            factorizations,
-            ..best
-        })
-        .ok_or(InputError::Setting {
-            name: "rules",
-            value: 0.0,
-            range: "a list of at least one rule",
-        })
 }
 
 /// The best of the rules, improved by neighbours where it is certified, with the totals of all rules.

@@ -1,32 +1,32 @@
 //! The filter: pairs of constraint violation and objective that no trial point may be dominated by.
 
 /// Margin of the violation, gamma_theta.
-pub(crate) const GAMMA_THETA: f64 = 1e-5;
+pub(super) const GAMMA_THETA: f64 = 1e-5;
 /// Margin of the objective, gamma_phi.
-pub(crate) const GAMMA_PHI: f64 = 1e-8;
+pub(super) const GAMMA_PHI: f64 = 1e-8;
 
 /// Entries (theta, phi), margins already subtracted (Waechter and Biegler 2006, section 2.3).
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Filter {
+pub(super) struct Filter {
     entries: Vec<(f64, f64)>,
     /// Violation above which no point is acceptable.
-    pub(crate) theta_max: f64,
+    pub(super) theta_max: f64,
 }
 
 impl Filter {
-    pub(crate) fn new(theta_max: f64) -> Self {
+    pub(super) fn new(theta_max: f64) -> Self {
         Self {
             entries: Vec::with_capacity(64),
             theta_max,
         }
     }
 
-    pub(crate) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.entries.clear();
     }
 
     /// Whether (theta, phi) is dominated by no entry and below the greatest violation.
-    pub(crate) fn accepts(&self, theta: f64, phi: f64) -> bool {
+    pub(super) fn accepts(&self, theta: f64, phi: f64) -> bool {
         theta <= self.theta_max
             && self
                 .entries
@@ -35,7 +35,7 @@ impl Filter {
     }
 
     /// Adds the envelope of (theta, phi) and drops entries that it dominates.
-    pub(crate) fn add(&mut self, theta: f64, phi: f64) {
+    pub(super) fn add(&mut self, theta: f64, phi: f64) {
         let entry = ((1.0 - GAMMA_THETA) * theta, phi - GAMMA_PHI * theta);
         self.entries.retain(|e| e.0 < entry.0 || e.1 < entry.1);
         self.entries.push(entry);
@@ -43,29 +43,29 @@ impl Filter {
 }
 
 /// `left <= right` up to ten units of rounding of `base`.
-pub(crate) fn not_above(left: f64, right: f64, base: f64) -> bool {
+pub(super) fn not_above(left: f64, right: f64, base: f64) -> bool {
     left - right <= 10.0 * f64::EPSILON * base.abs()
 }
 
 /// Switching condition: the step promises so much descent of the objective, compared with the
 /// violation, that the objective decides: `alpha (-slope)^2.3 > theta^1.1` (equation 19).
-pub(crate) fn is_switching(slope: f64, alpha: f64, theta: f64) -> bool {
+pub(super) fn is_switching(slope: f64, alpha: f64, theta: f64) -> bool {
     slope < 0.0 && alpha * (-slope).powf(2.3) > theta.powf(1.1)
 }
 
 /// Armijo condition `phi(alpha) <= phi + 1e-8 alpha slope` (equation 20).
-pub(crate) fn is_armijo(trial: f64, phi: f64, alpha: f64, slope: f64) -> bool {
+pub(super) fn is_armijo(trial: f64, phi: f64, alpha: f64, slope: f64) -> bool {
     not_above(trial - phi, 1e-8 * alpha * slope, phi)
 }
 
 /// Sufficient progress in violation or objective compared with the current point (equation 18).
-pub(crate) fn is_sufficient(theta_trial: f64, phi_trial: f64, theta: f64, phi: f64) -> bool {
+pub(super) fn is_sufficient(theta_trial: f64, phi_trial: f64, theta: f64, phi: f64) -> bool {
     not_above(theta_trial, (1.0 - GAMMA_THETA) * theta, theta)
         || not_above(phi_trial - phi, -GAMMA_PHI * theta, phi)
 }
 
 /// Step length below which the line search gives up (equation 23), `gamma_alpha = 0.05`.
-pub(crate) fn smallest_step(theta: f64, slope: f64, theta_min: f64) -> f64 {
+pub(super) fn smallest_step(theta: f64, slope: f64, theta_min: f64) -> f64 {
     let mut bound = GAMMA_THETA;
     if slope < 0.0 {
         bound = bound.min(GAMMA_PHI * theta / -slope);

@@ -80,13 +80,6 @@ impl Values {
     pub(crate) fn infeasibility(&self) -> f64 {
         norm_inf(&self.residual)
     }
-
-    /// Takes over the values of `other`, which has the same shape.
-    pub(crate) fn copy_from(&mut self, other: &Self) {
-        self.objective = other.objective;
-        self.residual.copy_from_slice(&other.residual);
-        (self.theta, self.barrier) = (other.theta, other.barrier);
-    }
 }
 
 impl BarrierProblem {

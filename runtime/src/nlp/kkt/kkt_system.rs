@@ -15,26 +15,21 @@
 
 use cpu_time::ThreadTime;
 
-use super::barrier_problem::{BarrierProblem, Objective};
-use super::formulation::Formulation;
-use super::iterate::Iterate;
-use super::{InputError, LinearSolver};
 use crate::linalg::norms::is_finite;
 use crate::linalg::{
-    FactorizationError, Inertia, KktFactorization, MultifrontalLdl, RefinedSolver, SimplicialLdl,
-    SolveQuality, SymmetricPattern,
+    FactorizationError, Inertia, MultifrontalLdl, RefinedSolver, SymmetricPattern,
 };
+use crate::nlp::InputError;
+use crate::nlp::program::barrier_problem::{BarrierProblem, Objective};
+use crate::nlp::program::formulation::Formulation;
+use crate::nlp::program::iterate::Iterate;
 
 /// Assembly, factorization and solution of Newton systems on one pattern.
 pub(crate) struct KktSystem {
     n: usize,
     m: usize,
-    solver: RefinedSolver,
-    /// Positions of the entries of Hessian and Jacobian in the matrix.
-    hessian_map: Vec<u32>,
-    jacobian_map: Vec<u32>,
-    /// Positions (i, i), (j, j), (i, j) of each product.
-    product_map: Vec<[u32; 3]>,
+    solver: RefinedSolver<MultifrontalLdl>,
+    maps: Maps,
     /// Number of products that a variable belongs to.
     product_count: Vec<f64>,
     pub(crate) hessian_values: Vec<f64>,
@@ -47,18 +42,21 @@ pub(crate) struct KktSystem {
     row_terms: Vec<f64>,
     right_hand_side: Vec<f64>,
     solution: Vec<f64>,
-    /// Number of products whose off-diagonal entry was capped in the last assembly.
-    pub(crate) capped: usize,
     pub(crate) factorizations: usize,
     pub(crate) seconds: f64,
-    is_static: bool,
+}
+
+/// Positions in the matrix.
+struct Maps {
+    /// Of the entries of Hessian and Jacobian.
+    hessian: Vec<u32>,
+    jacobian: Vec<u32>,
+    /// (i, i), (j, j), (i, j) of each product.
+    products: Vec<[u32; 3]>,
 }
 
 impl KktSystem {
-    pub(crate) fn new(
-        formulation: &Formulation<'_>,
-        linear_solver: LinearSolver,
-    ) -> Result<Self, InputError> {
+    pub(crate) fn new(formulation: &Formulation<'_>) -> Result<Self, InputError> {
         let n = formulation.variables.len();
         let m = formulation.rows.len();
         let products = formulation.products.iter();
@@ -68,8 +66,12 @@ impl KktSystem {
             .chain(products.flat_map(|&(i, j)| [(i, i), (j, j), (i, j)]));
         let hessian_length = formulation.hessian_entries().count();
         let jacobian_end = hessian_length + formulation.jacobian_entries().count();
-        let (pattern, mut map) = SymmetricPattern::with_map(n + m, entries)
-            .ok_or(InputError::Linear(FactorizationError::Analysis(n + m)))?;
+        let too_large = InputError::Size {
+            variables: n,
+            constraints: m,
+        };
+        let (pattern, mut map) =
+            SymmetricPattern::with_map(n + m, entries).ok_or(too_large.clone())?;
         let product_map = map[jacobian_end..]
             .chunks_exact(3)
             .map(|p| [p[0], p[1], p[2]])
@@ -81,17 +83,16 @@ impl KktSystem {
             product_count[i] += 1.0;
             product_count[j] += 1.0;
         }
-        let back_end: Box<dyn KktFactorization + Send> = match linear_solver {
-            LinearSolver::Pivoting => Box::new(MultifrontalLdl::new(&pattern, n)?),
-            LinearSolver::Static => Box::new(SimplicialLdl::new(&pattern, n)?),
-        };
+        let factorization = MultifrontalLdl::new(&pattern, n).map_err(|_| too_large)?;
         Ok(Self {
             n,
             m,
-            solver: RefinedSolver::new(pattern, n, back_end),
-            hessian_map: map,
-            jacobian_map,
-            product_map,
+            solver: RefinedSolver::new(pattern, n, factorization),
+            maps: Maps {
+                hessian: map,
+                jacobian: jacobian_map,
+                products: product_map,
+            },
             product_count,
             hessian_values: vec![0.0; hessian_length],
             jacobian_values: vec![0.0; jacobian_end - hessian_length],
@@ -101,27 +102,9 @@ impl KktSystem {
             row_terms: Vec::new(),
             right_hand_side: vec![0.0; n + m],
             solution: vec![0.0; n + m],
-            capped: 0,
             factorizations: 0,
             seconds: 0.0,
-            is_static: linear_solver == LinearSolver::Static,
         })
-    }
-
-    /// Changes from the static to the pivoting factorization for the rest of the run; `false` if it is in
-    /// use already.
-    pub(crate) fn change_to_pivoting(&mut self) -> bool {
-        if !self.is_static {
-            return false;
-        }
-        self.is_static = false;
-        match MultifrontalLdl::new(self.solver.pattern(), self.n) {
-            Ok(back_end) => {
-                self.solver.replace_back_end(Box::new(back_end));
-                true
-            }
-            Err(_) => false,
-        }
     }
 
     /// Number of explicit rows, the negative eigenvalues of a matrix that gives descent.
@@ -152,10 +135,10 @@ impl KktSystem {
         let start = ThreadTime::now();
         let values = self.solver.values_mut();
         values.fill(0.0);
-        for (&position, &h) in self.hessian_map.iter().zip(&self.hessian_values) {
+        for (&position, &h) in self.maps.hessian.iter().zip(&self.hessian_values) {
             values[position as usize] += h;
         }
-        for (&position, &a) in self.jacobian_map.iter().zip(&self.jacobian_values) {
+        for (&position, &a) in self.maps.jacobian.iter().zip(&self.jacobian_values) {
             values[position as usize] += a;
         }
         self.stiffness.clear();
@@ -178,8 +161,7 @@ impl KktSystem {
             self.solver
                 .add_to_diagonal(self.n + row, -self.flexibility[row]);
         }
-        self.capped = 0;
-        for (pair, (&(i, j), map)) in problem.products.iter().zip(&self.product_map).enumerate() {
+        for (pair, (&(i, j), map)) in problem.products.iter().zip(&self.maps.products).enumerate() {
             let w = 1.0 / self.flexibility[self.m + pair];
             let (x_i, x_j) = (iterate.v[i], iterate.v[j]);
             let mut r = iterate.y[self.m + pair];
@@ -188,7 +170,6 @@ impl KktSystem {
                 let cap = 0.99 * (share(i) * share(j)).sqrt();
                 if r.abs() > cap {
                     r = r.signum() * cap;
-                    self.capped += 1;
                 }
             }
             let values = self.solver.values_mut();
@@ -203,7 +184,7 @@ impl KktSystem {
     fn assemble_least_squares(&mut self, problem: &BarrierProblem) {
         let values = self.solver.values_mut();
         values.fill(0.0);
-        for (&position, &a) in self.jacobian_map.iter().zip(&self.jacobian_values) {
+        for (&position, &a) in self.maps.jacobian.iter().zip(&self.jacobian_values) {
             values[position as usize] += a;
         }
         self.stiffness.clear();
@@ -230,7 +211,7 @@ impl KktSystem {
     ) -> Result<Inertia, FactorizationError> {
         let start = ThreadTime::now();
         self.factorizations += 1;
-        let result = self.solver.factor_held(delta_w, delta_c);
+        let result = self.solver.factor(delta_w, delta_c);
         self.seconds += start.elapsed().as_secs_f64();
         result
     }
@@ -245,7 +226,7 @@ impl KktSystem {
         residual: &[f64],
         mu: f64,
         direction: &mut Iterate,
-    ) -> SolveQuality {
+    ) -> f64 {
         self.barrier_gradient.clear();
         for (i, lagrangian) in lagrangian.iter().enumerate() {
             let mut g = lagrangian + iterate.z_lower[i] - iterate.z_upper[i];
@@ -257,7 +238,7 @@ impl KktSystem {
             }
             self.barrier_gradient.push(g + mu * problem.damping(i));
         }
-        let quality = self.solve_reduced(problem, iterate, residual, direction);
+        let residual = self.solve_reduced(problem, iterate, residual, direction);
         for i in 0..problem.variables() {
             let step = direction.v[i];
             direction.z_lower[i] = if problem.lower[i].is_finite() {
@@ -273,7 +254,7 @@ impl KktSystem {
                 0.0
             };
         }
-        quality
+        residual
     }
 
     /// Solves for (dx, ds, dy) from `barrier_gradient` and `residual`.
@@ -283,7 +264,7 @@ impl KktSystem {
         iterate: &Iterate,
         residual: &[f64],
         direction: &mut Iterate,
-    ) -> SolveQuality {
+    ) -> f64 {
         let start = ThreadTime::now();
         let n = self.n;
         self.row_terms.clear();
@@ -303,7 +284,7 @@ impl KktSystem {
             self.right_hand_side[i] -= iterate.v[j] * t;
             self.right_hand_side[j] -= iterate.v[i] * t;
         }
-        let quality = self.solver.solve(&self.right_hand_side, &mut self.solution);
+        let residual = self.solver.solve(&self.right_hand_side, &mut self.solution);
         direction.v[..n].copy_from_slice(&self.solution[..n]);
         direction.y[..self.m].copy_from_slice(&self.solution[n..]);
         for (pair, &(i, j)) in problem.products.iter().enumerate() {
@@ -316,7 +297,7 @@ impl KktSystem {
             direction.v[n + k] = -g / self.stiffness[n + k];
         }
         self.seconds += start.elapsed().as_secs_f64();
-        quality
+        residual
     }
 
     /// Least-squares multipliers of the explicit rows,
@@ -359,9 +340,9 @@ impl KktSystem {
         for row in 0..self.m {
             self.right_hand_side[self.n + row] = -self.row_terms[row];
         }
-        let quality = self.solver.solve(&self.right_hand_side, &mut self.solution);
+        let residual = self.solver.solve(&self.right_hand_side, &mut self.solution);
         let y = &self.solution[self.n..];
-        if quality.residual < 1e-5 && y.iter().all(|y| y.abs() <= limit) {
+        if residual < 1e-5 && y.iter().all(|y| y.abs() <= limit) {
             work.y[..self.m].copy_from_slice(y);
             iterate.y[..self.m].copy_from_slice(y);
         }
