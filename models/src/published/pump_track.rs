@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use hangtime::simulation::EventKind::{Impact, LiftOff};
 
 use super::read::rows;
-use super::{
+use hangtime_cli::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
     PublishedPoint, Quantity, Reference, Task,
 };

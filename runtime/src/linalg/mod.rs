@@ -21,7 +21,7 @@
 //! the interior point method, and takes over where refinement of the other fails. It also serves block
 //! tridiagonal systems, whose fronts are the dense blocks along the chain, so there is no third back end for them: on
 //! ill-conditioned chains without any shift one step of refinement leaves a backward error of 2e-16, where the static
-//! shifts still leave 1e-8 after three (`tests/linalg_chain.rs`).
+//! shifts still leave 1e-8 after three (`tests/solvers/linalg_chain.rs`).
 
 pub mod dense;
 mod factorization;

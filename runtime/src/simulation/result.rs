@@ -1,10 +1,21 @@
 //! What a simulation returns.
 
+use super::ContactMode;
+use crate::model::Declaration;
+
 /// Result of a simulation.
 #[derive(Debug, Clone)]
 pub struct Simulation {
+    /// Names and units of coordinates, controls and contacts.
+    pub declaration: &'static Declaration,
     /// Why it ended.
     pub status: SimulationStatus,
+    /// Mode of each contact right after the start and its impacts; empty if the run ended before it was known.
+    ///
+    /// The mode at a later time is that of the last event until then. Methods without events know the modes of the
+    /// start only: [`Moreau`](super::Moreau) those of its first step, [`Smooth`](super::Smooth) which contacts are
+    /// closed up to its width.
+    pub initial_modes: Vec<ContactMode>,
     /// Switches of the contact mode in order of time.
     pub events: Vec<Event>,
     /// States at the accepted grid points; both sides of an impact are kept.
@@ -84,8 +95,12 @@ pub struct Event {
     pub time: f64,
     /// What happened.
     pub kind: EventKind,
-    /// Which contact.
+    /// Which contact, in the order of declaration.
     pub contact: usize,
+    /// Its name, as declared.
+    pub contact_name: &'static str,
+    /// Mode of each contact right after the event; events that are found together share it.
+    pub modes: Vec<ContactMode>,
     /// Coordinates.
     pub q: Vec<f64>,
     /// Velocities just before.

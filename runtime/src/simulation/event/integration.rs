@@ -306,6 +306,9 @@ impl<'a> Integration<'a> {
             moment,
         )
         .map_err(|problem| self.undetermined(problem))?;
+        if at_start {
+            self.result.initial_modes = self.dynamics.contact_modes();
+        }
         self.begin()?;
         self.dynamics.accept_forces();
         self.record();
@@ -380,6 +383,8 @@ impl<'a> Integration<'a> {
             time: self.t,
             kind,
             contact,
+            contact_name: self.dynamics.model.declaration().contacts[contact].name,
+            modes: self.dynamics.contact_modes(),
             q: self.y[..n].to_vec(),
             v_before: before.to_vec(),
             v_after: self.y[n..2 * n].to_vec(),

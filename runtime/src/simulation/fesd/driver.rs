@@ -9,8 +9,8 @@ use crate::fesd::finite_element::{ElementError, FiniteElement, State};
 use crate::model::{ControlPiece, ImpactLaw, Model};
 use crate::rk::ButcherTableau;
 use crate::simulation::{
-    ControlSignal, Counts, Event, InitialValueProblem, ProblemSize, Residuals, Seconds, Simulation,
-    SimulationStatus, Trajectory,
+    ContactMode, ControlSignal, Counts, Event, InitialValueProblem, ProblemSize, Residuals,
+    Seconds, Simulation, SimulationStatus, Trajectory,
 };
 use crate::time_freezing::clock;
 use cpu_time::ThreadTime;
@@ -137,6 +137,8 @@ pub(super) struct Driver<'a> {
     /// Ends of bounce cascades, one entry a contact.
     pub(super) cascades: Vec<Cascades>,
     pub(super) energy_gains: Option<EnergyGains>,
+    /// Modes of the contacts right after the start.
+    pub(super) initial_modes: Vec<ContactMode>,
     pub(super) events: Vec<Event>,
     pub(super) trajectory: Trajectory,
     pub(super) residuals: Residuals,
@@ -190,6 +192,7 @@ impl<'a> Driver<'a> {
             restitution: (0..contacts).map(|i| restitution(model, i)).collect(),
             cascades: vec![Cascades::default(); contacts],
             energy_gains: None,
+            initial_modes: Vec::new(),
             events: Vec::new(),
             trajectory: Trajectory::default(),
             residuals: Residuals::default(),
@@ -218,7 +221,9 @@ impl<'a> Driver<'a> {
         self.counts.evaluations =
             newton.evaluations + other.evaluations + self.contacts.evaluations;
         Simulation {
+            declaration: self.model.declaration(),
             status,
+            initial_modes: self.initial_modes,
             events: self.events,
             trajectory: self.trajectory,
             residuals: self.residuals,
@@ -238,6 +243,7 @@ impl<'a> Driver<'a> {
         if let Err(error) = self.settle(&[]) {
             return self.stopped(0, &Stop::Mode(error));
         }
+        self.initial_modes = self.modes();
         self.record();
         for step in 0..self.settings.steps {
             let end = if step + 1 == self.settings.steps {

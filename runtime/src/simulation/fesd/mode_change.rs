@@ -4,7 +4,7 @@ use super::driver::Driver;
 use super::switch::{Switch, SwitchKind};
 use crate::fesd::active_contact::{Tangential, find};
 use crate::fesd::contacts::{ModeError, dot};
-use crate::simulation::{Event, EventKind};
+use crate::simulation::{ContactMode, Direction, Event, EventKind};
 use crate::time_freezing::clock;
 
 /// Rest velocity where none is set, relative to the largest velocity.
@@ -54,11 +54,25 @@ impl Driver<'_> {
         self.evaluate_state()
     }
 
+    /// The present mode of each contact.
+    pub(super) fn modes(&self) -> Vec<ContactMode> {
+        let mode = |&i: &usize| match find(&self.active, i) {
+            None => ContactMode::Open,
+            Some(Tangential::Forward) => ContactMode::Slip(Direction::Forward),
+            Some(Tangential::Backward) => ContactMode::Slip(Direction::Backward),
+            Some(_) if self.contacts.friction(i) > 0.0 => ContactMode::Stick,
+            Some(_) => ContactMode::Frictionless,
+        };
+        self.all_contacts.iter().map(mode).collect()
+    }
+
     pub(super) fn push_event(&mut self, kind: EventKind, contact: usize, v_before: Vec<f64>) {
         self.events.push(Event {
             time: self.state.time,
             kind,
             contact,
+            contact_name: self.model.declaration().contacts[contact].name,
+            modes: self.modes(),
             q: self.state.q.clone(),
             v_before,
             v_after: self.state.v.clone(),

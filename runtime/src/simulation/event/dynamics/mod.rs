@@ -9,8 +9,8 @@ pub(in crate::simulation) use switch::Switch;
 use super::contact_state::ContactState;
 use crate::model::{ControlPiece, Model, contact_point, tangent_point};
 use crate::simulation::{
-    ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation, SimulationStatus,
-    Trajectory,
+    ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
+    SimulationStatus, Trajectory,
 };
 
 /// Dynamics of a model with a set of active contacts `I`, of which `J` stick:
@@ -135,7 +135,9 @@ impl<'a> Dynamics<'a> {
     /// A result without events and trajectory.
     pub(in crate::simulation) fn empty_result(&self) -> Simulation {
         Simulation {
+            declaration: self.model.declaration(),
             status: SimulationStatus::Solved,
+            initial_modes: Vec::new(),
             events: Vec::new(),
             trajectory: Trajectory::default(),
             residuals: Residuals::default(),
@@ -266,6 +268,11 @@ impl<'a> Dynamics<'a> {
     /// States of all contacts.
     pub(in crate::simulation) fn mode(&self) -> &[ContactState] {
         &self.mode
+    }
+
+    /// The present mode of each contact, as results tell it.
+    pub(in crate::simulation) fn contact_modes(&self) -> Vec<ContactMode> {
+        self.mode.iter().map(|&state| state.into()).collect()
     }
 
     /// Changes the contact mode.
