@@ -174,8 +174,8 @@ fn auxiliary_acceleration_changes_numerical_time_only() {
 }
 
 #[test]
-fn counts_of_the_default_settings_are_pinned() {
-    let simulation = simulate(&Fesd::default());
+fn counts_of_sixty_steps_are_pinned() {
+    let simulation = simulate(&Fesd::default().with_grid(60, 3));
     let counts = simulation.counts;
     assert_eq!(counts.elements, 184);
     assert_eq!(counts.fallbacks, 0);

@@ -1,6 +1,7 @@
 //! Why a run stopped, in words.
 
-use super::driver::{Driver, MAX_SWITCHES, Stop};
+use super::driver::{Driver, MAX_SWITCHES};
+use super::stop::Stop;
 use crate::fesd::active_contact::find;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;

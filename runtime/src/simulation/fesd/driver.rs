@@ -1,8 +1,8 @@
 //! The stepping loop: elements, switches, impacts, and what is recorded of them.
 
-use super::mode_change::EnergyGains;
+use super::settings::{Fesd, StepFormulation};
+use super::stop::Stop;
 use super::switch::Detector;
-use super::{Fesd, StepFormulation};
 use crate::fesd::active_contact::{ActiveContact, force_count};
 use crate::fesd::contacts::{Contacts, ModeError, dot};
 use crate::fesd::finite_element::{ElementError, FiniteElement, MotionSize, State};
@@ -46,30 +46,14 @@ enum Segment {
     Rejected,
 }
 
-/// Why a segment could not be completed.
-pub(super) enum Stop {
-    /// An element has no solution; shorter elements may have.
-    Element(ElementError),
-    /// The contact mode could not be determined.
-    Mode(ModeError),
-    /// A switch could not be located; shorter elements may help.
-    Location,
-    /// A gap varies too fast for the samples of an element; shorter elements help.
-    Unresolved,
-    /// The complementarity problem of the step was not solved.
-    Program(&'static str),
-}
-
-impl From<ElementError> for Stop {
-    fn from(error: ElementError) -> Self {
-        Self::Element(error)
-    }
-}
-
-impl From<ModeError> for Stop {
-    fn from(error: ModeError) -> Self {
-        Self::Mode(error)
-    }
+/// Impacts that raised the kinetic energy.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EnergyGains {
+    pub(super) count: usize,
+    /// Time \[s\] and contact of the first one.
+    pub(super) first: (f64, usize),
+    /// Kinetic energies before and after the first one \[J\].
+    pub(super) energies: (f64, f64),
 }
 
 /// Bounce cascades of one contact that were ended.
@@ -363,7 +347,8 @@ impl<'a> Driver<'a> {
                         return Err(self.unsettled(step));
                     }
                 }
-                Err(Stop::Mode(ModeError::NotFinite)) | Err(Stop::Element(ElementError::NotFinite))
+                Err(Stop::Mode(ModeError::NotFinite))
+                | Err(Stop::Element(ElementError::NotFinite))
                     if halvings < self.most_halvings() =>
                 {
                     halvings += 1;
@@ -511,7 +496,7 @@ impl<'a> Driver<'a> {
         self.state.copy_from(&self.segment_start);
         self.acceleration.clone_from(&self.segment_acceleration);
         let offset = (count - 1) as f64 + switch.theta;
-        if offset * length <= shortest {
+        if offset * length <= shortest && self.holds_at_start(switch) {
             self.carry_out(switch)?;
             return Ok(Segment::Switched);
         }

@@ -1,6 +1,6 @@
 //! Detection of the end of sticking and sliding inside a solved element.
 
-use super::driver::Stop;
+use super::stop::Stop;
 use super::switch::{
     Detector, ElementStart, FORCE_TOLERANCE, Switch, SwitchKind, bisect, keep_first, lowest,
 };

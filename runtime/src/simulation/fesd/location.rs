@@ -1,6 +1,7 @@
 //! Location of a switch: the element lengths at whose end its condition holds.
 
-use super::driver::{Driver, Stop};
+use super::driver::Driver;
+use super::stop::Stop;
 use super::switch::{ElementStart, Switch, SwitchKind};
 use crate::fesd::active_contact::{ActiveContact, Tangential, find, force_count};
 
@@ -67,6 +68,29 @@ impl Driver<'_> {
             }
         }
         Err(Stop::Location)
+    }
+
+    /// Whether the condition of a switch already holds at the start of the segment: where dense output puts it
+    /// next to the start, it may be far from it for an element that is much too long.
+    pub(super) fn holds_at_start(&self, switch: Switch) -> bool {
+        let i = switch.contact;
+        let size = self.contacts.size(i, self.state.time);
+        let slot = self.active.iter().position(|held| held.contact == i);
+        let force = slot.map_or(0.0, |slot| self.forces[slot]);
+        match switch.kind {
+            SwitchKind::Entry => self.gaps[i] <= size.touching_gap(),
+            SwitchKind::Reentry => true,
+            SwitchKind::Exit => force <= CROSSED * self.contacts.phi_scale(i),
+            SwitchKind::Slipping => {
+                let frictions = self.contacts.frictions(&self.active, &self.forces);
+                let s = frictions
+                    .zip(&self.active)
+                    .find(|(_, held)| held.contact == i);
+                let margin = self.contacts.friction(i) * force - s.map_or(0.0, |(s, _)| s.abs());
+                margin <= CROSSED * self.contacts.tangential_scale(i)
+            }
+            SwitchKind::Stopping => self.sliding[i].abs() <= size.crossed_rest(),
+        }
     }
 
     /// A sign condition other than the located one that is violated at the present state.

@@ -10,7 +10,7 @@
 //! - the friction of a sticking contact reaches its bound: `mu_i r_i - |s_i| = 0`, an exit condition as well;
 //! - a contact that slides comes to rest: `v_t,i = 0`.
 //!
-//! Without a named number of steps the run promises an accuracy and checks it ([`accuracy`]).
+//! Without a named number of steps the run promises an accuracy and checks it (`accuracy`).
 //!
 //! Elements between two switches of one step have equal length (step equilibration, exact). Impacts follow
 //! Moreau's law for all touching contacts at once, with Newton's restitution and Coulomb friction between
@@ -23,212 +23,14 @@ mod friction_switch;
 mod location;
 mod mode_change;
 mod program;
+mod settings;
+mod stop;
 mod switch;
+
+pub use settings::{Fesd, StepFormulation};
 
 use super::{InitialValueProblem, InputError, Simulation, Simulator};
 use crate::model::Model;
-use crate::rk::{ButcherTableau, Scheme};
-
-/// How the equations of a step are solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[non_exhaustive]
-pub enum StepFormulation {
-    /// Newton's method in a fixed contact mode, switches located; the complementarity problem only where
-    /// that fails.
-    #[default]
-    ActiveSet,
-    /// The complementarity problem of the time-freezing system in every step, a cross-check of the
-    /// active-set form: slower, with impact times known to the length of an element.
-    /// Simultaneous impacts follow the law of the lean product form, which is Moreau's where the contacts
-    /// do not push each other apart.
-    TimeFreezing,
-}
-
-/// Simulator by finite elements with switch detection.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct Fesd {
-    /// Family of the collocation scheme. Default Radau IIA, which keeps its order in contact.
-    pub scheme: Scheme,
-    /// Stages `n_s` of the scheme, 1 to 9. Default `None`: 6 under error control, 3 on a grid.
-    pub stages: Option<usize>,
-    /// Steps of equal physical length over the horizon, which choose a grid instead of error control; with a
-    /// tolerance as well, elements end where steps do. Default `None`: error control (60 steps where
-    /// `formulation` has none).
-    pub steps: Option<usize>,
-    /// Finite elements in a step of a grid without switches. Default 3, as in the paper.
-    pub elements: usize,
-    /// Error that is promised, relative to the largest distance from the start and the largest velocity, at
-    /// the end and at every event. Default `None`: 1e-6, or no error control where `steps` are named.
-    ///
-    /// Elements take the lengths that an embedded error estimate allows. The run is compared with a looser
-    /// one; where they differ by more than is promised, tighter ones follow, and where these still differ the
-    /// status is [`Inaccurate`](crate::simulation::SimulationStatus::Inaccurate).
-    pub tolerance: Option<f64>,
-    /// Elements of a run before it ends with
-    /// [`StepLimit`](crate::simulation::SimulationStatus::StepLimit): a bound on memory and time. Default
-    /// 300,000, which take some hundred megabytes.
-    pub most_elements: usize,
-    /// How the equations of a step are solved. Default: active set.
-    pub formulation: StepFormulation,
-    /// Whether the end of a contact arc is pinned by a vanishing force. Default true; `false` gives the
-    /// earliest take-off that the published method admits, to show what the condition is worth.
-    pub exit_condition: bool,
-    /// Acceleration `a_bar` of the auxiliary dynamics [m/s^2 for a gap in metres]. It scales the numerical
-    /// time, never the result in physical time. Default 981 (100 times gravity, as in the paper).
-    pub auxiliary_acceleration: f64,
-    /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
-    /// ends infinite sequences of bounces, with a note. Default none, which means 1e-6 of the largest normal
-    /// velocity of the contact so far (the sum of its terms' sizes).
-    /// Where several contacts touch, bounces that stay within rounding error of the gap end as well.
-    pub rest_velocity: Option<f64>,
-}
-
-impl Default for Fesd {
-    fn default() -> Self {
-        Self {
-            scheme: Scheme::RadauIia,
-            stages: None,
-            steps: None,
-            elements: 3,
-            tolerance: None,
-            most_elements: 300_000,
-            formulation: StepFormulation::ActiveSet,
-            exit_condition: true,
-            auxiliary_acceleration: 981.0,
-            rest_velocity: None,
-        }
-    }
-}
-
-impl Fesd {
-    /// Error that is promised where none is asked for.
-    pub(crate) const PROMISE: f64 = 1e-6;
-    /// Steps of a grid where none are named.
-    pub const DEFAULT_STEPS: usize = 60;
-
-    /// The error that is promised; none on a grid, nor with the formulation or the take-offs that are there to be
-    /// compared with.
-    #[must_use]
-    pub fn promise(&self) -> Option<f64> {
-        let grid = self.steps.is_some() && self.tolerance.is_none();
-        let published = self.formulation == StepFormulation::TimeFreezing || !self.exit_condition;
-        let controlled = !published && !grid;
-        controlled.then(|| self.tolerance.unwrap_or(Self::PROMISE))
-    }
-
-    /// Stages of the scheme, whether named or not.
-    #[must_use]
-    pub fn stage_count(&self) -> usize {
-        let default = if self.promise().is_some() { 6 } else { 3 };
-        self.stages.unwrap_or(default)
-    }
-
-    /// The default settings with another scheme.
-    #[must_use]
-    pub fn with_scheme(mut self, scheme: Scheme, stages: usize) -> Self {
-        self.scheme = scheme;
-        self.stages = Some(stages);
-        self
-    }
-
-    /// The same settings on a grid: `steps` of `elements` elements each.
-    #[must_use]
-    pub fn with_grid(mut self, steps: usize, elements: usize) -> Self {
-        self.steps = Some(steps);
-        self.elements = elements;
-        self
-    }
-
-    /// The same settings with element lengths controlled to `tolerance`.
-    #[must_use]
-    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
-        self.tolerance = Some(tolerance);
-        self
-    }
-
-    /// The same settings with another way of solving a step.
-    #[must_use]
-    pub fn with_formulation(mut self, formulation: StepFormulation) -> Self {
-        self.formulation = formulation;
-        self
-    }
-
-    /// The same settings with or without the exit condition.
-    #[must_use]
-    pub fn with_exit_condition(mut self, exit_condition: bool) -> Self {
-        self.exit_condition = exit_condition;
-        self
-    }
-
-    /// The same settings with another acceleration of the auxiliary dynamics.
-    #[must_use]
-    pub fn with_auxiliary_acceleration(mut self, auxiliary_acceleration: f64) -> Self {
-        self.auxiliary_acceleration = auxiliary_acceleration;
-        self
-    }
-
-    /// The same settings with another rest velocity.
-    #[must_use]
-    pub fn with_rest_velocity(mut self, rest_velocity: f64) -> Self {
-        self.rest_velocity = Some(rest_velocity);
-        self
-    }
-
-    fn tableau(&self) -> Result<ButcherTableau, InputError> {
-        let refuse = |what: &str, value: f64, bound: String| {
-            Err(InputError::OutOfRange {
-                what: what.into(),
-                value,
-                unit: String::new(),
-                bound,
-            })
-        };
-        let steps = self.steps.unwrap_or(1);
-        for (what, value) in [("steps", steps), ("elements", self.elements)] {
-            if value == 0 {
-                return refuse(what, 0.0, "at least 1".into());
-            }
-        }
-        if steps.saturating_mul(self.elements) > self.most_elements {
-            return refuse(
-                "elements of all steps",
-                steps as f64 * self.elements as f64,
-                format!("at most {}, or raise `most_elements`", self.most_elements),
-            );
-        }
-        if let Some(tolerance) = self.tolerance
-            && !(1e-14..=1e-1).contains(&tolerance)
-        {
-            return refuse("tolerance", tolerance, "from 1e-14 to 0.1".into());
-        }
-        if !(self.auxiliary_acceleration.is_finite() && self.auxiliary_acceleration > 0.0) {
-            return refuse(
-                "auxiliary acceleration",
-                self.auxiliary_acceleration,
-                "finite and above 0 (m/s^2)".into(),
-            );
-        }
-        if let Some(velocity) = self.rest_velocity
-            && !(0.0..f64::INFINITY).contains(&velocity)
-        {
-            return refuse(
-                "rest velocity",
-                velocity,
-                "at least 0 and finite (m/s)".into(),
-            );
-        }
-        let stages = self.stage_count();
-        match ButcherTableau::new(self.scheme, stages) {
-            Some(tableau) => Ok(tableau),
-            None => refuse(
-                "stages",
-                stages as f64,
-                format!("from 1 to {}", ButcherTableau::MAX_STAGES),
-            ),
-        }
-    }
-}
 
 impl Simulator for Fesd {
     fn name(&self) -> &'static str {
@@ -244,10 +46,14 @@ impl Simulator for Fesd {
         let tableau = self.tableau()?;
         problem.check(model)?;
         Ok(match self.promise() {
-            Some(promise) => accuracy::promised(self, promise, &tableau, (model, problem), progress),
-            None => driver::Driver::new(self, &tableau, model, problem)
-                .run(progress)
-                .0,
+            Some(promise) => {
+                accuracy::promised(self, promise, &tableau, (model, problem), progress)
+            }
+            None => {
+                driver::Driver::new(self, &tableau, model, problem)
+                    .run(progress)
+                    .0
+            }
         })
     }
 }

@@ -1,6 +1,6 @@
 //! What happens at a switch: impacts, the new contact mode, and the events that they leave.
 
-use super::driver::Driver;
+use super::driver::{Driver, EnergyGains};
 use super::switch::{Switch, SwitchKind};
 use crate::fesd::active_contact::{Tangential, find};
 use crate::fesd::contacts::{ModeError, dot};
@@ -10,18 +10,12 @@ use crate::time_freezing::clock;
 /// Rest velocity where none is set, relative to the size of the normal velocity.
 const REST: f64 = 1e-6;
 
+/// Flight between two impacts of a cluster that counts as none, relative to the gap that counts as touching:
+/// the last impacts before two contacts cannot be told apart.
+const COLLAPSED: f64 = 1e4;
+
 /// Kinetic energies are compared to this relative accuracy.
 const SAME_ENERGY: f64 = 1e-12;
-
-/// Impacts that raised the kinetic energy.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct EnergyGains {
-    count: usize,
-    /// Time \[s\] and contact of the first one.
-    first: (f64, usize),
-    /// Kinetic energies before and after the first one \[J\].
-    energies: (f64, f64),
-}
 
 /// What the change of a tangential state is called.
 pub(super) fn sliding_event(before: Tangential, after: Tangential) -> Option<EventKind> {
@@ -112,9 +106,7 @@ impl Driver<'_> {
         }
         let previous = self.active.clone();
         let mut active = std::mem::take(&mut self.active);
-        let selected = self
-            .contacts
-            .select(&self.x, &touching, time, &mut active);
+        let selected = self.contacts.select(&self.x, &touching, time, &mut active);
         self.active = active;
         selected?;
         self.end_cascades(&ended);
@@ -166,15 +158,15 @@ impl Driver<'_> {
         speed > self.rest_velocity(contact) && self.restitution[contact] * speed > slowest
     }
 
-    /// Whether the flight of one of the `closing` contacts since its last impact stayed within what counts as
+    /// Whether the flight of one of the `closing` contacts since its last impact stayed near what counts as
     /// touching: several contacts that strike that fast one after the other are at the limit of infinitely
     /// many impacts, in which they come to rest on each other.
     fn collapses(&self, closing: &[usize]) -> bool {
         closing.iter().any(|&i| {
             let speed = -self.contacts.normal_velocity(i);
             let flight = speed * (self.state.time - self.struck[i]);
-            let lowest = self.contacts.size(i, self.state.time).touching_gap();
-            speed > self.rest_velocity(i) && flight <= lowest
+            let touching = self.contacts.size(i, self.state.time).touching_gap();
+            speed > self.rest_velocity(i) && flight <= COLLAPSED * touching
         })
     }
 

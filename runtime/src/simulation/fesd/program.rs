@@ -4,8 +4,9 @@
 //! Its limit is that of the step form: a jump may share an element with the contact after it, so that an
 //! switch is known to the length of an element.
 
-use super::driver::{Driver, Stop};
+use super::driver::Driver;
 use super::mode_change::sliding_event;
+use super::stop::Stop;
 use crate::dcs::HeavisideSystem;
 use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::finite_element::State;
@@ -167,7 +168,10 @@ impl Driver<'_> {
             if ended.iter().all(slow) {
                 let (start, events) = (self.state.time, self.events.len());
                 self.take(&program, &solution)?;
-                if self.events.len() > events {
+                // The program is solved to its residuals, and a switch lies anywhere in its element.
+                let residuals = solution.residuals;
+                self.error_estimate += residuals.primal.max(residuals.complementarity);
+                if self.events.len() > events && self.motion.distance > 0.0 {
                     let length = (end - start) / elements as f64;
                     self.error_estimate += length * self.motion.speed / self.motion.distance;
                 }
@@ -217,6 +221,7 @@ impl Driver<'_> {
             let sliding = self.active.clone();
             let after = program.state(x, e);
             self.state.copy_from(&after);
+            self.motion.include(&after.q, &after.v);
             // Jumps and the slowing down by contact are inversely proportional to the acceleration.
             let physical = after.time - before.time;
             self.numerical_time += physical

@@ -5,7 +5,7 @@
 //! still carries the free dynamics); an active one opens when its force does. A sticking contact slips when
 //! its friction reaches the bound `mu r`, and one that slides stops when its sliding velocity vanishes.
 
-use super::driver::Stop;
+use super::stop::Stop;
 use crate::fesd::active_contact::{find, force_count};
 use crate::fesd::contact_size::ContactSize;
 use crate::fesd::contacts::{Contacts, ModeError};
@@ -174,7 +174,9 @@ impl<'a> Detector<'a> {
             let row = &self.gaps[i * (samples + 1)..(i + 1) * (samples + 1)];
             let (a, b, c) = (row[k - 1], row[k], row[k + 1]);
             let least = a.min(b).min(c);
-            let released = row[..k].iter().all(|gap| *gap <= self.sizes[i].touching_gap());
+            let released = row[..k]
+                .iter()
+                .all(|gap| *gap <= self.sizes[i].touching_gap());
             if !released && least > 0.0 && (a - 2.0 * b + c).abs() > least {
                 suspects.push((i, a, b, c, least));
             }

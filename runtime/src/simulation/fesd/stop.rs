@@ -1,0 +1,30 @@
+//! Why a segment could not be completed.
+
+use crate::fesd::contacts::ModeError;
+use crate::fesd::finite_element::ElementError;
+
+/// Why a segment could not be completed.
+pub(super) enum Stop {
+    /// An element has no solution; shorter elements may have.
+    Element(ElementError),
+    /// The contact mode could not be determined.
+    Mode(ModeError),
+    /// A switch could not be located; shorter elements may help.
+    Location,
+    /// A gap varies too fast for the samples of an element; shorter elements help.
+    Unresolved,
+    /// The complementarity problem of the step was not solved.
+    Program(&'static str),
+}
+
+impl From<ElementError> for Stop {
+    fn from(error: ElementError) -> Self {
+        Self::Element(error)
+    }
+}
+
+impl From<ModeError> for Stop {
+    fn from(error: ModeError) -> Self {
+        Self::Mode(error)
+    }
+}
