@@ -6,8 +6,8 @@
 
 /// Rounding error of a gap or a velocity, relative to its size.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Gap that cannot be told from contact, relative to its size: the rounding errors of a run.
-const TOUCHING_GAP: f64 = 1024.0 * f64::EPSILON;
+/// What cannot be told from zero, relative to its size: the rounding errors of a run.
+const COLLECTED: f64 = 1024.0 * f64::EPSILON;
 /// Velocity that counts as zero beside a force or an impulse, relative to its size.
 const TOUCHING_VELOCITY: f64 = 1e-9;
 /// Sliding velocity that counts as zero, relative to its size: where it vanishes is located to rounding
@@ -23,6 +23,10 @@ pub(crate) struct ContactSize {
     pub(super) velocity: f64,
     /// Of the sliding velocity.
     pub(super) sliding: f64,
+    /// What accelerations have added to the normal velocity, and taken from it again.
+    pub(super) gained: f64,
+    /// The same for the sliding velocity.
+    pub(super) gained_sliding: f64,
 }
 
 impl ContactSize {
@@ -34,10 +38,13 @@ impl ContactSize {
         self.sliding = larger(self.sliding, other.sliding);
     }
 
-    /// The sizes at `time`, whose own rounding error moves the gap as well.
-    pub(super) fn at(self, time: f64) -> Self {
+    /// The sizes at `time`, whose own rounding error moves the gap as well, under accelerations of the given
+    /// sizes.
+    pub(super) fn at(self, time: f64, normal: f64, tangential: f64) -> Self {
         Self {
             gap: self.gap + self.velocity * time,
+            gained: normal * time,
+            gained_sliding: tangential * time,
             ..self
         }
     }
@@ -49,7 +56,7 @@ impl ContactSize {
 
     /// Gap up to which the contact touches.
     pub(crate) fn touching_gap(self) -> f64 {
-        TOUCHING_GAP * self.gap
+        COLLECTED * self.gap
     }
 
     /// Size of the normal velocity.
@@ -59,26 +66,26 @@ impl ContactSize {
 
     /// Rounding error of the normal velocity.
     pub(crate) fn velocity_rounding(self) -> f64 {
-        ROUNDING * self.velocity
+        ROUNDING * (self.velocity + self.gained)
     }
 
     /// Normal velocity up to which the contact touches.
     pub(crate) fn touching_velocity(self) -> f64 {
-        TOUCHING_VELOCITY * self.velocity
+        (TOUCHING_VELOCITY * self.velocity).max(COLLECTED * self.gained)
     }
 
     /// Rounding error of the sliding velocity.
     pub(crate) fn sliding_rounding(self) -> f64 {
-        ROUNDING * self.sliding
+        ROUNDING * (self.sliding + self.gained_sliding)
     }
 
     /// Sliding velocity beyond rest that another switch explains; larger ones are switches of their own.
     pub(crate) fn crossed_rest(self) -> f64 {
-        TOUCHING_VELOCITY * self.sliding
+        (TOUCHING_VELOCITY * self.sliding).max(COLLECTED * self.gained_sliding)
     }
 
     /// Sliding velocity that counts as rest.
     pub(crate) fn at_rest(self) -> f64 {
-        AT_REST * self.sliding
+        (AT_REST * self.sliding).max(COLLECTED * self.gained_sliding)
     }
 }

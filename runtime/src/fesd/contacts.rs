@@ -190,12 +190,14 @@ impl<'a> Contacts<'a> {
             gap: sum_of_sizes(normal, q).max(point[contact_point::GAP].abs()),
             velocity: sum_of_sizes(normal, v).max(point[contact_point::NORMAL_VELOCITY].abs()),
             sliding,
+            ..ContactSize::default()
         }
     }
 
     /// Largest sizes of gap and velocities of a contact so far, at `time`.
     pub(crate) fn size(&self, contact: usize, time: f64) -> ContactSize {
-        self.sizes[contact].at(time)
+        let tangential = self.tangential_scale(contact);
+        self.sizes[contact].at(time, self.phi_scale(contact), tangential)
     }
 
     /// Normal velocity up to which a contact does not leave: a flight lower than the rounding error of its gap
