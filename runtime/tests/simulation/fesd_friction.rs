@@ -75,7 +75,7 @@ fn block_on_incline_slides_stops_and_stays_as_in_closed_form() {
             model.mass = mass;
             let along = [angle.cos(), -angle.sin()];
             let problem = start(&[0.0, 0.0], &along.map(|c| speed * c), 3.0);
-            let simulation = solve(&Fesd::default(), &model, &problem);
+            let simulation = solve(&Fesd::default().with_grid(60, 3), &model, &problem);
             assert_eq!(kinds(&simulation), [EventKind::Stick]);
             // Parabolas, which the scheme reproduces: rounding error.
             let stop = simulation.events[0].time;
