@@ -43,6 +43,8 @@ const MAX_ITERATIONS: usize = 15;
 const CONVERGED: f64 = 2e-16;
 /// Relative change below which an iteration that no longer contracts has reached rounding error.
 const ROUNDING: f64 = 1e-12;
+/// Rounding error of the gaps, as a relative change, above which it hides the convergence.
+const HIDDEN: f64 = 10.0 * ROUNDING;
 /// Contraction above which the Jacobian is evaluated anew.
 const SLOW: f64 = 0.05;
 
@@ -460,7 +462,7 @@ impl<'a> FiniteElement<'a> {
     /// convergence: far from the origin, and in short elements.
     fn rounding_of_gaps(&self) -> f64 {
         let rounding = 8.0 * self.gap_rounding / (self.length * self.speed());
-        if rounding > ROUNDING { rounding } else { 0.0 }
+        if rounding > HIDDEN { rounding } else { 0.0 }
     }
 
     /// Largest velocity of the element, about.

@@ -1,7 +1,7 @@
 //! What a solved element tells: its error estimate and the state inside it.
 
-use super::FiniteElement;
 use super::motion_size::MotionSize;
+use super::{FiniteElement, largest};
 use crate::rk::ButcherTableau;
 
 impl FiniteElement<'_> {
@@ -24,12 +24,13 @@ impl FiniteElement<'_> {
             velocity = velocity.max(weight * by_velocity.abs());
             position = position.max(weight * by_position.abs());
         }
-        // A start from rest is measured by what the element itself makes of it.
-        let speed = motion.speed.max(self.speed());
+        // A start from rest is measured by the velocity that the element itself reaches.
+        let speed = motion.speed.max(largest(&self.end.v)) + f64::MIN_POSITIVE;
         let distance = motion.distance.max(h * speed);
         let rounding = motion.rounding;
+        let cancelled = 64.0 * f64::EPSILON * h * self.acceleration_scale;
         let beyond = |error: f64, rounding: f64, size: f64| (error - rounding).max(0.0) / size;
-        beyond(velocity, rounding / h, speed).max(beyond(position, rounding, distance))
+        beyond(velocity, rounding / h + cancelled, speed).max(beyond(position, rounding, distance))
     }
 
     /// State inside the solved element by its collocation polynomials; `weights` are the dense output
