@@ -30,7 +30,11 @@ impl FiniteElement<'_> {
         let rounding = motion.rounding;
         let cancelled = 64.0 * f64::EPSILON * h * self.acceleration_scale;
         let beyond = |error: f64, rounding: f64, size: f64| (error - rounding).max(0.0) / size;
-        beyond(velocity, rounding / h + cancelled, speed).max(beyond(position, rounding, distance))
+        beyond(velocity, rounding / h + cancelled, speed).max(beyond(
+            position,
+            rounding + h * cancelled,
+            distance,
+        ))
     }
 
     /// State inside the solved element by its collocation polynomials; `weights` are the dense output

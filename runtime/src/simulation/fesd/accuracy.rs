@@ -46,8 +46,11 @@ pub(super) fn promised(
             if error <= promise || runs == MAX_RUNS {
                 return spent.charge(tighter);
             }
-        } else if failed == [true, true] || runs == MAX_RUNS {
+        } else if failed[1] && (failed[0] || runs == MAX_RUNS) {
             return spent.charge(tighter);
+        } else if runs == MAX_RUNS {
+            // Nothing confirms the only run that reached the horizon.
+            return spent.charge(looser);
         }
         looser = tighter;
         tolerance *= TIGHTER;
