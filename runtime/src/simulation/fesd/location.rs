@@ -8,6 +8,8 @@ use crate::fesd::active_contact::{ActiveContact, Tangential, find, force_count};
 /// Force beyond its bound that another switch explains, relative to its terms; larger ones are switches of
 /// their own.
 const CROSSED: f64 = 1e-9;
+/// Size of a force that changes its sign, relative to its terms, above which it does so through infinity.
+const POLE: f64 = 1e-3;
 /// Evaluations of the switch condition that locate one switch.
 const MAX_LOCATIONS: usize = 60;
 
@@ -180,7 +182,9 @@ impl Driver<'_> {
             }
             let step = value / slope;
             if value == 0.0 || step.abs() <= tolerance || after - before <= tolerance {
-                return Ok(());
+                let force = matches!(switch.kind, SwitchKind::Exit | SwitchKind::Slipping);
+                let pole = force && value.abs() > POLE * self.contacts.phi_scale(switch.contact);
+                return if pole { Err(Stop::Location) } else { Ok(()) };
             }
             length -= step;
             if !(before < length && length < after) {
