@@ -108,8 +108,6 @@ impl<S: Scene<N, U>, const N: usize, const U: usize> HandWritten<S, N, U> {
             optimal_control: None,
             kernels: &[],
             equations: &[],
-            derivation_seconds: 0.0,
-            expanded_at: 0.0,
         };
         Self {
             scene,
