@@ -82,7 +82,7 @@ pub(crate) struct MethodArguments {
     /// Runge-Kutta stages of a finite element, 1 to 9 (fesd).
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) stages: Option<usize>,
-    /// Steps over the horizon (fesd, moreau, fixed).
+    /// Steps over the horizon (moreau, fixed; fesd: instead of error control).
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) steps: Option<usize>,
     /// Finite elements of a step (fesd).
@@ -91,8 +91,8 @@ pub(crate) struct MethodArguments {
     /// How the equations of a step are solved (fesd) [default: active-set].
     #[arg(long, value_enum)]
     pub(crate) formulation: Option<FormulationName>,
-    /// Relative and absolute error tolerance of a step (event, smooth; fesd: its elements get the
-    /// lengths that the tolerance allows).
+    /// Relative and absolute error tolerance of a step (event, smooth); error relative to the largest values
+    /// that is promised and checked (fesd) [default: 1e-6, unless steps or elements are named].
     #[arg(long, value_name = "TOLERANCE", value_parser = above_zero, allow_negative_numbers = true)]
     pub(crate) tolerance: Option<f64>,
     /// Width of the smoothed step functions (smooth).
@@ -133,7 +133,8 @@ pub(crate) enum SchemeName {
 pub(crate) enum FormulationName {
     /// Newton's method in a fixed contact mode, switches located.
     ActiveSet,
-    /// The complementarity problem of the time-freezing system: slower, about 1e-7 accurate.
+    /// The complementarity problem of the time-freezing system: slower, with events known to the
+    /// length of an element.
     TimeFreezing,
 }
 

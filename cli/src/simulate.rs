@@ -171,6 +171,9 @@ fn tables(
         text += "\n";
     }
 
+    if let Some(error) = simulation.error_estimate {
+        let _ = writeln!(text, "error       about {error:.1e} of the largest values");
+    }
     let residuals = simulation.residuals;
     let _ = writeln!(
         text,

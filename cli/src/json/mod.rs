@@ -28,7 +28,7 @@ pub(crate) struct Document<'a> {
     scene: &'static str,
     parameters: ParameterValues<'a>,
     horizon: f64,
-    method: &'a MethodSettings,
+    method: MethodSettings,
     status: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     diagnosis: Option<DiagnosisEntry<'a>>,
@@ -36,6 +36,8 @@ pub(crate) struct Document<'a> {
     trajectory: TrajectoryEntry<'a>,
     #[serde(rename = "final")]
     last: Option<FinalEntry<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error_estimate: Option<f64>,
     #[serde(with = "ResidualsEntry")]
     residuals: Residuals,
     #[serde(with = "SizeEntry")]
@@ -62,7 +64,7 @@ impl<'a> Document<'a> {
             scene: chosen.scene.name,
             parameters: ParameterValues::of(chosen),
             horizon,
-            method,
+            method: method.with_steps_of(simulation),
             status: simulation.status.name(),
             diagnosis: simulation
                 .status
@@ -75,6 +77,7 @@ impl<'a> Document<'a> {
                 .collect(),
             last: trajectory.last(),
             trajectory,
+            error_estimate: simulation.error_estimate,
             residuals: simulation.residuals,
             size: simulation.size,
             iterations: simulation.counts,
@@ -300,6 +303,7 @@ mod tests {
             }),
             events: Vec::new(),
             trajectory,
+            error_estimate: None,
             residuals: hangtime::simulation::Residuals {
                 primal: f64::NAN,
                 ..Default::default()

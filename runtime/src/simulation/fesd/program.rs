@@ -163,8 +163,8 @@ impl Driver<'_> {
                 continue;
             }
             let ended = self.bounces_left_out(&program, &solution.x, resting);
-            let rest = self.rest_velocity();
-            if ended.iter().all(|&(_, speed)| speed <= rest) {
+            let slow = |&(i, speed): &(usize, f64)| speed <= self.rest_velocity(i);
+            if ended.iter().all(slow) {
                 self.take(&program, &solution)?;
                 // The clock of the program ends there up to its residual.
                 self.state.time = end;

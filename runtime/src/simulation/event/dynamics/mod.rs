@@ -148,6 +148,7 @@ impl<'a> Dynamics<'a> {
             initial_modes: Vec::new(),
             events: Vec::new(),
             trajectory: Trajectory::default(),
+            error_estimate: None,
             residuals: Residuals::default(),
             size: ProblemSize {
                 variables: 2 * self.n,
