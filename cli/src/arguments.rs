@@ -121,10 +121,11 @@ pub(crate) struct MethodArguments {
     /// Runge-Kutta scheme (fesd) [default: radau-iia].
     #[arg(long, value_enum)]
     pub(crate) scheme: Option<SchemeName>,
-    /// Runge-Kutta stages of a finite element, 1 to 9 (fesd) [default: 3].
+    /// Runge-Kutta stages of a finite element, 1 to 9 (fesd) [default: 6, 3 with steps or
+    /// elements].
     #[arg(long, value_name = "N", value_parser = stages, allow_negative_numbers = true)]
     pub(crate) stages: Option<usize>,
-    /// Steps over the horizon (fesd, moreau, fixed) [default: 60 with fesd, 1000 with the others].
+    /// Steps over the horizon (moreau, fixed; fesd: instead of error control) [default: 1000 with moreau and fixed].
     #[arg(long, value_name = "N", value_parser = steps, allow_negative_numbers = true)]
     pub(crate) steps: Option<usize>,
     /// Finite elements of a step (fesd) [default: 3].
@@ -133,8 +134,9 @@ pub(crate) struct MethodArguments {
     /// How the equations of a step are solved (fesd) [default: active-set].
     #[arg(long, value_enum)]
     pub(crate) formulation: Option<FormulationName>,
-    /// Relative and absolute error tolerance of a step (event, smooth; fesd: its elements get the
-    /// lengths that the tolerance allows) [default: 1e-9 with event, 1e-6 with smooth, none with fesd].
+    /// Relative and absolute error tolerance of a step (event, smooth); error relative to the largest values
+    /// that is promised and checked (fesd) [default: 1e-9 with event, 1e-6 with smooth, 1e-6 with fesd unless steps
+    /// or elements are named].
     #[arg(long, value_name = "TOLERANCE", value_parser = above_zero, allow_negative_numbers = true)]
     pub(crate) tolerance: Option<f64>,
     /// Width of the smoothed step functions (smooth) [default: 0.001].
@@ -175,7 +177,8 @@ pub(crate) enum SchemeName {
 pub(crate) enum FormulationName {
     /// Newton's method in a fixed contact mode, switches located.
     ActiveSet,
-    /// The complementarity problem of the time-freezing system: slower, about 1e-7 accurate.
+    /// The complementarity problem of the time-freezing system: slower, with events known to the
+    /// length of an element.
     TimeFreezing,
 }
 

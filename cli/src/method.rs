@@ -49,6 +49,15 @@ impl MethodSettings {
         self.steps
     }
 
+    /// The settings with the number of steps that `simulation` took, where the method chose it itself.
+    pub(crate) fn with_steps_of(&self, simulation: &Simulation) -> Self {
+        let mut settings = self.clone();
+        if self.stages.is_some() && self.steps.is_none() {
+            settings.steps = Some(simulation.counts.elements);
+        }
+        settings
+    }
+
     /// Width of the smoothed step functions, for the method that has one.
     pub(crate) fn width(&self) -> Option<f64> {
         self.width
@@ -194,8 +203,10 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
         Some(SchemeName::GaussLegendre) => Scheme::GaussLegendre,
         None => fesd.scheme,
     };
-    fesd.stages = arguments.stages.unwrap_or(fesd.stages);
-    fesd.steps = arguments.steps.unwrap_or(fesd.steps);
+    fesd.stages = arguments.stages;
+    // Whoever names the elements of a step wants steps.
+    let grid = arguments.elements.map(|_| Fesd::DEFAULT_STEPS);
+    fesd.steps = arguments.steps.or(grid);
     fesd.elements = arguments.elements.unwrap_or(fesd.elements);
     fesd.tolerance = arguments.tolerance;
     fesd.exit_condition = !arguments.no_exit_condition;
@@ -204,13 +215,15 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
         FormulationName::ActiveSet => StepFormulation::ActiveSet,
         FormulationName::TimeFreezing => StepFormulation::TimeFreezing,
     };
+    let tolerance = fesd.promise();
+    let grid = tolerance.is_none();
     let settings = MethodSettings {
         formulation: Some(name_of(formulation)),
         scheme: Some(fesd.scheme.name()),
-        stages: Some(fesd.stages),
-        steps: Some(fesd.steps),
-        elements: fesd.tolerance.is_none().then_some(fesd.elements),
-        tolerance: fesd.tolerance,
+        stages: Some(fesd.stage_count()),
+        steps: fesd.steps.or(grid.then_some(Fesd::DEFAULT_STEPS)),
+        elements: grid.then_some(fesd.elements),
+        tolerance,
         exit_condition: Some(fesd.exit_condition),
         ..MethodSettings::default()
     };

@@ -197,8 +197,13 @@ fn event_table(declaration: &Declaration, events: &[Event]) -> String {
 /// Residuals, counts, CPU time, notes.
 fn work(simulation: &Simulation) -> String {
     let (residuals, counts) = (simulation.residuals, simulation.counts);
-    let mut text = format!(
-        "residuals   primal {:.1e}, dual {:.1e}, complementarity {:.1e}\n",
+    let mut text = String::new();
+    if let Some(error) = simulation.error_estimate {
+        let _ = writeln!(text, "error       about {error:.1e} of the largest values");
+    }
+    let _ = writeln!(
+        text,
+        "residuals   primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
         residuals.primal, residuals.dual, residuals.complementarity
     );
     let _ = writeln!(

@@ -17,7 +17,7 @@ pub(crate) struct Document<'a> {
     scene: &'static str,
     parameters: ParameterValues<'a>,
     horizon: f64,
-    method: &'a MethodSettings,
+    method: MethodSettings,
     status: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     diagnosis: Option<DiagnosisEntry<'a>>,
@@ -25,6 +25,8 @@ pub(crate) struct Document<'a> {
     trajectory: TrajectoryEntry<'a>,
     #[serde(rename = "final")]
     last: Option<FinalEntry<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error_estimate: Option<f64>,
     #[serde(with = "ResidualsEntry")]
     residuals: Residuals,
     #[serde(with = "SizeEntry")]
@@ -56,7 +58,7 @@ impl<'a> Document<'a> {
             scene: chosen.scene.name,
             parameters: ParameterValues::of(chosen),
             horizon,
-            method,
+            method: method.with_steps_of(simulation),
             status: simulation.status.name(),
             diagnosis: simulation
                 .status
@@ -69,6 +71,7 @@ impl<'a> Document<'a> {
                 .collect(),
             last: trajectory.last(),
             trajectory,
+            error_estimate: simulation.error_estimate,
             residuals: simulation.residuals,
             size: simulation.size,
             iterations: simulation.counts,
@@ -107,6 +110,8 @@ mod tests {
             &[0.0, 0.0],
         );
         let simulation = Simulation {
+            declaration: chosen.model.declaration(),
+            initial_modes: Vec::new(),
             status: SimulationStatus::NotFinite(Diagnosis {
                 time: 1.0,
                 step: 2,
@@ -115,6 +120,7 @@ mod tests {
             }),
             events: Vec::new(),
             trajectory,
+            error_estimate: None,
             residuals: hangtime::simulation::Residuals {
                 primal: f64::NAN,
                 ..Default::default()

@@ -24,9 +24,9 @@ enum Undecided {
 }
 
 impl Contacts<'_> {
-    /// The contact mode at `x`: writes the contacts that carry a force to `active`. Of the contacts that
-    /// are `close`, those touch whose normal velocity is at most `velocity`; those of them slide whose
-    /// sliding velocity is above `sliding`.
+    /// The contact mode at `x` and `time`: writes the contacts that carry a force to `active`. Of the contacts
+    /// that are `close`, those touch whose normal velocity is zero for their size; those of them slide whose
+    /// sliding velocity is not.
     ///
     /// `active` holds the previous mode on entry; it decides where accelerations and jerks both vanish.
     /// What [`evaluate`](Self::evaluate) stored is overwritten.
@@ -34,20 +34,20 @@ impl Contacts<'_> {
         &mut self,
         x: &[f64],
         close: &[usize],
-        (velocity, sliding): (f64, f64),
+        time: f64,
         active: &mut Vec<ActiveContact>,
     ) -> Result<(), ModeError> {
         self.evaluate(x, close.iter().copied());
         let touching: Vec<usize> = close
             .iter()
             .copied()
-            .filter(|&i| self.normal_velocity(i).abs() <= velocity)
+            .filter(|&i| self.normal_velocity(i).abs() <= self.resting_velocity(i, time))
             .collect();
         if touching.is_empty() {
             active.clear();
             return Ok(());
         }
-        let at_rest = |i: usize| self.sliding_velocity(i).abs() <= sliding;
+        let at_rest = |i: usize| self.sliding_velocity(i).abs() <= self.size(i, time).at_rest();
         let (lines, cones) = self.coulomb_lines(&touching, at_rest);
         let free: Vec<f64> = lines
             .iter()
@@ -179,7 +179,11 @@ impl Contacts<'_> {
         // 1e-10 of the scale for a step of 1e-5 of the motion's own time scale.
         let speed = norm(&x[self.n..2 * self.n]) + f64::MIN_POSITIVE;
         let time_scale = (speed / (norm(&motion) + f64::MIN_POSITIVE)).clamp(1e-3, 1.0);
-        let step = 1e-5 * time_scale;
+        // Far from the origin rounding asks for a longer step, and leaves fewer digits.
+        let rounding = f64::EPSILON * norm(&x[..self.n]) / (speed * time_scale);
+        let share = rounding.cbrt().clamp(1e-5, 1e-2);
+        let biactive = BIACTIVE.max(4.0 * share * share);
+        let step = share * time_scale;
         let mut jerk = vec![0.0; lines.len()];
         let mut behind = vec![0.0; lines.len()];
         self.separation(x, &motion, step, strict, &held, &lines, &mut jerk)?;
@@ -191,7 +195,7 @@ impl Contacts<'_> {
         coulomb::solve(&matrix, &jerk, &cones, &mut rates)?;
         let size = lines.len();
         for (k, &condition) in undecided.iter().enumerate() {
-            let zero = |line: usize| BIACTIVE * scales[line] / time_scale;
+            let zero = |line: usize| biactive * scales[line] / time_scale;
             let total =
                 |line: usize| jerk[line] + dot(&matrix[line * size..(line + 1) * size], &rates);
             match condition {

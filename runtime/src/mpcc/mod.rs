@@ -20,7 +20,6 @@
 //!     Elastic        min f + s / sigma,  x_i x_j <= s,  s >= 0,  sigma = 1, 0.1, ... until s vanishes
 //!     Continuation   sigma in steps whose length follows the iterations of the last one
 //!     Proportional   sigma = 10 mu
-//!     Homotopy       sigma = 1, 0.1, ..., 1e-8 in separate solves, for comparison
 //! ```
 //!
 //! At `sigma = 1e-5` a *crossover* fixes one side of each pair at zero, the smaller one or those that
@@ -61,7 +60,7 @@ mod solution;
 mod watch;
 
 pub use certificate::{Certificate, StationarityType};
-pub use driver::{solve, solve_observed, solve_parallel};
+pub use driver::{solve, solve_observed};
 pub use problem::Mpcc;
 pub use settings::{RelaxationRule, Settings};
 pub use solution::{Residuals, Solution, Status};

@@ -74,7 +74,7 @@ pub(in crate::simulation) fn change(
             );
         }
         // What is left of a normal velocity may have had its share in a sliding velocity as small.
-        if !slides_back(dynamics, y) {
+        if !slides_back(dynamics) {
             return Ok(());
         }
     }
@@ -85,14 +85,13 @@ pub(in crate::simulation) fn change(
 }
 
 /// Whether a contact slides against the direction of its mode, at the state loaded.
-fn slides_back(dynamics: &mut Dynamics<'_>, y: &[f64]) -> bool {
-    let zero_velocity = dynamics.zero_velocity(y);
+fn slides_back(dynamics: &mut Dynamics<'_>) -> bool {
     (0..dynamics.contacts).any(|i| {
         let ContactState::Slip(direction) = dynamics.state(i) else {
             return false;
         };
         dynamics.evaluate_tangent(i);
-        direction.sign() * dynamics.sliding_velocity(i) < -zero_velocity
+        direction.sign() * dynamics.sliding_velocity(i) < -dynamics.zero_sliding_velocity(i)
     })
 }
 
@@ -175,7 +174,6 @@ fn candidates(
     resting: &[usize],
     vanished: Option<Switch>,
 ) -> Result<Vec<Candidate>, String> {
-    let zero_velocity = dynamics.zero_velocity(y);
     dynamics.load(t, y);
     dynamics.evaluate_free_acceleration();
     let (mut normal, mut tangential, mut laws) = (Vec::new(), Vec::new(), Vec::new());
@@ -196,11 +194,13 @@ fn candidates(
         let mu = dynamics.friction[i];
         let velocity = dynamics.sliding_velocity(i);
         let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == i);
-        laws.push(if stops || velocity.abs() <= zero_velocity {
-            TangentialLaw::Coulomb(mu)
-        } else {
-            TangentialLaw::Sliding(mu, Direction::of(velocity))
-        });
+        laws.push(
+            if stops || velocity.abs() <= dynamics.zero_sliding_velocity(i) {
+                TangentialLaw::Coulomb(mu)
+            } else {
+                TangentialLaw::Sliding(mu, Direction::of(velocity))
+            },
+        );
     }
     dynamics.set_force_floors(resting);
     let solution = ContactProblem {
@@ -321,7 +321,6 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
         return;
     }
     let n = dynamics.n;
-    let zero_velocity = dynamics.zero_velocity(y);
     let mut slope = vec![0.0; y.len()];
     dynamics.derivative(t, y, &mut slope);
     let mut held = mode.to_vec();
@@ -330,7 +329,7 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
             continue;
         };
         let (_, acceleration) = dynamics.contact_accelerations(i, &slope[n..2 * n]);
-        let rests = dynamics.sliding_velocity(i).abs() <= zero_velocity
+        let rests = dynamics.sliding_velocity(i).abs() <= dynamics.zero_sliding_velocity(i)
             && acceleration.abs() <= BIACTIVE * dynamics.sliding_acceleration_scale(i);
         if rests && dynamics.holds(i) {
             *state = ContactState::Held(direction);

@@ -8,6 +8,7 @@ use super::contact_problem;
 use super::contact_state::ContactState;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch};
+use super::error_scale::ErrorScale;
 use super::impact::{self, Impact, LowestBounce, Undetermined};
 use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
@@ -20,6 +21,8 @@ use crate::simulation::{
 const SHORTEST: f64 = 1e-15;
 /// Factor of the step size if events within the step cannot be found.
 const UNRESOLVED: f64 = 0.25;
+/// Share of the longest step after which accelerations are compared for the first step size.
+const GLANCE: f64 = 1e-6;
 /// Steps shorter than this share of the time reached stay at the same instant.
 const SAME_INSTANT: f64 = 1e-14;
 /// Steps at the same instant, for each contact, before the contact mode counts as undetermined.
@@ -36,6 +39,7 @@ pub(super) struct Integration<'a> {
     method: Dop853,
     probe: Dop853,
     search: EventSearch,
+    error_scale: ErrorScale,
     t: f64,
     y: Vec<f64>,
     h: f64,
@@ -74,6 +78,7 @@ impl<'a> Integration<'a> {
             method: Dop853::new(dimension, 2 * n),
             probe: Dop853::new(dimension, 2 * n),
             search: EventSearch::new(dimension, functions),
+            error_scale: ErrorScale::new(model.declaration()),
             t: 0.0,
             y,
             h: 0.0,
@@ -113,13 +118,7 @@ impl<'a> Integration<'a> {
         self.h = longest;
         self.dynamics.set_controls(&self.problem.controls, 0.0);
         self.enter_mode(None, true)?;
-        self.h = self.method.initial_size(
-            &mut self.dynamics,
-            self.t,
-            &self.y,
-            longest,
-            self.settings.tolerance,
-        );
+        self.h = self.first_step(longest);
         while self.t < horizon {
             let limit = self
                 .problem
@@ -164,6 +163,7 @@ impl<'a> Integration<'a> {
                     self.keep(self.at_end);
                     std::mem::swap(&mut self.start_values, &mut self.end_values);
                     self.record();
+                    self.observe();
                     if lands && limit < horizon {
                         self.dynamics.set_controls(&self.problem.controls, self.t);
                         self.enter_mode(None, false)?;
@@ -173,6 +173,36 @@ impl<'a> Integration<'a> {
             progress(self.t);
         }
         Ok(())
+    }
+
+    /// A first step size: a share of the shortest time in which velocities or accelerations change.
+    fn first_step(&mut self, longest: f64) -> f64 {
+        let n = self.dynamics.n;
+        let moment = GLANCE * longest;
+        let slope = self.method.slope();
+        for ((later, y), slope) in self.output.iter_mut().zip(&self.y).zip(slope) {
+            *later = y + moment * slope;
+        }
+        self.dynamics
+            .derivative(self.t + moment, &self.output, &mut self.slope);
+        let change: Vec<f64> = self.slope[n..2 * n]
+            .iter()
+            .zip(&slope[n..2 * n])
+            .map(|(later, now)| later - now)
+            .collect();
+        let mass = self.dynamics.mass(self.t, &self.y);
+        let time = self.error_scale.shortest_time(mass, &change, moment);
+        (self.settings.tolerance.powf(1.0 / 8.0) * time).min(longest)
+    }
+
+    /// Tells the measures of errors and zeros of the present state, whose derivative is known.
+    fn observe(&mut self) {
+        let n = self.dynamics.n;
+        self.dynamics.observe(self.t, &self.y, self.h);
+        let mass = self.dynamics.mass(self.t, &self.y);
+        let slope = self.method.slope();
+        self.error_scale
+            .observe(mass, &self.y[n..2 * n], &slope[n..2 * n]);
     }
 
     /// Tries a step of length `h`; `false` if it was rejected and `self.h` reduced.
@@ -189,7 +219,13 @@ impl<'a> Integration<'a> {
         self.steps += 1;
         self.dynamics.sample_from(&self.start_values);
         self.method.step(&mut self.dynamics, self.t, &self.y, h);
-        let mut error = self.method.error(&self.y, h, self.settings.tolerance);
+        let n = self.dynamics.n;
+        let mass = self.dynamics.mass(self.t, &self.y);
+        self.error_scale.try_end(mass, &self.method.end()[n..2 * n]);
+        let (tolerance, scale) = (self.settings.tolerance, &self.error_scale);
+        let mut error = self
+            .method
+            .error(h, |component, _| tolerance * scale.of(component, h));
         if error <= 1.0 {
             if self.dynamics.project(self.t + h, self.method.end_mut()) {
                 self.method.finish(&mut self.dynamics, self.t, h);
@@ -287,6 +323,7 @@ impl<'a> Integration<'a> {
         let before = self.y[n..2 * n].to_vec();
         let previously = self.dynamics.mode().to_vec();
         let moment = self.h;
+        self.dynamics.observe_rounding(self.t, &self.y, moment);
         let impact = self.impact(vanished)?;
         if at_start && !impact.struck.is_empty() {
             let after = self.y[n..2 * n].to_vec();
@@ -306,9 +343,13 @@ impl<'a> Integration<'a> {
             moment,
         )
         .map_err(|problem| self.undetermined(problem))?;
+        if at_start {
+            self.result.initial_modes = self.dynamics.contact_modes();
+        }
         self.begin()?;
         self.dynamics.accept_forces();
         self.record();
+        self.observe();
         self.write_events(&before, &previously, &impact.struck, at_start)
     }
 
@@ -380,6 +421,8 @@ impl<'a> Integration<'a> {
             time: self.t,
             kind,
             contact,
+            contact_name: self.dynamics.model.declaration().contacts[contact].name,
+            modes: self.dynamics.contact_modes(),
             q: self.y[..n].to_vec(),
             v_before: before.to_vec(),
             v_after: self.y[n..2 * n].to_vec(),

@@ -10,6 +10,7 @@ mod contact_state;
 pub(super) mod coulomb;
 pub(super) mod dop853;
 pub(super) mod dynamics;
+mod error_scale;
 pub(super) mod impact;
 mod integration;
 mod locate;

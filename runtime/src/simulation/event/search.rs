@@ -42,6 +42,22 @@ pub(super) struct Step<'a> {
     pub(super) end_values: &'a [f64],
 }
 
+impl Step<'_> {
+    /// Shortest time that can be told from none.
+    fn resolution(&self) -> f64 {
+        f64::EPSILON * (self.t.abs() + self.h)
+    }
+}
+
+/// Lengths of steps between which a function changes its sign, a guess of where, and its slope there.
+#[derive(Debug, Clone, Copy)]
+struct Bracket {
+    low: f64,
+    high: f64,
+    guess: f64,
+    slope: f64,
+}
+
 /// An event: which switching function vanishes, and the length of the step that ends there.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
@@ -136,7 +152,7 @@ impl EventSearch {
     /// What counts as zero for the value of a switching function if the continuous extension is exact: one that
     /// starts below zero and grows is no crossing.
     fn least_zero(&self, dynamics: &Dynamics<'_>, step: Step<'_>, function: usize) -> f64 {
-        let zero = dynamics.zero_value(function, step.y);
+        let zero = dynamics.zero_value(function);
         zero.max(-2.0 * step.start_values[function])
     }
 
@@ -153,7 +169,7 @@ impl EventSearch {
                 continue;
             };
             let zero = self.zero[function];
-            let rounding = ROUNDING * dynamics.zero_value(function, step.y);
+            let rounding = ROUNDING * dynamics.zero_value(function);
             let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
             let to = match earliest {
                 None => Sample {
@@ -225,14 +241,14 @@ impl EventSearch {
         let Crossing {
             function,
             mut from,
-            mut left,
-            mut right,
-            root: mut theta,
+            left,
+            right,
+            root: theta,
         } = crossing;
         let zero = self.least_zero(dynamics, step, function);
         let range = dynamics.highest[function] - dynamics.lowest[function];
-        let resolution = f64::EPSILON * (step.t.abs() + step.h);
-        let rounding = ROUNDING * dynamics.zero_value(function, step.y);
+        let resolution = step.resolution();
+        let rounding = ROUNDING * dynamics.zero_value(function);
         let sinks = left.value <= rounding || (theta - left.at) * step.h <= resolution;
         if right.at < 1.0 && (sinks || -right.value < SHALLOW * range) {
             let value = self.stepped(dynamics, method, step, function, right.at * step.h);
@@ -240,33 +256,13 @@ impl EventSearch {
                 return Err(value);
             }
         }
-        let mut slope;
         if sinks {
-            // The continuous extension is positive nowhere; the true solution may be, for a while.
-            let mut width = right.at - left.at;
-            let positive = (0..HALVINGS).find_map(|_| {
-                width *= 0.5;
-                let at = left.at + width;
-                let value = self.stepped(dynamics, method, step, function, at * step.h);
-                if value <= 0.0 {
-                    right = Sample { at, value };
-                }
-                (value > rounding).then_some(Sample { at, value })
-            });
-            match positive {
-                Some(sample) => left = sample,
-                None => right = left,
-            }
-            from = left;
-            theta = left.at;
-            slope = (right.value - left.value) / ((right.at - left.at) * step.h);
-        } else {
-            let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
-            let around = 1e-3 * (right.at - left.at);
-            let (before, after) = ((theta - around).max(0.0), (theta + around).min(1.0));
-            slope = (value(after) - value(before)) / ((after - before) * step.h);
+            return self.sink(dynamics, method, step, crossing);
         }
-
+        let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
+        let around = 1e-3 * (right.at - left.at);
+        let (before, after) = ((theta - around).max(0.0), (theta + around).min(1.0));
+        let slope = (value(after) - value(before)) / ((after - before) * step.h);
         // A function that starts at zero has any sign there: the way back ends where it is positive.
         if from.value <= rounding && left.at > from.at {
             let value = self.stepped(dynamics, method, step, function, left.at * step.h);
@@ -274,23 +270,99 @@ impl EventSearch {
                 from = left;
             }
         }
-        let (mut low, mut high) = (from.at * step.h, right.at * step.h);
-        let mut h = theta * step.h;
+        let bracket = Bracket {
+            low: from.at * step.h,
+            high: right.at * step.h,
+            guess: theta * step.h,
+            slope,
+        };
+        self.refine(dynamics, method, step, function, bracket)
+    }
+
+    /// The same where the continuous extension is positive nowhere before it falls; the true solution may be, for a
+    /// while.
+    fn sink(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &mut Dop853,
+        step: Step<'_>,
+        crossing: Crossing,
+    ) -> Result<f64, f64> {
+        let Crossing {
+            function,
+            mut left,
+            mut right,
+            ..
+        } = crossing;
+        let rounding = ROUNDING * dynamics.zero_value(function);
+        let mut width = right.at - left.at;
+        let positive = (0..HALVINGS).find_map(|_| {
+            width *= 0.5;
+            let at = left.at + width;
+            let value = self.stepped(dynamics, method, step, function, at * step.h);
+            if value <= 0.0 {
+                right = Sample { at, value };
+            }
+            (value > rounding).then_some(Sample { at, value })
+        });
+        match positive {
+            Some(sample) => left = sample,
+            None => right = left,
+        }
+        let bracket = Bracket {
+            low: left.at * step.h,
+            high: right.at * step.h,
+            guess: left.at * step.h,
+            slope: (right.value - left.value) / ((right.at - left.at) * step.h),
+        };
+        self.refine(dynamics, method, step, function, bracket)
+    }
+
+    /// Length of the true step in the bracket at whose end the function vanishes, to the resolution of time; if it
+    /// is positive throughout, its value at the right end.
+    ///
+    /// A root is where the sign of the function changes, whatever its size: a force that vanishes has no terms left
+    /// that could tell how small it is.
+    fn refine(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &mut Dop853,
+        step: Step<'_>,
+        function: usize,
+        bracket: Bracket,
+    ) -> Result<f64, f64> {
+        let zero = self.least_zero(dynamics, step, function);
+        let resolution = step.resolution();
+        let Bracket {
+            mut low,
+            mut high,
+            guess: mut h,
+            mut slope,
+        } = bracket;
         let mut f = self.stepped(dynamics, method, step, function, h);
+        let mut beyond = resolution;
         for iteration in 0..POLISHING {
             if f > 0.0 {
                 low = h;
             } else {
                 high = h;
             }
+            if f == 0.0 || h >= high && f > 0.0 {
+                break;
+            }
             let newton = h - f / slope;
-            let next = if iteration < SECANTS && newton >= low && newton <= high {
+            let mut next = if iteration < SECANTS && newton >= low && newton <= high {
                 newton
             } else {
                 0.5 * (low + high)
             };
-            if f == 0.0 || (next - h).abs() <= resolution || high - low <= resolution {
-                break;
+            if (next - h).abs() <= resolution || high - low <= resolution {
+                if f <= zero {
+                    break;
+                }
+                // Positive at the root to working accuracy: the change of sign is just behind it.
+                next = (h + beyond).min(high);
+                beyond *= 4.0;
             }
             let f_next = self.stepped(dynamics, method, step, function, next);
             let secant = (f_next - f) / (next - h);

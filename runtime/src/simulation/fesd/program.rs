@@ -163,8 +163,8 @@ impl Driver<'_> {
                 continue;
             }
             let ended = self.bounces_left_out(&program, &solution.x, resting);
-            let rest = self.rest_velocity();
-            if ended.iter().all(|&(_, speed)| speed <= rest) {
+            let slow = |&(i, speed): &(usize, f64)| speed <= self.rest_velocity(i);
+            if ended.iter().all(slow) {
                 self.take(&program, &solution)?;
                 // The clock of the program ends there up to its residual.
                 self.state.time = end;
@@ -206,6 +206,8 @@ impl Driver<'_> {
             })
             .collect();
         let mut jump_start: Option<State> = None;
+        // Events whose modes are not known yet: those of an instant are known where its jumps have ended.
+        let mut open_from = self.events.len();
         for e in 0..program.elements() {
             let sliding = self.active.clone();
             let after = program.state(x, e);
@@ -252,6 +254,10 @@ impl Driver<'_> {
                     self.push_event_at(&before, kind, held.contact, before.v.clone());
                 }
             }
+            if !phases.contains(&Phase::Jump) {
+                self.set_modes(open_from);
+                open_from = self.events.len();
+            }
             self.evaluate_state()?;
             self.record();
             before.copy_from(&after);
@@ -266,7 +272,16 @@ impl Driver<'_> {
             .collect();
         self.project(&close)?;
         self.settle(&close)?;
+        self.set_modes(open_from);
         Ok(())
+    }
+
+    /// Makes the present modes those of all events from `first` on.
+    fn set_modes(&mut self, first: usize) {
+        let modes = self.modes();
+        for event in &mut self.events[first..] {
+            event.modes.clone_from(&modes);
+        }
     }
 
     /// The event of a jump that ended at `after`.
