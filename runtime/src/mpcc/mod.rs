@@ -48,7 +48,6 @@
 mod branch;
 mod certificate;
 mod crossover;
-mod driver;
 mod elastic;
 mod forced;
 mod linear_program;
@@ -57,10 +56,12 @@ mod relaxation;
 mod run;
 mod settings;
 mod solution;
+mod solve;
 mod watch;
 
 pub use certificate::{Certificate, StationarityType};
-pub use driver::{solve, solve_observed};
+
 pub use problem::Mpcc;
 pub use settings::{RelaxationRule, Settings};
 pub use solution::{Residuals, Solution, Status};
+pub use solve::{solve, solve_observed};
