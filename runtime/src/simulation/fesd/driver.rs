@@ -363,7 +363,8 @@ impl<'a> Driver<'a> {
                         return Err(self.unsettled(step));
                     }
                 }
-                Err(Stop::Mode(ModeError::NotFinite)) | Err(Stop::Element(ElementError::NotFinite))
+                Err(Stop::Mode(ModeError::NotFinite))
+                | Err(Stop::Element(ElementError::NotFinite))
                     if halvings < self.most_halvings() =>
                 {
                     halvings += 1;

@@ -112,9 +112,7 @@ impl Driver<'_> {
         }
         let previous = self.active.clone();
         let mut active = std::mem::take(&mut self.active);
-        let selected = self
-            .contacts
-            .select(&self.x, &touching, time, &mut active);
+        let selected = self.contacts.select(&self.x, &touching, time, &mut active);
         self.active = active;
         selected?;
         self.end_cascades(&ended);
