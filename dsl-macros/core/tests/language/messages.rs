@@ -481,12 +481,6 @@ fn declarations_that_grow_with_each_line_are_refused() {
         ),
         ("let a0 = z", " let a# = a@*a@ - 2*z", 400, "a400"),
         ("let r0 = rotation(z)", " let r# = r@*r@", 20, "r20[1][0]"),
-        (
-            "let s0 = sin(z)",
-            " let s# = s@*(s@ + z)*(s@ - 1)",
-            60,
-            "s60",
-        ),
     ] {
         let grown = repeated(statement, count);
         let source =
