@@ -78,7 +78,9 @@ fn page(code: &str) -> Result<Option<&'static str>, BadInput> {
     if number.is_none_or(|digits| digits.is_empty() || digits.parse::<u32>().is_err()) {
         return Ok(None);
     }
-    match explanation(code) {
+    // `E7` means `E07`.
+    let number = number.and_then(|digits| digits.parse::<u32>().ok());
+    match explanation(&format!("E{:02}", number.unwrap_or_default())) {
         Some(page) => Ok(Some(page)),
         None => {
             let codes: Vec<&str> = mistake_codes().collect();

@@ -4,6 +4,8 @@ use hangtime::simulation::{InitialValueProblem, Simulation};
 
 use super::case::{Case, Reproduced};
 use super::column::Column;
+use super::comparison::{comparison, rows};
+use super::overview::section_of;
 use crate::arguments::{Method, MethodArguments, SchemeName};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
@@ -93,8 +95,8 @@ pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput
     }
     let ours = &columns[0];
     let exact = &columns[1];
-    let rows = case.rows(ours);
-    let (header, table) = case.comparison(&rows, &columns);
+    let rows = rows(&case, ours);
+    let (header, table) = comparison(&case, &rows, &columns);
     let (remark, positions) = positions(&case, exact);
     files.push((format!("{}_positions.csv", published.name), positions));
     let remarks: Vec<String> = remark.into_iter().collect();
@@ -102,7 +104,7 @@ pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput
     let states = dense(&ours.simulation.trajectory);
     let residual = ours.residual;
     Ok(Reproduced {
-        section: Section::of_case(published, &remarks, &files, header, table),
+        section: section_of(published, &remarks, &files, header, table),
         case,
         states,
         rows,
