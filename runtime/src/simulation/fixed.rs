@@ -212,7 +212,10 @@ impl<'a> FixedRun<'a> {
             &mut self.y,
             &impact.resting,
             None,
-            h,
+            contact_mode::Outlook {
+                moment: h,
+                skipped: 0,
+            },
         )
         .map_err(|problem| self.undetermined(t, problem))?;
         if self.result.initial_modes.is_empty() {

@@ -4,6 +4,7 @@
 //! mode, `dop853` integrates it, `search` and `locate` find where the mode ends, `impact` and `contact_mode`
 //! (with `contact_problem` and `coulomb`) what follows.
 
+mod audit;
 pub(super) mod contact_mode;
 pub(super) mod contact_problem;
 mod contact_state;

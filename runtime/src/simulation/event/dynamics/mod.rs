@@ -45,6 +45,8 @@ pub(in crate::simulation) struct Dynamics<'a> {
     pub(in crate::simulation) lowest: Vec<f64>,
     /// Largest of `values` since [`sample_from`](Self::sample_from).
     pub(in crate::simulation) highest: Vec<f64>,
+    /// A contact one of whose functions could not be evaluated since [`sample_from`](Self::sample_from).
+    pub(in crate::simulation) undefined: Option<usize>,
     /// Whether a contact declares friction, if only with the coefficient 0.
     pub(in crate::simulation) declares_friction: bool,
     /// Coefficients of restitution.
@@ -111,6 +113,7 @@ impl<'a> Dynamics<'a> {
             values: vec![0.0; functions],
             lowest: vec![0.0; functions],
             highest: vec![0.0; functions],
+            undefined: None,
             declares_friction: declaration.contacts.iter().any(|c| c.friction.is_some()),
             restitution: (0..contacts).map(|i| model.restitution(i)).collect(),
             friction,

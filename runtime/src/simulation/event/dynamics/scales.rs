@@ -31,6 +31,8 @@ pub(super) struct ContactScale {
     normal_velocity: f64,
     /// The same for the sliding velocity.
     sliding_velocity: f64,
+    /// Longest moment so far.
+    longest: f64,
 }
 
 /// State and acceleration at an instant, and a time over which the motion is smooth.
@@ -74,6 +76,7 @@ impl Default for ContactScale {
             highest: f64::NEG_INFINITY,
             normal_velocity: 0.0,
             sliding_velocity: 0.0,
+            longest: 0.0,
         }
     }
 }
@@ -82,6 +85,7 @@ impl ContactScale {
     /// Takes note of a contact, laid out as in [`contact_point`], and of its tangent if it has friction.
     pub(super) fn observe(&mut self, point: &[f64], tangent: Option<&[f64]>, instant: Instant<'_>) {
         let gap = point[contact_point::GAP];
+        self.longest = self.longest.max(instant.moment);
         self.lowest = self.lowest.min(gap);
         self.highest = self.highest.max(gap);
         let normal = &point[contact_point::NORMAL..][..instant.q.len()];
@@ -97,7 +101,7 @@ impl ContactScale {
             .zip(instant.q)
             .map(|(n, q)| (n * q).abs())
             .sum();
-        let way = instant.moment * (terms + curvature);
+        let way = instant.moment * self.normal_velocity;
         self.rounding = f64::EPSILON * (position + way);
     }
 
@@ -133,6 +137,21 @@ impl ContactScale {
     /// Below this normal velocity the contact is at rest.
     pub(super) fn zero_normal_velocity(&self) -> f64 {
         ZERO_VELOCITY * self.normal_velocity
+    }
+
+    /// Accelerations with which those of the contact are compared however small their terms are: they would give its
+    /// velocities in the longest moment.
+    pub(super) fn acceleration(&self) -> f64 {
+        if self.longest > 0.0 {
+            self.normal_velocity.max(self.sliding_velocity) / self.longest
+        } else {
+            0.0
+        }
+    }
+
+    /// Largest terms of the sliding velocity so far.
+    pub(super) fn sliding_velocity(&self) -> f64 {
+        self.sliding_velocity
     }
 
     /// Below this sliding velocity the contact does not slide.
