@@ -15,7 +15,6 @@ use crate::bounds::{Bounds, Ending};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
 use crate::json::{SolutionDocument, SolverSettings};
-use crate::page::Section;
 use crate::quantity;
 use crate::sampling::{State, dense};
 use crate::solve::{INTERVALS, facts};

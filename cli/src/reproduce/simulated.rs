@@ -11,7 +11,6 @@ use crate::failure::BadInput;
 use crate::files::ResultFiles;
 use crate::json::Document;
 use crate::method::ChosenMethod;
-use crate::page::Section;
 use crate::sampling::dense;
 use crate::simulate::{diagnosis_line, facts};
 use crate::spreadsheet::{csv_text, trajectory_csv};
