@@ -175,15 +175,9 @@ impl Contacts<'_> {
         self.constrained_acceleration(strict, &forces, &mut motion);
         let matrix = self.reduced_couplings(&held, &lines)?;
         let scales: Vec<f64> = lines.iter().map(|&line| self.scale(line)).collect();
-        // Central difference along the motion; its truncation and rounding errors are both near
-        // 1e-10 of the scale for a step of 1e-5 of the motion's own time scale.
-        let speed = norm(&x[self.n..2 * self.n]) + f64::MIN_POSITIVE;
-        let time_scale = (speed / (norm(&motion) + f64::MIN_POSITIVE)).clamp(1e-3, 1.0);
-        // Far from the origin rounding asks for a longer step, and leaves fewer digits.
-        let rounding = f64::EPSILON * norm(&x[..self.n]) / (speed * time_scale);
-        let share = rounding.cbrt().clamp(1e-5, 1e-2);
-        let biactive = BIACTIVE.max(4.0 * share * share);
-        let step = share * time_scale;
+        let (step, time_scale) = self.difference_step(x, &motion);
+        // Far from the origin the step is longer and leaves fewer digits.
+        let biactive = BIACTIVE.max(4.0 * (step / time_scale).powi(2));
         let mut jerk = vec![0.0; lines.len()];
         let mut behind = vec![0.0; lines.len()];
         self.separation(x, &motion, step, strict, &held, &lines, &mut jerk)?;
@@ -238,6 +232,19 @@ impl Contacts<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Step of a central difference along the motion with the acceleration `motion`, and the motion's own time
+    /// scale: truncation and rounding errors are both near 1e-10 for a step of 1e-5 of it.
+    fn difference_step(&self, x: &[f64], motion: &[f64]) -> (f64, f64) {
+        let speed = norm(&x[self.n..2 * self.n]) + f64::MIN_POSITIVE;
+        let rounding = f64::EPSILON * norm(&x[..self.n]);
+        let own = speed / (norm(motion) + f64::MIN_POSITIVE);
+        // From rest the velocity says nothing.
+        let shortest = if speed * own > 1e8 * rounding { 0.0 } else { 1e-3 };
+        let time_scale = own.clamp(shortest, 1.0);
+        let share = (rounding / (speed * time_scale)).cbrt().clamp(1e-5, 1e-2);
+        (share * time_scale, time_scale)
     }
 
     /// One line for each undecided condition, in its order, then the tangents of the cones.

@@ -60,12 +60,12 @@ pub(crate) struct Contacts<'a> {
     points: Vec<f64>,
     /// Tangential sides; empty if no contact has friction.
     tangents: Vec<f64>,
-    /// Largest sum of terms of each normal acceleration seen so far: the scale of its rounding error. At one
-    /// instant the terms may cancel inside the model.
+    /// Largest sum of terms of each normal acceleration of the motion so far: the scale of its rounding error. At
+    /// one instant the terms may cancel inside the model.
     scales: Vec<f64>,
     /// The same for the sliding accelerations.
     tangent_scales: Vec<f64>,
-    /// Largest sizes of gaps and velocities seen so far.
+    /// Largest sizes of gaps and velocities of the motion so far.
     sizes: Vec<ContactSize>,
     lines: Vec<Line>,
     matrix: Vec<f64>,
@@ -170,8 +170,6 @@ impl<'a> Contacts<'a> {
                 let tangent = &mut self.tangents[i * tangent_length..(i + 1) * tangent_length];
                 self.model.tangent(i, x, tangent);
             }
-            let size = self.size_at(x, i);
-            self.sizes[i].include(size);
         }
         self.evaluations += 1;
     }
@@ -212,24 +210,38 @@ impl<'a> Contacts<'a> {
     pub(crate) fn evaluate(
         &mut self,
         x: &[f64],
-        contacts: impl IntoIterator<Item = usize> + Clone,
+        contacts: impl IntoIterator<Item = usize>,
     ) {
         self.model.free_acceleration(x, &mut self.acceleration);
-        self.evaluate_contacts(x, contacts.clone());
-        for i in contacts {
-            let normal = Line::Normal {
-                contact: i,
-                slope: 0.0,
-            };
-            self.scales[i] = self.scales[i].max(self.terms(normal));
+        self.evaluate_contacts(x, contacts);
+    }
+
+    /// Remembers how large gaps and velocities of all contacts are, which were evaluated at the state `x` of
+    /// the motion. States that are only tried may be far beyond it.
+    pub(crate) fn remember_sizes(&mut self, x: &[f64]) {
+        for i in 0..self.sizes.len() {
+            let size = self.size_at(x, i);
+            self.sizes[i].include(size);
+        }
+    }
+
+    /// Remembers how large the accelerations of all contacts are, which were evaluated at a state of the
+    /// motion.
+    pub(crate) fn remember_scales(&mut self) {
+        for i in 0..self.scales.len() {
+            self.scales[i] = self.phi_scale(i);
             if self.friction[i] > 0.0 {
-                let terms = self.terms(Line::Tangent {
-                    contact: i,
-                    sense: 1.0,
-                });
-                self.tangent_scales[i] = self.tangent_scales[i].max(terms);
+                self.tangent_scales[i] = self.tangent_terms(i);
             }
         }
+    }
+
+    /// Largest sum of terms of the sliding acceleration so far.
+    fn tangent_terms(&self, contact: usize) -> f64 {
+        self.tangent_scales[contact].max(self.terms(Line::Tangent {
+            contact,
+            sense: 1.0,
+        }))
     }
 
     /// Gradient of the velocity of a line, up to its sign, and the velocity-dependent part of the
@@ -301,20 +313,26 @@ impl<'a> Contacts<'a> {
 
     /// Scale of the rounding error of the normal acceleration of a contact.
     pub(crate) fn phi_scale(&self, contact: usize) -> f64 {
-        self.scales[contact]
+        self.scales[contact].max(self.terms(Line::Normal {
+            contact,
+            slope: 0.0,
+        }))
     }
 
     /// Scale of the rounding error of the acceleration of a line.
     pub(super) fn scale(&self, line: Line) -> f64 {
         match line {
-            Line::Normal { contact, .. } => self.scales[contact],
+            Line::Normal { contact, .. } => self.phi_scale(contact),
             Line::Tangent { contact, .. } => self.tangential_scale(contact),
         }
     }
 
     /// Scale of the rounding errors of friction and sliding acceleration.
     pub(crate) fn tangential_scale(&self, contact: usize) -> f64 {
-        self.tangent_scales[contact] + self.friction[contact] * self.scales[contact]
+        if self.friction[contact] == 0.0 {
+            return 0.0;
+        }
+        self.tangent_terms(contact) + self.friction[contact] * self.phi_scale(contact)
     }
 
     /// Acceleration of line `row` for a unit force on line `column`.

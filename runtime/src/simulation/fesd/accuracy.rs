@@ -72,9 +72,13 @@ fn inaccurate(time: f64, error: f64, promise: f64) -> SimulationStatus {
 /// Largest difference of two runs at the end and at events, relative to the `motion`.
 fn difference(looser: &Simulation, tighter: &Simulation, motion: &MotionSize) -> f64 {
     let (a, b) = (&looser.trajectory, &tighter.trajectory);
-    let (Some(time), Some(qa), Some(qb), Some(va), Some(vb)) =
-        (b.time.last(), a.q.last(), b.q.last(), a.v.last(), b.v.last())
-    else {
+    let (Some(time), Some(qa), Some(qb), Some(va), Some(vb)) = (
+        b.time.last(),
+        a.q.last(),
+        b.q.last(),
+        a.v.last(),
+        b.v.last(),
+    ) else {
         return f64::INFINITY;
     };
     let length = time / tighter.counts.elements.max(1) as f64;
@@ -103,7 +107,10 @@ fn at_events(looser: &[Event], tighter: &[Event]) -> f64 {
 }
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
 }
 
 /// The work of several runs.

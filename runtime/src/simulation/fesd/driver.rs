@@ -29,6 +29,8 @@ const MAX_ATTEMPTS: usize = 20_000;
 /// Largest share of the horizon that an element may take under error control: a flight has no error, but
 /// passes over ground.
 const LONGEST: f64 = 0.1;
+/// Largest share of the horizon that the first element may take, for a tolerance of one.
+const FIRST: f64 = 0.25;
 /// Error estimate of a run without error control above which it says so: what a curve in a figure shows.
 const SUSPECT_ESTIMATE: f64 = 1e-3;
 /// Largest and smallest change of the element length by the error control.
@@ -196,7 +198,7 @@ impl<'a> Driver<'a> {
             local_tolerance: None,
             keeps_trajectory: true,
             not_finite: false,
-            proposed_length: 0.05 * problem.horizon,
+            proposed_length: problem.horizon,
             force_row: vec![0.0; contacts],
             rough: declaration.contacts.iter().any(|c| c.friction.is_some()),
             restitution: (0..contacts).map(|i| restitution(model, i)).collect(),
@@ -285,6 +287,7 @@ impl<'a> Driver<'a> {
         }
         self.initial_modes = self.modes();
         self.record();
+        self.propose_first_length();
         let steps = self.step_count();
         for step in 0..steps {
             let end = if step + 1 == steps {
@@ -298,6 +301,22 @@ impl<'a> Driver<'a> {
             progress(self.state.time);
         }
         SimulationStatus::Solved
+    }
+
+    /// First element length: a share of the horizon and of the time in which the velocity changes, which falls
+    /// with the tolerance, so that two runs do not share their first elements.
+    fn propose_first_length(&mut self) {
+        let Some(tolerance) = self.local_tolerance else {
+            return;
+        };
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let share = tolerance.powf(1.0 / (self.tableau.stages() as f64 + 1.0));
+        let mut length = FIRST * self.horizon;
+        let (speed, acceleration) = (largest(&self.state.v), largest(&self.acceleration));
+        if speed > 0.0 && acceleration > 0.0 {
+            length = length.min(speed / acceleration);
+        }
+        self.proposed_length = share * length;
     }
 
     /// Advances to `end`, with as many segments as there are switches and pieces of the controls.
@@ -344,7 +363,8 @@ impl<'a> Driver<'a> {
                         return Err(self.unsettled(step));
                     }
                 }
-                Err(Stop::Mode(ModeError::NotFinite)) | Err(Stop::Element(ElementError::NotFinite))
+                Err(Stop::Mode(ModeError::NotFinite))
+                | Err(Stop::Element(ElementError::NotFinite))
                     if halvings < self.most_halvings() =>
                 {
                     halvings += 1;
@@ -549,6 +569,8 @@ impl<'a> Driver<'a> {
     pub(super) fn evaluate_state(&mut self) -> Result<(), ModeError> {
         self.write_input();
         self.contacts.evaluate(&self.x, 0..self.all_contacts.len());
+        self.contacts.remember_sizes(&self.x);
+        self.contacts.remember_scales();
         self.forces.resize(force_count(&self.active), 0.0);
         self.contacts
             .contact_forces(&self.active, &mut self.forces)?;

@@ -244,10 +244,14 @@ impl Simulator for Fesd {
         let tableau = self.tableau()?;
         problem.check(model)?;
         Ok(match self.promise() {
-            Some(promise) => accuracy::promised(self, promise, &tableau, (model, problem), progress),
-            None => driver::Driver::new(self, &tableau, model, problem)
-                .run(progress)
-                .0,
+            Some(promise) => {
+                accuracy::promised(self, promise, &tableau, (model, problem), progress)
+            }
+            None => {
+                driver::Driver::new(self, &tableau, model, problem)
+                    .run(progress)
+                    .0
+            }
         })
     }
 }

@@ -85,6 +85,7 @@ impl Driver<'_> {
         self.write_input();
         self.contacts
             .evaluate_contacts(&self.x, 0..self.all_contacts.len());
+        self.contacts.remember_sizes(&self.x);
         let time = self.state.time;
         let touching: Vec<usize> = self
             .all_contacts
@@ -111,9 +112,7 @@ impl Driver<'_> {
         }
         let previous = self.active.clone();
         let mut active = std::mem::take(&mut self.active);
-        let selected = self
-            .contacts
-            .select(&self.x, &touching, time, &mut active);
+        let selected = self.contacts.select(&self.x, &touching, time, &mut active);
         self.active = active;
         selected?;
         self.end_cascades(&ended);
@@ -152,12 +151,9 @@ impl Driver<'_> {
         self.settings.rest_velocity.unwrap_or(REST * largest)
     }
 
-    /// Whether a touching contact bounces with the speed at which it comes. Beside another contact it does
-    /// not where its bounce, or the flight since its last impact, stays within the gap of a contact that
-    /// touches: impacts that follow each other that fast are at their limit, in which they bring the contacts
-    /// to rest.
+    /// Whether a contact that comes with `speed` and touches, `alone` or beside others, bounces: not where its
+    /// bounce stays within what counts as touching.
     fn bounces(&self, contact: usize, speed: f64, alone: bool) -> bool {
-        let e = self.restitution[contact];
         let size = self.contacts.size(contact, self.state.time);
         let lowest = if alone {
             size.gap_rounding()
@@ -165,8 +161,19 @@ impl Driver<'_> {
             size.touching_gap()
         };
         let slowest = (2.0 * self.contacts.phi_scale(contact) * lowest).sqrt();
-        let flight = speed * (self.state.time - self.struck[contact]);
-        speed > self.rest_velocity(contact) && e * speed > slowest && (alone || flight > lowest)
+        speed > self.rest_velocity(contact) && self.restitution[contact] * speed > slowest
+    }
+
+    /// Whether the flight of one of the `closing` contacts since its last impact stayed within what counts as
+    /// touching: several contacts that strike that fast one after the other are at the limit of infinitely
+    /// many impacts, in which they come to rest on each other.
+    fn collapses(&self, closing: &[usize]) -> bool {
+        closing.iter().any(|&i| {
+            let speed = -self.contacts.normal_velocity(i);
+            let flight = speed * (self.state.time - self.struck[i]);
+            let lowest = self.contacts.size(i, self.state.time).touching_gap();
+            speed > self.rest_velocity(i) && flight <= lowest
+        })
     }
 
     /// The velocity jump of an impact of the `closing` contacts in which all `touching` ones take part.
@@ -176,11 +183,13 @@ impl Driver<'_> {
         touching: &[usize],
         closing: &[usize],
     ) -> Result<Vec<(usize, f64)>, ModeError> {
+        let alone = touching.len() == 1;
+        let collapsed = !alone && self.collapses(closing);
         let mut ended = Vec::new();
         let mut restitution = vec![0.0; touching.len()];
         for (e, &i) in restitution.iter_mut().zip(touching) {
             let speed = -self.contacts.normal_velocity(i);
-            if self.bounces(i, speed, touching.len() == 1) {
+            if !collapsed && self.bounces(i, speed, alone) {
                 *e = self.restitution[i];
             } else if self.restitution[i] > 0.0 && closing.contains(&i) {
                 ended.push((i, speed));

@@ -174,7 +174,9 @@ impl<'a> Detector<'a> {
             let row = &self.gaps[i * (samples + 1)..(i + 1) * (samples + 1)];
             let (a, b, c) = (row[k - 1], row[k], row[k + 1]);
             let least = a.min(b).min(c);
-            let released = row[..k].iter().all(|gap| *gap <= self.sizes[i].touching_gap());
+            let released = row[..k]
+                .iter()
+                .all(|gap| *gap <= self.sizes[i].touching_gap());
             if !released && least > 0.0 && (a - 2.0 * b + c).abs() > least {
                 suspects.push((i, a, b, c, least));
             }
