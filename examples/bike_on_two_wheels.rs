@@ -8,7 +8,7 @@
 use std::process::ExitCode;
 
 use hangtime::model::Model;
-use hangtime_models::{CommandLine, GroundLine, Plane, Scene, Variant};
+use hangtime_cli::{CommandLine, GroundLine, Plane, Scene, Variant};
 
 hangtime::model! {
     /// A rigid bike with two small wheels; its rider pulls on the handlebar and shifts weight.

@@ -7,7 +7,7 @@
 
 use std::process::ExitCode;
 
-use hangtime_models::{CommandLine, Plane, Scene, Variant};
+use hangtime_cli::{CommandLine, Plane, Scene, Variant};
 
 hangtime::model! {
     /// A sledge with a propeller that can be tilted.

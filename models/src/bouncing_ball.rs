@@ -3,7 +3,7 @@
 //! From a height `h` the ball reaches the floor after `sqrt(2 h / g)`, and rests on it after `(1 + e) / (1 - e)` times
 //! that time, for a coefficient of restitution `e`.
 
-use crate::scene::{Plane, Scene, Variant};
+use hangtime_cli::{Plane, Scene, Variant};
 
 hangtime::model! {
     /// A ball that bounces along a floor.

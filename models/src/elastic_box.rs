@@ -2,7 +2,7 @@
 
 use hangtime::model::Model;
 
-use crate::scene::{GroundLine, Plane, Scene, Variant, parameter};
+use hangtime_cli::{GroundLine, Plane, Scene, Variant, parameter};
 
 hangtime::model! {
     /// A ball between a floor, a ceiling and two walls, none of which takes energy.

@@ -3,7 +3,7 @@
 //! The block slides down with the deceleration `g (mu cos(incline) - sin(incline))`, and sticks where it stops if `mu`
 //! is at least the slope of the incline.
 
-use crate::scene::{Plane, Scene, Variant};
+use hangtime_cli::{Plane, Scene, Variant};
 
 hangtime::model! {
     /// A block that slides down an incline with Coulomb friction.

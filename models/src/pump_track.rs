@@ -18,7 +18,7 @@
 use hangtime::model::Model;
 
 use crate::published;
-use crate::scene::{GroundLine, Plane, Scene, Variant, parameter};
+use hangtime_cli::{GroundLine, Plane, Scene, Variant, parameter};
 
 /// The scene; its forms differ in the law of the impact.
 macro_rules! pump_track {

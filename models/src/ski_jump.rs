@@ -5,7 +5,7 @@
 //! those of the authors' scripts and of the data of their Fig. 3.
 
 use crate::published;
-use crate::scene::{Plane, Scene, Variant};
+use hangtime_cli::{Plane, Scene, Variant};
 
 hangtime::model! {
     /// A ski jumper: a point mass that slides off a curved table and lands on a straight slope.

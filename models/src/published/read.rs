@@ -2,7 +2,7 @@
 
 use serde::de::DeserializeOwned;
 
-use super::PublishedDataError;
+use hangtime_cli::PublishedDataError;
 
 /// The rows of the table `name`, without its header.
 pub(super) fn rows<Row: DeserializeOwned>(

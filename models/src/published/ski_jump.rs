@@ -7,7 +7,7 @@
 use hangtime::simulation::EventKind::{Impact, LiftOff};
 
 use super::read::rows;
-use super::{
+use hangtime_cli::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
     PublishedPoint, Quantity, Reference, Task,
 };

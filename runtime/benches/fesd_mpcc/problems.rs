@@ -1,6 +1,6 @@
 //! The problems of the benchmark.
 
-use crate::scenes::{Ball, Bar, Bowl, PumpTrack, PumpTrackWithoutInput, SkiJump, Waves};
+use super::scenes::{Ball, Bar, Bowl, PumpTrack, PumpTrackWithoutInput, SkiJump, Waves};
 use hangtime::model::Model;
 use hangtime::ocp::{
     Component, Goal, Horizon, Objective, Problem, TimeFreezing, TimeFreezingSettings,

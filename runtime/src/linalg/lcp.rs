@@ -96,6 +96,10 @@ fn pivot(tableau: &mut [f64], columns: usize, row: usize, column: usize) {
     }
 }
 
+/// Entries of the tableau that are rounding errors of pivots; those of contacts are of the order of one, and
+/// small ones carry the inertia of light bodies between heavy ones.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// Row with the smallest ratio; ties go to the artificial variable, then to the lexicographic order of
 /// the rows of the basis inverse, which prevents cycling.
 fn ratio_test(
@@ -110,7 +114,7 @@ fn ratio_test(
         |i: usize, column: usize| tableau[i * columns + column] / tableau[i * columns + entering];
     let mut best: Option<usize> = None;
     for i in 0..n {
-        if tableau[i * columns + entering] <= 1e-12 {
+        if tableau[i * columns + entering] <= ROUNDING {
             continue;
         }
         let Some(current) = best else {

@@ -147,6 +147,38 @@ impl ButcherTableau {
             *value = lagrange(&self.c, j, theta);
         }
     }
+
+    /// Values `l_j(theta)` of the Lagrange polynomials of the nodes `0, c_1 .. c_s`.
+    pub(crate) fn values_with_start(&self, theta: f64) -> Vec<f64> {
+        let nodes = self.nodes_with_start();
+        let others = |j: usize| (0..nodes.len()).filter(move |&k| k != j);
+        let factor = |j: usize, k: usize| (theta - nodes[k]) / (nodes[j] - nodes[k]);
+        (0..nodes.len())
+            .map(|j| others(j).map(|k| factor(j, k)).product())
+            .collect()
+    }
+
+    /// Slopes `l_j'(theta)` of the same.
+    pub(crate) fn slopes_with_start(&self, theta: f64) -> Vec<f64> {
+        let nodes = self.nodes_with_start();
+        let others = |j: usize| (0..nodes.len()).filter(move |&k| k != j);
+        let factor = |j: usize, k: usize| (theta - nodes[k]) / (nodes[j] - nodes[k]);
+        let without = |j: usize, i: usize| -> f64 {
+            let rest = others(j).filter(|&k| k != i);
+            rest.map(|k| factor(j, k)).product()
+        };
+        (0..nodes.len())
+            .map(|j| {
+                others(j)
+                    .map(|i| without(j, i) / (nodes[j] - nodes[i]))
+                    .sum()
+            })
+            .collect()
+    }
+
+    fn nodes_with_start(&self) -> Vec<f64> {
+        std::iter::once(0.0).chain(self.c.iter().copied()).collect()
+    }
 }
 
 /// `l_j(x)` in product form, accurate to a few units in the last place.

@@ -201,6 +201,7 @@ impl<'a> FixedRun<'a> {
             velocity: None,
             height: 0.0,
         };
+        self.dynamics.observe_rounding(t, &self.y, h);
         let impact = impact::impact(&mut self.dynamics, t, &mut self.y, None, lowest)
             .map_err(|problem| self.undetermined(t, problem))?;
         self.y[2 * n] += impact.impulse / self.settings.auxiliary_acceleration;
@@ -211,9 +212,15 @@ impl<'a> FixedRun<'a> {
             &mut self.y,
             &impact.resting,
             None,
-            h,
+            contact_mode::Outlook {
+                moment: h,
+                skipped: 0,
+            },
         )
         .map_err(|problem| self.undetermined(t, problem))?;
+        if self.result.initial_modes.is_empty() {
+            self.result.initial_modes = self.dynamics.contact_modes();
+        }
         for i in 0..self.dynamics.contacts {
             let (was, is) = (previously.contains(&i), self.dynamics.is_active(i));
             let kind = if impact.struck.contains(&i) {
@@ -229,6 +236,8 @@ impl<'a> FixedRun<'a> {
                 time: t,
                 kind,
                 contact: i,
+                contact_name: self.dynamics.model.declaration().contacts[i].name,
+                modes: self.dynamics.contact_modes(),
                 q: self.y[..n].to_vec(),
                 v_before: before.clone(),
                 v_after: self.y[n..2 * n].to_vec(),

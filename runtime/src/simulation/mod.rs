@@ -5,6 +5,7 @@
 //! [`SimulationStatus`], not an error; an [`InputError`] means that the input was refused before the
 //! first step.
 
+mod contact_mode;
 mod event;
 mod fesd;
 mod fixed;
@@ -13,6 +14,7 @@ mod problem;
 mod result;
 mod smooth;
 
+pub use contact_mode::{ContactMode, Direction};
 pub use event::EventDriven;
 pub use fesd::{Fesd, StepFormulation};
 pub use fixed::FixedStep;

@@ -5,12 +5,17 @@ use cpu_time::ThreadTime;
 use super::event::contact_problem::ContactProblem;
 use super::event::coulomb::TangentialLaw;
 use super::event::dynamics::{Dynamics, dot, largest};
-use super::{Diagnosis, InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator};
+use super::{
+    ContactMode, Diagnosis, Direction, InitialValueProblem, InputError, Simulation,
+    SimulationStatus, Simulator,
+};
 use crate::model::{Model, contact_point};
 
 /// Largest number of iterations of the implicit midpoint rule; they contract with the step size times the
 /// rate at which forces change, so more than ten mean that the step is too long.
 const ITERATIONS: usize = 100;
+/// Share by which rounding may part a friction force from the edge of its cone.
+const ON_THE_CONE: f64 = 1e-9;
 /// Change of the velocity, relative to it, at which the iterations end.
 const CONVERGED: f64 = 1e-13;
 
@@ -133,6 +138,9 @@ impl<'a> TimeStepping<'a> {
                 };
                 break;
             }
+            if step == 0 {
+                self.result.initial_modes = self.modes();
+            }
             for k in 0..n {
                 self.end[k] = self.start[k] + 0.5 * h * (self.start[n + k] + self.end[n + k]);
             }
@@ -226,6 +234,24 @@ impl<'a> TimeStepping<'a> {
             closed.first().copied(),
             format!("the midpoint rule does not converge with steps of {h:.1e} s; take more steps"),
         ))
+    }
+
+    /// What the impulses of the last step say about each contact.
+    fn modes(&self) -> Vec<ContactMode> {
+        let forces = self.forces.iter().zip(&self.friction_forces).enumerate();
+        let mode = |(i, (&normal, &tangential)): (usize, (&f64, &f64))| {
+            let mu = self.dynamics.friction[i];
+            if normal <= 0.0 {
+                ContactMode::Open
+            } else if mu == 0.0 {
+                ContactMode::Frictionless
+            } else if tangential.abs() < (1.0 - ON_THE_CONE) * mu * normal {
+                ContactMode::Stick
+            } else {
+                ContactMode::Slip(Direction::of(-tangential))
+            }
+        };
+        forces.map(mode).collect()
     }
 
     /// The contacts that are closed at the middle of the step, evaluated there with the velocities at the start.

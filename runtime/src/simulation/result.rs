@@ -1,16 +1,30 @@
 //! What a simulation returns.
 
+use super::ContactMode;
+use crate::model::Declaration;
+
 /// Result of a simulation.
 #[derive(Debug, Clone)]
 pub struct Simulation {
+    /// Names and units of coordinates, controls and contacts.
+    pub declaration: &'static Declaration,
     /// Why it ended.
     pub status: SimulationStatus,
+    /// Mode of each contact right after the start and its impacts; empty if the run ended before it was known.
+    ///
+    /// The mode at a later time is that of the last event until then. Methods without events know the modes of the
+    /// start only: [`Moreau`](super::Moreau) those of its first step, [`Smooth`](super::Smooth) which contacts are
+    /// closed up to its width.
+    pub initial_modes: Vec<ContactMode>,
     /// Switches of the contact mode in order of time.
     pub events: Vec<Event>,
     /// States at the accepted grid points; both sides of an impact are kept.
     pub trajectory: Trajectory,
     /// Largest residuals measured over the whole run.
     pub residuals: Residuals,
+    /// Error at the end relative to the largest values of the motion, where the method estimates it: the
+    /// difference to a looser run under error control, else the sum of the errors of the elements.
+    pub error_estimate: Option<f64>,
     /// Size of the largest system that was solved for one step.
     pub size: ProblemSize,
     /// Operation counts, deterministic.
@@ -36,6 +50,8 @@ pub enum SimulationStatus {
     AmbiguousContact(Diagnosis),
     /// The limit on the number of steps was reached before the horizon.
     StepLimit(Diagnosis),
+    /// Reached the horizon, but not with the accuracy that is promised.
+    Inaccurate(Diagnosis),
 }
 
 impl SimulationStatus {
@@ -48,6 +64,7 @@ impl SimulationStatus {
             Self::NotFinite(_) => "not_finite",
             Self::AmbiguousContact(_) => "ambiguous_contact",
             Self::StepLimit(_) => "step_limit",
+            Self::Inaccurate(_) => "inaccurate",
         }
     }
 
@@ -59,7 +76,8 @@ impl SimulationStatus {
             Self::StepFailed(diagnosis)
             | Self::NotFinite(diagnosis)
             | Self::AmbiguousContact(diagnosis)
-            | Self::StepLimit(diagnosis) => Some(diagnosis),
+            | Self::StepLimit(diagnosis)
+            | Self::Inaccurate(diagnosis) => Some(diagnosis),
         }
     }
 }
@@ -84,8 +102,12 @@ pub struct Event {
     pub time: f64,
     /// What happened.
     pub kind: EventKind,
-    /// Which contact.
+    /// Which contact, in the order of declaration.
     pub contact: usize,
+    /// Its name, as declared.
+    pub contact_name: &'static str,
+    /// Mode of each contact right after the event; events that are found together share it.
+    pub modes: Vec<ContactMode>,
     /// Coordinates.
     pub q: Vec<f64>,
     /// Velocities just before.

@@ -6,8 +6,8 @@ use cpu_time::ThreadTime;
 use super::event::dop853::{Dop853, System};
 use super::event::dynamics::Dynamics;
 use super::{
-    ControlSignal, Diagnosis, InitialValueProblem, InputError, Simulation, SimulationStatus,
-    Simulator,
+    ContactMode, ControlSignal, Diagnosis, InitialValueProblem, InputError, Simulation,
+    SimulationStatus, Simulator,
 };
 use crate::model::{Model, contact_point};
 
@@ -125,6 +125,20 @@ impl<'a> SmoothSystem<'a> {
         }
     }
 
+    /// Contacts within the width of the step functions are closed, at the state just evaluated.
+    fn modes(&self) -> Vec<ContactMode> {
+        let mode = |i| {
+            let point = self.dynamics.point(i);
+            let rests = point[contact_point::NORMAL_VELOCITY].abs() <= self.width;
+            if point[contact_point::GAP] <= self.width && rests {
+                ContactMode::Frictionless
+            } else {
+                ContactMode::Open
+            }
+        };
+        (0..self.dynamics.contacts).map(mode).collect()
+    }
+
     /// `H(-x)`.
     fn below(&self, x: f64) -> f64 {
         0.5 * (1.0 - (x / self.width).tanh())
@@ -174,6 +188,7 @@ fn integrate(
     let mut method = Dop853::new(y.len(), 2 * n + 1);
     let mut numerical_time = 0.0;
     method.begin(system, numerical_time, &y);
+    result.initial_modes = system.modes();
     record(system, result, numerical_time, &y);
     let mut recorded = 0.0;
     let mut h = method.initial_size(system, 0.0, &y, horizon / 16.0, settings.tolerance);
@@ -185,7 +200,9 @@ fn integrate(
     };
     for _ in 0..settings.max_steps {
         method.step(system, numerical_time, &y, h);
-        let error = method.error(&y, h, settings.tolerance);
+        let error = method.error(h, |k, end: f64| {
+            settings.tolerance * (1.0 + end.abs().max(y[k].abs()))
+        });
         if error > 1.0 || error.is_nan() {
             h = Dop853::smaller_size(h, error);
             if h <= SHORTEST * horizon {

@@ -1,28 +1,7 @@
 //! What a single contact does between two events.
 
-/// Sign of a sliding velocity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::simulation) enum Direction {
-    Forward,
-    Backward,
-}
-
-impl Direction {
-    pub(in crate::simulation) fn of(velocity: f64) -> Self {
-        if velocity < 0.0 {
-            Self::Backward
-        } else {
-            Self::Forward
-        }
-    }
-
-    pub(in crate::simulation) fn sign(self) -> f64 {
-        match self {
-            Self::Forward => 1.0,
-            Self::Backward => -1.0,
-        }
-    }
-}
+use crate::simulation::ContactMode;
+pub(in crate::simulation) use crate::simulation::Direction;
 
 /// State of a contact in a contact mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +17,17 @@ pub(in crate::simulation) enum ContactState {
     /// Carries the tangential force of sliding, but other contacts keep its sliding velocity zero: how they
     /// share the load is not determined, and does not matter for the motion.
     Held(Direction),
+}
+
+impl From<ContactState> for ContactMode {
+    fn from(state: ContactState) -> Self {
+        match state {
+            ContactState::Open => Self::Open,
+            ContactState::Frictionless => Self::Frictionless,
+            ContactState::Stick | ContactState::Held(_) => Self::Stick,
+            ContactState::Slip(direction) => Self::Slip(direction),
+        }
+    }
 }
 
 impl ContactState {

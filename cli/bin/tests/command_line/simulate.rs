@@ -1,0 +1,283 @@
+//! `list`, `simulate` and `explain`.
+
+use serde_json::Value;
+
+use crate::support::{Scratch, assert_page_shows_its_result, hangtime, json, result_files, solved};
+
+#[test]
+fn list_names_every_scene_with_its_parameters() {
+    let text = solved(&["list"]);
+    let document = json(&["list", "--json"]);
+    let scenes = document["scenes"].as_array().unwrap();
+    assert!(scenes.iter().any(|scene| scene["name"] == "ski-jump"));
+    for scene in scenes {
+        assert!(text.contains(scene["name"].as_str().unwrap()));
+        for parameter in scene["parameters"].as_array().unwrap() {
+            assert!(text.contains(parameter["name"].as_str().unwrap()));
+        }
+    }
+}
+
+#[test]
+fn simulate_json_has_the_fields_of_the_contract_in_order() {
+    let document = solved(&["simulate", "ski-jump", "--json"]);
+    assert_eq!(document.lines().count(), 1);
+    let fields = [
+        r#"{"schema":1,"scene":"ski-jump","parameters":{"#,
+        r#""start_y":10.2759"#,
+        r#","method":{"name":"fesd","scheme":"radau-iia","stages":3,"steps":60"#,
+        r#","status":"solved","events":[{"time":"#,
+        r#","kind":"lift_off","contact":"table","q":["#,
+        r#","v_before":["#,
+        r#","v_after":["#,
+        r#","kind":"impact","contact":"slope","q":["#,
+        r#","trajectory":{"time":["#,
+        r#","numerical_time":["#,
+        r#","q":[["#,
+        r#","v":[["#,
+        r#","u":[["#,
+        r#","final":{"time":"#,
+        r#","residuals":{"primal":"#,
+        r#","dual":"#,
+        r#","complementarity":"#,
+        r#","size":{"variables":"#,
+        r#","equalities":"#,
+        r#","inequalities":"#,
+        r#","complementarities":"#,
+        r#","jacobian_nonzeros":"#,
+        r#","hessian_nonzeros":"#,
+        r#","iterations":{"interior_point":"#,
+        r#","crossover":"#,
+        r#","newton":"#,
+        r#","factorizations":"#,
+        r#","seconds":{"total":"#,
+        r#","evaluate":"#,
+        r#","factorize":"#,
+        r#","solve":"#,
+    ];
+    let mut rest = document.as_str();
+    for field in fields {
+        let (_, after) = rest
+            .split_once(field)
+            .unwrap_or_else(|| panic!("`{field}` is missing, or not in its place"));
+        rest = after;
+    }
+}
+
+#[test]
+fn simulate_json_rows_belong_together_and_end_at_the_horizon() {
+    let document = json(&["simulate", "ski-jump", "--horizon", "2", "--json"]);
+    let trajectory = &document["trajectory"];
+    let rows = trajectory["time"].as_array().unwrap().len();
+    assert!(rows > 2);
+    for (field, width) in [("q", 2), ("v", 2), ("u", 0), ("contact_force", 2)] {
+        let field = trajectory[field].as_array().unwrap();
+        assert_eq!(field.len(), rows);
+        assert!(
+            field
+                .iter()
+                .all(|row| row.as_array().unwrap().len() == width)
+        );
+    }
+    assert_eq!(document["horizon"], 2.0);
+    assert_eq!(document["final"]["time"], trajectory["time"][rows - 1]);
+    assert_eq!(document["final"]["q"], trajectory["q"][rows - 1]);
+    // The last grid point is the horizon up to the rounding of the sum of the steps.
+    let end = document["final"]["time"].as_f64().unwrap();
+    assert!((end - 2.0).abs() < 1e-13, "{end}");
+}
+
+#[test]
+fn simulate_that_does_not_converge_prints_what_there_is_and_says_why() {
+    // Gravity beyond the range of squares in double precision.
+    let arguments = ["simulate", "ski-jump", "--set", "g=1e300", "--json"];
+    let output = hangtime(&arguments);
+    assert_eq!(output.status.code(), Some(3));
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        stderr.starts_with("error: ski-jump: not_finite at t = 0 s: "),
+        "{stderr}"
+    );
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["status"], "not_finite");
+    assert_eq!(document["diagnosis"]["time"], 0.0);
+    assert_eq!(document["final"]["time"], 0.0);
+}
+
+#[test]
+fn simulate_with_a_tolerance_says_so_in_place_of_the_elements() {
+    let arguments = [
+        "simulate",
+        "ski-jump",
+        "--stages",
+        "5",
+        "--tolerance",
+        "1e-9",
+        "--json",
+    ];
+    let method = json(&arguments)["method"].clone();
+    assert_eq!(method["tolerance"], 1e-9);
+    assert!(method.get("elements").is_none());
+}
+
+#[test]
+fn simulate_twice_gives_the_same_numbers() {
+    let run = || {
+        let mut document = json(&["simulate", "ski-jump", "--json"]);
+        document.as_object_mut().unwrap().remove("seconds");
+        document
+    };
+    assert_eq!(run(), run());
+}
+
+#[test]
+fn simulate_every_method_reaches_the_horizon() {
+    for method in ["fesd", "event", "moreau", "smooth", "fixed"] {
+        let document = json(&["simulate", "ski-jump", "--method", method, "--json"]);
+        assert_eq!(document["method"]["name"], method);
+        assert_eq!(document["status"], "solved", "{method}");
+    }
+}
+
+#[test]
+fn simulate_settings_of_a_discretization_are_common_to_all_methods() {
+    for method in ["fesd", "event", "moreau", "smooth", "fixed"] {
+        let result = json(&[
+            "simulate",
+            "ski-jump",
+            "--method",
+            method,
+            "--scheme",
+            "radau-iia",
+            "--stages",
+            "3",
+            "--steps",
+            "400",
+            "--elements",
+            "1",
+            "--json",
+        ]);
+        assert_eq!(result["status"], "solved", "{method}");
+        let notes = result["notes"].to_string();
+        // Finite elements use all four, the others say which they do not.
+        assert_eq!(
+            notes.contains("--scheme has no effect"),
+            method != "fesd",
+            "{notes}"
+        );
+        let steps = matches!(method, "event" | "smooth");
+        assert_eq!(notes.contains("--steps has no effect"), steps, "{notes}");
+    }
+}
+
+#[test]
+fn simulate_setting_with_another_unit_is_converted() {
+    let parameter = |setting| {
+        json(&["simulate", "ski-jump", "--set", setting, "--json"])["parameters"]["start_y"].clone()
+    };
+    assert_eq!(parameter("start_y=8.264m"), 8.264);
+    assert_eq!(parameter("start_y=8.264"), 8.264);
+    // 826.4 / 100 is 8.264 up to one rounding.
+    let centimetres = parameter("start_y=826.4cm").as_f64().unwrap();
+    assert!((centimetres - 8.264).abs() < 4e-15, "{centimetres}");
+}
+
+#[test]
+fn simulate_tables_show_events_and_the_final_state_with_units() {
+    let text = solved(&["simulate", "ski-jump"]);
+    for words in [
+        "start_y = 10.2759 m",
+        "radau-iia, 3 stages, 60 steps",
+        "lift off",
+        "impact",
+        "y [m]",
+        "dz/dt [m/s]",
+        "state at t = 5 s",
+        "residuals",
+        "CPU time",
+    ] {
+        assert!(text.contains(words), "`{words}` is missing in\n{text}");
+    }
+}
+
+#[test]
+fn simulate_with_out_writes_data_and_a_picture_and_nothing_else() {
+    let scratch = Scratch::new("simulate");
+    solved(&["simulate", "ski-jump", "--out", scratch.text()]);
+    assert_eq!(scratch.names(), result_files("ski-jump"));
+    let document: Value = serde_json::from_str(&scratch.read("ski-jump.json")).unwrap();
+    let rows = document["trajectory"]["time"].as_array().unwrap().len();
+    let csv = scratch.read("ski-jump-trajectory.csv");
+    assert_eq!(csv.lines().count(), rows + 1);
+    assert!(csv.starts_with("time [s],numerical time [s],y [m],z [m],dy/dt [m/s],dz/dt [m/s],"));
+    assert!(scratch.read("ski-jump.svg").starts_with("<svg"));
+    assert_page_shows_its_result(&scratch, "ski-jump");
+}
+
+#[test]
+fn simulate_scene_with_friction_tells_when_it_sticks_and_gives_the_friction_force() {
+    let scratch = Scratch::new("incline");
+    let document = json(&["simulate", "incline", "--json", "--out", scratch.text()]);
+    let event = &document["events"][0];
+    assert_eq!(event["kind"], "stick");
+    // v / (g (mu cos a - sin a)) with the defaults of the scene.
+    let (sin, cos) = 15.0_f64.to_radians().sin_cos();
+    let stop = 3.0 / (9.81 * (0.5 * cos - sin));
+    // The acceleration is constant, and so the collocation exact up to rounding.
+    assert!((event["time"].as_f64().unwrap() - stop).abs() < 1e-10);
+    let forces = document["trajectory"]["friction_force"].as_array().unwrap();
+    let times = document["trajectory"]["time"].as_array().unwrap();
+    assert_eq!(forces.len(), times.len());
+    // At rest the force carries the block: m g sin a up the incline.
+    let last = forces.last().unwrap()[0].as_f64().unwrap();
+    assert!((last.abs() - 2.0 * 9.81 * sin).abs() < 1e-9, "{last}");
+    let csv = scratch.read("incline-trajectory.csv");
+    assert!(
+        csv.lines()
+            .next()
+            .unwrap()
+            .ends_with("contact force ramp,friction force ramp")
+    );
+    assert_page_shows_its_result(&scratch, "incline");
+    let without = json(&["simulate", "ski-jump", "--json"]);
+    assert!(without["trajectory"].get("friction_force").is_none());
+}
+
+#[test]
+fn simulate_every_scene_with_its_defaults_reaches_the_horizon() {
+    for scene in json(&["list", "--json"])["scenes"].as_array().unwrap() {
+        let name = scene["name"].as_str().unwrap();
+        let scratch = Scratch::new(name);
+        let document = json(&["simulate", name, "--json", "--out", scratch.text()]);
+        assert_eq!(document["status"], "solved", "{name}");
+        assert_eq!(document["final"]["time"], document["horizon"], "{name}");
+        assert_page_shows_its_result(&scratch, name);
+    }
+}
+
+#[test]
+fn explain_shows_equations_patterns_and_counts() {
+    let text = solved(&["explain", "ski-jump"]);
+    for words in [
+        "derived equations",
+        "Jacobian of contact `table`",
+        "columns: y, z, y', z'",
+        "operations in all",
+    ] {
+        assert!(text.contains(words), "`{words}` is missing in\n{text}");
+    }
+}
+
+#[test]
+fn explain_prints_the_page_of_a_mistake() {
+    let text = solved(&["explain", "e07"]);
+    assert!(text.starts_with("# E07: "), "{text}");
+    assert!(text.contains("Right:"), "{text}");
+}
+
+#[test]
+fn help_goes_to_the_standard_output() {
+    assert!(solved(&["--help"]).contains("Usage: hangtime"));
+    assert!(solved(&["simulate", "--help"]).contains("--scheme"));
+}

@@ -1,0 +1,221 @@
+//! Motions that play in a page: frames in plain data, drawn by a script that the page carries along.
+
+mod force;
+
+use crate::{GroundLine, Plane};
+use hangtime::model::Model;
+use hangtime::simulation::{Event, Simulation};
+use serde::Serialize;
+
+use self::force::Arrow;
+use crate::json::to_line;
+use crate::quantity;
+use crate::sampling::{State, state_at};
+
+/// The script, its style, and the elements that it works on.
+pub(crate) const SCRIPT: &str = include_str!("player.js");
+pub(crate) const STYLE: &str = include_str!("player.css");
+const ELEMENTS: &str = include_str!("player.html");
+
+/// Frames of a second of motion [1/s].
+const FRAME_RATE: f64 = 240.0;
+/// Fewest and most frames of a motion.
+const FRAMES: (f64, f64) = (200.0, 2400.0);
+/// Most events that can be gone to.
+const MOST_EVENTS: usize = 500;
+/// Free space around the motion, as a share of its larger extent.
+const MARGIN: f64 = 0.08;
+/// Ground beyond the frame, as a share of the frame's width.
+const GROUND_AROUND: f64 = 0.02;
+
+/// What the script draws.
+#[derive(Serialize)]
+struct Frames<'a> {
+    bodies: &'a [&'static str],
+    links: &'a [[usize; 2]],
+    axes: [&'static str; 2],
+    /// Left, right, bottom, top.
+    frame: [f64; 4],
+    ground: Vec<GroundEntry>,
+    contacts: Vec<&'static str>,
+    events: Vec<EventEntry>,
+    /// Largest force of a contact; 0 if there is none.
+    largest_force: f64,
+    time: Vec<f64>,
+    /// Position of each body, a row for each frame.
+    positions: Vec<Vec<[f64; 2]>>,
+    /// Force of each contact, a row for each frame.
+    forces: Vec<Vec<Arrow>>,
+    readings: Vec<Reading>,
+}
+
+#[derive(Serialize)]
+struct GroundEntry {
+    name: &'static str,
+    points: Vec<[f64; 2]>,
+}
+
+#[derive(Serialize)]
+struct EventEntry {
+    time: f64,
+    label: String,
+}
+
+/// A number that is shown beside the clock.
+#[derive(Serialize)]
+struct Reading {
+    name: String,
+    unit: String,
+    values: Vec<f64>,
+}
+
+/// The part of a page that plays a motion.
+pub(crate) struct Animation {
+    frames: String,
+}
+
+impl Animation {
+    /// The frames of a simulation; `None` if nothing moved.
+    pub(crate) fn new(plane: &Plane, model: &dyn Model, simulation: &Simulation) -> Option<Self> {
+        let states = states(simulation);
+        let (first, last) = (states.first()?.time, states.last()?.time);
+        if last <= first {
+            return None;
+        }
+        let positions: Vec<Vec<[f64; 2]>> = states
+            .iter()
+            .map(|state| plane.bodies_at(model, &state.q))
+            .collect();
+        let forces: Vec<Vec<Arrow>> = states
+            .iter()
+            .map(|state| force::arrows(plane, model, state))
+            .collect();
+        let finite =
+            |rows: &[Vec<[f64; 2]>]| rows.iter().flatten().flatten().all(|x| x.is_finite());
+        if !finite(&positions) {
+            return None;
+        }
+        let frame = frame(&positions);
+        let around = GROUND_AROUND * (frame[1] - frame[0]);
+        let ground = (plane.ground)(model, frame[0] - around, frame[1] + around);
+        let declaration = model.declaration();
+        let readings = quantity::all(declaration).into_iter().map(|quantity| {
+            let values = states.iter().filter_map(|state| state.value(quantity));
+            Reading {
+                name: quantity::symbol(declaration, quantity).replace("contact force", "force"),
+                unit: quantity::unit(declaration, quantity),
+                values: values.collect(),
+            }
+        });
+        let events = shown(simulation).map(|event| EventEntry {
+            time: event.time,
+            label: format!(
+                "{} {}",
+                event.kind.name().replace('_', " "),
+                declaration.contacts[event.contact].name
+            ),
+        });
+        let frames = Frames {
+            bodies: plane.bodies,
+            links: plane.links,
+            axes: plane.axes,
+            frame,
+            ground: ground.into_iter().map(GroundEntry::from).collect(),
+            contacts: declaration.contacts.iter().map(|c| c.name).collect(),
+            events: events.collect(),
+            largest_force: forces
+                .iter()
+                .flatten()
+                .map(Arrow::magnitude)
+                .fold(0.0, f64::max),
+            time: states.iter().map(|state| state.time).collect(),
+            readings: readings.collect(),
+            positions,
+            forces,
+        };
+        Some(Self {
+            frames: to_line(&frames),
+        })
+    }
+
+    /// The elements of the player, its data and, for whoever reads the page by program, the whole result.
+    pub(crate) fn html(&self, result: &str) -> String {
+        format!(
+            "{ELEMENTS}<script type=\"application/json\" id=\"frames\">{}</script>\n\
+             <script type=\"application/json\" id=\"result\">{}</script>\n\
+             <script>\n{SCRIPT}</script>\n",
+            embedded(&self.frames),
+            embedded(result)
+        )
+    }
+}
+
+impl From<GroundLine> for GroundEntry {
+    fn from(line: GroundLine) -> Self {
+        Self {
+            name: line.name,
+            points: line.points,
+        }
+    }
+}
+
+/// JSON that no browser takes for markup; it reads back as the same.
+fn embedded(json: &str) -> String {
+    json.trim_end().replace('<', "\\u003c")
+}
+
+/// The events that the page has frames and buttons for.
+fn shown(simulation: &Simulation) -> impl Iterator<Item = &Event> {
+    simulation.events.iter().take(MOST_EVENTS)
+}
+
+/// The states of the frames: evenly spaced, and one at each event.
+fn states(simulation: &Simulation) -> Vec<State> {
+    let trajectory = &simulation.trajectory;
+    let (Some(&first), Some(&last)) = (trajectory.time.first(), trajectory.time.last()) else {
+        return Vec::new();
+    };
+    let count = ((last - first) * FRAME_RATE)
+        .clamp(FRAMES.0, FRAMES.1)
+        .round();
+    let even = (0..=count as usize).map(|k| first + (last - first) * (k as f64 / count));
+    let events = shown(simulation).map(|event| event.time);
+    let mut times: Vec<f64> = even.chain(events).map(|t| t.clamp(first, last)).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let states = times.iter().filter_map(|&t| state_at(trajectory, t));
+    states.collect()
+}
+
+/// Left, right, bottom and top of what is shown.
+fn frame(positions: &[Vec<[f64; 2]>]) -> [f64; 4] {
+    let ranges = [0, 1].map(|axis| {
+        let values = positions.iter().flatten().map(|position| position[axis]);
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        })
+    });
+    let extent = ranges
+        .iter()
+        .map(|(low, high)| high - low)
+        .fold(0.0, f64::max);
+    let margin = if extent > 0.0 { MARGIN * extent } else { 1.0 };
+    let [(left, right), (bottom, top)] = ranges;
+    [left - margin, right + margin, bottom - margin, top + margin]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::embedded;
+
+    #[test]
+    fn embedded_json_cannot_end_the_script_and_reads_back_as_the_same() {
+        let json = serde_json::json!({ "text": "</script><!-- & \"quoted\"" });
+        let text = embedded(&json.to_string());
+        assert!(!text.contains('<'));
+        assert_eq!(
+            serde_json::from_str::<serde_json::Value>(&text).unwrap(),
+            json
+        );
+    }
+}

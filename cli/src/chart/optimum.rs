@@ -1,0 +1,301 @@
+//! The accuracy of the solver against its CPU time, over formulations, stages and intervals.
+
+use hangtime::ocp::{self, Formulation, Problem, Settings, TimeFreezingSettings};
+
+use super::drawn::Chart;
+use crate::bounds::Bounds;
+use crate::failure::BadInput;
+use crate::figure::{Curve, log_log};
+use crate::page::Section;
+use crate::progress::Progress;
+use crate::settings::ChosenScene;
+use crate::spreadsheet::csv_text;
+use crate::table::{seconds, table};
+
+/// What differs between the runs of one line.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Grid {
+    /// Whether the contact sequence comes from the time-freezing complementarity problem.
+    time_freezing: bool,
+    /// Stages of the phases, or of the complementarity problem.
+    stages: usize,
+    /// Control intervals, increasing.
+    intervals: &'static [usize],
+}
+
+/// The lines of a chart. With fewer stages the phases confirm no plan on coarse grids.
+pub(super) const GRIDS: [Grid; 3] = [
+    phases(4),
+    phases(6),
+    Grid {
+        time_freezing: true,
+        stages: 2,
+        intervals: &[10, 20, 30],
+    },
+];
+
+const fn phases(stages: usize) -> Grid {
+    Grid {
+        time_freezing: false,
+        stages,
+        intervals: &[10, 15, 20, 30, 40, 60],
+    }
+}
+
+impl Grid {
+    fn name(&self) -> String {
+        let formulation = if self.time_freezing {
+            "time-freezing"
+        } else {
+            "phases"
+        };
+        format!("{formulation}, {} stages", self.stages)
+    }
+
+    fn settings(&self) -> Settings {
+        let mut settings = Settings::default();
+        if self.time_freezing {
+            let mut freezing = TimeFreezingSettings::default();
+            freezing.stages = self.stages;
+            settings.formulation = Formulation::TimeFreezing(freezing);
+        } else {
+            settings.stages = self.stages;
+        }
+        settings
+    }
+}
+
+/// One solve.
+struct Run {
+    line: usize,
+    name: String,
+    intervals: usize,
+    status: &'static str,
+    solved: bool,
+    stationarity: &'static str,
+    objective: f64,
+    distance: f64,
+    iterations: usize,
+    seconds: f64,
+}
+
+/// Solves on every grid; `None` for a scene without an objective.
+pub(super) fn chart(
+    chosen: &ChosenScene,
+    grids: &[Grid],
+    bounds: &Bounds,
+) -> Result<Option<Chart>, BadInput> {
+    let model = chosen.model.as_ref();
+    if model.declaration().optimal_control.is_none() {
+        return Ok(None);
+    }
+    let name = chosen.scene.name;
+    let total: usize = grids.iter().map(|grid| grid.intervals.len()).sum();
+    let mut progress = Progress::new(&format!("{name}, solver"), total as f64);
+    let mut runs: Vec<Run> = Vec::with_capacity(total);
+    for (line, grid) in grids.iter().enumerate() {
+        for &intervals in grid.intervals {
+            if bounds.asked().is_some() {
+                break;
+            }
+            progress.say(&format!("{name}: {}, {intervals} intervals", grid.name()));
+            let problem = Problem::of(model, intervals);
+            let solution = ocp::solve(model, &problem, &grid.settings(), &mut |_| {
+                bounds.asked().is_none()
+            })
+            .map_err(|error| chosen.refuse(&error))?;
+            runs.push(Run {
+                line,
+                name: grid.name(),
+                intervals,
+                status: solution.status.name(),
+                solved: solution.status.is_solved(),
+                stationarity: solution.stationarity.name(),
+                objective: solution.objective,
+                distance: solution.resimulation_error,
+                iterations: solution.counts.global_iterations + solution.counts.iterations,
+                seconds: solution.seconds,
+            });
+            progress.reach(runs.len() as f64);
+        }
+    }
+    drop(progress);
+    let solved = runs.iter().filter(|run| run.solved);
+    let best = solved
+        .map(|run| run.objective)
+        .fold(f64::INFINITY, f64::min);
+    Ok(Some(report(name, &runs, best)))
+}
+
+const HEADER: [&str; 9] = [
+    "formulation",
+    "intervals",
+    "objective",
+    "above the best",
+    "re-simulation",
+    "certificate",
+    "iterations",
+    "CPU time",
+    "status",
+];
+
+impl Run {
+    fn cells(&self, best: f64, number: &dyn Fn(f64) -> String, time: String) -> Vec<String> {
+        let short = |value: f64| {
+            if value.is_finite() {
+                format!("{value:.1e}")
+            } else {
+                "-".to_owned()
+            }
+        };
+        vec![
+            self.name.clone(),
+            self.intervals.to_string(),
+            number(self.objective),
+            short(self.objective - best),
+            short(self.distance),
+            self.stationarity.to_owned(),
+            self.iterations.to_string(),
+            time,
+            self.status.to_owned(),
+        ]
+    }
+}
+
+fn report(name: &str, runs: &[Run], best: f64) -> Chart {
+    let decimals = |value: f64| {
+        if value.is_finite() {
+            format!("{value:.10}")
+        } else {
+            "-".to_owned()
+        }
+    };
+    let rows: Vec<Vec<String>> = runs
+        .iter()
+        .map(|run| run.cells(best, &decimals, seconds(run.seconds)))
+        .collect();
+    let text = format!(
+        "{name}: objective of the solver, the best of this chart is {}\n\n{}\n",
+        decimals(best),
+        table(HEADER, rows.clone())
+    );
+    let curves = |y: &dyn Fn(&Run) -> f64| -> Vec<Curve> {
+        let mut curves: Vec<Curve> = Vec::new();
+        for run in runs.iter().filter(|run| run.solved) {
+            let point = (run.seconds, y(run));
+            match curves.iter_mut().find(|curve| curve.colour == run.line) {
+                Some(curve) => curve.points.push(point),
+                None => curves.push(Curve {
+                    name: run.name.clone(),
+                    colour: run.line,
+                    dashed: false,
+                    points: vec![point],
+                }),
+            }
+        }
+        curves
+    };
+    let figures = [
+        (
+            "objective",
+            log_log(
+                "Objective above the best, over the number of intervals",
+                "CPU time [s]",
+                "objective above the best",
+                &curves(&|run| run.objective - best),
+            ),
+        ),
+        (
+            "resimulation",
+            log_log(
+                "Distance of the re-simulation at the end",
+                "CPU time [s]",
+                "distance from the plan",
+                &curves(&|run| run.distance),
+            ),
+        ),
+    ];
+    let mut header: Vec<String> = HEADER.map(str::to_owned).into();
+    header[7] = "CPU time [s]".to_owned();
+    let lines = runs.iter().map(|run| {
+        run.cells(
+            best,
+            &|value: f64| value.to_string(),
+            run.seconds.to_string(),
+        )
+    });
+    let mut files = vec![(format!("chart-{name}-solver.csv"), csv_text(&header, lines))];
+    let section = Section {
+        heading: "Optimal control".to_owned(),
+        text: "Each run starts from nothing. More intervals give the controls more freedom, which lowers the \
+            objective; more stages bring the plan closer to the motion that it stands for, which an independent \
+            event-driven simulation under its controls measures at the end."
+            .to_owned(),
+        animation: None,
+        figures: figures.iter().map(|(_, svg)| svg.clone()).collect(),
+        header: HEADER.map(str::to_owned).into(),
+        rows,
+        files: vec![(files[0].0.clone(), "all runs".to_owned())],
+    };
+    files.extend(
+        figures
+            .into_iter()
+            .map(|(kind, svg)| (format!("chart-{name}-{kind}.svg"), svg)),
+    );
+    Chart {
+        text,
+        section: Some(section),
+        files,
+        diagnoses: Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Grid, chart};
+    use crate::arguments::LimitArguments;
+    use crate::bounds::Bounds;
+    use crate::settings::{ChosenScene, find};
+
+    fn unbounded() -> Bounds {
+        Bounds::watch("test", &LimitArguments::default())
+    }
+
+    /// The cheapest grids that solve.
+    const COARSE: [Grid; 1] = [Grid {
+        time_freezing: false,
+        stages: 4,
+        intervals: &[10, 12],
+    }];
+
+    #[test]
+    fn chart_of_the_solver_has_a_row_for_every_run_and_measures_from_the_best() {
+        let chosen = ChosenScene::new(find(crate::testing::SCENES, "wave").unwrap(), &[]).unwrap();
+        let chart = chart(&chosen, &COARSE, &unbounded()).unwrap().unwrap();
+        let section = chart.section.unwrap();
+        assert_eq!(section.rows.len(), 2);
+        let above: Vec<f64> = section
+            .rows
+            .iter()
+            .map(|row| row[3].parse().unwrap())
+            .collect();
+        // The best run lies above itself by nothing.
+        assert!(above.contains(&0.0) && above.iter().all(|&x| x >= 0.0));
+        assert!(section.rows.iter().all(|row| row[8] == "solved"));
+        let names: Vec<&str> = chart.files.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(
+            names,
+            [
+                "chart-wave-solver.csv",
+                "chart-wave-objective.svg",
+                "chart-wave-resimulation.svg"
+            ]
+        );
+    }
+
+    #[test]
+    fn chart_of_the_solver_without_an_objective_is_none() {
+        let chosen = ChosenScene::new(find(crate::testing::SCENES, "slide").unwrap(), &[]).unwrap();
+        assert!(chart(&chosen, &COARSE, &unbounded()).unwrap().is_none());
+    }
+}

@@ -1,0 +1,308 @@
+//! `hangtime explain`: what was derived from a scene, or the page about a mistake.
+
+use std::fmt::Write as _;
+
+use crate::Scene;
+use hangtime::model::{
+    ConstraintDeclaration, ConstraintRelation, Declaration, ImpactLaw, Model,
+    OptimalControlDeclaration, SparsityPattern, explanation, mistake_codes,
+};
+
+use crate::arguments::ExplainArguments;
+use crate::failure::BadInput;
+use crate::report::Report;
+use crate::settings::ChosenScene;
+use crate::table::{headed, table};
+
+pub(crate) fn run(
+    scenes: &'static [Scene],
+    arguments: &ExplainArguments,
+) -> Result<Report, BadInput> {
+    if let Some(page) = page(&arguments.scene.scene)? {
+        return Ok(Report::of(page));
+    }
+    let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
+    let declaration = chosen.model.declaration();
+    let mut text = format!("{} ({})\n", chosen.scene.name, declaration.name);
+    let documentation = declaration.documentation.lines().map(str::trim);
+    for line in documentation.filter(|line| !line.is_empty()) {
+        let _ = writeln!(text, "  {line}");
+    }
+    let _ = writeln!(text, "\nparameters  {}", chosen.parameters().join(", "));
+    let coordinates = declaration.coordinates.iter();
+    let coordinates: Vec<String> = coordinates.map(|c| headed(c.name, c.unit)).collect();
+    let _ = writeln!(text, "coordinates {}", coordinates.join(", "));
+    let controls = declaration.controls.iter();
+    let controls: Vec<String> = controls.map(|u| headed(u.name, u.unit)).collect();
+    if !controls.is_empty() {
+        let _ = writeln!(text, "controls    {}", controls.join(", "));
+    }
+    text += &laws(&*chosen.model);
+    if declaration.explicit_time {
+        text +=
+            "time        the scene depends on the physical time t, which becomes the clock (E14)\n";
+    }
+    if let Some(task) = &declaration.optimal_control {
+        text += &optimal_control(&*chosen.model, task);
+    }
+
+    text += "\nderived equations\n";
+    let width = declaration.equations.iter().map(|e| e.left.chars().count());
+    let width = width.max().unwrap_or_default();
+    for equation in declaration.equations {
+        let _ = writeln!(text, "  {:>width$} = {}", equation.left, equation.right);
+    }
+    text += &patterns(declaration);
+
+    text += "\nkernels\n";
+    let kernels = declaration.kernels.iter();
+    text += &table(
+        ["function", "operations", "outputs"],
+        kernels.map(|kernel| {
+            let counts = [kernel.operations, kernel.outputs].map(|count| count.to_string());
+            [kernel.name.to_owned()].into_iter().chain(counts).collect()
+        }),
+    );
+    let total: usize = declaration
+        .kernels
+        .iter()
+        .map(|kernel| kernel.operations)
+        .sum();
+    let _ = writeln!(text, "  {total} operations in all");
+    Ok(Report::of(text))
+}
+
+/// The page of a mistake, if its code was given.
+fn page(code: &str) -> Result<Option<&'static str>, BadInput> {
+    let number = code.strip_prefix(['E', 'e']);
+    if number.is_none_or(|digits| digits.is_empty() || digits.parse::<u32>().is_err()) {
+        return Ok(None);
+    }
+    match explanation(code) {
+        Some(page) => Ok(Some(page)),
+        None => {
+            let codes: Vec<&str> = mistake_codes().collect();
+            Err(BadInput::new(format!(
+                "there is no mistake `{code}`; the codes are {} to {}",
+                codes.first().copied().unwrap_or_default(),
+                codes.last().copied().unwrap_or_default()
+            )))
+        }
+    }
+}
+
+/// The impact law of each contact, with its coefficients for the parameters in force.
+fn laws(model: &dyn Model) -> String {
+    let declaration = model.declaration();
+    let mut text = String::new();
+    for (index, contact) in declaration.contacts.iter().enumerate() {
+        let mut law = match contact.law {
+            ImpactLaw::Inelastic => "inelastic".to_owned(),
+            ImpactLaw::Restitution => format!("restitution {}", model.restitution(index)),
+            _ => "other".to_owned(),
+        };
+        if contact.friction.is_some() {
+            let _ = write!(law, ", friction {}", model.friction(index));
+        }
+        law += if contact.custom_direction {
+            ", declared impulse direction"
+        } else {
+            ", impulse along M^-1 grad gap"
+        };
+        let held = contact.held.iter();
+        let held: Vec<&str> = held.map(|&i| declaration.coordinates[i].name).collect();
+        if !held.is_empty() {
+            let _ = write!(law, " with {} locked", held.join(", "));
+        }
+        let name = headed(contact.name, contact.unit);
+        let _ = writeln!(text, "contact     {name}: {law}");
+    }
+    text
+}
+
+/// Objective, constraints, terminal conditions and free initial values.
+fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> String {
+    let mut text = String::new();
+    let costs = [
+        (task.running_cost, "integral of the running cost"),
+        (task.final_cost, "final cost"),
+    ];
+    let costs = costs.iter().filter(|(declared, _)| *declared);
+    let costs: Vec<&str> = costs.map(|&(_, name)| name).collect();
+    if !costs.is_empty() {
+        let _ = writeln!(text, "minimize    {}", costs.join(" + "));
+    }
+    for constraint in task.constraints {
+        let relation = match constraint.relation {
+            ConstraintRelation::Zero => "= 0",
+            ConstraintRelation::NonNegative => ">= 0",
+        };
+        let name = headed(constraint.name, constraint.unit);
+        let _ = writeln!(text, "constraint  {name} {relation}");
+    }
+    for goal in task.goals {
+        let _ = writeln!(text, "finally     {}", goal.name);
+    }
+    if task.free_time {
+        text += "free        the final time\n";
+    }
+    let count = task.free_start.len();
+    let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; count], vec![f64::INFINITY; count]);
+    model.free_start_bounds(&mut lower, &mut upper);
+    let coordinates = model.declaration().coordinates;
+    for ((&index, lower), upper) in task.free_start.iter().zip(lower).zip(upper) {
+        let name = match coordinates.get(index) {
+            Some(coordinate) => coordinate.name.to_owned(),
+            None => format!("{}'", coordinates[index - coordinates.len()].name),
+        };
+        let bounds = if lower > f64::NEG_INFINITY || upper < f64::INFINITY {
+            format!(" in {lower}..={upper}")
+        } else {
+            String::new()
+        };
+        let _ = writeln!(text, "free        {name} at the start{bounds}");
+    }
+    text
+}
+
+/// The sparsity patterns of all derivatives.
+fn patterns(declaration: &Declaration) -> String {
+    let rates = declaration
+        .coordinates
+        .iter()
+        .map(|c| format!("{}'", c.name));
+    let coordinates = declaration.coordinates.iter().map(|c| c.name.to_owned());
+    let mut inputs: Vec<String> = coordinates.chain(rates).collect();
+    inputs.extend(declaration.controls.iter().map(|u| u.name.to_owned()));
+    if declaration.explicit_time {
+        inputs.push("t".to_owned());
+    }
+    let with = |prefix: &str, suffix: &str| -> Vec<String> {
+        let coordinates = declaration.coordinates.iter();
+        coordinates
+            .map(|c| format!("{prefix}{}{suffix}", c.name))
+            .collect()
+    };
+    let mut text = String::from("\nsparsity patterns (x structural nonzero, . zero)\n");
+    text += &pattern(
+        "Jacobian of the free acceleration",
+        &declaration.free_jacobian,
+        &with("", "''"),
+        &inputs,
+    );
+    text += &pattern(
+        "Hessian of the free acceleration, lower triangle",
+        &declaration.free_hessian,
+        &inputs,
+        &inputs,
+    );
+    for contact in declaration.contacts {
+        let mut rows = vec!["gap".to_owned(), "gap'".to_owned()];
+        rows.extend(with("direction ", ""));
+        text += &pattern(
+            &format!("Jacobian of contact `{}`", contact.name),
+            &contact.jacobian,
+            &rows,
+            &inputs,
+        );
+        text += &pattern(
+            &format!("Hessian of contact `{}`, lower triangle", contact.name),
+            &contact.hessian,
+            &inputs,
+            &inputs,
+        );
+        if let Some(friction) = &contact.friction {
+            let mut rows = vec!["slip".to_owned()];
+            rows.extend(with("direction ", ""));
+            text += &pattern(
+                &format!("Jacobian of the friction of `{}`", contact.name),
+                &friction.jacobian,
+                &rows,
+                &inputs,
+            );
+            text += &pattern(
+                &format!(
+                    "Hessian of the friction of `{}`, lower triangle",
+                    contact.name
+                ),
+                &friction.hessian,
+                &inputs,
+                &inputs,
+            );
+        }
+    }
+    if let Some(task) = &declaration.optimal_control {
+        text += &task_patterns(task, &inputs, 2 * declaration.coordinates.len());
+    }
+    text
+}
+
+/// The patterns of the functions of optimal control; the first `states` inputs are `(q, v)`.
+fn task_patterns(task: &OptimalControlDeclaration, inputs: &[String], states: usize) -> String {
+    let rows = |cost: bool, name: &str, list: &[ConstraintDeclaration]| -> Vec<String> {
+        let cost = cost.then(|| name.to_owned());
+        cost.into_iter()
+            .chain(list.iter().map(|condition| condition.name.to_owned()))
+            .collect()
+    };
+    let mut at_the_end = inputs[..states].to_vec();
+    at_the_end.push("time".to_owned());
+    let path = rows(task.running_cost, "running cost", task.constraints);
+    let terminal = rows(task.final_cost, "final cost", task.goals);
+    let mut text = String::new();
+    for (what, jacobian, hessian, rows, inputs) in [
+        (
+            "path",
+            &task.path_jacobian,
+            &task.path_hessian,
+            path,
+            inputs,
+        ),
+        (
+            "terminal",
+            &task.terminal_jacobian,
+            &task.terminal_hessian,
+            terminal,
+            &at_the_end,
+        ),
+    ] {
+        if !rows.is_empty() {
+            let title = format!("Jacobian of the {what} functions");
+            text += &pattern(&title, jacobian, &rows, inputs);
+            let title = format!("Hessian of the {what} functions, lower triangle");
+            text += &pattern(&title, hessian, inputs, inputs);
+        }
+    }
+    text
+}
+
+/// One pattern as a small matrix of dots and crosses.
+fn pattern(title: &str, pattern: &SparsityPattern, rows: &[String], columns: &[String]) -> String {
+    let mut text = format!(
+        "\n  {title}: {} x {}, {} nonzeros\n",
+        pattern.rows,
+        pattern.columns,
+        pattern.entries.len()
+    );
+    if pattern.entries.is_empty() {
+        return text;
+    }
+    let label = |index: usize| rows.get(index).map_or("", String::as_str);
+    let width = (0..pattern.rows)
+        .map(|row| label(row).chars().count())
+        .max();
+    let width = width.unwrap_or_default();
+    for row in 0..pattern.rows {
+        let mut marks = vec!["."; pattern.columns];
+        for &(_, column) in pattern
+            .entries
+            .iter()
+            .filter(|entry| entry.0 as usize == row)
+        {
+            marks[column as usize] = "x";
+        }
+        let _ = writeln!(text, "    {:>width$}  {}", label(row), marks.join(" "));
+    }
+    let _ = writeln!(text, "    columns: {}", columns.join(", "));
+    text
+}

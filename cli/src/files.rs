@@ -1,0 +1,97 @@
+//! The files of one result: data, figures, and a page that plays the motion.
+
+use crate::PublishedData;
+use hangtime::simulation::Simulation;
+
+use crate::animation::Animation;
+use crate::figure::over_time;
+use crate::motion::{panels, picture};
+use crate::page::{Page, Section};
+use crate::settings::ChosenScene;
+use crate::spreadsheet::{events_csv, trajectory_csv};
+
+/// A result that is to be written.
+pub(crate) struct ResultFiles<'a> {
+    /// Name of the files, without extension.
+    pub(crate) stem: String,
+    /// What the result is, in one line.
+    pub(crate) title: String,
+    /// The scene.
+    pub(crate) chosen: &'a ChosenScene,
+    /// The motion.
+    pub(crate) simulation: &'a Simulation,
+    /// The JSON document.
+    pub(crate) json: &'a str,
+    /// Published data to show beside the motion.
+    pub(crate) published: &'a PublishedData,
+    /// Most rows of the trajectory.
+    pub(crate) rows: usize,
+    /// What to tell about the result, as (name, value).
+    pub(crate) facts: Vec<[String; 2]>,
+}
+
+impl ResultFiles<'_> {
+    /// The files, as (name, content).
+    pub(crate) fn contents(self) -> Vec<(String, String)> {
+        let Self {
+            stem,
+            title,
+            chosen,
+            simulation,
+            json,
+            published,
+            rows,
+            facts,
+        } = self;
+        let model = chosen.model.as_ref();
+        let declaration = model.declaration();
+        let mut files = vec![
+            (format!("{stem}.json"), json.to_owned()),
+            (
+                format!("{stem}-trajectory.csv"),
+                trajectory_csv(declaration, &simulation.trajectory, rows),
+            ),
+            (
+                format!("{stem}-events.csv"),
+                events_csv(declaration, &simulation.events),
+            ),
+        ];
+        let mut figures = Vec::new();
+        let plane = chosen.scene.plane.as_ref();
+        if let Some(plane) = plane {
+            let svg = picture(title.clone(), plane, model, simulation, published).svg();
+            figures.push((format!("{stem}.svg"), svg));
+        }
+        let heading = if published.curves.is_empty() {
+            title.clone()
+        } else {
+            format!("{title}: lines computed, dots published")
+        };
+        let svg = over_time(&heading, &panels(model, simulation, published));
+        figures.push((format!("{stem}-time.svg"), svg));
+        let animation = plane.and_then(|plane| Animation::new(plane, model, simulation));
+        let page = Page {
+            title: title.clone(),
+            introduction: format!(
+                "{}. Parameters: {}.",
+                chosen.scene.title,
+                chosen.parameters().join(", ")
+            ),
+            sections: vec![Section {
+                heading: "Motion".to_owned(),
+                text: String::new(),
+                animation: animation.map(|animation| (animation, json.to_owned())),
+                figures: figures.iter().map(|(_, svg)| svg.clone()).collect(),
+                header: vec![String::new(), String::new()],
+                rows: facts.into_iter().map(Vec::from).collect(),
+                files: files
+                    .iter()
+                    .map(|(name, _)| (name.clone(), name.clone()))
+                    .collect(),
+            }],
+        };
+        files.extend(figures);
+        files.push((format!("{stem}.html"), page.html()));
+        files
+    }
+}

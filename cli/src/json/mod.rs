@@ -1,0 +1,14 @@
+//! The JSON documents of a simulation and of a solution.
+//!
+//! Field names and their order are a contract. A number is written as the shortest decimal text
+//! that reads back as exactly the same double (at most 17 significant digits), so nothing is lost
+//! and `10.2759` stays `10.2759`. What is not finite is never written: the rows of a trajectory end
+//! before the first such number, and elsewhere `null` stands in its place.
+
+mod parts;
+mod simulation;
+mod solution;
+
+pub(crate) use parts::{SCHEMA, to_line};
+pub(crate) use simulation::Document;
+pub(crate) use solution::{SolutionDocument, SolverSettings};

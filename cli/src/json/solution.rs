@@ -1,0 +1,260 @@
+//! The JSON document of an optimal control problem.
+
+use hangtime::ocp::{Formulation, Optimum, Settings, Size, Solution, TimeFreezingReport};
+use hangtime::rk::Scheme;
+use hangtime::simulation::Residuals;
+use serde::Serialize;
+
+use super::parts::{
+    EventEntry, FinalEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA,
+    TrajectoryEntry, to_line,
+};
+use crate::bounds::Ending;
+use crate::settings::ChosenScene;
+
+/// The method of a solution.
+#[derive(Serialize)]
+pub(crate) struct SolverSettings {
+    /// Name of the method.
+    pub(crate) name: &'static str,
+    /// Runge-Kutta scheme of the last phase.
+    pub(crate) scheme: &'static str,
+    /// Its stages.
+    pub(crate) stages: usize,
+    /// Control intervals.
+    pub(crate) intervals: usize,
+    /// What the controls are on an interval: constant or linear.
+    pub(crate) control_shape: &'static str,
+    /// Finite elements: of a phase, or of an interval with time-freezing.
+    pub(crate) elements: usize,
+    /// Starts that were solved side by side.
+    pub(crate) starts: usize,
+}
+
+impl SolverSettings {
+    /// The settings of a solve with `intervals` control intervals.
+    pub(crate) fn new(settings: &Settings, intervals: usize) -> Self {
+        let (name, scheme, stages, elements) = match &settings.formulation {
+            Formulation::Phases => (
+                "phases",
+                Scheme::RadauIia,
+                settings.stages,
+                settings.elements,
+            ),
+            Formulation::TimeFreezing(grid) => {
+                ("time-freezing", grid.scheme, grid.stages, grid.elements)
+            }
+        };
+        Self {
+            name,
+            scheme: scheme.name(),
+            stages,
+            intervals,
+            control_shape: settings.controls.name(),
+            elements,
+            starts: settings.starts,
+        }
+    }
+}
+
+/// The complementarity problem of the time-freezing formulation, before its motion was polished.
+#[derive(Serialize)]
+struct TimeFreezingEntry {
+    status: String,
+    objective: f64,
+    horizon: f64,
+    residuals: TimeFreezingResiduals,
+    size: SolutionSize,
+    iterations: usize,
+    seconds: f64,
+}
+
+#[derive(Serialize)]
+struct TimeFreezingResiduals {
+    primal: f64,
+    complementarity: f64,
+}
+
+impl TimeFreezingEntry {
+    fn new(report: &TimeFreezingReport) -> Self {
+        Self {
+            status: report.status.to_string(),
+            objective: report.objective,
+            horizon: report.horizon,
+            residuals: TimeFreezingResiduals {
+                primal: report.primal,
+                complementarity: report.complementarity,
+            },
+            size: SolutionSize::new(&report.size),
+            iterations: report.iterations,
+            seconds: report.seconds,
+        }
+    }
+}
+
+/// A distinct local optimum.
+#[derive(Serialize)]
+struct OptimumEntry<'a> {
+    objective: f64,
+    horizon: f64,
+    status: &'static str,
+    stationarity: &'static str,
+    switches: usize,
+    starts: &'a [usize],
+}
+
+impl<'a> OptimumEntry<'a> {
+    fn new(optimum: &'a Optimum) -> Self {
+        Self {
+            objective: optimum.objective,
+            horizon: optimum.horizon,
+            status: optimum.status.name(),
+            stationarity: optimum.stationarity.name(),
+            switches: optimum.switches,
+            starts: &optimum.starts,
+        }
+    }
+}
+
+/// The document of an optimal control problem: that of the re-simulated motion, and what belongs to the plan; its
+/// fields are those of the contract, in their order.
+#[derive(Serialize)]
+pub(crate) struct SolutionDocument<'a> {
+    schema: u32,
+    scene: &'static str,
+    parameters: ParameterValues<'a>,
+    horizon: f64,
+    method: &'a SolverSettings,
+    status: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    diagnosis: Option<&'a str>,
+    events: Vec<EventEntry<'a>>,
+    trajectory: TrajectoryEntry<'a>,
+    #[serde(rename = "final")]
+    last: Option<FinalEntry<'a>>,
+    objective: f64,
+    stationarity: &'static str,
+    resimulation_error: f64,
+    controls: &'a [Vec<f64>],
+    #[serde(with = "ResidualsEntry")]
+    residuals: Residuals,
+    size: SolutionSize,
+    iterations: SolutionCounts,
+    seconds: SolutionSeconds,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time_freezing: Option<TimeFreezingEntry>,
+    optima: Vec<OptimumEntry<'a>>,
+    notes: Vec<String>,
+    quantities: QuantitiesEntry,
+}
+
+#[derive(Serialize)]
+struct SolutionSize {
+    variables: usize,
+    equalities: usize,
+    inequalities: usize,
+    complementarities: usize,
+    jacobian_nonzeros: usize,
+    hessian_nonzeros: usize,
+}
+
+impl SolutionSize {
+    fn new(size: &Size) -> Self {
+        Self {
+            variables: size.variables,
+            equalities: size.equalities,
+            inequalities: size.inequalities,
+            complementarities: size.complementarities,
+            jacobian_nonzeros: size.jacobian_nonzeros,
+            hessian_nonzeros: size.hessian_nonzeros,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct SolutionCounts {
+    /// Of all phases; `contact_implicit` is the share of the global one.
+    interior_point: usize,
+    /// The phases fix the contact sequence instead of crossing over from a relaxed point.
+    crossover: usize,
+    newton: usize,
+    factorizations: usize,
+    programs: usize,
+    contact_implicit: usize,
+    repairs: usize,
+}
+
+#[derive(Serialize)]
+struct SolutionSeconds {
+    total: f64,
+    /// Not measured separately, as the two that follow.
+    evaluate: f64,
+    factorize: f64,
+    solve: f64,
+}
+
+impl<'a> SolutionDocument<'a> {
+    /// The document of one solution of `chosen` that ended as `ending` tells, with at most `rows` rows of its
+    /// trajectory.
+    pub(crate) fn new(
+        chosen: &'a ChosenScene,
+        method: &'a SolverSettings,
+        solution: &'a Solution,
+        ending: &'a Ending,
+        rows: usize,
+    ) -> Self {
+        let declaration = chosen.model.declaration();
+        let contacts = declaration.contacts;
+        let motion = solution.motion.as_ref();
+        let trajectory = motion.map_or_else(TrajectoryEntry::default, |motion| {
+            TrajectoryEntry::new(&motion.trajectory, rows)
+        });
+        let note = motion.and_then(|motion| trajectory.note(&motion.trajectory));
+        let events = motion.map_or(&[][..], |motion| &motion.events);
+        Self {
+            schema: SCHEMA,
+            scene: chosen.scene.name,
+            parameters: ParameterValues::of(chosen),
+            horizon: solution.horizon,
+            method,
+            status: ending.status,
+            diagnosis: ending.diagnosis.as_deref(),
+            events: events
+                .iter()
+                .map(|event| EventEntry::new(event, contacts))
+                .collect(),
+            last: trajectory.last(),
+            trajectory,
+            objective: solution.objective,
+            stationarity: solution.stationarity.name(),
+            resimulation_error: solution.resimulation_error,
+            controls: &solution.controls,
+            residuals: solution.residuals,
+            size: SolutionSize::new(&solution.size),
+            iterations: SolutionCounts {
+                interior_point: solution.counts.global_iterations + solution.counts.iterations,
+                crossover: 0,
+                newton: 0,
+                factorizations: solution.counts.factorizations,
+                programs: solution.counts.programs,
+                contact_implicit: solution.counts.global_iterations,
+                repairs: solution.counts.repairs,
+            },
+            seconds: SolutionSeconds {
+                total: solution.seconds,
+                evaluate: 0.0,
+                factorize: 0.0,
+                solve: 0.0,
+            },
+            time_freezing: solution.time_freezing.as_ref().map(TimeFreezingEntry::new),
+            optima: solution.optima.iter().map(OptimumEntry::new).collect(),
+            notes: note.into_iter().collect(),
+            quantities: QuantitiesEntry::of(declaration),
+        }
+    }
+
+    /// The document as one line of text.
+    pub(crate) fn text(&self) -> String {
+        to_line(self)
+    }
+}

@@ -1,0 +1,278 @@
+//! `--method` and its settings: from words to a simulator.
+
+use std::fmt;
+
+use clap::ValueEnum;
+use cpu_time::ProcessTime;
+use hangtime::model::Model;
+use hangtime::rk::Scheme;
+use hangtime::simulation::{
+    EventDriven, Fesd, FixedStep, InitialValueProblem, InputError, Moreau, Simulation, Simulator,
+    Smooth, StepFormulation,
+};
+use serde::Serialize;
+
+use crate::arguments::{FormulationName, MOST_STEPS, Method, MethodArguments, SchemeName};
+use crate::failure::BadInput;
+use crate::table::counted;
+
+/// The settings of a method, as JSON and people read them; what the method does not have is absent.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub(crate) struct MethodSettings {
+    name: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scheme: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stages: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    elements: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exit_condition: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    formulation: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tolerance: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    width: Option<f64>,
+}
+
+impl MethodSettings {
+    /// Name of the method.
+    pub(crate) fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Steps over the horizon, for methods that have them.
+    pub(crate) fn steps(&self) -> Option<usize> {
+        self.steps
+    }
+
+    /// The settings with the number of steps that `simulation` took, where the method chose it itself.
+    pub(crate) fn with_steps_of(&self, simulation: &Simulation) -> Self {
+        let mut settings = self.clone();
+        if self.stages.is_some() && self.steps.is_none() {
+            settings.steps = Some(simulation.counts.elements);
+        }
+        settings
+    }
+
+    /// Width of the smoothed step functions, for the method that has one.
+    pub(crate) fn width(&self) -> Option<f64> {
+        self.width
+    }
+
+    /// Refuses more elements in all than states fit into memory.
+    fn refuse_too_many_elements(&self) -> Result<(), BadInput> {
+        let (Some(steps), Some(elements)) = (self.steps, self.elements) else {
+            return Ok(());
+        };
+        if steps.saturating_mul(elements) <= MOST_STEPS {
+            return Ok(());
+        }
+        Err(BadInput::new(format!(
+            "--steps {steps} of --elements {elements} are {} elements, more than {MOST_STEPS}, whose states stay in memory; \
+             lower one of them, simulate a part of the horizon, or give a tolerance",
+            steps.saturating_mul(elements)
+        )))
+    }
+
+    /// Error tolerance of a step, for methods that have one.
+    pub(crate) fn tolerance(&self) -> Option<f64> {
+        self.tolerance
+    }
+}
+
+impl fmt::Display for MethodSettings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.name)?;
+        if let Some(scheme) = self.scheme {
+            write!(f, ", {scheme}")?;
+        }
+        if let Some(stages) = self.stages {
+            write!(f, ", {}", counted(stages, "stage"))?;
+        }
+        if let Some(steps) = self.steps {
+            write!(f, ", {}", counted(steps, "step"))?;
+        }
+        if let Some(elements) = self.elements {
+            write!(f, " of {}", counted(elements, "element"))?;
+        }
+        if let Some(tolerance) = self.tolerance {
+            write!(f, ", tolerance {tolerance:e}")?;
+        }
+        if let Some(width) = self.width {
+            write!(f, ", width {width:e}")?;
+        }
+        if let Some(formulation) = &self.formulation {
+            write!(f, ", {formulation}")?;
+        }
+        match self.exit_condition {
+            Some(false) => write!(f, ", no exit condition"),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A method with its settings.
+pub(crate) struct ChosenMethod {
+    /// Its settings.
+    pub(crate) settings: MethodSettings,
+    simulator: Box<dyn Simulator>,
+}
+
+impl ChosenMethod {
+    /// Makes the simulator; settings left out take the method's defaults.
+    pub(crate) fn from_arguments(arguments: &MethodArguments) -> Result<Self, BadInput> {
+        arguments.refuse_foreign_settings()?;
+        let chosen = match arguments.method {
+            Method::Fesd => fesd(arguments),
+            Method::Event => {
+                let mut event = EventDriven::default();
+                event.tolerance = arguments.tolerance.unwrap_or(event.tolerance);
+                let settings = MethodSettings {
+                    tolerance: Some(event.tolerance),
+                    ..MethodSettings::default()
+                };
+                Self::new(settings, event)
+            }
+            Method::Moreau => {
+                let mut moreau = Moreau::default();
+                moreau.steps = arguments.steps.unwrap_or(moreau.steps);
+                Self::new(stepping(moreau.steps), moreau)
+            }
+            Method::Smooth => {
+                let mut smooth = Smooth::default();
+                smooth.width = arguments.width.unwrap_or(smooth.width);
+                smooth.tolerance = arguments.tolerance.unwrap_or(smooth.tolerance);
+                let settings = MethodSettings {
+                    tolerance: Some(smooth.tolerance),
+                    width: Some(smooth.width),
+                    ..MethodSettings::default()
+                };
+                Self::new(settings, smooth)
+            }
+            Method::Fixed => {
+                let mut fixed = FixedStep::default();
+                fixed.steps = arguments.steps.unwrap_or(fixed.steps);
+                Self::new(stepping(fixed.steps), fixed)
+            }
+        };
+        chosen.settings.refuse_too_many_elements()?;
+        Ok(chosen)
+    }
+
+    fn new(settings: MethodSettings, simulator: impl Simulator + 'static) -> Self {
+        Self {
+            settings: MethodSettings {
+                name: simulator.name(),
+                ..settings
+            },
+            simulator: Box::new(simulator),
+        }
+    }
+
+    /// Simulates, and measures the CPU time of the whole process from the first to the last step.
+    pub(crate) fn simulate(
+        &self,
+        model: &dyn Model,
+        problem: &InitialValueProblem,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Simulation, InputError> {
+        let start = ProcessTime::try_now();
+        let mut simulation = self.simulator.simulate(model, problem, progress)?;
+        if let Ok(elapsed) = start.and_then(|start| start.try_elapsed()) {
+            simulation.seconds.total = elapsed.as_secs_f64();
+        }
+        Ok(simulation)
+    }
+}
+
+fn stepping(steps: usize) -> MethodSettings {
+    MethodSettings {
+        steps: Some(steps),
+        ..MethodSettings::default()
+    }
+}
+
+fn fesd(arguments: &MethodArguments) -> ChosenMethod {
+    let mut fesd = Fesd::default();
+    fesd.scheme = match arguments.scheme {
+        Some(SchemeName::RadauIia) => Scheme::RadauIia,
+        Some(SchemeName::GaussLegendre) => Scheme::GaussLegendre,
+        None => fesd.scheme,
+    };
+    fesd.stages = arguments.stages;
+    // Whoever names the elements of a step wants steps.
+    let grid = arguments.elements.map(|_| Fesd::DEFAULT_STEPS);
+    fesd.steps = arguments.steps.or(grid);
+    fesd.elements = arguments.elements.unwrap_or(fesd.elements);
+    fesd.tolerance = arguments.tolerance;
+    fesd.exit_condition = !arguments.no_exit_condition;
+    let formulation = arguments.formulation.unwrap_or(FormulationName::ActiveSet);
+    fesd.formulation = match formulation {
+        FormulationName::ActiveSet => StepFormulation::ActiveSet,
+        FormulationName::TimeFreezing => StepFormulation::TimeFreezing,
+    };
+    let tolerance = fesd.promise();
+    let grid = tolerance.is_none();
+    let settings = MethodSettings {
+        formulation: Some(name_of(formulation)),
+        scheme: Some(fesd.scheme.name()),
+        stages: Some(fesd.stage_count()),
+        steps: fesd.steps.or(grid.then_some(Fesd::DEFAULT_STEPS)),
+        elements: grid.then_some(fesd.elements),
+        tolerance,
+        exit_condition: Some(fesd.exit_condition),
+        ..MethodSettings::default()
+    };
+    ChosenMethod::new(settings, fesd)
+}
+
+impl MethodArguments {
+    /// Refuses a setting that the method does not have.
+    fn refuse_foreign_settings(&self) -> Result<(), BadInput> {
+        use Method::{Event, Fesd, Fixed, Moreau, Smooth};
+        let given: [(&str, bool, &[Method]); 8] = [
+            ("--scheme", self.scheme.is_some(), &[Fesd]),
+            ("--stages", self.stages.is_some(), &[Fesd]),
+            ("--steps", self.steps.is_some(), &[Fesd, Moreau, Fixed]),
+            ("--elements", self.elements.is_some(), &[Fesd]),
+            ("--formulation", self.formulation.is_some(), &[Fesd]),
+            (
+                "--tolerance",
+                self.tolerance.is_some(),
+                &[Fesd, Event, Smooth],
+            ),
+            ("--width", self.width.is_some(), &[Smooth]),
+            ("--no-exit-condition", self.no_exit_condition, &[Fesd]),
+        ];
+        if self.elements.is_some() && self.tolerance.is_some() {
+            return Err(BadInput::new(
+                "--elements and --tolerance exclude each other: the tolerance sets the length of \
+                 the elements; leave one of them out",
+            ));
+        }
+        let foreign = given
+            .iter()
+            .find(|(_, given, methods)| *given && !methods.contains(&self.method));
+        let Some((option, _, methods)) = foreign else {
+            return Ok(());
+        };
+        let methods: Vec<String> = methods.iter().map(|method| name_of(*method)).collect();
+        let method = name_of(self.method);
+        Err(BadInput::new(format!(
+            "{option} has no meaning for --method {method}; leave it out, or choose the method: {}",
+            methods.join(", ")
+        )))
+    }
+}
+
+/// Name of a choice on the command line; none of them is hidden.
+pub(crate) fn name_of(choice: impl ValueEnum) -> String {
+    choice
+        .to_possible_value()
+        .map(|value| value.get_name().to_owned())
+        .unwrap_or_default()
+}

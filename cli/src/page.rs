@@ -1,0 +1,133 @@
+//! Pages that open offline: everything they show is inside the file.
+
+use std::fmt::Write as _;
+
+use crate::animation::{self, Animation};
+
+/// A page of figures and tables.
+pub(crate) struct Page {
+    /// Title.
+    pub(crate) title: String,
+    /// What the page is about, one paragraph.
+    pub(crate) introduction: String,
+    /// Its sections.
+    pub(crate) sections: Vec<Section>,
+}
+
+/// One section of a page.
+pub(crate) struct Section {
+    /// Heading.
+    pub(crate) heading: String,
+    /// One paragraph, possibly empty.
+    pub(crate) text: String,
+    /// A motion that plays, with the result that it shows as JSON.
+    pub(crate) animation: Option<(Animation, String)>,
+    /// Figures as SVG.
+    pub(crate) figures: Vec<String>,
+    /// Header of the table.
+    pub(crate) header: Vec<String>,
+    /// Rows of the table, the first column in words.
+    pub(crate) rows: Vec<Vec<String>>,
+    /// Files beside the page, as (file name, what it holds).
+    pub(crate) files: Vec<(String, String)>,
+}
+
+const STYLE: &str = "\
+:root{color-scheme:light dark}
+body{font:16px/1.5 system-ui,sans-serif;max-width:74rem;margin:2rem auto;padding:0 1rem;color:#1f2430;background:#ffffff}
+h1,h2{line-height:1.2}
+figure{margin:1.5rem 0;overflow-x:auto}
+svg{max-width:100%;height:auto}
+.table{overflow-x:auto}
+table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.9rem}
+th,td{padding:.3rem .7rem;text-align:right;border-bottom:1px solid #8a919e66;white-space:nowrap}
+th:first-child,td:first-child{text-align:left;white-space:pre}
+a{color:inherit}
+@media (prefers-color-scheme:dark){body{color:#dfe3ea;background:#14171c}}
+";
+
+impl Page {
+    /// The page as HTML.
+    pub(crate) fn html(&self) -> String {
+        let title = escape(&self.title);
+        let plays = self.sections.iter().any(|s| s.animation.is_some());
+        let player = if plays { animation::STYLE } else { "" };
+        let mut html = format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
+             <title>{title}</title>\n<style>\n{STYLE}{player}</style>\n</head>\n<body>\n\
+             <h1>{title}</h1>\n<p>{}</p>\n",
+            escape(&self.introduction)
+        );
+        for section in &self.sections {
+            section.write(&mut html);
+        }
+        html + "</body>\n</html>\n"
+    }
+}
+
+impl Section {
+    fn write(&self, html: &mut String) {
+        let _ = writeln!(html, "<h2>{}</h2>", escape(&self.heading));
+        if !self.text.is_empty() {
+            let _ = writeln!(html, "<p>{}</p>", escape(&self.text));
+        }
+        if let Some((animation, result)) = &self.animation {
+            html.push_str(&animation.html(result));
+        }
+        if !self.header.is_empty() {
+            let row = |cell: &str, cells: &[String]| {
+                let cells = cells
+                    .iter()
+                    .map(|text| format!("<{cell}>{}</{cell}>", escape(text)));
+                format!("<tr>{}</tr>\n", cells.collect::<String>())
+            };
+            let rows = self.rows.iter().map(|cells| row("td", cells));
+            let _ = writeln!(
+                html,
+                "<div class=\"table\"><table>\n{}{}</table></div>",
+                row("th", &self.header),
+                rows.collect::<String>()
+            );
+        }
+        for figure in &self.figures {
+            let _ = writeln!(html, "<figure>{figure}</figure>");
+        }
+        if !self.files.is_empty() {
+            let links = self
+                .files
+                .iter()
+                .map(|(file, what)| format!("<a href=\"{}\">{}</a>", escape(file), escape(what)));
+            let _ = writeln!(
+                html,
+                "<p>Data: {}</p>",
+                links.collect::<Vec<_>>().join(", ")
+            );
+        }
+    }
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Page;
+
+    #[test]
+    fn page_with_markup_in_a_title_shows_it_as_text() {
+        let page = Page {
+            title: "a < b & \"c\"".to_owned(),
+            introduction: String::new(),
+            sections: Vec::new(),
+        };
+        assert!(
+            page.html()
+                .contains("<h1>a &lt; b &amp; &quot;c&quot;</h1>")
+        );
+    }
+}

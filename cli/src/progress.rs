@@ -1,0 +1,119 @@
+//! Progress of long runs: a bar on a terminal, nothing otherwise.
+
+use std::time::{Duration, Instant};
+
+use hangtime::ocp;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::bounds::Stop;
+
+/// Runs shorter than this show no bar, and a bar is redrawn no more often.
+const PATIENCE: Duration = Duration::from_millis(150);
+
+/// A progress bar over a physical quantity.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    next: Instant,
+    end: f64,
+}
+
+impl Progress {
+    /// A bar that runs from 0 to `end`; drawn on the standard error stream if that is a terminal.
+    pub(crate) fn new(title: &str, end: f64) -> Self {
+        /// Cells of the bar's own scale.
+        const CELLS: u64 = 1000;
+        let bar = ProgressBar::new(CELLS).with_message(title.to_owned());
+        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} % {eta}") {
+            bar.set_style(style);
+        }
+        Self {
+            bar,
+            next: Instant::now() + PATIENCE,
+            end,
+        }
+    }
+
+    /// Says what is being done.
+    pub(crate) fn say(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+        self.bar.tick();
+    }
+
+    /// Moves the bar to `reached`.
+    pub(crate) fn reach(&mut self, reached: f64) {
+        let now = Instant::now();
+        if now >= self.next {
+            self.next = now + PATIENCE;
+            let share = (reached / self.end).clamp(0.0, 1.0);
+            let length = self.bar.length().unwrap_or_default() as f64;
+            self.bar.set_position((share * length) as u64);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// What a long solve is doing, in one line on the standard error stream if that is a terminal.
+pub(crate) struct SolveProgress {
+    bar: ProgressBar,
+    next: Instant,
+    /// Best objective of all programs, whichever start they belong to.
+    best: Option<f64>,
+}
+
+impl SolveProgress {
+    /// A line that begins with `title`.
+    pub(crate) fn new(title: &str) -> Self {
+        let bar = ProgressBar::new_spinner().with_prefix(title.to_owned());
+        if let Ok(style) = ProgressStyle::with_template("{prefix} {spinner} {elapsed} {msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(PATIENCE);
+        Self {
+            bar,
+            next: Instant::now(),
+            best: None,
+        }
+    }
+
+    /// Shows the progress; `false` once there is a reason to stop.
+    pub(crate) fn report(&mut self, progress: &ocp::Progress, stop: Option<Stop>) -> bool {
+        let now = Instant::now();
+        if stop.is_some() {
+            self.bar.set_message("stopping");
+            return false;
+        }
+        if let Some(best) = progress.best {
+            self.best = Some(self.best.map_or(best, |known| known.min(best)));
+        }
+        if now >= self.next {
+            self.next = now + PATIENCE;
+            self.bar.set_message(line(progress, self.best));
+        }
+        true
+    }
+}
+
+impl Drop for SolveProgress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// One iteration in words.
+fn line(progress: &ocp::Progress, best: Option<f64>) -> String {
+    let best = best.map_or_else(String::new, |best| format!(", best objective {best:.7}"));
+    format!(
+        "{}: program {}, iteration {}, residuals primal {:.0e} dual {:.0e} complementarity {:.0e}{best}",
+        progress.step,
+        progress.programs + 1,
+        progress.iterations,
+        progress.primal_infeasibility,
+        progress.dual_infeasibility,
+        progress.complementarity,
+    )
+}

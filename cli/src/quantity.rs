@@ -1,0 +1,121 @@
+//! Names, units and bounds of the quantities of a motion.
+
+use crate::Quantity;
+use hangtime::model::{Declaration, Model};
+
+use crate::table::{headed, per_second};
+
+/// Unit of the contact forces of a gap in metres.
+const FORCE: &str = "N";
+
+/// Every quantity of a scene, in the order in which figures show them.
+pub(crate) fn all(declaration: &Declaration) -> Vec<Quantity> {
+    let coordinates = 0..declaration.coordinates.len();
+    let contacts = || 0..declaration.contacts.len();
+    let rubs = |&contact: &usize| declaration.contacts[contact].friction.is_some();
+    coordinates
+        .flat_map(|i| [Quantity::Coordinate(i), Quantity::Velocity(i)])
+        .chain((0..declaration.controls.len()).map(Quantity::Control))
+        .chain(contacts().map(Quantity::ContactForce))
+        .chain(contacts().filter(rubs).map(Quantity::FrictionForce))
+        .collect()
+}
+
+/// Name of a quantity in a table of its kind: that of its coordinate, control or contact; `dy/dt` for a velocity.
+pub(crate) fn name(declaration: &Declaration, quantity: Quantity) -> String {
+    match quantity {
+        Quantity::ContactForce(i) | Quantity::FrictionForce(i) => {
+            declaration.contacts[i].name.to_owned()
+        }
+        _ => symbol(declaration, quantity),
+    }
+}
+
+/// Symbol of a quantity: `y`, `dy/dt`, `u`.
+pub(crate) fn symbol(declaration: &Declaration, quantity: Quantity) -> String {
+    match quantity {
+        Quantity::Coordinate(i) => declaration.coordinates[i].name.to_owned(),
+        Quantity::Velocity(i) => format!("d{}/dt", declaration.coordinates[i].name),
+        Quantity::Control(i) => declaration.controls[i].name.to_owned(),
+        Quantity::ContactForce(i) => format!("contact force {}", declaration.contacts[i].name),
+        Quantity::FrictionForce(i) => format!("friction force {}", declaration.contacts[i].name),
+    }
+}
+
+/// Declared unit of a quantity.
+pub(crate) fn unit(declaration: &Declaration, quantity: Quantity) -> String {
+    match quantity {
+        Quantity::Coordinate(i) => declaration.coordinates[i].unit.to_owned(),
+        Quantity::Velocity(i) => per_second(declaration.coordinates[i].unit),
+        Quantity::Control(i) => declaration.controls[i].unit.to_owned(),
+        Quantity::ContactForce(i) | Quantity::FrictionForce(i) => {
+            if declaration.contacts[i].unit == "m" {
+                FORCE.to_owned()
+            } else {
+                String::new()
+            }
+        }
+    }
+}
+
+/// Symbol with unit, for an axis.
+pub(crate) fn label(declaration: &Declaration, quantity: Quantity, unit: &str) -> String {
+    let symbol = match quantity {
+        Quantity::ContactForce(_) | Quantity::FrictionForce(_) => "force".to_owned(),
+        _ => symbol(declaration, quantity),
+    };
+    headed(&symbol, unit)
+}
+
+/// What a quantity is, in words: the first sentence of its documentation.
+pub(crate) fn title(declaration: &Declaration, quantity: Quantity) -> String {
+    let documentation = match quantity {
+        Quantity::Coordinate(i) => declaration.coordinates[i].documentation,
+        Quantity::Velocity(i) => {
+            return format!("Rate of change of {}", declaration.coordinates[i].name);
+        }
+        Quantity::Control(i) => declaration.controls[i].documentation,
+        Quantity::ContactForce(i) => {
+            return format!("Normal force of {}", declaration.contacts[i].name);
+        }
+        Quantity::FrictionForce(i) => {
+            return format!("Tangential force of {}", declaration.contacts[i].name);
+        }
+    };
+    let sentence = documentation.split('.').next().unwrap_or_default();
+    let words: Vec<&str> = sentence.split_whitespace().collect();
+    if words.is_empty() {
+        symbol(declaration, quantity)
+    } else {
+        words.join(" ")
+    }
+}
+
+/// The finite declared bounds of a quantity, in its declared unit.
+pub(crate) fn bounds(model: &dyn Model, quantity: Quantity) -> Vec<f64> {
+    let declaration = model.declaration();
+    let coordinates = declaration.coordinates.len();
+    let length = coordinates + declaration.controls.len();
+    let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; length], vec![f64::INFINITY; length]);
+    model.bounds(&mut lower, &mut upper);
+    let index = match quantity {
+        Quantity::Coordinate(i) => i,
+        Quantity::Control(i) => coordinates + i,
+        Quantity::Velocity(_) | Quantity::ContactForce(_) | Quantity::FrictionForce(_) => {
+            return Vec::new();
+        }
+    };
+    let both = [lower[index], upper[index]];
+    both.into_iter().filter(|bound| bound.is_finite()).collect()
+}
+
+/// A value of a quantity in `to` instead of its declared unit.
+pub(crate) fn converted(
+    declaration: &Declaration,
+    quantity: Quantity,
+    value: f64,
+    to: &str,
+) -> Option<f64> {
+    let from = unit(declaration, quantity);
+    hangtime_units::convert(value, &from, to).ok()
+}

@@ -1,0 +1,160 @@
+//! A published simulation by several methods.
+
+use hangtime::simulation::{InitialValueProblem, Simulation};
+
+use super::case::{Case, Reproduced};
+use super::column::Column;
+use crate::arguments::{Method, MethodArguments, SchemeName};
+use crate::failure::BadInput;
+use crate::files::ResultFiles;
+use crate::json::Document;
+use crate::method::ChosenMethod;
+use crate::page::Section;
+use crate::sampling::dense;
+use crate::simulate::{diagnosis_line, facts};
+use crate::spreadsheet::{csv_text, trajectory_csv};
+use crate::timing::{EXACT_TOLERANCE, fastest};
+
+/// The methods beside the published numbers: name, file, settings. The first one is ours, the second one the measure
+/// of the published positions.
+fn methods() -> [(&'static str, &'static str, MethodArguments); 4] {
+    [
+        ("FESD defaults", "fesd", MethodArguments::default()),
+        (
+            "event-driven, 1e-13",
+            "exact",
+            MethodArguments {
+                method: Method::Event,
+                tolerance: Some(EXACT_TOLERANCE),
+                ..MethodArguments::default()
+            },
+        ),
+        (
+            "FESD as in the paper",
+            "fesd-paper",
+            MethodArguments {
+                scheme: Some(SchemeName::GaussLegendre),
+                stages: Some(2),
+                steps: Some(30),
+                elements: Some(3),
+                ..MethodArguments::default()
+            },
+        ),
+        (
+            "FESD to 1e-9",
+            "fesd-1e-9",
+            MethodArguments {
+                stages: Some(6),
+                steps: Some(5),
+                tolerance: Some(1e-9),
+                ..MethodArguments::default()
+            },
+        ),
+    ]
+}
+
+/// Simulates the case by every method.
+pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput> {
+    let (chosen, published) = (&case.chosen, case.published);
+    let model = chosen.model.as_ref();
+    let refuse = |error| chosen.refuse(&error);
+    let problem = InitialValueProblem::of(model, Some(horizon)).map_err(refuse)?;
+    let (mut columns, mut diagnoses, mut files) = (Vec::new(), Vec::new(), Vec::new());
+    for (index, (name, file, arguments)) in methods().into_iter().enumerate() {
+        let method = ChosenMethod::from_arguments(&arguments)?;
+        let simulation = fastest(chosen, &method, &problem).map_err(refuse)?;
+        diagnoses.extend(diagnosis_line(chosen, &simulation));
+        let json = Document::new(chosen, horizon, &method.settings, &simulation, usize::MAX).text();
+        if index == 0 {
+            let result = ResultFiles {
+                stem: published.name.to_owned(),
+                title: published.title.to_owned(),
+                chosen,
+                simulation: &simulation,
+                json: &json,
+                published: &case.data,
+                rows: usize::MAX,
+                facts: facts(&method, &simulation),
+            };
+            files.extend(result.contents());
+        } else {
+            let stem = format!("{}_{file}", published.name);
+            let csv = trajectory_csv(model.declaration(), &simulation.trajectory, usize::MAX);
+            files.push((format!("{stem}.json"), json));
+            files.push((format!("{stem}-trajectory.csv"), csv));
+        }
+        columns.push(Column {
+            name,
+            residual: largest_residual(&simulation),
+            // Controlled steps are long: ending a run at the instant loses nothing to interpolation.
+            rerun: arguments.tolerance.map(|_| (method, problem.clone())),
+            simulation,
+        });
+    }
+    let ours = &columns[0];
+    let exact = &columns[1];
+    let rows = case.rows(ours);
+    let (header, table) = case.comparison(&rows, &columns);
+    let (remark, positions) = positions(&case, exact);
+    files.push((format!("{}_positions.csv", published.name), positions));
+    let remarks: Vec<String> = remark.into_iter().collect();
+    let seconds = ours.simulation.seconds.total;
+    let states = dense(&ours.simulation.trajectory);
+    let residual = ours.residual;
+    Ok(Reproduced {
+        section: Section::of_case(published, &remarks, &files, header, table),
+        case,
+        states,
+        rows,
+        seconds,
+        residual,
+        remarks,
+        diagnoses,
+        files,
+    })
+}
+
+fn largest_residual(simulation: &Simulation) -> f64 {
+    let residuals = simulation.residuals;
+    residuals
+        .primal
+        .max(residuals.dual)
+        .max(residuals.complementarity)
+}
+
+/// How far the published positions are from the exact motion, in words and as a table.
+fn positions(case: &Case, exact: &Column) -> (Option<String>, String) {
+    let Some(plane) = &case.chosen.scene.plane else {
+        return (None, String::new());
+    };
+    let mut header = vec!["time [s]".to_owned()];
+    for source in ["published", "exact"] {
+        for body in plane.bodies {
+            header.extend(plane.axes.map(|axis| format!("{source} {body} {axis}")));
+        }
+    }
+    let mut largest: Option<(f64, f64)> = None;
+    let mut rows = Vec::with_capacity(case.data.points.len());
+    for point in &case.data.points {
+        let mut row = vec![point.time.to_string()];
+        row.extend(point.positions.as_flattened().iter().map(f64::to_string));
+        if let Some(state) = exact.state_at(case, point.time) {
+            let positions = plane.bodies_at(case.chosen.model.as_ref(), &state.q);
+            row.extend(positions.as_flattened().iter().map(f64::to_string));
+            for (a, b) in positions.iter().zip(&point.positions) {
+                let distance = (a[0] - b[0]).hypot(a[1] - b[1]);
+                if largest.is_none_or(|(most, _)| distance > most) {
+                    largest = Some((distance, point.time));
+                }
+            }
+        }
+        rows.push(row);
+    }
+    let remark = largest.map(|(distance, time)| {
+        format!(
+            "published positions are up to {distance:.1e} {} away from the exact motion (at t = {time:.2} s)",
+            plane.unit
+        )
+    });
+    (remark, csv_text(&header, rows))
+}

@@ -1,0 +1,206 @@
+//! States between the instants that a trajectory keeps.
+
+use crate::Quantity;
+use hangtime::simulation::Trajectory;
+
+use crate::thinning::kept;
+
+/// About how many states a line is drawn through.
+const POINTS: usize = 600;
+/// Most instants of the trajectory that a line is drawn through: no screen shows more.
+const MOST_DRAWN: usize = 5_000;
+/// Most states drawn between two instants of the trajectory.
+const MOST_BETWEEN: usize = 40;
+
+/// In shorter intervals [s], relative to the time, rounding dominates the slope of the coordinates.
+const SHORT: f64 = 1e-8;
+
+/// The state of a motion at one instant.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct State {
+    /// Time [s].
+    pub(crate) time: f64,
+    /// Coordinates.
+    pub(crate) q: Vec<f64>,
+    /// Velocities.
+    pub(crate) v: Vec<f64>,
+    /// Controls.
+    pub(crate) u: Vec<f64>,
+    /// Normal contact forces.
+    pub(crate) contact_force: Vec<f64>,
+    /// Tangential contact forces; empty in a scene without friction.
+    pub(crate) friction_force: Vec<f64>,
+}
+
+impl State {
+    /// The value of a quantity.
+    pub(crate) fn value(&self, quantity: Quantity) -> Option<f64> {
+        let (values, index) = match quantity {
+            Quantity::Coordinate(index) => (&self.q, index),
+            Quantity::Velocity(index) => (&self.v, index),
+            Quantity::Control(index) => (&self.u, index),
+            Quantity::ContactForce(index) => (&self.contact_force, index),
+            Quantity::FrictionForce(index) => (&self.friction_force, index),
+        };
+        values.get(index).copied()
+    }
+
+    /// Instant `k` of the trajectory.
+    pub(crate) fn of(trajectory: &Trajectory, k: usize) -> Self {
+        Self {
+            time: trajectory.time[k],
+            q: trajectory.q[k].clone(),
+            v: trajectory.v[k].clone(),
+            u: trajectory.u[k].clone(),
+            contact_force: trajectory.contact_force[k].clone(),
+            friction_force: trajectory
+                .friction_force
+                .get(k)
+                .cloned()
+                .unwrap_or_default(),
+        }
+    }
+
+    /// The state at the share `s` of the interval from instant `k` to the next: coordinates on the cubic through
+    /// both states and their velocities, velocities as its derivative, forces and controls on a straight line: where these
+    /// jump, the trajectory keeps both sides.
+    fn between(trajectory: &Trajectory, k: usize, s: f64) -> Self {
+        let t0 = trajectory.time[k];
+        let h = trajectory.time[k + 1] - t0;
+        let (q0, q1) = (&trajectory.q[k], &trajectory.q[k + 1]);
+        let (v0, v1) = (&trajectory.v[k], &trajectory.v[k + 1]);
+        let cubic = (0..q0.len()).map(|i| {
+            let rise = q1[i] - q0[i];
+            let (a, b) = (h * v0[i] - rise, rise - h * v1[i]);
+            let q = q0[i] + s * (rise + (1.0 - s) * ((1.0 - s) * a + s * b));
+            let slope = rise + (1.0 - s) * (1.0 - 3.0 * s) * a + s * (2.0 - 3.0 * s) * b;
+            let v = if h > SHORT * t0.abs().max(1.0) {
+                slope / h
+            } else {
+                v0[i] + s * (v1[i] - v0[i])
+            };
+            (q, v)
+        });
+        let (q, v) = cubic.unzip();
+        let straight = |rows: &[Vec<f64>]| match (rows.get(k), rows.get(k + 1)) {
+            (Some(from), Some(to)) => {
+                let ends = from.iter().zip(to);
+                ends.map(|(from, to)| from + s * (to - from)).collect()
+            }
+            _ => Vec::new(),
+        };
+        Self {
+            time: t0 + s * h,
+            q,
+            v,
+            u: straight(&trajectory.u),
+            contact_force: straight(&trajectory.contact_force),
+            friction_force: straight(&trajectory.friction_force),
+        }
+    }
+}
+
+/// The state at physical time `t`, after the jump if there is one. The coordinates are exact where the acceleration
+/// is constant, and miss by `h^4 |q''''| / 384` between two instants that are `h` apart otherwise.
+///
+/// `None` outside the trajectory.
+pub(crate) fn state_at(trajectory: &Trajectory, t: f64) -> Option<State> {
+    let next = trajectory.time.partition_point(|&time| time <= t);
+    let last = next.checked_sub(1)?;
+    if next == trajectory.time.len() {
+        return (trajectory.time[last] == t).then(|| State::of(trajectory, last));
+    }
+    let h = trajectory.time[next] - trajectory.time[last];
+    let s = (t - trajectory.time[last]) / h;
+    Some(State::between(trajectory, last, s))
+}
+
+/// The states of the trajectory and some between them, enough for a smooth line, or a part of them, if there are very
+/// many. Where the motion jumps, the states before and after the jump follow each other.
+pub(crate) fn dense(trajectory: &Trajectory) -> Vec<State> {
+    let instants = trajectory.time.len();
+    if instants == 0 {
+        return Vec::new();
+    }
+    if instants > MOST_DRAWN {
+        let kept = kept(&trajectory.time, MOST_DRAWN);
+        return kept.into_iter().map(|k| State::of(trajectory, k)).collect();
+    }
+    let between = POINTS.div_ceil(instants).clamp(1, MOST_BETWEEN);
+    let mut states = Vec::with_capacity(instants * (between + 1));
+    for k in 0..instants - 1 {
+        states.push(State::of(trajectory, k));
+        if trajectory.time[k + 1] > trajectory.time[k] {
+            let shares = (1..between).map(|i| i as f64 / between as f64);
+            states.extend(shares.map(|s| State::between(trajectory, k, s)));
+        }
+    }
+    states.push(State::of(trajectory, instants - 1));
+    states.dedup();
+    states
+}
+
+#[cfg(test)]
+mod tests {
+    use hangtime::simulation::Trajectory;
+
+    use super::{dense, state_at};
+
+    /// A ball thrown up at 3 m/s that stops on the ground at t = 1 s; the jump is kept twice.
+    fn thrown() -> Trajectory {
+        let mut trajectory = Trajectory::default();
+        let state = |t: f64| ([3.0 * t - 3.0 * t * t], [3.0 - 6.0 * t]);
+        for t in [0.0, 0.5, 1.0] {
+            let (q, v) = state(t);
+            trajectory.push(t, t, &q, &v, &[], &[]);
+        }
+        trajectory.push(1.0, 1.1, &[0.0], &[0.0], &[], &[]);
+        trajectory.push(2.0, 2.1, &[0.0], &[0.0], &[], &[]);
+        trajectory
+    }
+
+    #[test]
+    fn state_at_constant_acceleration_is_exact() {
+        let trajectory = thrown();
+        for t in [0.0_f64, 0.1, 0.5, 0.77, 0.999] {
+            let state = state_at(&trajectory, t).unwrap();
+            // A handful of roundings of numbers below 3 and of their quotients by 0.5.
+            assert!((state.q[0] - (3.0 * t - 3.0 * t * t)).abs() < 1e-14, "{t}");
+            assert!((state.v[0] - (3.0 - 6.0 * t)).abs() < 1e-14, "{t}");
+        }
+    }
+
+    #[test]
+    fn state_at_an_impact_is_the_one_after_it() {
+        let q = |t| state_at(&thrown(), t).map(|state| (state.q[0], state.v[0]));
+        assert_eq!(q(1.0), Some((0.0, 0.0)));
+        assert_eq!(q(1.5), Some((0.0, 0.0)));
+        assert_eq!(q(2.0), Some((0.0, 0.0)));
+    }
+
+    #[test]
+    fn state_at_in_an_interval_of_rounding_has_a_velocity_between_its_ends() {
+        let mut trajectory = Trajectory::default();
+        let (early, late) = (1.0, 1.0_f64.next_up().next_up());
+        trajectory.push(early, early, &[5.0], &[3.0], &[], &[]);
+        trajectory.push(late, late, &[5.0_f64.next_up()], &[3.0], &[], &[]);
+        let state = state_at(&trajectory, 1.0_f64.next_up()).unwrap();
+        assert_eq!(state.v, [3.0]);
+    }
+
+    #[test]
+    fn state_at_outside_the_trajectory_is_none() {
+        assert_eq!(state_at(&thrown(), 2.5), None);
+        assert_eq!(state_at(&Trajectory::default(), 0.0), None);
+    }
+
+    #[test]
+    fn dense_states_keep_both_sides_of_a_jump() {
+        let states = dense(&thrown());
+        assert!(states.is_sorted_by(|a, b| a.time <= b.time));
+        let speeds = states.iter().filter(|state| state.time == 1.0);
+        let speeds: Vec<f64> = speeds.map(|state| state.v[0]).collect();
+        assert_eq!(speeds, [-3.0, 0.0]);
+        assert!(dense(&Trajectory::default()).is_empty());
+    }
+}

@@ -1,0 +1,262 @@
+//! `SCENE` and `--set NAME=VALUE[UNIT]`: from words to a model.
+
+use crate::Scene;
+use hangtime::model::Model;
+use hangtime::simulation::InputError;
+use hangtime_units::{Quantity, UnitError};
+
+use crate::arguments::SceneArguments;
+use crate::failure::{BadInput, did_you_mean};
+
+/// A scene with its settings applied.
+pub(crate) struct ChosenScene {
+    /// The entry in the list of scenes.
+    pub(crate) scene: &'static Scene,
+    /// Its model.
+    pub(crate) model: Box<dyn Model>,
+    /// The settings that chose the form of the scene.
+    pub(crate) choices: &'static [(&'static str, &'static str)],
+}
+
+impl ChosenScene {
+    /// Finds the scene and applies the settings.
+    pub(crate) fn from_arguments(
+        scenes: &'static [Scene],
+        arguments: &SceneArguments,
+    ) -> Result<Self, BadInput> {
+        Self::new(find(scenes, &arguments.scene)?, &arguments.settings)
+    }
+
+    /// Applies `settings`, each `NAME=VALUE[UNIT]`, to a scene.
+    pub(crate) fn new(scene: &'static Scene, settings: &[String]) -> Result<Self, BadInput> {
+        let pairs = split_all(settings)?;
+        let (choices, model) = choose(scene, &pairs)?;
+        let mut chosen = Self {
+            scene,
+            model,
+            choices,
+        };
+        for (name, value) in pairs {
+            if !choices.iter().any(|&(choice, _)| choice == name) {
+                chosen.set(name, value)?;
+            }
+        }
+        if let Some(plane) = &scene.plane {
+            let model = chosen.model.as_ref();
+            let mut start = vec![0.0; model.declaration().coordinates.len()];
+            let mut rates = start.clone();
+            model.start(&mut start, &mut rates);
+            plane.check(scene.name, model, &start)?;
+        }
+        Ok(chosen)
+    }
+
+    /// A refusal of the solvers, with the name of the scene.
+    pub(crate) fn refuse(&self, error: &InputError) -> BadInput {
+        BadInput::new(format!("scene `{}`: {error}", self.scene.name))
+    }
+
+    /// Parameter values and choices for people: `m = 80 kg`.
+    pub(crate) fn parameters(&self) -> Vec<String> {
+        let numbers = self.model.declaration().parameters.iter().enumerate();
+        numbers
+            .map(|(index, parameter)| {
+                let value = self.model.parameter(index);
+                format!("{} = {value} {}", parameter.name, parameter.unit)
+                    .trim_end()
+                    .to_owned()
+            })
+            .chain(
+                self.choices
+                    .iter()
+                    .map(|(name, choice)| format!("{name} = {choice}")),
+            )
+            .collect()
+    }
+
+    fn set(&mut self, name: &str, text: &str) -> Result<(), BadInput> {
+        let parameters = self.model.declaration().parameters;
+        let Some(index) = parameters.iter().position(|known| known.name == name) else {
+            let names: Vec<&str> = parameters
+                .iter()
+                .map(|known| known.name)
+                .chain(self.choices.iter().map(|&(choice, _)| choice))
+                .collect();
+            return Err(BadInput::new(format!(
+                "scene `{}` has no parameter `{name}`{} (it has: {})",
+                self.scene.name,
+                did_you_mean(name, names.iter().copied()),
+                names.join(", ")
+            )));
+        };
+        let value = quantity(name, text, parameters[index].unit)?;
+        self.model.set_parameter(index, value);
+        Ok(())
+    }
+}
+
+/// The scene called `name`.
+pub(crate) fn find(scenes: &'static [Scene], name: &str) -> Result<&'static Scene, BadInput> {
+    let named = scenes.iter().find(|scene| scene.name == name);
+    named.ok_or_else(|| {
+        let names: Vec<&str> = scenes.iter().map(|scene| scene.name).collect();
+        BadInput::new(format!(
+            "unknown scene `{name}`{} (scenes: {})",
+            did_you_mean(name, names.iter().copied()),
+            names.join(", ")
+        ))
+    })
+}
+
+/// Splits every setting at its first `=` and refuses repeated names.
+fn split_all(settings: &[String]) -> Result<Vec<(&str, &str)>, BadInput> {
+    let mut pairs: Vec<(&str, &str)> = Vec::with_capacity(settings.len());
+    for setting in settings {
+        let (name, value) = setting
+            .split_once('=')
+            .map(|(name, value)| (name.trim(), value.trim()))
+            .filter(|(name, value)| !name.is_empty() && !value.is_empty())
+            .ok_or_else(|| {
+                BadInput::new(format!(
+                    "setting `{setting}` of --set: write NAME=VALUE or NAME=VALUE[UNIT], such as \
+                     g=9.81 or g=9.81m/s^2"
+                ))
+            })?;
+        if pairs.iter().any(|&(earlier, _)| earlier == name) {
+            return Err(BadInput::new(format!(
+                "setting `{name}` of --set is given twice; keep one of them"
+            )));
+        }
+        pairs.push((name, value));
+    }
+    Ok(pairs)
+}
+
+/// The form of a scene and a fresh model of it.
+type Form = (&'static [(&'static str, &'static str)], Box<dyn Model>);
+
+/// The first variant of the scene that agrees with the settings.
+fn choose(scene: &'static Scene, pairs: &[(&str, &str)]) -> Result<Form, BadInput> {
+    let given = |name: &str| pairs.iter().find(|&&(given, _)| given == name);
+    scene
+        .variants
+        .iter()
+        .find(|variant| {
+            variant
+                .settings
+                .iter()
+                .all(|&(name, choice)| given(name).is_none_or(|&(_, wanted)| wanted == choice))
+        })
+        .map(|variant| (variant.settings, (variant.model)()))
+        .ok_or_else(|| {
+            let forms: Vec<String> = scene
+                .variants
+                .iter()
+                .map(|variant| {
+                    let words: Vec<String> = variant
+                        .settings
+                        .iter()
+                        .map(|(name, choice)| format!("{name}={choice}"))
+                        .collect();
+                    words.join(" ")
+                })
+                .collect();
+            let names = scene.variants.iter().flat_map(|variant| variant.settings);
+            let given: Vec<String> = pairs
+                .iter()
+                .filter(|(name, _)| names.clone().any(|(choice, _)| choice == name))
+                .map(|(name, value)| format!("{name}={value}"))
+                .collect();
+            BadInput::new(format!(
+                "scene `{}` has no form `{}`; choose one of: {}",
+                scene.name,
+                given.join(" "),
+                forms.join(", ")
+            ))
+        })
+}
+
+/// Reads `VALUE[UNIT]` as a number in the declared unit.
+fn quantity(name: &str, text: &str, declared: &str) -> Result<f64, BadInput> {
+    let value = Quantity::parse(text)
+        .and_then(|quantity| quantity.in_unit(declared))
+        .map_err(|error| {
+            let unit = if declared.is_empty() { "1" } else { declared };
+            let remedy = match &error {
+                UnitError::Different { .. } => {
+                    format!("; leave the unit out, or write one that converts to {unit}")
+                }
+                _ => String::new(),
+            };
+            BadInput::new(format!("parameter `{name}` [{unit}]: {error}{remedy}"))
+        })?;
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(BadInput::new(format!(
+            "parameter `{name}` = `{text}` is not finite; give a finite number"
+        )))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::Slide;
+    use crate::{Scene, Variant};
+
+    use super::{choose, split_all};
+
+    /// A scene in two forms that differ in a parameter.
+    static TWO_FORMS: Scene = Scene {
+        name: "two-forms",
+        title: "",
+        variants: &[
+            Variant {
+                settings: &[("law", "paper")],
+                model: || Box::new(Slide::default()),
+            },
+            Variant {
+                settings: &[("law", "holding")],
+                model: || {
+                    Box::new(Slide {
+                        start_y: 4.0,
+                        ..Slide::default()
+                    })
+                },
+            },
+        ],
+        plane: None,
+        published: &[],
+    };
+
+    fn chosen(settings: &[&str]) -> Result<&'static str, String> {
+        let settings: Vec<String> = settings.iter().map(|&setting| setting.into()).collect();
+        let pairs = split_all(&settings).unwrap();
+        let (choices, model) = choose(&TWO_FORMS, &pairs).map_err(|refusal| refusal.to_string())?;
+        let parameters = model.declaration().parameters;
+        let start_y = parameters.iter().position(|p| p.name == "start_y").unwrap();
+        let holding = model.parameter(start_y) == 4.0;
+        assert_eq!(holding, choices == [("law", "holding")]);
+        Ok(choices[0].1)
+    }
+
+    #[test]
+    fn choose_without_a_setting_takes_the_first_form() {
+        assert_eq!(chosen(&[]), Ok("paper"));
+        assert_eq!(chosen(&["start_y=3"]), Ok("paper"));
+    }
+
+    #[test]
+    fn choose_with_a_setting_takes_its_form() {
+        assert_eq!(chosen(&["start_y=3", "law=holding"]), Ok("holding"));
+    }
+
+    #[test]
+    fn choose_unknown_form_names_those_that_exist() {
+        let refusal = chosen(&["law=other"]).unwrap_err();
+        assert_eq!(
+            refusal,
+            "scene `two-forms` has no form `law=other`; choose one of: law=paper, law=holding"
+        );
+    }
+}

@@ -1,0 +1,224 @@
+//! `hangtime simulate`: one simulation, as tables, as JSON, and as files.
+
+use std::fmt::Write as _;
+
+use crate::{PublishedData, Scene};
+use hangtime::model::Declaration;
+use hangtime::simulation::{Event, InitialValueProblem, Simulation};
+
+use crate::arguments::{Method, SimulateArguments};
+use crate::bounds::Bounds;
+use crate::failure::{BadInput, one_line};
+use crate::files::ResultFiles;
+use crate::json::Document;
+use crate::method::{ChosenMethod, name_of};
+use crate::output::OutputDirectory;
+use crate::progress::Progress;
+use crate::report::Report;
+use crate::settings::ChosenScene;
+use crate::table::{counted, headed, per_second, seconds, table};
+
+/// Most events that are printed.
+const MOST_EVENTS: usize = 1_000;
+
+pub(crate) fn run(
+    scenes: &'static [Scene],
+    arguments: &SimulateArguments,
+) -> Result<Report, BadInput> {
+    let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
+    let method = ChosenMethod::from_arguments(&arguments.method)?;
+    let problem = InitialValueProblem::of(chosen.model.as_ref(), arguments.horizon)
+        .and_then(|problem| problem.check(chosen.model.as_ref()).map(|()| problem))
+        .map_err(|error| chosen.refuse(&error))?;
+    let (out, rows) = (arguments.result.out.as_deref(), arguments.result.rows);
+    let directory = out.map(OutputDirectory::open).transpose()?;
+    let bounds = Bounds::watch(chosen.scene.name, &arguments.limits);
+    let mut progress = Progress::new(chosen.scene.name, problem.horizon);
+    let simulation = method
+        .simulate(chosen.model.as_ref(), &problem, &mut |t| progress.reach(t))
+        .map_err(|error| chosen.refuse(&error))?;
+    drop(progress);
+    drop(bounds);
+    let json = Document::new(
+        &chosen,
+        problem.horizon,
+        &method.settings,
+        &simulation,
+        rows,
+    )
+    .text();
+    let mut report = Report::default();
+    report
+        .diagnoses
+        .extend(diagnosis_line(&chosen, &simulation));
+    let mut written = String::new();
+    if let Some(directory) = directory {
+        let files = ResultFiles {
+            stem: stem(&chosen, arguments.method.method),
+            title: format!("{}, {}", chosen.scene.name, method.settings.name()),
+            chosen: &chosen,
+            simulation: &simulation,
+            json: &json,
+            published: &PublishedData::default(),
+            rows,
+            facts: facts(&method, &simulation),
+        };
+        written = report.deliver(directory, &files.contents());
+    }
+    report.text = if arguments.result.json {
+        json
+    } else {
+        tables(&chosen, problem.horizon, &method, &simulation) + &written
+    };
+    Ok(report)
+}
+
+/// Name of the files, without extension: results of different methods stand side by side.
+fn stem(chosen: &ChosenScene, method: Method) -> String {
+    let scene = chosen.scene.name;
+    if method == Method::default() {
+        scene.to_owned()
+    } else {
+        format!("{scene}-{}", name_of(method))
+    }
+}
+
+/// Why a simulation stopped early, in one line, if it did.
+pub(crate) fn diagnosis_line(chosen: &ChosenScene, simulation: &Simulation) -> Option<String> {
+    let diagnosis = simulation.status.diagnosis()?;
+    let text = format!(
+        "{}: {} at t = {} s: {}",
+        chosen.scene.name,
+        simulation.status.name(),
+        diagnosis.time,
+        diagnosis.message
+    );
+    Some(one_line(&text))
+}
+
+/// What a page tells about a simulation.
+pub(crate) fn facts(method: &ChosenMethod, simulation: &Simulation) -> Vec<[String; 2]> {
+    let residuals = simulation.residuals;
+    [
+        ("method", method.settings.to_string()),
+        ("status", simulation.status.name().to_owned()),
+        (
+            "largest primal residual",
+            format!("{:.1e}", residuals.primal),
+        ),
+        ("largest dual residual", format!("{:.1e}", residuals.dual)),
+        (
+            "largest complementarity",
+            format!("{:.1e}", residuals.complementarity),
+        ),
+        ("CPU time", seconds(simulation.seconds.total)),
+    ]
+    .map(|(name, value)| [name.to_owned(), value])
+    .into()
+}
+
+/// A number for people: ten decimals, or an exponent where they would fill the line.
+pub(crate) fn digits(value: f64) -> String {
+    if value.abs() < 5e-11 {
+        // Rounding has a sign that means nothing.
+        format!("{:.10}", 0.0)
+    } else if value.abs() < 1e7 {
+        format!("{value:.10}")
+    } else {
+        format!("{value:.10e}")
+    }
+}
+
+/// The result for people.
+fn tables(
+    chosen: &ChosenScene,
+    horizon: f64,
+    method: &ChosenMethod,
+    simulation: &Simulation,
+) -> String {
+    let declaration = chosen.model.declaration();
+    let mut text = format!("{}: {}\n\n", chosen.scene.name, chosen.scene.title);
+    let parameters = chosen.parameters();
+    let _ = writeln!(text, "parameters  {}", parameters.join(", "));
+    let _ = writeln!(text, "method      {}", method.settings);
+    let _ = writeln!(text, "horizon     {horizon} s");
+    let _ = writeln!(text, "status      {}\n", simulation.status.name());
+    text += &event_table(declaration, &simulation.events);
+    let trajectory = &simulation.trajectory;
+    if let (Some(&time), Some(q), Some(v)) = (
+        trajectory.time.last(),
+        trajectory.q.last(),
+        trajectory.v.last(),
+    ) {
+        let _ = writeln!(text, "state at t = {time} s");
+        let rows = declaration.coordinates.iter().enumerate().map(|(i, c)| {
+            let unit = if c.unit.is_empty() { "1" } else { c.unit };
+            vec![
+                c.name.to_owned(),
+                digits(q[i]),
+                unit.to_owned(),
+                digits(v[i]),
+                per_second(c.unit),
+            ]
+        });
+        text += &table(["coordinate", "value", "", "velocity", ""], rows);
+        text += "\n";
+    }
+    text += &work(simulation);
+    text
+}
+
+/// The events with the states right after them.
+fn event_table(declaration: &Declaration, events: &[Event]) -> String {
+    if events.is_empty() {
+        return "no events\n\n".to_owned();
+    }
+    let coordinates = || declaration.coordinates.iter();
+    let mut header: Vec<String> = ["event", "contact", "time [s]"].map(str::to_owned).into();
+    header.extend(coordinates().map(|c| headed(c.name, c.unit)));
+    header.extend(coordinates().map(|c| headed(&format!("d{}/dt", c.name), &per_second(c.unit))));
+    let rows = events.iter().take(MOST_EVENTS).map(|event| {
+        let names = [
+            event.kind.name().replace('_', " "),
+            declaration.contacts[event.contact].name.to_owned(),
+            digits(event.time),
+        ];
+        let states = event.q.iter().chain(&event.v_after).copied().map(digits);
+        names.into_iter().chain(states).collect()
+    });
+    let mut text = table(header, rows);
+    if events.len() > MOST_EVENTS {
+        let more = events.len() - MOST_EVENTS;
+        let _ = writeln!(text, "  and {more} more, which --json and --out give");
+    }
+    text + "  (velocities right after the event)\n\n"
+}
+
+/// Residuals, counts, CPU time, notes.
+fn work(simulation: &Simulation) -> String {
+    let (residuals, counts) = (simulation.residuals, simulation.counts);
+    let mut text = String::new();
+    if let Some(error) = simulation.error_estimate {
+        let _ = writeln!(text, "error       about {error:.1e} of the largest values");
+    }
+    let _ = writeln!(
+        text,
+        "residuals   primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
+        residuals.primal, residuals.dual, residuals.complementarity
+    );
+    let _ = writeln!(
+        text,
+        "counts      {}, {}, {}, {}, {} in {}",
+        counted(counts.elements, "element"),
+        counted(counts.newton, "Newton iteration"),
+        counted(counts.factorizations, "factorization"),
+        counted(counts.evaluations, "evaluation"),
+        counted(counts.interior_point, "interior point iteration"),
+        counted(counts.fallbacks, "fallback")
+    );
+    let _ = writeln!(text, "CPU time    {}", seconds(simulation.seconds.total));
+    for note in &simulation.notes {
+        let _ = writeln!(text, "note        {note}");
+    }
+    text
+}

@@ -1,0 +1,506 @@
+//! The text of every message, by calling the expander directly.
+
+/// Messages for a whole declaration, or "accepted".
+fn messages(source: &str) -> Vec<String> {
+    let tokens = source.parse().expect("the source is made of tokens");
+    match hangtime_dsl::try_expand(tokens) {
+        Ok(_) => vec!["accepted".to_owned()],
+        Err(mistakes) => mistakes.iter().map(hangtime_dsl::Mistake::text).collect(),
+    }
+}
+
+/// A point mass in a plane with further statements.
+fn with(statements: &str) -> Vec<String> {
+    messages(&format!(
+        "pub S {{ parameters {{ m: kg = 1, g: m/s^2 = 9.81 }} coordinates {{ y: m, z: m }} {statements} }}"
+    ))
+}
+
+/// The same with a correct Lagrangian.
+fn beside(statements: &str) -> Vec<String> {
+    with(&format!(
+        "lagrangian m/2*|dot((y, z))|^2 - m*g*z {statements}"
+    ))
+}
+
+/// A cart with a control, and further statements.
+fn cart(statements: &str) -> Vec<String> {
+    messages(&format!(
+        "pub S {{ parameters {{ m: kg = 1 }} coordinates {{ y: m in -1..=3 }} controls {{ u: N }} lagrangian \
+         m/2*dot(y)^2 forces {{ y: u }} {statements} }}"
+    ))
+}
+
+macro_rules! texts {
+    ($($name:ident: $how:ident $source:expr => $($text:expr),+;)*) => {
+        $(#[test]
+        fn $name() {
+            assert_eq!($how($source), vec![$($text),+]);
+        })*
+    };
+}
+
+texts! {
+    point_mass_is_accepted: beside "" => "accepted";
+    explicit_time_is_accepted: messages "S { coordinates { y } lagrangian dot(y)^2/2 + t*y }" => "accepted";
+    scene_without_units_takes_bare_numbers: messages
+        "S { coordinates { y } lagrangian dot(y)^2/2 - 9.81*y surface s: y >= 3 impact s: inelastic }"
+        => "accepted";
+
+    // E01
+    misspelt_names_are_all_reported: with "lagrangian m/2*dot(y)^2 + m/2*dott(z)^2 - mm*g*z" =>
+        "E01: function `dott` is not declared; did you mean `dot`?",
+        "E01: `mm` is not declared; add it to `parameters` or `coordinates` (declared: `g`, `m`, `y`, `z`)";
+    name_used_before_its_declaration: with "lagrangian m/2*dot(y)^2 + m/2*dot(z)^2 - v let v = m*g*z" =>
+        "E01: `v` is declared further down; move its declaration up";
+    force_on_something_else: beside "controls { u: N } forces { x: u, m: u }" =>
+        "E01: `x` is not declared (coordinates: `y`, `z`)",
+        "E01: `m` is not a coordinate (coordinates: `y`, `z`)";
+    misspelt_block_gives_one_message: messages "S { parametres { a = 3 } coordinates { y } lagrangian a*dot(y)^2 }" =>
+        "unknown statement `parametres`; did you mean `parameters`?";
+
+    // E02
+    product_of_vectors: with "lagrangian m/2*dot((y, z))*dot((y, z))" =>
+        "E02: `m/2*dot((y, z))*dot((y, z))` multiplies two vectors; write `dot(m/2*dot((y, z)), dot((y, z)))`";
+    vector_for_number: with "lagrangian m/2*dot((y, z))" =>
+        "E02: `m/2*dot((y, z))` is a vector with 2 components where a number is needed; take a component, `|...|^2` or `dot(a, b)`";
+    missing_component: with "let p = (y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.x" =>
+        "E02: `p` has 2 components, `y`, `z`; there is no `x`";
+    wrong_number_of_arguments: with "fn f(a, b) = a*b lagrangian m/2*|dot((y, z))|^2 - m*g*f(z)" =>
+        "E02: `f` takes 2 arguments, found 1";
+    direction_of_wrong_length: beside "surface wall: y >= 0 impact wall: inelastic, along (1, 2, 3)" =>
+        "E02: the impulse direction has 3 components; it needs one for each of the 2 coordinates, in their order";
+
+    vector_before_matrix: with "let p = (y, z)*rotation(1) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: `*` between a vector with 2 components (`(y, z)`) and a 2 by 2 matrix (`rotation(1)`); the matrix stands on the left, as in `transpose(m)*v`";
+    sum_of_matrices_of_different_sizes: with "let p = (rotation(1) + rotation_x(1))*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: `+` between a 2 by 2 matrix (`rotation(1)`) and a 3 by 3 matrix (`rotation_x(1)`); both must have the same size";
+    rows_of_different_lengths: with "let p = ((1, 2), (3, 4, 5))*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: the rows of a matrix have the same length: `(1, 2)` has 2 components, `(3, 4, 5)` is a vector with 3 components";
+    matrix_for_number: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*rotation(1)" =>
+        "E02: `-` between a number (`m/2*|dot((y, z))|^2`) and a 2 by 2 matrix (`m*g*z*rotation(1)`); both must have the same size";
+    component_of_matrix: with "let q = rotation(1) lagrangian m/2*|dot((y, z))|^2 - m*g*q.z" =>
+        "E02: `q` is a matrix; its first row is `q[0]`, an entry `q[0][1]`";
+    row_out_of_range: with "let q = rotation(1) lagrangian m/2*|dot((y, z))|^2 - m*g*z*q[2][0]" =>
+        "E02: `q` has 2 rows, counted from 0; there is no [2]";
+    norm_of_matrix: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*|rotation(1)|" =>
+        "E02: `rotation(1)` is a matrix; only vectors have a length";
+    square_of_matrix: with "let p = rotation(1)^2*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: a matrix has no power here; write the product, as in `rotation(1)*rotation(1)`";
+    matrix_function_of_something_else: with "let p = transpose(y)*(y, z) let q = rotation(y, z)*(y, z) let r = diagonal(m)*(y, z) lagrangian m/2*|dot((y, z))|^2 - m*g*z" =>
+        "E02: `transpose` takes one matrix; found a number",
+        "E02: `rotation` takes one angle; found a number, a number",
+        "E02: `diagonal` takes two or more numbers, the entries of the diagonal; found a number";
+    division_by_a_matrix: with "let p = (y, z)/rotation(1) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E02: `/` between a vector with 2 components (`(y, z)`) and a 2 by 2 matrix (`rotation(1)`); only a number can divide";
+
+    // E03
+    rotation_by_a_length: with "let p = rotation(y)*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E03: units differ: `rotation` needs a pure number, `y` is in m";
+    matrix_product_with_terms_of_different_units: with "let p = ((1, m), (0, 1))*(y, z) lagrangian m/2*|dot(p)|^2 - m*g*p.z" =>
+        "E03: units differ: the terms of the product `((1, m), (0, 1))*(y, z)` are in m and kg m";
+    inertia_in_wrong_unit: with "let w = (dot(y), dot(z)) lagrangian w . (diagonal(m, 2)*w)/2 - m*g*z" =>
+        "E03: units differ: the terms of the inner product are in J and m^2/s^2";
+    height_forgotten: with "lagrangian m/2*|dot((y, z))|^2 - m*g" =>
+        "E03: units differ: `m/2*|dot((y, z))|^2` is in J, `m*g` is in N; both sides of `-` must agree";
+    mass_forgotten: with "lagrangian m/2*|dot((y, z))|^2 - g*z" =>
+        "E03: units differ: `m/2*|dot((y, z))|^2` is in J, `g*z` is in m^2/s^2; both sides of `-` must agree";
+    square_forgotten: with "lagrangian m/2*dot(y)^2 + m/2*dot(z) - m*g*z" =>
+        "E03: units differ: `m/2*dot(y)^2` is in J, `m/2*dot(z)` is in N s; both sides of `+` must agree";
+    bare_number_beside_a_length: beside "surface wall: y >= 3 impact wall: inelastic" =>
+        "E03: units differ: `y` is in m, `3` has no unit; both sides of surface `wall` must agree; a bare number has no unit, write it in brackets, as in `3 [m]`";
+    swapped_units_of_start: beside "start { y: 3 [m/s], dot(z): 2 [m] }" =>
+        "E03: units differ: `3 [m/s]` is in m/s, where m is needed (it is the start value of `y`)",
+        "E03: units differ: `2 [m]` is in m, where m/s is needed (it is the start value of `dot(z)`)";
+    sine_of_a_length: beside "surface wall: y >= 1 [m]*sin(z) impact wall: inelastic" =>
+        "E03: units differ: `sin` needs a pure number, `z` is in m";
+    force_in_wrong_unit: beside "controls { u: kg } forces { y: u }" =>
+        "E03: units differ: `u` is in kg, where N is needed (a force on `y` is the Lagrangian's unit over that of the coordinate)";
+    inferred_unit_contradicts_itself: messages
+        "S { parameters { m: kg = 1, k = 2, c = 1 } coordinates { y: m } lagrangian m/2*dot(y)^2 - k/2*y^2 - c*k*y + c*y^2 }" =>
+        "E03: units differ: `m/2*dot(y)^2 - k/2*y^2 - c*k*y` is in J, `c*y^2` is in m^3; both sides of `+` must agree";
+    horizon_is_a_time: beside "horizon 3 [m]" =>
+        "E03: units differ: `3 [m]` is in m, where s is needed (the horizon is a time)";
+
+    // E04, E05, E06
+    potential_only: with "lagrangian -m*g*z" =>
+        "E04: the Lagrangian contains no velocity, so nothing moves; add the kinetic energy, e.g. `m/2*dot(y)^2`";
+    no_lagrangian: messages "S { coordinates { y: m } }" =>
+        "E04: scene `S` declares no Lagrangian; write `lagrangian` kinetic minus potential energy";
+    no_coordinates: messages "S { lagrangian 1 }" =>
+        "E04: scene `S` declares no coordinates; write `coordinates { y: m, z: m }`";
+    coordinate_without_inertia: with "lagrangian m/2*dot(y)^2 - m*g*z" =>
+        "E05: coordinate `z` carries no inertia: the Lagrangian is not quadratic in `dot(z)`; add its kinetic energy, or make it a parameter or a control";
+    inertia_in_one_direction_only: with "lagrangian m/2*(dot(y) + dot(z))^2 - m*g*z" =>
+        "E06: the mass matrix is singular whatever the parameters: `z` carries no inertia of its own; add its kinetic energy or leave the coordinate out";
+
+    // E07, E09
+    surface_without_coordinate: beside "surface wall: m >= 3 [kg] impact wall: inelastic" =>
+        "E07: surface `wall` depends on no coordinate; use one of `y`, `z`";
+    surface_with_velocity: beside "surface wall: dot(y) >= 0 impact wall: inelastic" =>
+        "E07: surface `wall` depends on the velocity `dot(y)`; a surface bounds positions only";
+    surface_with_control: beside "controls { u: m } surface wall: y >= u impact wall: inelastic" =>
+        "E07: surface `wall` depends on the control `u`; a surface bounds positions only";
+    surface_that_cancels: beside "surface wall: y - y >= 0 impact wall: inelastic" =>
+        "E09: the coordinates cancel out of surface `wall`, so it has no normal; check both sides of the inequality";
+    squared_gap: beside "surface wall: y^2 >= 0 impact wall: inelastic" =>
+        "E09: the gradient of surface `wall` is zero where it is touched, as the gap is a square; write the distance itself";
+    tangential_impulse: beside "surface wall: y >= 0 impact wall: inelastic, along (0, 1)" =>
+        "E09: the impulse direction of `wall` is tangential to the surface, so it cannot stop the motion into it; give it a normal component";
+
+    // E10, E11, E12, E13
+    restitution_above_one: beside "surface wall: y >= 0 impact wall: restitution 1.5" =>
+        "E10: coefficient of restitution 1.5 is outside [0, 1]: 0 keeps no normal velocity, 1 all of it";
+    restitution_above_one_by_its_default: messages
+        "S { parameters { m: kg = 1, e = 1.2 } coordinates { y: m } lagrangian m/2*dot(y)^2 surface wall: y >= 0 impact wall: restitution 1 - e/10, friction -e, sliding dot(y) }" =>
+        "E10: coefficient of friction -e = -1.2 is below 0: the force would drive the sliding instead of braking it; change its sign";
+    restitution_that_changes: beside "surface wall: y >= 0 impact wall: restitution z/y" =>
+        "the coefficient of restitution depends on the coordinate `y`; it may depend on parameters only";
+    coefficients_with_units: beside "surface wall: y >= 0 impact wall: restitution 0.5 [m], friction m/80 [s]" =>
+        "E03: units differ: `0.5 [m]` is in m, where a pure number is needed (a coefficient of restitution is a ratio)",
+        "E03: units differ: `m/80 [s]` is in N s/m, where a pure number is needed (a coefficient of friction is a ratio)";
+    sliding_velocity_without_time: beside "surface wall: y >= 0 impact wall: inelastic, friction 0.3, sliding dot(z)/1 [m]" =>
+        "E03: units differ: `dot(z)/1 [m]` is in 1/s, where m/s is needed (the sliding velocity of `wall` has the unit of its gap over s)";
+    sliding_velocity_that_is_none: beside "surface wall: y >= 0 surface top: z <= 1 [m] impact wall: inelastic, friction 0.3, sliding dot(z) + 1 [m/s] impact top: inelastic, friction 0.3, sliding z/1 [s]" =>
+        "E07: `dot(z) + 1 [m/s]` is no sliding velocity: that is a sum of velocities times functions of positions, zero at rest, such as `dot(y)`",
+        "E07: `z/1 [s]` is no sliding velocity: that is a sum of velocities times functions of positions, zero at rest, such as `dot(y)`";
+    friction_beyond_a_point_mass: messages
+        "S { parameters { m: kg = 1, mu = 0.3 } coordinates { y: m, z: m, s: m } lagrangian m/2*|dot((y, z, s))|^2 surface wall: y >= 0 impact wall: inelastic, friction mu }" =>
+        "E20: `friction` of `wall` needs the sliding velocity, which follows by itself for one point mass in two Cartesian coordinates on a surface at rest only; add that of the touching point along the surface, scaled like the gap, as in `impact wall: ..., friction mu, sliding dot(y)`";
+    friction_on_a_moving_surface: beside "surface wall: z >= 1 [m/s]*t impact wall: inelastic, friction 0.3" =>
+        "E20: `friction` of `wall` needs the sliding velocity, which follows by itself for one point mass in two Cartesian coordinates on a surface at rest only; add that of the touching point along the surface, scaled like the gap, as in `impact wall: ..., friction 0.3, sliding dot(y)`";
+    everything_held: beside "surface wall: y >= 0 impact wall: inelastic, holding y" =>
+        "E09: all coordinates that the gap of `wall` depends on are held, so no impulse can stop the motion into it; hold fewer";
+    sliding_held: beside "surface wall: y >= 0 impact wall: inelastic, holding z, friction 0.1, sliding dot(z)" =>
+        "E09: all coordinates that the sliding velocity of `wall` depends on are held, so friction cannot brake it; hold fewer";
+    holding_something_else: beside "surface wall: y >= 0 impact wall: inelastic, holding m, w" =>
+        "E01: `m` is not a coordinate (coordinates: `y`, `z`)",
+        "E01: `w` is not declared (coordinates: `y`, `z`)";
+    reserved_names: messages "S { parameters { t: s = 3, clock = 1, type = 1, let = 2 } coordinates { y } lagrangian dot(y)^2 }" =>
+        "E11: `let` is a word of the language; choose another name",
+        "E11: `t` is reserved for the physical time; choose another name",
+        "E11: `clock` is reserved for the clock of the time-freezing reformulation; choose another name",
+        "E11: `type` is a word of Rust and cannot be a field; choose another name";
+    absolute_value: beside "surface wall: abs(y) >= 0 impact wall: inelastic" =>
+        "E12: `abs` has a kink or a jump, which smooth dynamics must not have; declare a `surface` where the motion switches";
+    bars_around_a_number: with "lagrangian m/2*|dot((y, z))|^2 - m*g*|z|" =>
+        "E12: `|z|` of a number has a kink at 0; square it, or declare a `surface` where the motion switches";
+    branch: with "lagrangian if y > 0 { 1 } else { 2 }" =>
+        "E12: `if` switches inside smooth dynamics; declare a `surface` where the motion switches";
+    norm_of_velocity: with "lagrangian m/2*|dot((y, z))|^2 + m*|dot((y, z))|*1 [m/s]" =>
+        "E13: a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`";
+
+    // E15 and what else optimal control knows
+    task_is_accepted: cart "minimize 1 [1/s]*time + integral(u^2)/1 [N^2 s] finally { y == 1 [m], dot(y) >= 0 } constraint power: u*dot(y) <= 3 [W] free { dot(y) in 0..=3 }" =>
+        "accepted";
+    control_in_a_final_cost: cart "minimize u^2" =>
+        "E15: the final cost depends on the control `u`, which acts over a time and has no value at the final instant; write `integral(u^2)`";
+    control_in_a_terminal_condition: cart "finally { y == 1 [m], u == 0 }" =>
+        "E15: a terminal condition depends on the control `u`, which acts over a time and has no value at the final instant; a condition on it is a `constraint`";
+    derivative_of_a_control: cart "minimize integral(dot(u)^2)" =>
+        "E15: `dot(u)` needs the derivative of a control, which may jump; take `dot` of positions only";
+    integral_of_a_constant: cart "minimize integral(1)" =>
+        "E15: the integral of the constant `1` is that times the final time; write `time`";
+    integral_of_a_sum_of_constants: cart "minimize integral(m + 2 [kg])" =>
+        "E15: the integral of the constant `m + 2 [kg]` is that times the final time; write `(m + 2 [kg])*time`";
+    integral_inside_a_function: cart "minimize sqrt(integral(u^2))" =>
+        "E15: `integral` inside `sqrt(integral(u^2))`: an objective is a sum of final terms and of integrals, each possibly times a constant";
+    integral_inside_an_integral: cart "minimize integral(y*integral(u^2))" =>
+        "E15: `integral` inside `integral`: a running cost is integrated once, over the motion; add a coordinate for the inner one";
+    integral_times_a_velocity: cart "minimize dot(y)*integral(u^2)" =>
+        "E15: an integral times `dot(y)`, which depends on the velocity `dot(y)`: a weight may depend on parameters only; move it into the integral";
+    integral_outside_of_an_objective: cart "finally { integral(u^2) <= 3 [N^2 s] }" =>
+        "E15: `integral` is the running cost and stands in `minimize` only, as a term by itself, possibly times a constant";
+    constant_cost: cart "minimize 3*m" =>
+        "E15: `3*m` is the same for every motion, so it cannot be minimized; leave it out";
+    condition_on_nothing: cart "finally { m >= 0 } constraint c: 2*m == 3 [kg]" =>
+        "E15: `m >= 0` is the same for every motion, so it is no condition; use coordinates, velocities or the time",
+        "E15: `2*m == 3 [kg]` is the same for every motion, so it is no condition; use coordinates, velocities or the time";
+    final_time_in_a_running_cost: cart "minimize integral(u^2*time) constraint c: y <= 1 [m/s]*time" =>
+        "E01: `time` is the final time, known to final costs in `minimize` and to `finally` only; the time at each instant is `t`";
+    terms_of_a_cost_in_other_units: cart "minimize time + integral(u^2)" =>
+        "E03: units differ: `time` is in s, `integral(u^2)` is in kg^2 m^2/s^3; both sides of `+` must agree";
+    condition_in_other_units: cart "finally { y == 1, dot(y) <= y }" =>
+        "E03: units differ: `y` is in m, `1` has no unit; both sides of a terminal condition must agree; a bare number has no unit, write it in brackets, as in `1 [m]`",
+        "E03: units differ: `dot(y)` is in m/s, `y` is in m; both sides of a terminal condition must agree";
+    free_value_in_other_units: cart "free { y in 0..=1 [m/s], dot(y) in 0 [m]..=1 }" =>
+        "E03: units differ: `1 [m/s]` is in m/s, where m is needed (it bounds `y`)",
+        "E03: units differ: `0 [m]` is in m, where m/s is needed (it bounds `dot(y)`)";
+    free_value_with_a_guess: cart "free { y: 2 }" =>
+        "`free` says which initial values are to be found; the guess belongs to `start { y: ... }`";
+    free_value_twice_or_unknown: cart "free { y, dot(y), y, z }" =>
+        "`y` is listed in `free` twice; keep one",
+        "E01: `z` is not declared (coordinates: `y`)";
+    guess_outside_its_bounds: cart "free { y in 2..=1, dot(y) in 1..=3 }" =>
+        "E17: lower bound 2 of `y` lies above its upper bound 1; exchange them",
+        "E17: `dot(y)` starts at 0, outside its bounds 1..=3";
+    guess_that_is_left_out: cart "free { dot(y) in 1..=3, y in 10..=40 [cm] } start { y: 0.5 }" =>
+        "E17: `dot(y)` starts at 0, outside its bounds 1..=3",
+        "E17: `y` starts at 0.5, outside its bounds 0.1..=0.4";
+    two_objectives_and_names: cart "minimize time minimize y constraint c: y <= 1 [m] constraint c: y >= 0" =>
+        "a scene has one `minimize`; add the terms up in it",
+        "E19: constraint `c` is declared twice; rename one";
+    single_equals_sign: cart "finally { y = 1 [m], dot(y) > 0 }" =>
+        "a condition is written with `==`, `>=` or `<=`; one of them is meant here";
+    chain_of_inequalities: cart "constraint c: 0 <= y <= 1 [m]" =>
+        "a condition compares two sides; write two conditions, the second one with `y` on its left";
+    norm_of_velocity_as_constraint: beside "constraint c: |dot((y, z))| <= 1 [m/s]" =>
+        "E13: a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`";
+    control_of_a_cost_is_used: beside "controls { u: N, slack: m, idle: N } forces { y: u } minimize integral(slack) constraint c: slack >= y" =>
+        "E16: control `idle` is never used; let it act by `forces { ... }`";
+    name_of_the_integral: messages "S { parameters { integral = 2 } coordinates { y } lagrangian integral*dot(y)^2 }" =>
+        "E19: `integral` is the name of a function; choose another name";
+
+    // E18
+    surface_twice: beside "surface a: z >= 0 surface b: 3*z >= 0 impact a, b: inelastic" =>
+        "E18: surfaces `a` and `b` are the same, so they are always touched together and no rule says which of their laws holds; leave one out";
+    surface_from_both_sides: beside "surface a: z >= m*1 [m/kg] surface b: z <= m*1 [m/kg] impact a, b: inelastic" =>
+        "E18: surfaces `a` and `b` are the same from both sides, so they leave no room to move; leave one out, or describe the motion by a coordinate less";
+    surface_through_a_corner: beside "surface a: z >= 0 surface b: y >= 0 surface c: y + m*2 [1/kg]*z >= 0 impact a, b, c: inelastic" =>
+        "E18: the gap of surface `c` is a combination of those of `a`, `b`, so it is touched wherever they are and no rule says how they share the force; leave one of them out";
+    same_surface_in_two_forms: messages
+        "S { coordinates { y } lagrangian dot(y)^2 surface a: sin(y)^2 >= 1/4 surface b: 1 - cos(2*y) >= 1/2 impact a, b: inelastic }" =>
+        "E18: surfaces `a` and `b` are the same, so they are always touched together and no rule says which of their laws holds; leave one out";
+    box_is_accepted: beside "surface a: y >= 0 surface b: y <= 1 [m] surface c: z >= 0 surface d: z <= m*1 [m/kg] impact a, b, c, d: inelastic" =>
+        "accepted";
+    parallel_walls_are_accepted: beside "surface a: y >= 0 surface b: y <= 1 [m] surface c: y <= 2 [m] impact a, b, c: inelastic" =>
+        "accepted";
+
+    // E16, E17, E19, E20
+    everything_unused: beside "controls { u: N } let a = y fn f(b) = b^2" =>
+        "E16: control `u` is never used; let it act by `forces { ... }`",
+        "E16: abbreviation `a` is never used; leave it out",
+        "E16: function `f` is never used; leave it out";
+    bounds_exchanged: messages "S { coordinates { y: m in 3..=1 } lagrangian dot(y)^2 }" =>
+        "E17: lower bound 3 of `y` lies above its upper bound 1; exchange them";
+    start_outside_bounds: messages "S { coordinates { y in 0..=1 } lagrangian dot(y)^2 start { y: 3 } }" =>
+        "E17: `y` starts at 3, outside its bounds 0..=1";
+    names_of_functions_and_twice: messages "S { parameters { sin = 2, a = 3, a = 4 } coordinates { y } lagrangian a*dot(y)^2 }" =>
+        "E19: `sin` is the name of a function; choose another name",
+        "E19: `a` is declared twice; rename this parameter";
+    law_for_no_surface: beside "surface wall: y >= 0 impact wal: inelastic" =>
+        "E20: there is no surface `wal`; did you mean `wall`?",
+        "E20: surface `wall` has no impact law; write `impact wall: inelastic`";
+    two_laws: beside "surface wall: y >= 0 impact wall: inelastic impact wall: inelastic" =>
+        "E20: surface `wall` has two impact laws; keep one";
+
+    parts_of_a_law_that_exclude_each_other: beside
+        "surface a: y >= 0 surface b: y <= 1 [m] surface c: z >= 0 impact a: inelastic, restitution 0.5 impact b: inelastic, along (1, 0), holding z impact c: inelastic, along (0, 1), friction 0.3" =>
+        "E20: `inelastic` and `restitution` exclude each other: `inelastic` is no rebound at all; keep one",
+        "E20: `along` and `holding` both give the direction of the impulse; keep one",
+        "E20: `along` and `friction` exclude each other: Coulomb's law bounds the tangential part of a force whose normal part acts along M^-1 grad gap, and `along` puts another direction in its place; leave one out";
+    parts_of_a_law_that_are_missing: beside
+        "surface a: y >= 0 surface b: z >= 0 impact a: friction 0.3 impact b: inelastic, sliding dot(z)" =>
+        "E20: the impact law says nothing about the normal velocity; add `inelastic` or `restitution e`",
+        "E20: `sliding` gives the velocity that friction brakes, and there is no `friction`; add `friction mu` or leave it out";
+    part_of_a_law_twice: beside "surface a: y >= 0 impact a: friction 0.3, inelastic, friction 0.2" =>
+        "E20: `friction` stands twice in one impact law; keep one";
+    unknown_part_of_a_law: beside "surface a: y >= 0 impact a: inelastic, fricton 0.3" =>
+        "unknown part `fricton` of an impact law; did you mean `friction`?";
+    law_that_is_called_otherwise: beside "surface a: y >= 0 impact a: elastic" =>
+        "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`";
+    part_without_comma: beside "surface a: y >= 0 impact a: inelastic friction 0.3" =>
+        "a comma is missing before `friction`";
+    friction_as_a_statement: beside "surface a: y >= 0 impact a: inelastic friction a: 0.3" =>
+        "a comma is missing before `friction`";
+    friction_far_from_its_law: beside "surface a: y >= 0 impact a: inelastic horizon 3 [s]; friction a: 0.3" =>
+        "`friction` is part of an impact law; write `impact name: ..., friction ...`, with commas between the parts";
+
+    // E21
+    product_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*3e250*2e140" =>
+        "E21: with `2e140` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    quotient_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z/4e-170/1e-160" =>
+        "E21: with `1e-160` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    function_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*cosh(800)" =>
+        "E21: with `cosh(800)` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    power_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*7^500" =>
+        "E21: with `7^500` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    root_of_a_negative_number: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*sqrt(2 - 5)" =>
+        "E21: with `sqrt(2 - 5)` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    product_that_underflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*3e-250*2e-140" =>
+        "E21: with `2e-140` a constant becomes smaller than double precision holds (2.2e-308), and its term would vanish; choose units in which the numbers are larger";
+    function_that_underflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*exp(-900)" =>
+        "E21: with `exp(-900)` a constant becomes smaller than double precision holds (2.2e-308), and its term would vanish; choose units in which the numbers are larger";
+    constants_that_cancel: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*(0.7 + 0.1 - 0.8)*1e19" =>
+        "E21: with `0.8` constants cancel up to their rounding, so that no digit of the difference is right; write the difference itself, or leave the terms out if they cancel";
+    terms_that_cancel_in_a_vector: with "let p = (1.1*y, z) + (2.2*y, z) - (3.3*y, z) lagrangian m/2*|dot((y, z))|^2 - m*g*p.z" =>
+        "E21: with `(3.3*y, z)` constants cancel up to their rounding, so that no digit of the difference is right; write the difference itself, or leave the terms out if they cancel";
+    constant_that_is_lost: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*(1 + 3e18 - 3e18)" =>
+        "E21: with `3e18` constants are added of which one is lost, as it is more than 1e16 times smaller; leave it out, or write the sum otherwise";
+    constants_that_cancel_exactly_are_accepted: with "lagrangian m/2*|dot((y, z))|^2 - m*g*(z + 3e18 [m] - 3e18 [m])" =>
+        "accepted";
+    numbers_out_of_range: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*2e308 - m*g*y*3e-310" =>
+        "E21: the number 2e308 is too large for double precision, which ends at 1.8e308";
+    number_with_a_unit_out_of_range: messages "S { parameters { m: kg = 1e307 [t] } coordinates { y: m } lagrangian m/2*dot(y)^2 }" =>
+        "E21: with `1e307 [t]` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    default_out_of_range: messages "S { parameters { l: um = 4e303 [m] } coordinates { y: m } lagrangian l*dot(y)^2 }" =>
+        "E21: with `4e303 [m]` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    derivative_out_of_range: with "lagrangian m/2*|dot((y, z))|^2 - m*1.7e308 [m/s^2]*z^3/1 [m^2]" =>
+        "E21: a constant in the derivatives of the declaration has no finite value in double precision, or is too small for it; choose units in which the numbers are closer to 1";
+
+    // Functions
+    function_of_itself: messages "S { coordinates { y } fn f(x) = 1 + f(x) lagrangian f(1)*dot(y)^2 }" =>
+        "function `f` uses itself; functions are inserted where they are used and cannot do that";
+    functions_of_each_other: messages
+        "S { parameters { k: 1/m = 1 } coordinates { y: m } fn f(x) = g(x) fn g(x) = f(x) lagrangian dot(y)^2 forces { y: f(y) } }" =>
+        "function `f` uses itself; functions are inserted where they are used and cannot do that";
+
+    // Syntax
+    stacked_power: with "lagrangian m/2*dot(y)^2^2 + m/2*dot(z)^2" =>
+        "two powers in a row are easily misread; put the inner one in parentheses, as in `dot(y)^(2^2)`";
+    missing_operator: with "lagrangian m/2 dot(y)^2 + m/2*dot(z)^2" =>
+        "an operator is missing before `dot(...)`; write a product as `m/2*dot(...)`";
+    number_with_suffix: with "lagrangian m/2*dot(y)^2 + 2y" =>
+        "`2y` is not a number; write a unit as `2 [y]` and a product as `2*y`";
+    stars_for_power: with "lagrangian m**2" =>
+        "`**` is no operator; write powers as `x^2`";
+    acceleration: with "lagrangian m/2*dot(y)^2 + m/2*dot(dot(z))" =>
+        "`dot(dot(z))` would be an acceleration, which follows from the Lagrangian; take `dot` once, of positions only";
+    strict_inequality: beside "surface wall: y > 0 impact wall: inelastic" =>
+        "a surface is an inequality `>=` or `<=`; equality holds in contact";
+    unknown_unit: messages "S { parameters { a: sec = 3 } coordinates { y } lagrangian a*dot(y)^2 }" =>
+        "unknown unit `sec`; did you mean `s`?";
+    missing_default: messages "S { parameters { a: kg } coordinates { y } lagrangian a*dot(y)^2 }" =>
+        "parameter `a` needs a default value, as in `a: kg = 1`";
+    nothing: messages "" => "expected the name of the scene, found the end; write `pub Name { ... }`";
+    name_alone: messages "pub S" => "expected `{` after the name `S`, found the end";
+}
+
+#[test]
+fn deep_nesting_is_refused_without_exhausting_the_stack() {
+    for open in ["(", "-", "sin(", "|"] {
+        let close = match open {
+            "|" => "|",
+            "-" => "",
+            _ => ")",
+        };
+        let source = format!(
+            "S {{ coordinates {{ y }} lagrangian {}y{} }}",
+            open.repeat(400),
+            close.repeat(400)
+        );
+        let messages = messages(&source);
+        assert!(
+            messages
+                .iter()
+                .any(|text| text.contains("nested too deeply"))
+                || open == "|" && !messages.is_empty(),
+            "{open}: {messages:?}"
+        );
+    }
+}
+
+#[test]
+fn long_chains_of_functions_are_refused_without_exhausting_the_stack() {
+    let mut source = String::from("S { parameters { k: kg = 1 } coordinates { y } fn f0(x) = x ");
+    for i in 1..2000 {
+        source += &format!("fn f{i}(x) = f{}(x) ", i - 1);
+    }
+    source += "lagrangian k*dot(y)^2 forces { y: f1999(y) } }";
+    assert!(
+        messages(&source).contains(
+            &"E22: the functions used here are nested too deeply; simplify them".to_owned()
+        )
+    );
+}
+
+#[test]
+fn functions_that_use_each_other_twice_are_refused_in_reasonable_time() {
+    // Evaluated for the start only, after the units have been looked at.
+    let source = "S { parameters { k: 1/m = 1 } coordinates { y: m } fn f(x) = g(x) + g(2*x) \
+                  fn g(x) = f(x) + f(x + 1) lagrangian k*dot(y)^2 start { y: f(k) } }";
+    let messages = messages(source);
+    assert!(
+        messages
+            .iter()
+            .any(|text| text.starts_with("function `f` uses itself")),
+        "{messages:?}"
+    );
+}
+
+#[test]
+fn functions_that_double_their_argument_are_refused_when_they_grow_too_large() {
+    let mut source = String::from("S { coordinates { y } fn f0(x) = x + x^2 ");
+    for i in 1..40 {
+        source += &format!("fn f{i}(x) = f{}(x) + f{}(2*x) ", i - 1, i - 1);
+    }
+    source += "lagrangian f39(dot(y)) }";
+    assert_eq!(
+        messages(&source),
+        ["E22: the declaration grows too large when its functions are inserted; simplify it"]
+    );
+}
+
+/// Repeats a statement with its number in the place of `#` and the one before it in the place of `@`.
+fn repeated(statement: &str, count: usize) -> String {
+    let one = |i: usize| statement.replace('#', &i.to_string());
+    (1..=count)
+        .map(|i| one(i).replace('@', &(i - 1).to_string()))
+        .collect()
+}
+
+#[test]
+fn declarations_that_grow_with_each_line_are_refused() {
+    for (begin, statement, count, end) in [
+        (
+            "fn f0(x) = cos(x) + x",
+            " fn f#(x) = f@(f@(x))",
+            14,
+            "f14(z)",
+        ),
+        ("let a0 = z", " let a# = a@*a@ - 2*z", 400, "a400"),
+        ("let r0 = rotation(z)", " let r# = r@*r@", 20, "r20[1][0]"),
+        (
+            "let s0 = sin(z)",
+            " let s# = s@*(s@ + z)*(s@ - 1)",
+            60,
+            "s60",
+        ),
+    ] {
+        let grown = repeated(statement, count);
+        let source =
+            format!("S {{ coordinates {{ z }} {begin}{grown} lagrangian dot(z)^2/2 + {end} }}");
+        let found = messages(&source);
+        assert!(
+            found.len() == 1 && found[0].starts_with("E22: "),
+            "{statement}: {found:?}"
+        );
+        // The same with few lines is a scene.
+        let grown = repeated(statement, 3);
+        let end = end.replace(&count.to_string(), "3");
+        let source =
+            format!("S {{ coordinates {{ z }} {begin}{grown} lagrangian dot(z)^2/2 + {end} }}");
+        assert_eq!(messages(&source), ["accepted"], "{statement}");
+    }
+}
+
+#[test]
+fn long_sums_and_products_are_accepted() {
+    let terms: Vec<String> = (1..=3000).map(|i| format!("{i}*sin({i}*z)")).collect();
+    let factors = vec!["(z + 1)"; 2000].join("*");
+    for value in [
+        terms.join(" + "),
+        terms.join(" - "),
+        format!("({factors})/({factors})"),
+    ] {
+        let source = format!("S {{ coordinates {{ z }} lagrangian dot(z)^2/2 - {value} }}");
+        assert_eq!(messages(&source), ["accepted"]);
+    }
+    // In a vector each step is one of its own.
+    let vectors = vec!["(z, 2*z)"; 1500].join(" + ");
+    let source = format!("S {{ coordinates {{ z }} lagrangian dot(z)^2/2 - ({vectors}).z }}");
+    assert_eq!(messages(&source), ["accepted"]);
+}
+
+#[test]
+fn messages_about_long_expressions_stay_short() {
+    let terms = vec!["y"; 5000].join(" + ");
+    let found = with(&format!(
+        "lagrangian m/2*|dot((y, z))|^2 - m*g*({terms} + m)"
+    ));
+    assert_eq!(found.len(), 1);
+    assert!(
+        found[0].starts_with("E03: units differ") && found[0].len() < 1000,
+        "{found:?}"
+    );
+}

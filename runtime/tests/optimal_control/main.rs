@@ -1,0 +1,10 @@
+//! Optimal control against closed forms and brute force.
+
+mod brute_force;
+mod declared;
+mod explicit_time;
+mod final_impact;
+mod friction;
+mod linear_controls;
+mod refinement;
+mod scaling;

@@ -1,0 +1,83 @@
+//! What the tests of the simulators share: scenes, certified values, measures.
+
+pub(crate) mod assembled;
+pub(crate) mod event;
+pub(crate) mod gold;
+pub(crate) mod laws;
+pub(crate) mod scenes;
+
+use hangtime::model::Model;
+use hangtime::simulation::{ControlSignal, InitialValueProblem, Simulation, Trajectory};
+use proptest::prelude::prop_assert;
+use proptest::test_runner::TestCaseError;
+
+/// The problem that starts at `(q, v)` and has no controls.
+pub(crate) fn start(q: &[f64], v: &[f64], horizon: f64) -> InitialValueProblem {
+    InitialValueProblem {
+        q: q.to_vec(),
+        v: v.to_vec(),
+        horizon,
+        controls: ControlSignal::Zero,
+    }
+}
+
+/// Position and velocity at the end.
+pub(crate) fn last(trajectory: &Trajectory) -> (&[f64], &[f64]) {
+    (
+        trajectory.q.last().expect("a trajectory has a start"),
+        trajectory.v.last().expect("a trajectory has a start"),
+    )
+}
+
+/// Index of the point of the trajectory that is closest to `time`.
+pub(crate) fn index_at(trajectory: &Trajectory, time: f64) -> usize {
+    (0..trajectory.time.len())
+        .min_by(|&a, &b| {
+            let distance = |k: usize| (trajectory.time[k] - time).abs();
+            distance(a).total_cmp(&distance(b))
+        })
+        .expect("a trajectory has a start")
+}
+
+/// Largest distance between two vectors' components.
+pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).fold(0.0, |s, (a, b)| s.max((a - b).abs()))
+}
+
+/// Kinetic plus potential energy at every point of the trajectory.
+pub(crate) fn energies(model: &dyn Model, simulation: &Simulation) -> Vec<f64> {
+    let trajectory = &simulation.trajectory;
+    (0..trajectory.time.len())
+        .map(|k| {
+            let mut x = trajectory.q[k].clone();
+            x.extend_from_slice(&trajectory.v[k]);
+            x.extend_from_slice(&trajectory.u[k]);
+            let mut energy = [0.0; 2];
+            model.energy(&x, &mut energy);
+            energy[0] + energy[1]
+        })
+        .collect()
+}
+
+/// Normal velocity of a contact at point `k` of the trajectory.
+pub(crate) fn gap_at(model: &dyn Model, trajectory: &Trajectory, contact: usize, k: usize) -> f64 {
+    let mut x = trajectory.q[k].clone();
+    x.extend_from_slice(&trajectory.v[k]);
+    x.extend_from_slice(&trajectory.u[k]);
+    model.gap(contact, &x)
+}
+
+/// Energy may only fall, up to the error of one step: the tolerance times the energy's rate of change
+/// with the state, at most some 1e3.
+pub(crate) fn check_energy(
+    model: &dyn Model,
+    simulation: &Simulation,
+    tolerance: f64,
+) -> Result<(), TestCaseError> {
+    for pair in energies(model, simulation).windows(2) {
+        let allowed = 1e3 * tolerance * (1.0 + pair[0].abs());
+        prop_assert!(pair[1] <= pair[0] + allowed, "{:?}", pair);
+    }
+    Ok(())
+}

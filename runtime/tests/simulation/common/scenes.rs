@@ -1,0 +1,271 @@
+//! Scenes without friction whose impacts are inelastic.
+
+use super::assembled::Assembled;
+use hangtime::model::Model;
+
+/// Acceleration of gravity in every scene [m/s^2].
+pub(crate) const GRAVITY: f64 = 9.81;
+
+hangtime::model! {
+    /// A point mass above ground `z = height cos(number y)`.
+    pub(crate) OnGround {
+        parameters { mass: kg = 1, g: m/s^2 = 9.81, height: m = 0, number: 1/m = 1 }
+        coordinates { y: m, z: m }
+        lagrangian mass/2*|dot((y, z))|^2 - mass*g*z
+        surface ground: z >= height*cos(number*y)
+        impact ground: inelastic
+    }
+}
+
+/// A point mass above flat ground.
+pub(crate) fn ball() -> OnGround {
+    OnGround {
+        mass: 0.5,
+        ..OnGround::default()
+    }
+}
+
+/// A point mass on wavy ground.
+pub(crate) fn waves(height: f64, number: f64) -> OnGround {
+    OnGround {
+        height,
+        number,
+        ..OnGround::default()
+    }
+}
+
+hangtime::model! {
+    /// The ski jump: a point mass on the table and the slope.
+    pub(crate) SkiJump {
+        parameters { mass: kg = 80, g: m/s^2 = 9.81 }
+        coordinates { y: m, z: m }
+        fn table(y) = -0.0001524[1/m^3]*y^4 - 0.002149[1/m^2]*y^3 + 0.4162[1/m]*y^2 - 9.154*y + 99.15[m]
+        lagrangian mass/2*|dot((y, z))|^2 - mass*g*z
+        surface table_surface: z >= table(y)
+        surface slope: z >= 45[m] - y/2
+        impact table_surface, slope: inelastic
+        start { z: 100[m] }
+    }
+}
+
+pub(crate) fn ski_jump() -> SkiJump {
+    SkiJump::default()
+}
+
+hangtime::model! {
+    /// A point mass on the unit disc; the gap is in square metres.
+    pub(crate) UnitDisc {
+        parameters { mass: kg = 3, g: m/s^2 = 9.81 }
+        coordinates { y: m, z: m }
+        lagrangian mass/2*|dot((y, z))|^2 - mass*g*z
+        surface disc: y^2 + z^2 >= 1[m^2]
+        impact disc: inelastic
+        start { z: 1[m] }
+    }
+}
+
+pub(crate) fn disc() -> UnitDisc {
+    UnitDisc::default()
+}
+
+hangtime::model! {
+    /// A block on the floor that may be pressed against the wall at `y = 1`.
+    pub(crate) Corner {
+        parameters { mass: kg = 2, g: m/s^2 = 9.81, press: N = 0 }
+        coordinates { y: m, z: m }
+        lagrangian mass/2*|dot((y, z))|^2 - mass*g*z + press*y
+        surface floor: z >= 0
+        surface wall: y <= 1[m]
+        impact floor, wall: inelastic
+    }
+}
+
+pub(crate) fn corner() -> Corner {
+    Corner::default()
+}
+
+pub(crate) fn pressed_corner(press: f64) -> Corner {
+    Corner {
+        mass: 1.0,
+        press,
+        ..Corner::default()
+    }
+}
+
+/// The corner with its floor a second time, which the language refuses to declare.
+pub(crate) fn corner_with_double_floor() -> Assembled {
+    Assembled::repeating(&corner(), &[0, 1, 0])
+}
+
+/// The corner with its floor thirteen times.
+pub(crate) fn thirteen_floors() -> Assembled {
+    let mut contacts = [0; 14];
+    contacts[1] = 1;
+    Assembled::repeating(&corner(), &contacts)
+}
+
+hangtime::model! {
+    /// A pendulum of unit mass and length, `angle` from the vertical, beside a wall at `angle = wall`.
+    pub(crate) Pendulum {
+        parameters { m: kg = 1, l: m = 1, g: m/s^2 = 9.81, wall = 0.25 }
+        coordinates { angle }
+        lagrangian m*l^2/2*dot(angle)^2 + m*g*l*cos(angle)
+        surface stop: sin(wall) >= sin(angle)
+        impact stop: inelastic
+    }
+}
+
+pub(crate) fn pendulum(wall: f64) -> Pendulum {
+    Pendulum {
+        wall,
+        ..Pendulum::default()
+    }
+}
+
+hangtime::model! {
+    /// A bar of unit mass with tips at distances `front` and `rear` from its centre and the radius of gyration
+    /// `radius`, without friction: on flat ground, `D_12 = (1 - front rear / radius^2) / m` when it is level.
+    pub(crate) Bar {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, front: m = 1, rear: m = 1, radius: m = 1 }
+        coordinates { y: m, z: m, phi }
+        lagrangian m/2*|dot((y, z))|^2 + m*radius^2/2*dot(phi)^2 - m*g*z
+        surface front_tip: z + front*sin(phi) >= 0
+        surface rear_tip: z - rear*sin(phi) >= 0
+        impact front_tip, rear_tip: inelastic
+    }
+}
+
+pub(crate) fn bar(front: f64, rear: f64, radius: f64) -> Bar {
+    Bar {
+        front,
+        rear,
+        radius,
+        ..Bar::default()
+    }
+}
+
+/// Stiffness of the hopper's spring [N/m].
+pub(crate) const STIFFNESS: f64 = 400.0;
+
+hangtime::model! {
+    /// A foot on the ground and a body on a spring above it, which a control pulls up.
+    pub(crate) Hopper {
+        parameters { m: kg = 1, load: kg = 2, g: m/s^2 = 9.81, k: N/m = 400, length: m = 0.5 }
+        coordinates { foot: m, body: m }
+        controls { u: N }
+        lagrangian m/2*dot(foot)^2 + load/2*dot(body)^2 - g*(m*foot + load*body) - k/2*(body - foot - length)^2
+        forces { body: u }
+        surface ground: foot >= 0
+        impact ground: inelastic
+    }
+}
+
+pub(crate) fn hopper() -> Hopper {
+    Hopper {
+        k: STIFFNESS,
+        ..Hopper::default()
+    }
+}
+
+hangtime::model! {
+    /// A point mass on a track in the coordinates (y, height above the track), with the impulse direction `(-h', 1)`,
+    /// which is not `M^-1 grad g`.
+    pub(crate) Track {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, a: m = 0.2, k: 1/m = 2 }
+        coordinates { y: m, s: m }
+        fn track(y) = a*(1 - cos(k*y))
+        let p = (y, track(y) + s)
+        lagrangian m/2*|dot(p)|^2 - m*g*p.z
+        surface ground: s >= 0
+        impact ground: inelastic, along (-diff(track)(y), 1)
+    }
+}
+
+pub(crate) fn track_scene() -> Track {
+    Track::default()
+}
+
+hangtime::model! {
+    /// A point mass on which a force `sqrt(1 - y)` acts: not a number beyond `y = 1`.
+    pub(crate) Edge {
+        parameters { m: kg = 1, reach: m = 1, f: N = 1 }
+        coordinates { y: m }
+        lagrangian m/2*dot(y)^2
+        forces { y: f*sqrt(1 - y/reach) }
+    }
+}
+
+pub(crate) fn edge() -> Edge {
+    Edge::default()
+}
+
+hangtime::model! {
+    /// A ball of unit mass at height `z` that a control pulls up.
+    pub(crate) LiftedBall {
+        parameters { m: kg = 1, g: m/s^2 = 9.81 }
+        coordinates { z: m }
+        controls { u: N }
+        lagrangian m/2*dot(z)^2 - m*g*z
+        forces { z: u }
+        surface ground: z >= 0
+        impact ground: inelastic
+    }
+}
+
+pub(crate) fn lifted_ball() -> LiftedBall {
+    LiftedBall::default()
+}
+
+hangtime::model! {
+    /// One corner of a rectangular crate of unit mass, against floor, left wall and right wall.
+    pub(crate) CrateCorner {
+        parameters {
+            m: kg = 1, g: m/s^2 = 9.81, half_width: m = 0.3, half_height: m = 0.2, half_room: m = 1,
+            across: m = -0.3, up: m = -0.2,
+        }
+        coordinates { y: m, z: m, angle }
+        let corner = (y + cos(angle)*across - sin(angle)*up, z + sin(angle)*across + cos(angle)*up)
+        lagrangian m/2*|dot((y, z))|^2 + m*(half_width^2 + half_height^2)/6*dot(angle)^2 - m*g*z
+        surface floor: corner.z >= 0
+        surface left: corner.y >= -half_room
+        surface right: corner.y <= half_room
+        impact floor, left, right: inelastic
+        start { z: half_height }
+    }
+}
+
+/// A crate between floor and walls: each of the four corners against each of the three surfaces, twelve contacts. The
+/// language refuses them together, since the gaps of three corners give that of the fourth.
+pub(crate) fn crate_in_room(half_width: f64, half_height: f64, half_room: f64) -> Assembled {
+    let corner = |(side, end): (f64, f64)| -> Box<dyn Model> {
+        Box::new(CrateCorner {
+            half_width,
+            half_height,
+            half_room,
+            across: side * half_width,
+            up: end * half_height,
+            ..CrateCorner::default()
+        })
+    };
+    Assembled::joining(CORNERS.map(corner).into())
+}
+
+/// Signs of the corners of a rectangle.
+pub(super) const CORNERS: [(f64, f64); 4] = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
+
+hangtime::model! {
+    /// A block in a corner whose contact directions push it into the other surface: `D = [1, -2; -2, 1]`.
+    pub(crate) JammingCorner {
+        parameters { m: kg = 1, g: m/s^2 = 9.81 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        surface floor: z >= 0
+        surface wall: y >= 0
+        impact floor: inelastic, along (-2, 1)
+        impact wall: inelastic, along (1, -2)
+    }
+}
+
+pub(crate) fn jamming_corner() -> JammingCorner {
+    JammingCorner::default()
+}

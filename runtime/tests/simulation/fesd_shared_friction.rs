@@ -1,0 +1,263 @@
+//! Finite elements where the laws of contact leave something open: several contacts that stick at once, which
+//! share the friction in no determined way, sequences of bounces between two surfaces, Painleve's paradox,
+//! and impacts that Newton's law lets gain energy.
+
+use crate::common::event::{accurate, sequence};
+use crate::common::laws::{Rod, Table, Wedge, rough_crate};
+use crate::common::scenes::GRAVITY;
+use crate::common::{distance, last, start};
+use hangtime::model::Model;
+use hangtime::rk::Scheme;
+use hangtime::simulation::{
+    EventDriven, EventKind, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
+};
+
+fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
+    simulator
+        .simulate(model, problem, &mut |_| {})
+        .expect("the problem is accepted")
+}
+
+fn controlled(stages: usize, tolerance: f64) -> Fesd {
+    Fesd::default()
+        .with_scheme(Scheme::RadauIia, stages)
+        .with_grid(1, 1)
+        .with_tolerance(tolerance)
+}
+
+/// Equal elements, and elements of controlled length.
+fn both() -> [Fesd; 2] {
+    [Fesd::default(), controlled(5, 1e-9)]
+}
+
+#[test]
+fn sliding_table_stops_on_both_feet_at_once() {
+    let (mu, height) = (0.5, 0.6);
+    let model = Table {
+        height,
+
+        mu,
+        ..Table::default()
+    };
+    let problem = start(&[0.0, height, 0.0], &[2.0, 0.0, 0.0], 1.0);
+    let expected = run(&accurate(), &model, &problem);
+    for simulator in both() {
+        let simulation = run(&simulator, &model, &problem);
+        assert_eq!(simulation.status, SimulationStatus::Solved);
+        assert_eq!(
+            sequence(&simulation),
+            [(EventKind::Stick, 0), (EventKind::Stick, 1)]
+        );
+        assert_eq!(sequence(&simulation), sequence(&expected));
+        // Parabolas, which the scheme reproduces: rounding error of 60 steps.
+        let stop = 2.0 / (mu * GRAVITY);
+        assert!((simulation.events[0].time - stop).abs() < 2e-14);
+        let (q, v) = last(&simulation.trajectory);
+        assert!((q[0] - stop).abs() < 2e-14, "{q:?}");
+        assert!(distance(v, &[0.0; 3]) < 1e-15, "{v:?}");
+        assert!(distance(q, last(&expected.trajectory).0) < 1e-13);
+        let forces = simulation.trajectory.contact_force.last().unwrap();
+        assert!((forces[0] + forces[1] - GRAVITY).abs() < 1e-12);
+        assert_eq!(simulation.counts.fallbacks, 0);
+    }
+}
+
+#[test]
+fn mass_that_falls_into_a_wedge_comes_to_rest_in_its_corner() {
+    let problem = start(&[0.1, 1.0], &[0.3, 0.0], 3.0);
+    for (friction, restitution) in [
+        (0.0, 0.0),
+        (0.0, 0.5),
+        (0.3, 0.0),
+        (0.3, 0.5),
+        (0.7, 0.5),
+        (1.5, 0.0),
+        (1.5, 0.5),
+    ] {
+        let model = Wedge {
+            mu: friction,
+            e: restitution,
+            ..Wedge::default()
+        };
+        let case = format!("mu {friction}, e {restitution}");
+        let expected = run(&accurate(), &model, &problem);
+        for simulator in both() {
+            let simulation = run(&simulator, &model, &problem);
+            assert_eq!(simulation.status, SimulationStatus::Solved, "{case}");
+            assert_eq!(simulation.counts.fallbacks, 0, "{case}");
+            let (q, v) = last(&simulation.trajectory);
+            // Held positions and velocities are corrected to rounding error.
+            assert!(distance(q, &[0.0; 2]) < 1e-14, "{case}: {q:?}");
+            assert!(distance(v, &[0.0; 2]) < 1e-14, "{case}: {v:?}");
+            let forces = simulation.trajectory.contact_force.last().unwrap();
+            assert!(forces.iter().all(|force| *force >= 0.0), "{case}");
+            // Parabolas between impacts: rounding errors, which grow a few times from impact to impact.
+            let impacts = |simulation: &Simulation| {
+                let mut impacts = simulation.events.clone();
+                impacts.retain(|event| event.kind == EventKind::Impact);
+                impacts.truncate(8);
+                impacts
+            };
+            let (impacts, expected) = (impacts(&simulation), impacts(&expected));
+            assert_eq!(impacts.len(), expected.len(), "{case}");
+            for (a, b) in impacts.iter().zip(&expected) {
+                assert_eq!(a.contact, b.contact, "{case}");
+                assert!((a.time - b.time).abs() < 1e-12, "{case}: {:?}", a.time);
+            }
+        }
+    }
+}
+
+/// Crates that rock on the ground, or between ground and wall, until ever shorter flights end in contact:
+/// `(half width, half height, q, v, mu, stages, tolerance)`.
+type Rocking = (f64, f64, [f64; 3], [f64; 3], f64, usize, f64);
+
+const ROCKING: [Rocking; 2] = [
+    (
+        0.398_447_876_692_713_64,
+        0.339_364_748_934_895_8,
+        [
+            -0.038_340_463_394_131_61,
+            1.099_512_404_496_901_6,
+            -1.712_235_573_428_251,
+        ],
+        [
+            3.428_144_473_672_27,
+            1.406_598_732_627_986_5,
+            -0.549_648_136_393_480_5,
+        ],
+        0.6,
+        3,
+        1e-9,
+    ),
+    (
+        0.474_496_094_297_849_6,
+        0.190_405_214_893_592_8,
+        [
+            0.169_441_024_711_335_8,
+            0.941_180_476_316_371,
+            2.334_492_394_045_563_7,
+        ],
+        [
+            2.724_124_645_932_167_5,
+            0.762_380_250_910_411_2,
+            0.142_220_204_817_834,
+        ],
+        0.3,
+        5,
+        1e-9,
+    ),
+];
+
+#[test]
+fn crate_that_rocks_ever_faster_comes_to_rest_without_the_complementarity_problem() {
+    for (half_width, half_height, q, v, friction, stages, tolerance) in ROCKING {
+        let model = rough_crate(half_width, half_height, friction);
+        let problem = start(&q, &v, 2.0);
+        let simulation = run(&controlled(stages, tolerance), &model, &problem);
+        assert_eq!(simulation.status, SimulationStatus::Solved);
+        assert_eq!(simulation.counts.fallbacks, 0);
+        let expected = run(&accurate(), &model, &problem);
+        assert_eq!(expected.status, SimulationStatus::Solved);
+        let ((q, v), (q_expected, _)) = (last(&simulation.trajectory), last(&expected.trajectory));
+        // The tolerance of an element, a few times larger after each of some ten impacts that count.
+        assert!(
+            distance(q, q_expected) < 1e3 * tolerance,
+            "{q:?} {q_expected:?}"
+        );
+        assert!(distance(v, &[0.0; 3]) < 1e-14, "{v:?}");
+    }
+}
+
+#[test]
+fn rod_whose_force_grows_without_bound_ends_with_a_status() {
+    // Slides towards the angle at which 1 - mu |n'e| vanishes; its force passes 1e5 N on the way there.
+    let (mu, angle, spin): (f64, f64, f64) = (1.9169, 2.5735, -2.2747);
+    let model = Rod {
+        mu,
+        ..Rod::default()
+    };
+    let v = [7.1806 - angle.sin() * spin, angle.cos() * spin, spin];
+    let problem = start(&[0.0, angle.sin(), angle], &v, 1.0);
+    let expected = run(&EventDriven::default(), &model, &problem);
+    let pole = expected.status.diagnosis().expect("the run stops").time;
+    for simulator in [
+        controlled(3, 1e-6),
+        controlled(5, 1e-9),
+        controlled(5, 1e-12),
+    ] {
+        let simulation = run(&simulator, &model, &problem);
+        let SimulationStatus::AmbiguousContact(diagnosis) = &simulation.status else {
+            panic!("{:?}", simulation.status);
+        };
+        assert!(diagnosis.message.contains("`tip`"), "{diagnosis:?}");
+        assert!(diagnosis.message.contains("Painleve"), "{diagnosis:?}");
+        // Short of the pole, where the force is many times the weight.
+        let force = simulation.trajectory.contact_force.last().unwrap()[0];
+        assert!(diagnosis.time < pole && force > 10.0 * GRAVITY, "{force}");
+        assert_eq!(simulation.counts.fallbacks, 0);
+    }
+}
+
+#[test]
+fn rod_that_slides_into_the_paradox_ends_with_a_status() {
+    let model = Rod {
+        mu: 1.8,
+        ..Rod::default()
+    };
+    for tenth in 7..16 {
+        let angle = f64::from(tenth) / 10.0;
+        for sliding in [-6.0, -3.0, -1.0, 1.0, 3.0] {
+            let problem = start(&[0.0, angle.sin(), angle], &[sliding, 0.0, 0.0], 2.0);
+            let expected = run(&EventDriven::default(), &model, &problem);
+            let simulation = run(&controlled(5, 1e-9), &model, &problem);
+            let (found, expected) = (simulation.status.name(), expected.status.name());
+            assert_eq!(found, expected, "{angle} {sliding}");
+            let diagnosis = simulation.status.diagnosis();
+            assert!(
+                diagnosis.is_none_or(|diagnosis| diagnosis.message.contains("Painleve")),
+                "{diagnosis:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn impact_that_raises_the_kinetic_energy_is_noted_with_its_figures() {
+    // A rod that sticks with its tip: v_n+ = -e v_n-, v_t+ = 0. In terms of the tip's velocity the energy is
+    // v' D^-1 v / 2; at v_t- = 0.7, v_n- = -1, angle 1, that grows for e = 0.95.
+    let angle: f64 = 1.0;
+    let (sin, cos) = angle.sin_cos();
+    let (d_nn, d_nt, d_tt) = (
+        1.0 + 3.0 * cos * cos,
+        -3.0 * sin * cos,
+        1.0 + 3.0 * sin * sin,
+    );
+    let twice = |v_n: f64, v_t: f64| {
+        (d_tt * v_n * v_n - 2.0 * d_nt * v_n * v_t + d_nn * v_t * v_t) / (d_nn * d_tt - d_nt * d_nt)
+    };
+    let problem = start(&[0.0, sin, angle], &[0.7, -1.0, 0.0], 0.01);
+    for (restitution, gains) in [(0.95, true), (0.5, false)] {
+        let model = Rod {
+            e: restitution,
+            mu: 1.0,
+            ..Rod::default()
+        };
+        let gain = 0.5 * (twice(restitution, 0.0) - twice(-1.0, 0.7));
+        assert_eq!(gain > 0.0, gains);
+        for simulator in both() {
+            let simulation = run(&simulator, &model, &problem);
+            assert_eq!(sequence(&simulation), [(EventKind::Impact, 0)]);
+            let impact = &simulation.events[0];
+            // 1/2 v' M v with M = diag(1, 1, 1/3)
+            let kinetic = |v: &[f64]| 0.5 * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2] / 3.0);
+            let (before, after) = (kinetic(&impact.v_before), kinetic(&impact.v_after));
+            assert!((after - before - gain).abs() < 1e-14);
+            let figures = format!("`tip` at 0.000000 s from {before:.6e} to {after:.6e}");
+            let noted = simulation.notes.iter().any(|note| {
+                note.contains("1 impacts raise the kinetic energy") && note.contains(&figures)
+            });
+            assert_eq!(noted, gains, "{figures}: {:?}", simulation.notes);
+        }
+    }
+}

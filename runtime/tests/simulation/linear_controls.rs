@@ -1,0 +1,357 @@
+//! Controls that are linear between nodes, in every simulator: closed forms, orders, refusals.
+
+use crate::common::{distance, last, start};
+use hangtime::model::Model;
+use hangtime::rk::Scheme;
+use hangtime::simulation::{
+    ControlSignal, EventDriven, EventKind, Fesd, FixedStep, InitialValueProblem, InputError,
+    Moreau, Simulation, SimulationStatus, Simulator, Smooth, StepFormulation,
+};
+
+hangtime::model! {
+    /// A mass that is lifted and pushed aside.
+    Crane {
+        parameters { m: kg = 2, g: m/s^2 = 9.81 }
+        coordinates { y: m, z: m }
+        controls { push: N, lift: N }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: push, z: lift }
+        surface ground: z >= 0
+        impact ground: inelastic
+    }
+}
+
+hangtime::model! {
+    /// A pendulum with a motor.
+    Pendulum {
+        parameters { m: kg = 1, l: m = 1, g: m/s^2 = 9.81 }
+        coordinates { phi }
+        controls { torque: N*m }
+        lagrangian m/2*l^2*dot(phi)^2 + m*g*l*cos(phi)
+        forces { phi: torque }
+    }
+}
+
+const GRAVITY: f64 = 9.81;
+const WEIGHT: f64 = 2.0 * GRAVITY;
+
+/// The lift grows beyond the weight at 2/3 s, falls below it at 2 s and stays at half of it from 3 s on.
+fn lifting() -> InitialValueProblem {
+    InitialValueProblem {
+        controls: ControlSignal::PiecewiseLinear {
+            times: vec![0.0, 1.0, 3.0],
+            values: vec![
+                vec![1.0, 0.0],
+                vec![-2.0, 1.5 * WEIGHT],
+                vec![4.0, 0.5 * WEIGHT],
+            ],
+        },
+        ..start(&[0.0, 0.0], &[0.0, 0.0], 5.0)
+    }
+}
+
+/// Instants of lift-off and landing.
+fn switches() -> [f64; 2] {
+    // z'' / g is 3 s / 2 for s = 1/3 after the lift-off, 1/2 - s / 2 for the next 2 s, and then -1/2.
+    let (z, v): (f64, f64) = (0.25 / 27.0, 0.75 / 9.0);
+    let (z, v) = (z + 2.0 * v + 1.0 - 8.0 / 12.0, v + 1.0 - 1.0);
+    [2.0 / 3.0, 3.0 + 2.0 * (v + (v * v + z).sqrt())]
+}
+
+/// Position and velocity along the ground at 5 s: `y'' = push / 2`.
+fn pushed() -> [f64; 2] {
+    let ramp = |(y, v): (f64, f64), from: f64, to: f64, t: f64| {
+        let slope = (to - from) / t;
+        let velocity = v + (from * t + slope * t * t / 2.0) / 2.0;
+        (
+            y + v * t + (from * t * t / 2.0 + slope * t * t * t / 6.0) / 2.0,
+            velocity,
+        )
+    };
+    let end = ramp(
+        ramp(ramp((0.0, 0.0), 1.0, -2.0, 1.0), -2.0, 4.0, 2.0),
+        4.0,
+        4.0,
+        2.0,
+    );
+    [end.0, end.1]
+}
+
+fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
+    let simulation = simulator
+        .simulate(model, problem, &mut |_| {})
+        .expect("the problem is accepted");
+    assert_eq!(
+        simulation.status,
+        SimulationStatus::Solved,
+        "{}",
+        simulator.name()
+    );
+    simulation
+}
+
+/// Largest error of the times of the switches and of the state at the end.
+fn crane_error(simulator: &dyn Simulator) -> f64 {
+    let model = Crane::default();
+    let problem = lifting();
+    let simulation = run(simulator, &model, &problem);
+    let events = &simulation.events;
+    let kinds: Vec<EventKind> = events.iter().map(|event| event.kind).collect();
+    assert_eq!(
+        kinds,
+        [EventKind::LiftOff, EventKind::Impact],
+        "{}",
+        simulator.name()
+    );
+    let times: Vec<f64> = events.iter().map(|event| event.time).collect();
+    let (q, v) = last(&simulation.trajectory);
+    let end = pushed();
+    distance(&times, &switches())
+        .max(distance(q, &[end[0], 0.0]))
+        .max(distance(v, &[end[1], 0.0]))
+}
+
+#[test]
+fn event_driven_lift_under_ramps_agrees_with_the_closed_form() {
+    let simulator = EventDriven {
+        tolerance: 1e-12,
+        ..EventDriven::default()
+    };
+    // Numbers of the order of 10, to the tolerance of a step.
+    assert!(
+        crane_error(&simulator) < 1e-11,
+        "{:e}",
+        crane_error(&simulator)
+    );
+}
+
+#[test]
+fn elements_integrate_ramps_and_locate_switches_exactly() {
+    // Cubic motions are within every scheme with three stages; event times follow to rounding error. The steps of
+    // 5/11 s do not meet the nodes.
+    for (scheme, stages) in [(Scheme::RadauIia, 3), (Scheme::GaussLegendre, 3)] {
+        let simulator = Fesd::default().with_scheme(scheme, stages).with_grid(11, 2);
+        let error = crane_error(&simulator);
+        assert!(error < 1e-11, "{scheme:?}: {error:e}");
+    }
+}
+
+#[test]
+fn steps_as_complementarity_problems_follow_the_ramps() {
+    // The mass stays on the ground until 2/3 s and flies until 3 s: no impact, which only the length of an
+    // element would locate.
+    let simulator = Fesd::default()
+        .with_grid(9, 2)
+        .with_formulation(StepFormulation::TimeFreezing);
+    let problem = InitialValueProblem {
+        horizon: 3.0,
+        ..lifting()
+    };
+    let simulation = run(&simulator, &Crane::default(), &problem);
+    let (q, v) = last(&simulation.trajectory);
+    let (z, rate) = (0.25 / 27.0, 0.75 / 9.0);
+    let height = GRAVITY * (z + 2.0 * rate + 1.0 / 3.0);
+    // The programs are solved to 1e-9, and nine of them follow each other.
+    assert!((q[1] - height).abs() < 1e-7, "{} {height}", q[1]);
+    assert!((v[1] - GRAVITY * rate).abs() < 1e-7, "{}", v[1]);
+    // The ramps of the push shift it by 0 and by -1/4 * 2 m.
+    assert!((q[0] + 0.5).abs() < 1e-7, "{}", q[0]);
+}
+
+#[test]
+fn trajectories_record_the_controls_of_each_instant() {
+    let (model, problem) = (Crane::default(), lifting());
+    let simulators: [&dyn Simulator; 5] = [
+        &EventDriven {
+            output_times: 40,
+            ..EventDriven::default()
+        },
+        &Fesd::default().with_grid(10, 2),
+        &FixedStep {
+            steps: 50,
+            ..FixedStep::default()
+        },
+        &Moreau {
+            steps: 50,
+            ..Moreau::default()
+        },
+        &Smooth::default(),
+    ];
+    for simulator in simulators {
+        let trajectory = run(simulator, &model, &problem).trajectory;
+        let mut expected = [0.0; 2];
+        for (time, u) in trajectory.time.iter().zip(&trajectory.u) {
+            problem.controls.write(*time, &mut expected);
+            let error = distance(u, &expected);
+            assert!(
+                error < 1e-12 * WEIGHT,
+                "{} at {time}: {u:?}",
+                simulator.name()
+            );
+        }
+    }
+}
+
+/// Error of the motor-driven pendulum at 2 s, against the event-driven simulator at 1e-13.
+fn pendulum_error(simulator: &dyn Simulator) -> f64 {
+    let model = Pendulum::default();
+    let problem = InitialValueProblem {
+        controls: ControlSignal::PiecewiseLinear {
+            times: vec![0.0, 0.5, 1.5, 2.0],
+            values: vec![vec![0.0], vec![8.0], vec![-8.0], vec![2.0]],
+        },
+        ..start(&[0.3], &[0.0], 2.0)
+    };
+    let reference = EventDriven {
+        tolerance: 1e-13,
+        ..EventDriven::default()
+    };
+    let reference = run(&reference, &model, &problem);
+    let simulation = run(simulator, &model, &problem);
+    let ((q, v), (q_exact, v_exact)) = (last(&simulation.trajectory), last(&reference.trajectory));
+    distance(q, q_exact).max(distance(v, v_exact))
+}
+
+/// Order between the resolutions `steps` and `2 steps`.
+fn order(error: impl Fn(usize) -> f64, steps: usize) -> f64 {
+    (error(steps) / error(2 * steps)).log2()
+}
+
+#[test]
+fn order_under_ramps_is_that_of_the_method() {
+    // Asymptotic orders to a quarter, on steps that meet the nodes.
+    let radau = |steps| {
+        pendulum_error(
+            &Fesd::default()
+                .with_scheme(Scheme::RadauIia, 2)
+                .with_grid(steps, 1),
+        )
+    };
+    let gauss = |steps| {
+        pendulum_error(
+            &Fesd::default()
+                .with_scheme(Scheme::GaussLegendre, 2)
+                .with_grid(steps, 1),
+        )
+    };
+    let fixed = |steps| {
+        pendulum_error(&FixedStep {
+            steps,
+            ..FixedStep::default()
+        })
+    };
+    let moreau = |steps| {
+        pendulum_error(&Moreau {
+            steps,
+            ..Moreau::default()
+        })
+    };
+    for (name, found, expected) in [
+        ("radau-iia", order(radau, 40), 3.0),
+        ("gauss-legendre", order(gauss, 40), 4.0),
+        ("fixed", order(fixed, 80), 4.0),
+        ("moreau", order(moreau, 80), 2.0),
+    ] {
+        assert!((found - expected).abs() < 0.25, "{name}: {found}");
+    }
+}
+
+#[test]
+fn smooth_follows_ramps_to_its_tolerance() {
+    let simulator = Smooth {
+        tolerance: 1e-10,
+        ..Smooth::default()
+    };
+    // The nodes are not met, where the error estimate alone has to see the change of slope.
+    assert!(
+        pendulum_error(&simulator) < 1e-7,
+        "{:e}",
+        pendulum_error(&simulator)
+    );
+}
+
+#[test]
+fn signal_in_the_wrong_shape_is_refused_by_name() {
+    let model = Pendulum::default();
+    let refused = |times: Vec<f64>, values: Vec<Vec<f64>>| -> InputError {
+        let problem = InitialValueProblem {
+            controls: ControlSignal::PiecewiseLinear { times, values },
+            ..start(&[0.3], &[0.0], 2.0)
+        };
+        problem.check(&model).expect_err("the signal is wrong")
+    };
+    let message = refused(vec![0.0, 1.0], vec![vec![0.0]]).to_string();
+    assert_eq!(
+        message,
+        "control values over time has 1 components, expected 2"
+    );
+    let message = refused(vec![0.0, 1.0, 1.0], vec![vec![0.0]; 3]).to_string();
+    assert_eq!(
+        message,
+        "control time = 1 s: must be one of increasing times, the first at most 0"
+    );
+    let message = refused(vec![0.5, 1.0], vec![vec![0.0]; 2]).to_string();
+    assert_eq!(
+        message,
+        "control time = 0.5 s: must be one of increasing times, the first at most 0"
+    );
+    let message = refused(vec![0.0, 1.0], vec![vec![0.0], vec![0.0, 1.0]]).to_string();
+    assert_eq!(message, "a control value has 2 components, expected 1");
+}
+
+hangtime::model! {
+    /// A mass on wavy, rough ground, lifted and pushed aside.
+    Wagon {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, a: m = 0.1, w: 1/m = 3 }
+        coordinates { y: m, z: m }
+        controls { push: N, lift: N }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: push, z: lift }
+        surface ground: z - a*sin(w*y) >= 0
+        impact ground: inelastic, friction 0.4
+    }
+}
+
+#[test]
+fn random_ramps_over_rough_ground_agree_between_elements_and_event_driven() {
+    let model = Wagon::default();
+    let event = EventDriven {
+        tolerance: 1e-12,
+        ..EventDriven::default()
+    };
+    let elements = Fesd::default().with_tolerance(1e-11);
+    let mut switches = 0;
+    for seed in 0..12_u64 {
+        // SplitMix64, mapped to [0, 1).
+        let mut state = seed;
+        let mut random = || {
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = state;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let values = (0..6).map(|_| vec![30.0 * random() - 15.0, 1.4 * WEIGHT * random()]);
+        let problem = InitialValueProblem {
+            controls: ControlSignal::PiecewiseLinear {
+                times: (0..6).map(|k| 0.37 * k as f64).collect(),
+                values: values.collect(),
+            },
+            ..start(&[0.0, 0.0], &[0.0, 0.0], 1.8)
+        };
+        let [a, b] = [&event as &dyn Simulator, &elements].map(|s| run(s, &model, &problem));
+        let kinds = |s: &Simulation| s.events.iter().map(|e| e.kind).collect::<Vec<_>>();
+        assert_eq!(kinds(&a), kinds(&b), "seed {seed}");
+        switches += a.events.len();
+        for (x, y) in a.events.iter().zip(&b.events) {
+            assert!((x.time - y.time).abs() < 1e-7, "seed {seed}: {x:?} {y:?}");
+        }
+        let ((q, v), (p, w)) = (last(&a.trajectory), last(&b.trajectory));
+        assert!(
+            distance(q, p).max(distance(v, w)) < 1e-7,
+            "seed {seed}: {q:?} {p:?}"
+        );
+    }
+    // Sticking, slipping, taking off and landing all happen.
+    assert!(switches > 30, "{switches}");
+}

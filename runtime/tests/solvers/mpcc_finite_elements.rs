@@ -1,0 +1,126 @@
+//! The complementarity method on steps of scenes, transcribed by finite elements with switch detection.
+
+#![allow(clippy::unwrap_used, reason = "test code")]
+
+#[path = "../../benches/fesd_mpcc/problems.rs"]
+mod problems;
+#[path = "../../benches/fesd_mpcc/scenes.rs"]
+mod scenes;
+
+use hangtime::model::Model;
+use hangtime::mpcc::{self, Mpcc as _, Settings, Status};
+use hangtime::nlp::NlpProblem as _;
+use hangtime::ocp::{
+    Component, Goal, Horizon, Objective, Problem, TimeFreezing, TimeFreezingSettings,
+};
+
+/// Crossovers solve their smooth program to 1e-8.
+const SAME: f64 = 1e-6;
+
+#[test]
+fn solve_steps_certified_in_few_iterations_of_the_homotopy() {
+    let (mut iterations, mut of_homotopy, mut as_good, mut steps) = (0, 0, 0, 0);
+    for case in problems::cases().iter().filter(|case| case.is_step()) {
+        let name = &case.name;
+        let mut program = case.program().unwrap();
+        let solution = mpcc::solve(&mut program, &Settings::default()).unwrap();
+        assert_eq!(solution.status, Status::Solved, "{name}");
+        assert_eq!(solution.residuals.complementarity, 0.0, "{name}");
+        assert!(solution.residuals.primal <= 1e-9, "{name}");
+        let homotopy = crate::homotopy::homotopy(&mut case.program().unwrap()).unwrap();
+        steps += 1;
+        if homotopy.status.is_solved() {
+            iterations += solution.iterations;
+            of_homotopy += homotopy.iterations;
+        }
+        as_good += usize::from(
+            !homotopy.status.is_solved() || solution.objective <= homotopy.objective + SAME,
+        );
+    }
+    assert!(
+        10 * iterations <= 4 * of_homotopy,
+        "{iterations} against {of_homotopy}"
+    );
+    assert!(10 * as_good >= 9 * steps, "{as_good} of {steps}");
+    insta::assert_snapshot!(
+        format!("{iterations} iterations, as good on {as_good} of {steps}"),
+        @"1285 iterations, as good on 19 of 19"
+    );
+}
+
+/// The step equilibration: `3e-4` of the relative length, squared, summed over the elements.
+fn equilibration(lengths: &[f64]) -> f64 {
+    let total: f64 = lengths.iter().sum();
+    let mean = total / lengths.len() as f64;
+    3e-4 * lengths
+        .iter()
+        .map(|h| (h / mean - 1.0).powi(2))
+        .sum::<f64>()
+}
+
+#[test]
+fn solve_landing_moves_the_switch_to_the_best_element() {
+    // With the touchdown on a grid of four elements the best of the feasible places is known by trying all: two
+    // elements of flight and the jump in one of its own. The relaxed run ends with another one.
+    let cases = problems::cases();
+    let case = cases
+        .iter()
+        .find(|case| case.name.starts_with("waves fall"));
+    let case = case.unwrap();
+    let mut settings = Settings::default();
+    settings.maximum_neighbours = 0;
+    let mut program = case.program().unwrap();
+    let without = mpcc::solve(&mut program, &settings).unwrap();
+    let with = mpcc::solve(&mut program, &Settings::default()).unwrap();
+    assert_eq!(without.status, Status::Solved);
+    assert_eq!(with.status, Status::Solved);
+    assert_eq!(without.neighbours, 0);
+    assert!(with.neighbours > 0);
+    assert!(with.objective < 0.5 * without.objective);
+    // the objective of a step is its equilibration
+    let lengths = program.motion(&with.x).numerical_lengths;
+    assert!((equilibration(&lengths) - with.objective).abs() < 1e-9);
+}
+
+#[test]
+fn solve_goal_below_the_ground_is_infeasible_with_names() {
+    let ball = scenes::Ball::default();
+    let goal = Goal {
+        component: Component::Coordinate(1),
+        value: -0.5,
+    };
+    let mut problem = Problem::new(&ball, Objective::default(), vec![goal], 1);
+    (problem.q, problem.v) = (vec![0.0, 0.5], vec![1.0, 0.0]);
+    problem.horizon = Horizon::Fixed(0.5);
+    let mut program = TimeFreezing::new(&ball, &problem, &TimeFreezingSettings::default()).unwrap();
+    let solution = mpcc::solve(&mut program, &Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::Infeasible);
+    let names: Vec<&str> = solution.violations.iter().map(|v| &v.name[..]).collect();
+    insta::assert_snapshot!(
+        format!("{} iterations: {}", solution.iterations, names.join("; ")),
+        @"89 iterations: alpha _|_ ln of ground in element 2 of interval 0, 0.0000 to 0.5000 s; beta _|_ lp of ground in element 1 of interval 0, 0.0000 to 0.5000 s; beta _|_ lp of ground in element 0 of interval 0, 0.0000 to 0.5000 s; beta _|_ lp of ground in element 2 of interval 0, 0.0000 to 0.5000 s; p _|_ w of ground at stage 0 of element 2 of interval 0, 0.0000 to 0.5000 s; collocation of element 2 of interval 0, 0.0000 to 0.5000 s; collocation of element 1 of interval 0, 0.0000 to 0.5000 s; clock at the end of interval 0, 0.0000 to 0.5000 s; collocation of element 0 of interval 0, 0.0000 to 0.5000 s"
+    );
+}
+
+#[test]
+fn names_say_variable_pair_element_and_time() {
+    let cases = problems::cases();
+    let case = cases
+        .iter()
+        .find(|case| case.name.starts_with("ball falls, 0.9"));
+    let program = case.unwrap().program().unwrap();
+    let last = program.complementarities().len() - 1;
+    let of = |index| program.complementarity_name(index);
+    insta::assert_snapshot!(of(0), @"p _|_ w of ground at stage 0 of element 0 of interval 0, 0.0000 to 0.9000 s");
+    insta::assert_snapshot!(of(last), @"beta _|_ lp of ground in element 2 of interval 0, 0.0000 to 0.9000 s");
+    let (i, j) = program.complementarities()[last];
+    insta::assert_snapshot!(program.variable_name(i), @"sum of beta of ground in element 2 of interval 0, 0.0000 to 0.9000 s");
+    insta::assert_snapshot!(program.variable_name(j), @"sum of lp of ground in element 2 of interval 0, 0.0000 to 0.9000 s");
+    insta::assert_snapshot!(program.variable_name(0), @"numerical length of interval 0, 0.0000 to 0.9000 s");
+    insta::assert_snapshot!(program.variable_name(1), @"length of element 0 of interval 0, 0.0000 to 0.9000 s");
+    insta::assert_snapshot!(program.variable_name(3), @"z at stage 0 of element 0 of interval 0, 0.0000 to 0.9000 s");
+    assert_eq!(
+        scenes::Ball::default().declaration().contacts[0].name,
+        "ground"
+    );
+}

@@ -1,0 +1,10 @@
+//! What `model!` derives from a declaration, against independent routes.
+
+#[macro_use]
+mod support;
+
+mod chain;
+mod contact_laws;
+mod derivatives;
+mod impact_laws;
+mod optimal_control_functions;

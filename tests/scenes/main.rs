@@ -1,0 +1,11 @@
+//! Shipped scenes, examples and README: certified solutions, closed forms, and each other.
+
+mod ball_on_slope;
+mod bike_on_two_wheels;
+mod charts;
+mod convergence_order;
+mod own_command_line;
+mod published_results;
+mod pump_track;
+mod readme;
+mod teaching_models;
