@@ -19,7 +19,7 @@ mod modules;
 mod tokens;
 
 /// Folders and files that do not obey yet; what stands here is let through by all three rules.
-const PENDING: [&str; 17] = [
+const PENDING: [&str; 16] = [
     "dsl-macros/core/src/check",
     "dsl-macros/core/src/derive",
     "dsl-macros/core/src/emit",
@@ -33,7 +33,6 @@ const PENDING: [&str; 17] = [
     "runtime/src/linalg/multifrontal",
     "runtime/src/mpcc",
     "runtime/src/nlp",
-    "runtime/src/ocp",
     "runtime/src/simulation",
     "runtime/src/time_freezing",
     "units/src/parse.rs",
