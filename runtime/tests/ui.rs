@@ -1,5 +1,5 @@
 //! What a user sees when a declaration has mistakes: every message, at the user's token, and nothing
-//! else. `TRYBUILD=overwrite cargo test --test ui` records changed messages.
+//! else. `TRYBUILD=overwrite cargo test -p hangtime --test ui` records changed messages.
 
 #[test]
 fn mistakes_are_reported_at_the_users_token() {
