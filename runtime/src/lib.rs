@@ -17,7 +17,7 @@ extern crate self as hangtime;
 
 mod dcs;
 mod fesd;
-pub mod linalg;
+mod linalg;
 pub mod model;
 pub mod mpcc;
 pub mod nlp;

@@ -3,5 +3,6 @@
 
 #[test]
 fn mistakes_are_reported_at_the_users_token() {
+    // Cases that compile stand in `tests/declarations/hygiene.rs`: one here would build every dependency again.
     trybuild::TestCases::new().compile_fail("tests/ui/*/*.rs");
 }

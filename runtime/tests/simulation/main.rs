@@ -5,6 +5,8 @@ mod conformance;
 mod event_contact_modes;
 mod event_driven;
 mod event_properties;
+mod event_scales;
+mod fesd_accuracy;
 mod fesd_against_event_driven;
 mod fesd_friction;
 mod fesd_laws_against_event_driven;
