@@ -1,6 +1,6 @@
 //! Whether forces and gaps kept their sign, measured along a run after its events have been found.
 
-use super::dynamics::{Dynamics, Switch};
+use super::dynamics::Dynamics;
 use crate::simulation::{Diagnosis, SimulationStatus};
 
 /// A violation above this share of the size of a function, or this multiple of the tolerance, is no error of
