@@ -20,6 +20,8 @@ mod tokens;
 
 /// Folders and files that do not obey yet; what stands here is let through by all three rules.
 const PENDING: [&str; 17] = [
+    "cli/src/method.rs",
+    "cli/src/reproduce",
     "dsl-macros/core/src/check",
     "dsl-macros/core/src/derive",
     "dsl-macros/core/src/emit",
@@ -27,15 +29,13 @@ const PENDING: [&str; 17] = [
     "dsl-macros/core/src/graph",
     "dsl-macros/core/src/parse",
     "dsl-macros/core/src/tape",
-    "models/src/command_line",
     "runtime/src/dcs",
     "runtime/src/fesd",
     "runtime/src/linalg/multifrontal",
-    "runtime/src/mpcc",
-    "runtime/src/nlp",
-    "runtime/src/ocp",
-    "runtime/src/simulation",
-    "runtime/src/time_freezing",
+    "runtime/src/mpcc/elastic.rs",
+    "runtime/src/nlp/elements",
+    "runtime/src/simulation/event",
+    "runtime/src/simulation/fesd",
     "units/src/parse.rs",
 ];
 
