@@ -186,7 +186,7 @@ hangtime::model! {
         }
         lagrangian m/2*dot(y)^2 - c/2*y^2
         forces { y: u }
-        minimize dot(y)
+        minimize -dot(y)
         finally { y == 0[m] }
         horizon 2 [s]
     }

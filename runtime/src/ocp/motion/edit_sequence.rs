@@ -203,9 +203,13 @@ mod tests {
         let stops = switch(false, Mode::Stick, 1.7);
         let both = sequence(Mode::Open, &[landing, stops]);
         let merged = without(&both, 0, 1);
-        // The impact itself keeps the slip that it ends with.
+        assert_eq!(merged.switches, [switch(true, Mode::Stick, 1.5)]);
+        // An impact that sticks stays one where the contact slips in the end.
+        let landing = switch(true, Mode::Stick, 1.5);
+        let slips = switch(false, BACKWARD, 1.7);
+        let merged = without(&sequence(Mode::Open, &[landing, slips]), 0, 1);
         let expected = Switch {
-            mode: Mode::Stick,
+            mode: BACKWARD,
             ..landing
         };
         assert_eq!(merged.switches, [expected]);
