@@ -306,6 +306,8 @@ pub(crate) struct ManArguments {
 
 /// Most steps of a simulation: their states stay in memory until the end, about a kilobyte each.
 pub(crate) const MOST_STEPS: usize = 1_000_000;
+/// Most rows of a trajectory in files.
+const MOST_ROWS: usize = 200_000;
 /// Most finite elements of a step, of an interval or of a phase.
 const MOST_ELEMENTS: usize = 1_000;
 /// Most control intervals: one program holds the variables of all of them.
@@ -351,7 +353,11 @@ fn stages(text: &str) -> Result<usize, String> {
 }
 
 fn rows(text: &str) -> Result<usize, String> {
-    count(text, 10 * MOST_STEPS, "a simulation has no more instants")
+    count(
+        text,
+        MOST_ROWS,
+        "files and page hold them several times; use the library for more",
+    )
 }
 
 /// A whole number from 1 to `most`; `beyond` tells why there are no more.
@@ -385,5 +391,106 @@ fn duration(text: &str) -> Result<f64, String> {
         Ok(time)
     } else {
         Err("give a finite time above 0, such as 5, 5s or 200ms".into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+    use hangtime::ocp::{Settings, TimeFreezingSettings};
+    use hangtime::simulation::{EventDriven, Fesd, FixedStep, Moreau, Smooth};
+
+    use super::{Arguments, duration};
+    use crate::solve::INTERVALS;
+
+    fn help(command: &str) -> String {
+        let mut arguments = Arguments::command();
+        let command = arguments.find_subcommand_mut(command).unwrap();
+        command.render_long_help().to_string()
+    }
+
+    #[test]
+    fn help_states_the_defaults_of_the_library() {
+        let (fesd, smooth) = (Fesd::default(), Smooth::default());
+        let mut grid = Fesd::default();
+        grid.steps = Some(1);
+        assert_eq!(Moreau::default().steps, FixedStep::default().steps);
+        let (settings, freezing) = (Settings::default(), TimeFreezingSettings::default());
+        let texts = [("simulate", help("simulate")), ("solve", help("solve"))];
+        for (command, words) in [
+            (
+                0,
+                format!(
+                    "[default: {:e} with event",
+                    EventDriven::default().tolerance
+                ),
+            ),
+            (0, format!("{:e} with smooth", smooth.tolerance)),
+            (0, format!("(smooth) [default: {}]", smooth.width)),
+            (
+                0,
+                format!(
+                    "[default: {} with moreau and fixed]",
+                    Moreau::default().steps
+                ),
+            ),
+            (
+                0,
+                format!(
+                    "1 to 9 (fesd) [default: {}, {} with steps or elements]",
+                    fesd.stage_count(),
+                    grid.stage_count()
+                ),
+            ),
+            (
+                0,
+                format!(
+                    "Finite elements of a step (fesd) [default: {}]",
+                    fesd.elements
+                ),
+            ),
+            (1, format!("equal physical length [default: {INTERVALS}]")),
+            (
+                1,
+                format!(
+                    "where the re-simulation asks for them [default: {}]",
+                    settings.stages
+                ),
+            ),
+            (
+                1,
+                format!("time-freezing, 1 to 9 [default: {}]", freezing.stages),
+            ),
+            (
+                1,
+                format!("between two switches [default: {}]", settings.elements),
+            ),
+            (
+                1,
+                format!(
+                    "interval with time-freezing [default: {}]",
+                    freezing.elements
+                ),
+            ),
+            (
+                1,
+                format!("optima are listed [default: {}]", settings.starts),
+            ),
+        ] {
+            let (name, text) = &texts[command];
+            assert!(
+                text.contains(&words),
+                "`{words}` is missing in {name}:\n{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn duration_reads_units_and_refuses_what_is_no_time() {
+        assert_eq!(duration("5"), Ok(5.0));
+        assert_eq!(duration("3min"), Ok(180.0));
+        for text in ["0", "-1s", "5kg", "inf", "nan", "soon", ""] {
+            assert!(duration(text).is_err(), "{text}");
+        }
     }
 }
