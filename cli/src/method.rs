@@ -125,7 +125,7 @@ pub(crate) struct ChosenMethod {
 impl ChosenMethod {
     /// Makes the simulator; settings left out take the method's defaults.
     pub(crate) fn from_arguments(arguments: &MethodArguments) -> Result<Self, BadInput> {
-        arguments.refuse_foreign_settings()?;
+        refuse_foreign_settings(arguments)?;
         let chosen = match arguments.method {
             Method::Fesd => fesd(arguments),
             Method::Event => {
@@ -230,43 +230,41 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
     ChosenMethod::new(settings, fesd)
 }
 
-impl MethodArguments {
-    /// Refuses a setting that the method does not have.
-    fn refuse_foreign_settings(&self) -> Result<(), BadInput> {
-        use Method::{Event, Fesd, Fixed, Moreau, Smooth};
-        let given: [(&str, bool, &[Method]); 8] = [
-            ("--scheme", self.scheme.is_some(), &[Fesd]),
-            ("--stages", self.stages.is_some(), &[Fesd]),
-            ("--steps", self.steps.is_some(), &[Fesd, Moreau, Fixed]),
-            ("--elements", self.elements.is_some(), &[Fesd]),
-            ("--formulation", self.formulation.is_some(), &[Fesd]),
-            (
-                "--tolerance",
-                self.tolerance.is_some(),
-                &[Fesd, Event, Smooth],
-            ),
-            ("--width", self.width.is_some(), &[Smooth]),
-            ("--no-exit-condition", self.no_exit_condition, &[Fesd]),
-        ];
-        if self.elements.is_some() && self.tolerance.is_some() {
-            return Err(BadInput::new(
-                "--elements and --tolerance exclude each other: the tolerance sets the length of \
-                 the elements; leave one of them out",
-            ));
-        }
-        let foreign = given
-            .iter()
-            .find(|(_, given, methods)| *given && !methods.contains(&self.method));
-        let Some((option, _, methods)) = foreign else {
-            return Ok(());
-        };
-        let methods: Vec<String> = methods.iter().map(|method| name_of(*method)).collect();
-        let method = name_of(self.method);
-        Err(BadInput::new(format!(
-            "{option} has no meaning for --method {method}; leave it out, or choose the method: {}",
-            methods.join(", ")
-        )))
+/// Refuses a setting that the method does not have.
+fn refuse_foreign_settings(arguments: &MethodArguments) -> Result<(), BadInput> {
+    use Method::{Event, Fesd, Fixed, Moreau, Smooth};
+    let given: [(&str, bool, &[Method]); 8] = [
+        ("--scheme", arguments.scheme.is_some(), &[Fesd]),
+        ("--stages", arguments.stages.is_some(), &[Fesd]),
+        ("--steps", arguments.steps.is_some(), &[Fesd, Moreau, Fixed]),
+        ("--elements", arguments.elements.is_some(), &[Fesd]),
+        ("--formulation", arguments.formulation.is_some(), &[Fesd]),
+        (
+            "--tolerance",
+            arguments.tolerance.is_some(),
+            &[Fesd, Event, Smooth],
+        ),
+        ("--width", arguments.width.is_some(), &[Smooth]),
+        ("--no-exit-condition", arguments.no_exit_condition, &[Fesd]),
+    ];
+    if arguments.elements.is_some() && arguments.tolerance.is_some() {
+        return Err(BadInput::new(
+            "--elements and --tolerance exclude each other: the tolerance sets the length of \
+             the elements; leave one of them out",
+        ));
     }
+    let foreign = given
+        .iter()
+        .find(|(_, given, methods)| *given && !methods.contains(&arguments.method));
+    let Some((option, _, methods)) = foreign else {
+        return Ok(());
+    };
+    let methods: Vec<String> = methods.iter().map(|method| name_of(*method)).collect();
+    let method = name_of(arguments.method);
+    Err(BadInput::new(format!(
+        "{option} has no meaning for --method {method}; leave it out, or choose the method: {}",
+        methods.join(", ")
+    )))
 }
 
 /// Name of a choice on the command line; none of them is hidden.

@@ -39,6 +39,7 @@ pub(crate) fn picture(
     let body = |rows: &[Vec<[f64; 2]>], body: usize| rows.iter().map(|row| row[body]).collect();
     let shown = published.points.iter().flat_map(|point| &point.positions);
     let seen = path.iter().flatten().chain(shown);
+    let seen = seen.filter(|[y, _]| y.is_finite());
     let (from, to) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), [y, _]| {
         (from.min(*y), to.max(*y))
     });

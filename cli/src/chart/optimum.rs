@@ -162,6 +162,48 @@ impl Run {
     }
 }
 
+/// The solved runs of each line, over their CPU time.
+fn curves(runs: &[Run], y: impl Fn(&Run) -> f64) -> Vec<Curve> {
+    let mut curves: Vec<Curve> = Vec::new();
+    for run in runs.iter().filter(|run| run.solved) {
+        let point = (run.seconds, y(run));
+        match curves.iter_mut().find(|curve| curve.colour == run.line) {
+            Some(curve) => curve.points.push(point),
+            None => curves.push(Curve {
+                name: run.name.clone(),
+                colour: run.line,
+                dashed: false,
+                points: vec![point],
+            }),
+        }
+    }
+    curves
+}
+
+/// The figures, as (kind, SVG).
+fn figures(runs: &[Run], best: f64) -> [(&'static str, String); 2] {
+    [
+        (
+            "objective",
+            log_log(
+                "Objective above the best, over the number of intervals",
+                "CPU time [s]",
+                "objective above the best",
+                &curves(runs, |run| run.objective - best),
+            ),
+        ),
+        (
+            "resimulation",
+            log_log(
+                "Distance of the re-simulation at the end",
+                "CPU time [s]",
+                "distance from the plan",
+                &curves(runs, |run| run.distance),
+            ),
+        ),
+    ]
+}
+
 fn report(name: &str, runs: &[Run], best: f64) -> Chart {
     let decimals = |value: f64| {
         if value.is_finite() {
@@ -179,42 +221,7 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
         decimals(best),
         table(HEADER, rows.clone())
     );
-    let curves = |y: &dyn Fn(&Run) -> f64| -> Vec<Curve> {
-        let mut curves: Vec<Curve> = Vec::new();
-        for run in runs.iter().filter(|run| run.solved) {
-            let point = (run.seconds, y(run));
-            match curves.iter_mut().find(|curve| curve.colour == run.line) {
-                Some(curve) => curve.points.push(point),
-                None => curves.push(Curve {
-                    name: run.name.clone(),
-                    colour: run.line,
-                    dashed: false,
-                    points: vec![point],
-                }),
-            }
-        }
-        curves
-    };
-    let figures = [
-        (
-            "objective",
-            log_log(
-                "Objective above the best, over the number of intervals",
-                "CPU time [s]",
-                "objective above the best",
-                &curves(&|run| run.objective - best),
-            ),
-        ),
-        (
-            "resimulation",
-            log_log(
-                "Distance of the re-simulation at the end",
-                "CPU time [s]",
-                "distance from the plan",
-                &curves(&|run| run.distance),
-            ),
-        ),
-    ];
+    let figures = figures(runs, best);
     let mut header: Vec<String> = HEADER.map(str::to_owned).into();
     header[7] = "CPU time [s]".to_owned();
     let lines = runs.iter().map(|run| {

@@ -2,6 +2,7 @@
 
 mod case;
 mod column;
+mod comparison;
 mod optimum;
 mod overview;
 mod simulated;

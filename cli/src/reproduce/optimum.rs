@@ -9,11 +9,12 @@ use hangtime::simulation::{
 
 use super::case::{Case, Reproduced};
 use super::column::Column;
+use super::comparison::{comparison, rows};
+use super::overview::section_of;
 use crate::bounds::{Bounds, Ending};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
 use crate::json::{SolutionDocument, SolverSettings};
-use crate::page::Section;
 use crate::quantity;
 use crate::sampling::{State, dense};
 use crate::solve::{INTERVALS, facts};
@@ -72,7 +73,7 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
         });
     }
     let ours = columns.first().filter(|_| solution.motion.is_some());
-    let rows = ours.map(|ours| case.rows(ours)).unwrap_or_default();
+    let rows = ours.map(|ours| rows(&case, ours)).unwrap_or_default();
     remarks.extend(ours.and_then(|ours| comparison_of_times(&case, ours)));
     if let Some(ours) = ours {
         remarks.push(left_bounds(
@@ -81,10 +82,10 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
             &dense(&ours.simulation.trajectory),
         ));
     }
-    let (header, table) = case.comparison(&rows, &columns);
+    let (header, table) = comparison(&case, &rows, &columns);
     let states = ours.map(|ours| dense(&ours.simulation.trajectory));
     Ok(Reproduced {
-        section: Section::of_case(published, &remarks, &files, header, table),
+        section: section_of(published, &remarks, &files, header, table),
         case,
         states: states.unwrap_or_default(),
         rows,

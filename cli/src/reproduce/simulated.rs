@@ -4,12 +4,13 @@ use hangtime::simulation::{InitialValueProblem, Simulation};
 
 use super::case::{Case, Reproduced};
 use super::column::Column;
+use super::comparison::{comparison, rows};
+use super::overview::section_of;
 use crate::arguments::{Method, MethodArguments, SchemeName};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
 use crate::json::Document;
 use crate::method::ChosenMethod;
-use crate::page::Section;
 use crate::sampling::dense;
 use crate::simulate::{diagnosis_line, facts};
 use crate::spreadsheet::{csv_text, trajectory_csv};
@@ -93,8 +94,8 @@ pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput
     }
     let ours = &columns[0];
     let exact = &columns[1];
-    let rows = case.rows(ours);
-    let (header, table) = case.comparison(&rows, &columns);
+    let rows = rows(&case, ours);
+    let (header, table) = comparison(&case, &rows, &columns);
     let (remark, positions) = positions(&case, exact);
     files.push((format!("{}_positions.csv", published.name), positions));
     let remarks: Vec<String> = remark.into_iter().collect();
@@ -102,7 +103,7 @@ pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput
     let states = dense(&ours.simulation.trajectory);
     let residual = ours.residual;
     Ok(Reproduced {
-        section: Section::of_case(published, &remarks, &files, header, table),
+        section: section_of(published, &remarks, &files, header, table),
         case,
         states,
         rows,

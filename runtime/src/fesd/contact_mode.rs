@@ -241,7 +241,11 @@ impl Contacts<'_> {
         let rounding = f64::EPSILON * norm(&x[..self.n]);
         let own = speed / (norm(motion) + f64::MIN_POSITIVE);
         // From rest the velocity says nothing.
-        let shortest = if speed * own > 1e8 * rounding { 0.0 } else { 1e-3 };
+        let shortest = if speed * own > 1e8 * rounding {
+            0.0
+        } else {
+            1e-3
+        };
         let time_scale = own.clamp(shortest, 1.0);
         let share = (rounding / (speed * time_scale)).cbrt().clamp(1e-5, 1e-2);
         (share * time_scale, time_scale)

@@ -207,11 +207,7 @@ impl<'a> Contacts<'a> {
     }
 
     /// Evaluates the free acceleration and the listed contacts at `x`.
-    pub(crate) fn evaluate(
-        &mut self,
-        x: &[f64],
-        contacts: impl IntoIterator<Item = usize>,
-    ) {
+    pub(crate) fn evaluate(&mut self, x: &[f64], contacts: impl IntoIterator<Item = usize>) {
         self.model.free_acceleration(x, &mut self.acceleration);
         self.evaluate_contacts(x, contacts);
     }

@@ -142,10 +142,7 @@ fn solved(simulator: &dyn Simulator, model: &dyn Model, horizon: Option<f64>) ->
 
 fn end(simulation: &Simulation) -> (&[f64], &[f64]) {
     let trajectory = &simulation.trajectory;
-    (
-        trajectory.q.last().unwrap(),
-        trajectory.v.last().unwrap(),
-    )
+    (trajectory.q.last().unwrap(), trajectory.v.last().unwrap())
 }
 
 fn names(simulation: &Simulation) -> Vec<&str> {
@@ -188,7 +185,10 @@ fn tolerance_of_an_oscillation_is_kept_at_every_recorded_instant() {
             );
             // Distances from the start reach twice the amplitude.
             let error = (q[0] - x).abs().max((v[0] - dx).abs() / rate);
-            assert!(error <= 2.0 * tolerance * model.start_x, "{time}: {error:e}");
+            assert!(
+                error <= 2.0 * tolerance * model.start_x,
+                "{time}: {error:e}"
+            );
         }
     }
 }
@@ -207,20 +207,32 @@ fn coarse_grid_of_an_oscillation_reports_its_error_and_says_so() {
         let estimate = simulation.error_estimate.unwrap();
         assert!(error > 1e-2, "{stages}: {error:e}");
         assert!(estimate > 0.3 * error, "{stages}: {estimate:e} {error:e}");
-        assert!(simulation.notes.iter().any(|note| note.contains("take more steps")));
+        assert!(
+            simulation
+                .notes
+                .iter()
+                .any(|note| note.contains("take more steps"))
+        );
     }
 }
 
 #[test]
 fn ball_above_a_floor_is_not_moved_onto_it_wherever_it_is_and_whatever_the_unit_of_its_gap() {
     for (x0, factor) in [(0.0, 1.0), (4e5, 1.0), (-3e7, 1.0), (0.0, 1e-8), (4e5, 1e7)] {
-        let model = FarBall { x0, factor, ..FarBall::default() };
+        let model = FarBall {
+            x0,
+            factor,
+            ..FarBall::default()
+        };
         let horizon = 0.6 * (2.0 * model.height / model.g).sqrt();
         for simulator in [Fesd::default(), Fesd::default().with_grid(20, 2)] {
             let simulation = solved(&simulator, &model, Some(horizon));
             let height = model.height * (1.0 - 0.36);
             // Rounding of numbers of the size of the height.
-            assert!((end(&simulation).0[1] - height).abs() < 1e-15, "{x0} {factor}");
+            assert!(
+                (end(&simulation).0[1] - height).abs() < 1e-15,
+                "{x0} {factor}"
+            );
             assert!(simulation.events.is_empty());
         }
     }
@@ -228,7 +240,10 @@ fn ball_above_a_floor_is_not_moved_onto_it_wherever_it_is_and_whatever_the_unit_
 
 #[test]
 fn start_inside_the_floor_is_refused_far_from_the_origin() {
-    let model = FarBall { x0: 3e5, ..FarBall::default() };
+    let model = FarBall {
+        x0: 3e5,
+        ..FarBall::default()
+    };
     let mut problem = InitialValueProblem::of(&model, Some(0.1)).unwrap();
     problem.q[1] = -2e-5;
     let refused = Fesd::default().simulate(&model, &problem, &mut |_| {});
@@ -240,28 +255,44 @@ fn ride_over_waves_takes_the_same_work_wherever_the_track_is() {
     let here = solved(&Fesd::default(), &MovedTrack::default(), None);
     assert!(here.events.len() > 2);
     for (x0, z0) in [(3e4, 0.0), (0.0, 2e5), (2e5, 3e5)] {
-        let model = MovedTrack { x0, z0, ..MovedTrack::default() };
+        let model = MovedTrack {
+            x0,
+            z0,
+            ..MovedTrack::default()
+        };
         let there = solved(&Fesd::default(), &model, None);
         assert_eq!(names(&there), names(&here));
         let distance = (end(&there).0[0] - x0) - end(&here).0[0];
         // Rounding of coordinates of 3e5 m is 6e-11 m; take-offs and landings enlarge it.
         assert!(distance.abs() < 1e-6, "{x0} {z0}: {distance:e}");
         assert_eq!(there.counts.fallbacks, 0);
-        assert!(there.counts.newton < 2 * here.counts.newton, "{} {}", there.counts.newton, here.counts.newton);
+        assert!(
+            there.counts.newton < 2 * here.counts.newton,
+            "{} {}",
+            there.counts.newton,
+            here.counts.newton
+        );
     }
 }
 
 #[test]
 fn ball_that_keeps_almost_all_its_speed_comes_to_rest_at_the_limit_of_its_bounces() {
     for e in [0.95, 0.97, 0.985] {
-        let model = Bouncing { e, ..Bouncing::default() };
+        let model = Bouncing {
+            e,
+            ..Bouncing::default()
+        };
         let rest = (2.0 * model.height / model.g).sqrt() * (1.0 + e) / (1.0 - e);
         for simulator in [Fesd::default(), Fesd::default().with_grid(60, 1)] {
             let simulation = solved(&simulator, &model, Some(1.1 * rest));
             let last = simulation.events.last().unwrap();
             // Bounces that are left out take 2 e v / g / (1 - e) together, v the rest velocity of 3e-6 m/s.
             let left_out = 2.0 * e * 3e-6 / model.g / (1.0 - e);
-            assert!((rest - last.time).abs() < 2.0 * left_out, "{e}: {} {rest}", last.time);
+            assert!(
+                (rest - last.time).abs() < 2.0 * left_out,
+                "{e}: {} {rest}",
+                last.time
+            );
             assert!(end(&simulation).0[0].abs() < 1e-12);
         }
     }
@@ -269,11 +300,18 @@ fn ball_that_keeps_almost_all_its_speed_comes_to_rest_at_the_limit_of_its_bounce
 
 #[test]
 fn ball_that_bounces_too_often_is_told_to_raise_the_rest_velocity() {
-    let model = Bouncing { e: 0.9995, ..Bouncing::default() };
+    let model = Bouncing {
+        e: 0.9995,
+        ..Bouncing::default()
+    };
     let rest = (2.0 * model.height / model.g).sqrt() * (1.0 + model.e) / (1.0 - model.e);
     let simulation = run(&Fesd::default().with_grid(60, 1), &model, Some(1.1 * rest));
     let diagnosis = simulation.status.diagnosis().unwrap();
-    assert!(diagnosis.message.contains("raise the rest velocity"), "{}", diagnosis.message);
+    assert!(
+        diagnosis.message.contains("raise the rest velocity"),
+        "{}",
+        diagnosis.message
+    );
     assert_eq!(diagnosis.contact, Some(0));
 }
 
@@ -298,9 +336,30 @@ fn block_that_stops_at_the_end_of_a_step_sticks_without_a_fallback() {
 #[test]
 fn three_bodies_that_collapse_on_the_floor_gain_no_energy_and_rest() {
     let columns = [
-        Column { m_1: 0.3, m_2: 0.2, m_3: 2.5, e_0: 0.9, e_1: 0.4, e_2: 0.2, ..Column::default() },
-        Column { m_1: 0.2, m_2: 4.0, m_3: 3.0, e_0: 0.5, e_1: 0.6, e_2: 0.5, ..Column::default() },
-        Column { m_1: 1e-5, m_2: 1.0, m_3: 1e5, ..Column::default() },
+        Column {
+            m_1: 0.3,
+            m_2: 0.2,
+            m_3: 2.5,
+            e_0: 0.9,
+            e_1: 0.4,
+            e_2: 0.2,
+            ..Column::default()
+        },
+        Column {
+            m_1: 0.2,
+            m_2: 4.0,
+            m_3: 3.0,
+            e_0: 0.5,
+            e_1: 0.6,
+            e_2: 0.5,
+            ..Column::default()
+        },
+        Column {
+            m_1: 1e-5,
+            m_2: 1.0,
+            m_3: 1e5,
+            ..Column::default()
+        },
     ];
     for model in columns {
         let energy = |q: &[f64], v: &[f64]| {
@@ -322,7 +381,10 @@ fn three_bodies_that_collapse_on_the_floor_gain_no_energy_and_rest() {
         }
         // All of it is gone within two seconds: the last bounces are slower than the rest velocity.
         let (q, v) = end(&simulation);
-        assert!(q.iter().chain(v).all(|value| value.abs() < 1e-5), "{q:?} {v:?}");
+        assert!(
+            q.iter().chain(v).all(|value| value.abs() < 1e-5),
+            "{q:?} {v:?}"
+        );
     }
 }
 
@@ -331,7 +393,12 @@ fn gap_that_becomes_no_number_ends_the_run_by_name() {
     let model = EndOfGround::default();
     for simulator in [Fesd::default(), Fesd::default().with_grid(30, 2)] {
         let simulation = run(&simulator, &model, None);
-        assert_eq!(simulation.status.name(), "not_finite", "{:?}", simulation.status);
+        assert_eq!(
+            simulation.status.name(),
+            "not_finite",
+            "{:?}",
+            simulation.status
+        );
         let reached = simulation.status.diagnosis().unwrap().time;
         // At x = 1 m, where the root ends, up to the shortest element that was tried.
         assert!((reached - 1.0 / model.v).abs() < 1e-3, "{reached}");
@@ -346,7 +413,11 @@ fn run_that_jams_at_its_start_keeps_the_start_and_names_the_contact() {
     assert_eq!(simulation.status.name(), "ambiguous_contact");
     assert_eq!(simulation.trajectory.time, [0.0]);
     assert_eq!(diagnosis.contact, Some(0));
-    assert!(diagnosis.message.contains("touching ground"), "{}", diagnosis.message);
+    assert!(
+        diagnosis.message.contains("touching ground"),
+        "{}",
+        diagnosis.message
+    );
 }
 
 #[test]
@@ -363,8 +434,16 @@ fn time_freezing_program_estimates_its_error_by_the_length_of_its_elements() {
 
 #[test]
 fn horizon_of_many_years_does_not_hide_an_impact() {
-    let model = FarBall { height: 1.0, ..FarBall::default() };
+    let model = FarBall {
+        height: 1.0,
+        ..FarBall::default()
+    };
     let simulation = run(&Fesd::default(), &model, Some(3e9));
     let impacts = simulation.events.iter();
-    assert_eq!(impacts.filter(|event| event.kind == EventKind::Impact).count(), 1);
+    assert_eq!(
+        impacts
+            .filter(|event| event.kind == EventKind::Impact)
+            .count(),
+        1
+    );
 }

@@ -10,9 +10,7 @@ mod scenes;
 use hangtime::model::Model;
 use hangtime::mpcc::{self, Mpcc as _, Settings, Status};
 use hangtime::nlp::NlpProblem as _;
-use hangtime::ocp::{
-    Component, Goal, Horizon, Objective, Problem, TimeFreezing, TimeFreezingSettings,
-};
+use hangtime::ocp::{Problem, TimeFreezing, TimeFreezingSettings};
 
 /// Crossovers solve their smooth program to 1e-8.
 const SAME: f64 = 1e-6;
@@ -82,16 +80,24 @@ fn solve_landing_moves_the_switch_to_the_best_element() {
     assert!((equilibration(&lengths) - with.objective).abs() < 1e-9);
 }
 
+hangtime::model! {
+    /// A ball that is to end below the ground.
+    Buried {
+        parameters { m: kg = 0.5, g: m/s^2 = 9.81 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        surface ground: z >= 0
+        impact ground: inelastic
+        finally { z == -0.5[m] }
+        start { z: 0.5 [m], dot(y): 1 [m/s] }
+        horizon 0.5 [s]
+    }
+}
+
 #[test]
 fn solve_goal_below_the_ground_is_infeasible_with_names() {
-    let ball = scenes::Ball::default();
-    let goal = Goal {
-        component: Component::Coordinate(1),
-        value: -0.5,
-    };
-    let mut problem = Problem::new(&ball, Objective::default(), vec![goal], 1);
-    (problem.q, problem.v) = (vec![0.0, 0.5], vec![1.0, 0.0]);
-    problem.horizon = Horizon::Fixed(0.5);
+    let ball = Buried::default();
+    let problem = Problem::of(&ball, 1);
     let mut program = TimeFreezing::new(&ball, &problem, &TimeFreezingSettings::default()).unwrap();
     let solution = mpcc::solve(&mut program, &Settings::default()).unwrap();
     assert_eq!(solution.status, Status::Infeasible);
