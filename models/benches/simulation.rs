@@ -39,14 +39,15 @@ fn ski_jump(criterion: &mut Criterion) {
         ];
         for (name, simulator) in simulators {
             group.bench_function(BenchmarkId::new(name, tolerance), |bencher| {
-                bencher
-                    .iter(|| black_box(simulator.simulate(&model, &problem, &mut |_| {})).unwrap());
+                bencher.iter(|| {
+                    black_box(simulator.simulate(&model, &problem, &mut |_| true)).unwrap()
+                });
             });
         }
     }
     group.bench_function("fesd default settings", |bencher| {
         bencher
-            .iter(|| black_box(Fesd::default().simulate(&model, &problem, &mut |_| {})).unwrap());
+            .iter(|| black_box(Fesd::default().simulate(&model, &problem, &mut |_| true)).unwrap());
     });
     group.finish();
 }

@@ -129,7 +129,7 @@ fn replay(case: &Case) -> Result<Option<Simulation>, InputError> {
         tolerance: REPLAY_TOLERANCE,
         ..EventDriven::default()
     };
-    event.simulate(model, &problem, &mut |_| {}).map(Some)
+    event.simulate(model, &problem, &mut |_| true).map(Some)
 }
 
 /// What the replay of the published controls shows.

@@ -34,7 +34,7 @@ impl<'a> Search<'a, '_> {
             ..EventDriven::default()
         };
         let motion = problem.initial_value_problem(&start, path.horizon, path.signal());
-        simulator.simulate(self.setting.model, &motion, &mut |_| {})
+        simulator.simulate(self.setting.model, &motion, &mut |_| true)
     }
 
     pub(super) fn read(&self, replay: &Simulation, path: &Path) -> Sequence {

@@ -66,7 +66,7 @@ impl Search<'_, '_> {
                 let controls = path.controls.signal_of(k, length);
                 let motion = problem.initial_value_problem(&start[..2 * n], length, controls);
                 // A start that rounding puts below a surface tells nothing about the accuracy.
-                let simulation = simulator.simulate(self.setting.model, &motion, &mut |_| {});
+                let simulation = simulator.simulate(self.setting.model, &motion, &mut |_| true);
                 let reached = simulation.ok().and_then(|mut s| s.trajectory.q.pop());
                 reached.map_or(0.0, |reached| largest_difference(&reached, &end[..n]))
             })

@@ -88,6 +88,7 @@ mod solve;
 mod stage_inputs;
 mod start_conditions;
 mod starts;
+mod summary;
 #[cfg(test)]
 mod test_scene;
 mod time_freezing;
@@ -97,7 +98,6 @@ mod units;
 
 pub use previous::Previous;
 pub use problem::{Component, Goal, Horizon, Objective, Problem};
-pub use progress::{Observer, Progress};
 pub use settings::{BoundsAt, ControlShape, Formulation, Guess, PathPoints, Settings};
 pub use solution::{
     Counts, Excess, Optimum, Size, Solution, Stationarity, Status, TimeFreezingReport,

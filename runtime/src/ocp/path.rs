@@ -96,7 +96,7 @@ impl Path {
             ..EventDriven::default()
         };
         let motion = problem.initial_value_problem(&problem.start(), self.horizon, self.signal());
-        let simulation = simulator.simulate(model, &motion, &mut |_| {})?;
+        let simulation = simulator.simulate(model, &motion, &mut |_| true)?;
         if simulation.trajectory.time.is_empty() {
             return Ok(self);
         }

@@ -313,6 +313,7 @@ impl Problem {
             v: v[..q.len()].to_vec(),
             horizon,
             controls,
+            points: InitialValueProblem::DEFAULT_POINTS,
         }
     }
 

@@ -5,10 +5,10 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 
 use super::problem::Problem;
-use super::progress::Observer;
 use super::settings::{Formulation, Guess, Settings};
 use super::solution::{Optimum, Solution, Status};
 use super::solve::solve_once;
+use crate::Observer;
 use crate::model::Model;
 use crate::simulation::InputError;
 

@@ -20,7 +20,7 @@ fn moreau(steps: usize) -> Moreau {
 
 fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
     let simulation = simulator
-        .simulate(model, problem, &mut |_| {})
+        .simulate(model, problem, &mut |_| true)
         .expect("the problem is accepted");
     assert_eq!(simulation.status, SimulationStatus::Solved);
     simulation
@@ -217,7 +217,7 @@ fn methods_without_the_laws_refuse_them_by_name() {
     let problem = start(&[0.0, 1.0], &[0.0; 2], 1.0);
     for simulator in [&FixedStep::default() as &dyn Simulator, &Smooth::default()] {
         let error = simulator
-            .simulate(&rough, &problem, &mut |_| {})
+            .simulate(&rough, &problem, &mut |_| true)
             .expect_err("friction is refused");
         assert!(matches!(error, InputError::UnsupportedLaw { .. }));
         assert!(error.to_string().contains(simulator.name()));

@@ -1,6 +1,7 @@
 //! Simulators against closed forms, certified values, and each other.
 
 mod common;
+mod contact_modes;
 mod event_contact_modes;
 mod event_driven;
 mod event_properties;
@@ -15,6 +16,7 @@ mod fesd_time_freezing;
 mod friction_coupled;
 mod friction_event;
 mod friction_time_stepping;
+mod front_door;
 mod linear_controls;
 mod restitution_event;
 mod time_stepping;

@@ -26,6 +26,7 @@ pub fn start(q: &[f64], v: &[f64], horizon: f64) -> InitialValueProblem {
         v: v.to_vec(),
         horizon,
         controls: ControlSignal::Zero,
+        points: InitialValueProblem::DEFAULT_POINTS,
     }
 }
 
