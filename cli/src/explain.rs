@@ -19,10 +19,7 @@ pub(crate) fn run(
     arguments: &ExplainArguments,
 ) -> Result<Report, BadInput> {
     if let Some(page) = page(&arguments.scene.scene)? {
-        return Ok(Report {
-            text: page.to_owned(),
-            diagnoses: Vec::new(),
-        });
+        return Ok(Report::of(page));
     }
     let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
     let declaration = chosen.model.declaration();
@@ -72,10 +69,7 @@ pub(crate) fn run(
         .map(|kernel| kernel.operations)
         .sum();
     let _ = writeln!(text, "  {total} operations in all");
-    Ok(Report {
-        text,
-        diagnoses: Vec::new(),
-    })
+    Ok(Report::of(text))
 }
 
 /// The page of a mistake, if its code was given.

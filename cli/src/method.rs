@@ -13,7 +13,7 @@ use hangtime::simulation::{
 };
 use serde::Serialize;
 
-use crate::arguments::{FormulationName, Method, MethodArguments, SchemeName};
+use crate::arguments::{FormulationName, MOST_STEPS, Method, MethodArguments, SchemeName};
 use crate::failure::BadInput;
 use crate::table::counted;
 
@@ -50,9 +50,33 @@ impl MethodSettings {
         self.steps
     }
 
+    /// The settings with the number of steps that `simulation` took, where the method chose it itself.
+    pub(crate) fn with_steps_of(&self, simulation: &Simulation) -> Self {
+        let mut settings = self.clone();
+        if self.stages.is_some() && self.steps.is_none() {
+            settings.steps = Some(simulation.counts.elements);
+        }
+        settings
+    }
+
     /// Width of the smoothed step functions, for the method that has one.
     pub(crate) fn width(&self) -> Option<f64> {
         self.width
+    }
+
+    /// Refuses more elements in all than states fit into memory.
+    fn refuse_too_many_elements(&self) -> Result<(), BadInput> {
+        let (Some(steps), Some(elements)) = (self.steps, self.elements) else {
+            return Ok(());
+        };
+        if steps.saturating_mul(elements) <= MOST_STEPS {
+            return Ok(());
+        }
+        Err(BadInput::new(format!(
+            "--steps {steps} of --elements {elements} are {} elements, more than {MOST_STEPS}, whose states stay in memory; \
+             lower one of them, simulate a part of the horizon, or give a tolerance",
+            steps.saturating_mul(elements)
+        )))
     }
 
     /// Error tolerance of a step, for methods that have one.
@@ -96,8 +120,6 @@ impl fmt::Display for MethodSettings {
 pub(crate) struct ChosenMethod {
     /// Its settings.
     pub(crate) settings: MethodSettings,
-    /// Settings that were given and have no effect, for the notes of the result.
-    idle: Vec<&'static str>,
     simulator: Box<dyn Simulator>,
 }
 
@@ -105,13 +127,7 @@ impl ChosenMethod {
     /// Makes the simulator; settings left out take the method's defaults.
     pub(crate) fn from_arguments(arguments: &MethodArguments) -> Result<Self, BadInput> {
         arguments.refuse_foreign_settings()?;
-        let mut chosen = Self::of(arguments);
-        chosen.idle = arguments.idle_settings();
-        Ok(chosen)
-    }
-
-    fn of(arguments: &MethodArguments) -> Self {
-        match arguments.method {
+        let chosen = match arguments.method {
             Method::Fesd => fesd(arguments),
             Method::Event => {
                 let mut event = EventDriven::default();
@@ -143,7 +159,9 @@ impl ChosenMethod {
                 fixed.steps = arguments.steps.unwrap_or(fixed.steps);
                 Self::new(stepping(fixed.steps), fixed)
             }
-        }
+        };
+        chosen.settings.refuse_too_many_elements()?;
+        Ok(chosen)
     }
 
     fn new(settings: MethodSettings, simulator: impl Simulator + 'static) -> Self {
@@ -152,7 +170,6 @@ impl ChosenMethod {
                 name: simulator.name(),
                 ..settings
             },
-            idle: Vec::new(),
             simulator: Box::new(simulator),
         }
     }
@@ -168,12 +185,6 @@ impl ChosenMethod {
         let mut simulation = self.simulator.simulate(model, problem, observer)?;
         if let Ok(elapsed) = start.and_then(|start| start.try_elapsed()) {
             simulation.seconds.total = elapsed.as_secs_f64();
-        }
-        for option in &self.idle {
-            simulation.notes.push(format!(
-                "{option} has no effect with --method {}",
-                self.settings.name
-            ));
         }
         Ok(simulation)
     }
@@ -193,8 +204,10 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
         Some(SchemeName::GaussLegendre) => Scheme::GaussLegendre,
         None => fesd.scheme,
     };
-    fesd.stages = arguments.stages.unwrap_or(fesd.stages);
-    fesd.steps = arguments.steps.unwrap_or(fesd.steps);
+    fesd.stages = arguments.stages;
+    // Whoever names the elements of a step wants steps.
+    let grid = arguments.elements.map(|_| Fesd::DEFAULT_STEPS);
+    fesd.steps = arguments.steps.or(grid);
     fesd.elements = arguments.elements.unwrap_or(fesd.elements);
     fesd.tolerance = arguments.tolerance;
     fesd.exit_condition = !arguments.no_exit_condition;
@@ -203,13 +216,15 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
         FormulationName::ActiveSet => StepFormulation::ActiveSet,
         FormulationName::TimeFreezing => StepFormulation::TimeFreezing,
     };
+    let tolerance = fesd.promise();
+    let grid = tolerance.is_none();
     let settings = MethodSettings {
         formulation: Some(name_of(formulation)),
         scheme: Some(fesd.scheme.name()),
-        stages: Some(fesd.stages),
-        steps: Some(fesd.steps),
-        elements: fesd.tolerance.is_none().then_some(fesd.elements),
-        tolerance: fesd.tolerance,
+        stages: Some(fesd.stage_count()),
+        steps: fesd.steps.or(grid.then_some(Fesd::DEFAULT_STEPS)),
+        elements: grid.then_some(fesd.elements),
+        tolerance,
         exit_condition: Some(fesd.exit_condition),
         ..MethodSettings::default()
     };
@@ -217,27 +232,14 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
 }
 
 impl MethodArguments {
-    /// The settings of a discretization that were given but that the method does not have.
-    fn idle_settings(&self) -> Vec<&'static str> {
-        use Method::{Fesd, Fixed, Moreau};
-        let given: [(&str, bool, &[Method]); 4] = [
+    /// Refuses a setting that the method does not have.
+    fn refuse_foreign_settings(&self) -> Result<(), BadInput> {
+        use Method::{Event, Fesd, Fixed, Moreau, Smooth};
+        let given: [(&str, bool, &[Method]); 8] = [
             ("--scheme", self.scheme.is_some(), &[Fesd]),
             ("--stages", self.stages.is_some(), &[Fesd]),
             ("--steps", self.steps.is_some(), &[Fesd, Moreau, Fixed]),
             ("--elements", self.elements.is_some(), &[Fesd]),
-        ];
-        given
-            .iter()
-            .filter(|(_, given, methods)| *given && !methods.contains(&self.method))
-            .map(|&(option, _, _)| option)
-            .collect()
-    }
-
-    /// Refuses a setting of another method. The settings of a discretization are common to `simulate`, so
-    /// that methods can be compared by changing `--method` alone; the result notes which had no effect.
-    fn refuse_foreign_settings(&self) -> Result<(), BadInput> {
-        use Method::{Event, Fesd, Smooth};
-        let given: [(&str, bool, &[Method]); 4] = [
             ("--formulation", self.formulation.is_some(), &[Fesd]),
             (
                 "--tolerance",
@@ -269,7 +271,7 @@ impl MethodArguments {
 }
 
 /// Name of a choice on the command line; none of them is hidden.
-fn name_of(choice: impl ValueEnum) -> String {
+pub(crate) fn name_of(choice: impl ValueEnum) -> String {
     choice
         .to_possible_value()
         .map(|value| value.get_name().to_owned())

@@ -59,7 +59,7 @@ extern crate self as hangtime;
 mod dcs;
 mod fesd;
 mod front;
-pub mod linalg;
+mod linalg;
 pub mod model;
 pub mod mpcc;
 pub mod nlp;

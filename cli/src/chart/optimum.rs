@@ -2,7 +2,8 @@
 
 use hangtime::ocp::{self, Formulation, Problem, Settings, TimeFreezingSettings};
 
-use super::Chart;
+use super::drawn::Chart;
+use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::figure::{Curve, log_log};
 use crate::page::Section;
@@ -79,7 +80,11 @@ struct Run {
 }
 
 /// Solves on every grid; `None` for a scene without an objective.
-pub(super) fn chart(chosen: &ChosenScene, grids: &[Grid]) -> Result<Option<Chart>, BadInput> {
+pub(super) fn chart(
+    chosen: &ChosenScene,
+    grids: &[Grid],
+    bounds: &Bounds,
+) -> Result<Option<Chart>, BadInput> {
     let model = chosen.model.as_ref();
     if model.declaration().optimal_control.is_none() {
         return Ok(None);
@@ -90,10 +95,15 @@ pub(super) fn chart(chosen: &ChosenScene, grids: &[Grid]) -> Result<Option<Chart
     let mut runs: Vec<Run> = Vec::with_capacity(total);
     for (line, grid) in grids.iter().enumerate() {
         for &intervals in grid.intervals {
+            if bounds.asked().is_some() {
+                break;
+            }
             progress.say(&format!("{name}: {}, {intervals} intervals", grid.name()));
             let problem = Problem::of(model, intervals);
-            let solution = ocp::solve(model, &problem, &grid.settings(), &mut |_| true)
-                .map_err(|error| chosen.refuse(&error))?;
+            let solution = ocp::solve(model, &problem, &grid.settings(), &mut |_| {
+                bounds.asked().is_none()
+            })
+            .map_err(|error| chosen.refuse(&error))?;
             runs.push(Run {
                 line,
                 name: grid.name(),
@@ -243,7 +253,13 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
 #[cfg(test)]
 mod tests {
     use super::{Grid, chart};
+    use crate::arguments::LimitArguments;
+    use crate::bounds::Bounds;
     use crate::settings::{ChosenScene, find};
+
+    fn unbounded() -> Bounds {
+        Bounds::watch("test", &LimitArguments::default())
+    }
 
     /// The cheapest grids that solve.
     const COARSE: [Grid; 1] = [Grid {
@@ -255,7 +271,7 @@ mod tests {
     #[test]
     fn chart_of_the_solver_has_a_row_for_every_run_and_measures_from_the_best() {
         let chosen = ChosenScene::new(find(crate::testing::SCENES, "wave").unwrap(), &[]).unwrap();
-        let chart = chart(&chosen, &COARSE).unwrap().unwrap();
+        let chart = chart(&chosen, &COARSE, &unbounded()).unwrap().unwrap();
         let section = chart.section.unwrap();
         assert_eq!(section.rows.len(), 2);
         let above: Vec<f64> = section
@@ -280,6 +296,6 @@ mod tests {
     #[test]
     fn chart_of_the_solver_without_an_objective_is_none() {
         let chosen = ChosenScene::new(find(crate::testing::SCENES, "slide").unwrap(), &[]).unwrap();
-        assert!(chart(&chosen, &COARSE).unwrap().is_none());
+        assert!(chart(&chosen, &COARSE, &unbounded()).unwrap().is_none());
     }
 }

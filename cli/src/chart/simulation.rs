@@ -2,9 +2,10 @@
 
 use hangtime::simulation::{InitialValueProblem, InputError, SimulationStatus};
 
-use super::Chart;
+use super::drawn::Chart;
 use super::sweep::{Group, Sweep, sweeps};
 use crate::arguments::{Method, MethodArguments};
+use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::figure::{Curve, log_log};
 use crate::method::ChosenMethod;
@@ -44,6 +45,7 @@ struct Measured {
 pub(super) fn chart(
     chosen: &ChosenScene,
     problem: &InitialValueProblem,
+    bounds: &Bounds,
 ) -> Result<Chart, BadInput> {
     let exact = MethodArguments {
         method: Method::Event,
@@ -69,6 +71,9 @@ pub(super) fn chart(
     for (done, sweep) in sweeps.into_iter().enumerate() {
         let mut points = Vec::with_capacity(sweep.settings.len());
         for arguments in &sweep.settings {
+            if bounds.asked().is_some() {
+                break;
+            }
             points.push(measure(chosen, problem, arguments, reference)?);
         }
         let ordered = sweep.ordered();

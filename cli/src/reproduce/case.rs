@@ -80,6 +80,7 @@ impl Case {
         let words = match value.measure {
             Measure::FinalTime => "final time".to_owned(),
             Measure::Final(quantity) => format!("{} at the end", symbol(quantity)),
+            Measure::Gain(quantity) => format!("gain of {}", symbol(quantity)),
             Measure::At(time, quantity) => format!("{} at {time} s", symbol(quantity)),
             Measure::EventTime(kind) => format!("time of the {}", kind.name().replace('_', "-")),
             Measure::EventCoordinate(kind, index) => format!(

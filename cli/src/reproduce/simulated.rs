@@ -64,7 +64,7 @@ pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput
         let method = ChosenMethod::from_arguments(&arguments)?;
         let simulation = fastest(chosen, &method, &problem).map_err(refuse)?;
         diagnoses.extend(diagnosis_line(chosen, &simulation));
-        let json = Document::new(chosen, horizon, &method.settings, &simulation).text();
+        let json = Document::new(chosen, horizon, &method.settings, &simulation, usize::MAX).text();
         if index == 0 {
             let result = ResultFiles {
                 stem: published.name.to_owned(),
@@ -73,12 +73,13 @@ pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput
                 simulation: &simulation,
                 json: &json,
                 published: &case.data,
+                rows: usize::MAX,
                 facts: facts(&method, &simulation),
             };
             files.extend(result.contents());
         } else {
             let stem = format!("{}_{file}", published.name);
-            let csv = trajectory_csv(model.declaration(), &simulation.trajectory);
+            let csv = trajectory_csv(model.declaration(), &simulation.trajectory, usize::MAX);
             files.push((format!("{stem}.json"), json));
             files.push((format!("{stem}-trajectory.csv"), csv));
         }
@@ -138,7 +139,7 @@ fn positions(case: &Case, exact: &Column) -> (Option<String>, String) {
         let mut row = vec![point.time.to_string()];
         row.extend(point.positions.as_flattened().iter().map(f64::to_string));
         if let Some(state) = exact.state_at(case, point.time) {
-            let positions = (plane.positions)(case.chosen.model.as_ref(), &state.q);
+            let positions = plane.bodies_at(case.chosen.model.as_ref(), &state.q);
             row.extend(positions.as_flattened().iter().map(f64::to_string));
             for (a, b) in positions.iter().zip(&point.positions) {
                 let distance = (a[0] - b[0]).hypot(a[1] - b[1]);

@@ -187,6 +187,14 @@ pub trait Model: Send + Sync {
     fn boxed(&self) -> Box<dyn Model>;
 }
 
+/// Coefficient of friction of each contact, 0 where none is declared.
+pub(crate) fn friction_coefficients(model: &dyn Model) -> Vec<f64> {
+    let contacts = model.declaration().contacts;
+    (0..contacts.len())
+        .map(|i| contacts[i].friction.map_or(0.0, |_| model.friction(i)))
+        .collect()
+}
+
 /// Layout of the output of [`Model::contact`].
 pub mod contact_point {
     /// Gap `g` [unit of the surface].

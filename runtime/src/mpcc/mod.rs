@@ -20,7 +20,6 @@
 //!     Elastic        min f + s / sigma,  x_i x_j <= s,  s >= 0,  sigma = 1, 0.1, ... until s vanishes
 //!     Continuation   sigma in steps whose length follows the iterations of the last one
 //!     Proportional   sigma = 10 mu
-//!     Homotopy       sigma = 1, 0.1, ..., 1e-8 in separate solves, for comparison
 //! ```
 //!
 //! At `sigma = 1e-5` a *crossover* fixes one side of each pair at zero, the smaller one or those that
@@ -49,7 +48,6 @@
 mod branch;
 mod certificate;
 mod crossover;
-mod driver;
 mod elastic;
 mod forced;
 mod linear_program;
@@ -58,10 +56,12 @@ mod relaxation;
 mod run;
 mod settings;
 mod solution;
+mod solve;
 mod watch;
 
 pub use certificate::{Certificate, StationarityType};
-pub use driver::{solve, solve_observed, solve_parallel};
+
 pub use problem::Mpcc;
 pub use settings::{RelaxationRule, Settings};
 pub use solution::{Residuals, Solution, Status};
+pub use solve::{solve, solve_observed};

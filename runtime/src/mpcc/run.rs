@@ -31,7 +31,7 @@ fn make_path(
         RelaxationRule::RollOff => Box::new(tied(roll_off)),
         RelaxationRule::Proportional => Box::new(tied(proportional)),
         RelaxationRule::Continuation => Box::new(Continuation::new((mu, sigma), tolerance, floor)),
-        RelaxationRule::Homotopy | RelaxationRule::Elastic => Box::new(nlp::Monotone {
+        RelaxationRule::Elastic => Box::new(nlp::Monotone {
             mu,
             sigma,
             tolerance,
@@ -49,10 +49,8 @@ pub(crate) fn solve_with(
     rule: RelaxationRule,
     watch: &mut Watch<'_>,
 ) -> Result<Ended, InputError> {
-    match rule {
-        RelaxationRule::Homotopy => return homotopy(problem, settings, watch),
-        RelaxationRule::Elastic => return elastic(problem, settings, watch),
-        _ => {}
+    if rule == RelaxationRule::Elastic {
+        return elastic(problem, settings, watch);
     }
     let interior_point = &settings.interior_point;
     let last = |products: &Products| End::last(products.sigma);
@@ -151,53 +149,6 @@ pub(crate) fn relax(
         &mut |_| true,
         |settings, observer| nlp::run(problem, settings, products, path, start, Some(observer)),
     )
-}
-
-/// Separate solves with `sigma = 1, 0.1, ...` down to the final one, each from the last point.
-fn homotopy(
-    problem: &mut dyn Mpcc,
-    settings: &Settings,
-    watch: &mut Watch<'_>,
-) -> Result<Ended, InputError> {
-    let mut products = Products {
-        pairs: problem.complementarities().to_vec(),
-        ..Products::default()
-    };
-    let mut sigma: f64 = 1.0;
-    let mut last: Option<nlp::Solution> = None;
-    loop {
-        let mut path = nlp::Monotone {
-            mu: settings.interior_point.initial_barrier_parameter,
-            sigma,
-            tolerance: settings.interior_point.tolerance,
-        };
-        let point = last.as_ref().map(|s| &s.x[..]);
-        let solution = watch.run(
-            Purpose::Relaxed,
-            &settings.interior_point,
-            &mut |_| true,
-            |settings, observer| {
-                nlp::run_from_point(
-                    problem,
-                    settings,
-                    &mut products,
-                    &mut path,
-                    point,
-                    Some(observer),
-                )
-            },
-        )?;
-        // a failed step still gives the next one its start, the last one decides
-        if sigma <= settings.final_relaxation || watch.stop.is_some() {
-            let (rule, end) = (RelaxationRule::Homotopy, End::last(sigma));
-            return Ok(finish(problem, settings, rule, solution, end, watch));
-        }
-        last = Some(solution);
-        sigma = (0.1 * sigma).max(settings.final_relaxation);
-        if sigma < 1.5 * settings.final_relaxation {
-            sigma = settings.final_relaxation;
-        }
-    }
 }
 
 /// Where a relaxed run ended and how it crosses over from there.

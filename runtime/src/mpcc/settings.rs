@@ -17,9 +17,6 @@ pub enum RelaxationRule {
     /// `s >= 0`, for `sigma = 1, 0.1, ...` until `s` vanishes (Anitescu, SIAM Journal on Optimization 15, 2005). The
     /// most robust rule where the relaxed problem becomes infeasible, at the price of a row for each pair.
     Elastic,
-    /// A sequence of separate solves with `sigma = 1, 0.1, ..., 1e-8`, each from the last point; for
-    /// comparison (Scholtes 2001).
-    Homotopy,
 }
 
 /// Settings of the method for complementarity problems; change fields of [`Settings::default`].
@@ -33,7 +30,7 @@ pub struct Settings {
     /// Most interior point iterations of the whole solve, those of crossovers and certificates included; default
     /// 10 000.
     pub maximum_iterations: usize,
-    /// Rules to try, in this order, until one ends at a certified point; default all but the homotopy.
+    /// Rules to try, in this order, until one ends at a certified point; default all.
     pub rules: Vec<RelaxationRule>,
     /// Whether the rule after the one that ends at a certified point is tried too, for a better objective, where the
     /// sides that the relaxed problem had chosen at the first crossover could not be met; default true. The relaxed

@@ -89,7 +89,15 @@ pub enum InputError {
         /// What is wrong and how to mend it.
         fault: &'static str,
     },
-    /// The symbolic analysis of the Newton matrix failed.
-    #[error(transparent)]
-    Linear(#[from] crate::linalg::FactorizationError),
+    /// The Newton matrix is too large for its symbolic analysis.
+    #[error(
+        "{variables} variables and {constraints} constraints, or their nonzeros, are too many for the memory or the 32-bit \
+         indices of the factorization; state a smaller problem"
+    )]
+    Size {
+        /// Number of variables.
+        variables: usize,
+        /// Number of constraints.
+        constraints: usize,
+    },
 }

@@ -33,7 +33,9 @@ pub struct IterationInfo {
     /// Factorizations of the iteration.
     pub factorizations: usize,
     /// How the step was accepted: `f` Armijo, `h` filter, `F`/`H` the same after a second-order
-    /// correction, `t` tiny step, `w` full step of the watchdog, `s` soft restoration and `S` its last step, `R` after restoration,
-    /// ` ` none.
+    /// correction, `t` tiny step, `R` after restoration, ` ` none.
     pub acceptance: char,
 }
+
+/// Receives each line of the log as it is made; `false` stops the run.
+pub type Observer<'a> = dyn FnMut(&IterationInfo) -> bool + 'a;

@@ -29,6 +29,19 @@
 //! A model may depend on the time itself (`t` in forces, surfaces or costs). Where the final time is free, the time of
 //! every stage is then an unknown that moves with it.
 //!
+//! # Layers
+//! Each folder uses those below it, and the data that the caller sees:
+//!
+//! ```text
+//! solve        the order of work: starts, levels of grids, one grid
+//! judge        re-simulation of a plan, and finer grids where it does not agree
+//! search       contact sequences: attempts, neighbours, repair
+//! global       motions to start from: guesses, contact-implicit programs, time-freezing
+//! collocation  the program of high order with a given contact sequence
+//! program      sparse programs of model functions, their units, and the door to the solvers
+//! motion       trajectories, controls, contact modes and sequences
+//! ```
+//!
 //! # Examples
 //! Least final time of a cart that is pushed from rest to 1 m and has no bound on its speed: it accelerates all the
 //! way, `t = sqrt(2 m / u)`.
@@ -56,51 +69,26 @@
 //! # Ok::<(), hangtime::simulation::InputError>(())
 //! ```
 
-mod attempt;
 mod collocation;
-mod confirm;
-mod contact_implicit;
-mod control_grid;
-mod cubic_bounds;
-mod cuts;
-mod frame;
-mod friction;
-mod friction_checks;
-mod friction_neighbours;
 mod global;
-mod grid;
-mod impact_map;
-mod kernel;
-mod levels;
-mod limits;
-mod mode;
-mod path;
+mod judge;
+mod motion;
 mod previous;
 mod problem;
 mod program;
 mod progress;
-mod repair;
 mod search;
-mod sequence;
 mod settings;
 mod solution;
 mod solve;
-mod stage_inputs;
-mod start_conditions;
-mod starts;
 mod summary;
-#[cfg(test)]
-mod test_scene;
-mod time_freezing;
-mod time_freezing_search;
-mod transcribe;
-mod units;
 
+pub use global::time_freezing::{TimeFreezing, TimeFreezingMotion};
+pub use motion::control_grid::ControlShape;
 pub use previous::Previous;
 pub use problem::{Component, Goal, Horizon, Objective, Problem};
-pub use settings::{BoundsAt, ControlShape, Formulation, Guess, PathPoints, Settings};
+pub use settings::{BoundsAt, Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
 pub use solution::{
     Counts, Excess, Optimum, Size, Solution, Stationarity, Status, TimeFreezingReport,
 };
 pub use solve::solve;
-pub use time_freezing::{TimeFreezing, TimeFreezingMotion, TimeFreezingSettings};

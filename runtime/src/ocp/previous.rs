@@ -1,10 +1,10 @@
 //! A motion that was found earlier, as a start for a neighbouring problem.
 
-use super::global::Relaxed;
-use super::path::Path;
 use super::problem::{Horizon, Problem};
-use super::sequence::{Place, Sequence};
 use crate::model::Model;
+use crate::ocp::motion::candidate::Candidate;
+use crate::ocp::motion::sequence::{Place, Sequence};
+use crate::ocp::motion::trajectory::Trajectory;
 use crate::simulation::InputError;
 
 /// Switches nearer to an interval end than this share of the interval keep to it.
@@ -14,24 +14,31 @@ const AT_THE_END: f64 = 1e-9;
 /// [`Guess::Previous`](super::Guess::Previous).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Previous {
-    path: Path,
+    trajectory: Trajectory,
     sequence: Sequence,
 }
 
 impl Previous {
-    pub(super) fn new(path: Path, sequence: Sequence) -> Self {
-        Self { path, sequence }
+    pub(in crate::ocp) fn new(trajectory: Trajectory, sequence: Sequence) -> Self {
+        Self {
+            trajectory,
+            sequence,
+        }
     }
 
     /// The motion over the intervals of a problem, over its horizon if that is given.
-    pub(super) fn path(&self, model: &dyn Model, problem: &Problem) -> Result<Path, InputError> {
+    pub(in crate::ocp) fn trajectory(
+        &self,
+        model: &dyn Model,
+        problem: &Problem,
+    ) -> Result<Trajectory, InputError> {
         let declaration = model.declaration();
         let states = 2 * declaration.coordinates.len() + declaration.contacts.len();
         let lengths = [
-            ("states", self.path.states.first(), states),
+            ("states", self.trajectory.states.first(), states),
             (
                 "controls",
-                self.path.controls.values().first(),
+                self.trajectory.controls.values().first(),
                 declaration.controls.len(),
             ),
         ];
@@ -45,38 +52,38 @@ impl Previous {
                 });
             }
         }
-        let mut path = self.path.clone();
-        let shape = path.controls.shape();
-        path.controls = path.controls.resampled(shape, problem.intervals);
-        if let Horizon::Fixed(horizon) = problem.horizon {
-            let factor = horizon / path.horizon;
-            path.time.iter_mut().for_each(|time| *time *= factor);
-            path.horizon = horizon;
-        }
-        Ok(path)
+        let mut trajectory = self.trajectory.clone();
+        let shape = trajectory.controls.shape();
+        trajectory.controls = trajectory.controls.resampled(shape, problem.intervals);
+        Ok(match problem.horizon {
+            Horizon::Fixed(horizon) => trajectory.stretched(horizon),
+            Horizon::Free { .. } => trajectory,
+        })
     }
 
     /// Number of control intervals.
-    pub(super) fn intervals(&self) -> usize {
-        self.path.controls.intervals()
+    pub(in crate::ocp) fn intervals(&self) -> usize {
+        self.trajectory.controls.intervals()
     }
 
     /// Controls of each interval, or at the nodes.
-    pub(super) fn controls(&self) -> Vec<Vec<f64>> {
-        self.path.controls.values().to_vec()
+    pub(in crate::ocp) fn controls(&self) -> Vec<Vec<f64>> {
+        self.trajectory.controls.values().to_vec()
     }
 
     /// The motion on another number of intervals.
-    pub(super) fn resampled(&self, intervals: usize) -> Self {
-        let mut path = self.path.clone();
-        path.controls = path.controls.resampled(path.controls.shape(), intervals);
-        let relaxed = self.relaxed(&path, intervals);
-        Self::new(relaxed.path, relaxed.sequence)
+    pub(in crate::ocp) fn resampled(&self, intervals: usize) -> Self {
+        let mut trajectory = self.trajectory.clone();
+        trajectory.controls = trajectory
+            .controls
+            .resampled(trajectory.controls.shape(), intervals);
+        let candidate = self.candidate(&trajectory, intervals);
+        Self::new(candidate.trajectory, candidate.sequence)
     }
 
-    /// `path` with the contact sequence on that many intervals.
-    pub(super) fn relaxed(&self, path: &Path, intervals: usize) -> Relaxed {
-        let factor = intervals as f64 / self.path.controls.intervals() as f64;
+    /// `trajectory` with the contact sequence on that many intervals.
+    pub(in crate::ocp) fn candidate(&self, trajectory: &Trajectory, intervals: usize) -> Candidate {
+        let factor = intervals as f64 / self.trajectory.controls.intervals() as f64;
         let mut sequence = self.sequence.clone();
         for switch in &mut sequence.switches {
             let time = switch.time * factor;
@@ -89,9 +96,9 @@ impl Previous {
                 switch.interval = (time as usize).min(intervals - 1);
             }
         }
-        Relaxed {
+        Candidate {
             objective: f64::INFINITY,
-            path: path.clone(),
+            trajectory: trajectory.clone(),
             sequence,
         }
     }

@@ -1,13 +1,11 @@
 //! The optimal control problem, and the checks that come before it is solved.
 
-use super::path::Path;
-use crate::model::{ConstraintRelation, Model, OptimalControlDeclaration, contact_point};
+use crate::model::{Model, OptimalControlDeclaration, contact_point};
 use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
 
 /// Most control intervals: the programs are kept in memory.
 const MOST_INTERVALS: usize = 10_000;
-/// Singular values below this are zero in the search for a state that fulfils the goals.
-const SINGULAR: f64 = 1e-12;
+
 /// Normal velocity into a surface that rounding may cause at the start.
 const AT_REST: f64 = 1e-9;
 
@@ -275,13 +273,13 @@ impl Problem {
     }
 
     /// What the scene declares, as far as it counts.
-    pub(super) fn declared(&self, model: &dyn Model) -> Option<OptimalControlDeclaration> {
+    pub(in crate::ocp) fn declared(&self, model: &dyn Model) -> Option<OptimalControlDeclaration> {
         let declared = model.declaration().optimal_control;
         declared.filter(|_| self.declared)
     }
 
     /// Range of each component of `(q, v)` at the start: a point but for the free initial values.
-    pub(super) fn start_ranges(&self, model: &dyn Model) -> Vec<(f64, f64)> {
+    pub(in crate::ocp) fn start_ranges(&self, model: &dyn Model) -> Vec<(f64, f64)> {
         let start = self.q.iter().chain(&self.v);
         let mut ranges: Vec<(f64, f64)> = start.map(|&value| (value, value)).collect();
         let Some(declared) = self.declared(model) else {
@@ -301,7 +299,7 @@ impl Problem {
     }
 
     /// The motion under given controls from the start `(q, v)`.
-    pub(super) fn initial_value_problem(
+    pub(in crate::ocp) fn initial_value_problem(
         &self,
         start: &[f64],
         horizon: f64,
@@ -318,120 +316,20 @@ impl Problem {
     }
 
     /// The declared `(q, v)` at the start.
-    pub(super) fn start(&self) -> Vec<f64> {
+    pub(in crate::ocp) fn start(&self) -> Vec<f64> {
         self.q.iter().chain(&self.v).copied().collect()
     }
 
     /// Whether any initial value is to be found.
-    pub(super) fn has_free_start(&self, model: &dyn Model) -> bool {
+    pub(in crate::ocp) fn has_free_start(&self, model: &dyn Model) -> bool {
         self.declared(model)
             .is_some_and(|declared| !declared.free_start.is_empty())
-    }
-
-    /// The `(q, v)` that a path starts at, where it is free, and the declared one elsewhere.
-    pub(super) fn start_of(&self, model: &dyn Model, path: &Path) -> Vec<f64> {
-        let ranges = self.start_ranges(model).into_iter();
-        let start = ranges.zip(&path.states[0]);
-        start
-            .map(|((lower, upper), value)| value.max(lower).min(upper))
-            .collect()
-    }
-
-    /// A guess of the horizon \[s\]: the longest distance to a goal at the speed of the start, or else the
-    /// horizon of the scene, or else 1 s.
-    pub(super) fn horizon_guess(&self, model: &dyn Model) -> f64 {
-        match self.horizon {
-            Horizon::Fixed(horizon)
-            | Horizon::Free {
-                guess: Some(horizon),
-            } => horizon,
-            Horizon::Free { guess: None } => {
-                let targets = self.targets(model).into_iter().enumerate();
-                let times =
-                    targets.filter_map(|(k, target)| Some((target? - self.q[k]) / self.v[k]));
-                let longest = times.filter(|t| t.is_finite() && *t > 0.0).reduce(f64::max);
-                longest.or_else(|| model.horizon()).unwrap_or(1.0)
-            }
-        }
-    }
-
-    /// Where the goals ask coordinates to be at the end: the state nearest to the start that fulfils them, by the
-    /// method of Gauss and Newton; `None` for coordinates that they leave alone.
-    pub(super) fn targets(&self, model: &dyn Model) -> Vec<Option<f64>> {
-        let n = self.q.len();
-        let mut targets = vec![None; n];
-        if let Some(declared) = self.declared(model) {
-            let mut z = self.start();
-            z.push(match self.horizon {
-                Horizon::Fixed(horizon)
-                | Horizon::Free {
-                    guess: Some(horizon),
-                } => horizon,
-                Horizon::Free { guess: None } => model.horizon().unwrap_or(1.0),
-            });
-            approach(model, &declared, &mut z);
-            let (lower, upper) = bounds(model);
-            for k in 0..n {
-                let moved = (z[k] - self.q[k]).abs() > AT_REST * self.q[k].abs().max(1.0);
-                if moved && z[k].is_finite() && lower[k] <= upper[k] {
-                    targets[k] = Some(z[k].clamp(lower[k], upper[k]));
-                }
-            }
-        }
-        for goal in &self.goals {
-            if let Component::Coordinate(k) = goal.component {
-                targets[k] = Some(goal.value);
-            }
-        }
-        targets
-    }
-}
-
-/// Steps of [`approach`].
-const STEPS: usize = 20;
-
-/// Moves `z = (q, v, T)` by shortest Newton steps towards fulfilling the terminal conditions.
-fn approach(model: &dyn Model, declared: &OptimalControlDeclaration, z: &mut [f64]) {
-    let first = usize::from(declared.final_cost);
-    let pattern = declared.terminal_jacobian.entries;
-    let mut values = vec![0.0; declared.terminal_functions()];
-    let mut slopes = vec![0.0; pattern.len()];
-    for _ in 0..STEPS {
-        model.terminal_functions(z, &mut values);
-        model.terminal_jacobian(z, &mut slopes);
-        let residuals = declared.goals.iter().zip(&values[first..]);
-        let residuals = residuals.map(|(goal, &value)| match goal.relation {
-            ConstraintRelation::Zero => value,
-            ConstraintRelation::NonNegative => value.min(0.0),
-        });
-        let residual = nalgebra::DVector::from_iterator(declared.goals.len(), residuals);
-        let mut jacobian = nalgebra::DMatrix::zeros(declared.goals.len(), z.len());
-        for (&(row, column), slope) in pattern.iter().zip(&slopes) {
-            if let Some(goal) = (row as usize).checked_sub(first)
-                && residual[goal] != 0.0
-            {
-                jacobian[(goal, column as usize)] = *slope;
-            }
-        }
-        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
-        if residual.amax() == 0.0 || !finite(residual.as_slice()) || !finite(jacobian.as_slice()) {
-            return;
-        }
-        let Ok(step) = jacobian.svd(true, true).solve(&residual, SINGULAR) else {
-            return;
-        };
-        for (z, step) in z.iter_mut().zip(step.iter()) {
-            *z -= step;
-        }
-        if step.amax() <= SINGULAR {
-            return;
-        }
     }
 }
 
 impl Component {
     /// Index of the coordinate.
-    pub(super) fn index(self) -> usize {
+    pub(in crate::ocp) fn index(self) -> usize {
         match self {
             Self::Coordinate(index) | Self::Velocity(index) => index,
         }
@@ -439,7 +337,7 @@ impl Component {
 }
 
 /// Declared bounds, coordinates first.
-pub(super) fn bounds(model: &dyn Model) -> (Vec<f64>, Vec<f64>) {
+pub(in crate::ocp) fn bounds(model: &dyn Model) -> (Vec<f64>, Vec<f64>) {
     let declaration = model.declaration();
     let length = declaration.coordinates.len() + declaration.controls.len();
     let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; length], vec![f64::INFINITY; length]);

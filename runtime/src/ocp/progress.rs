@@ -7,17 +7,17 @@ use crate::nlp::IterationInfo;
 use crate::{Observer, Progress};
 
 /// The observer, and whether it has asked to stop.
-pub(super) struct Watch<'o> {
+pub(in crate::ocp) struct Watch<'o> {
     observer: &'o mut Observer<'o>,
     start: Instant,
     progress: Progress,
     /// Iterations of the programs before this one.
     before: usize,
-    pub(super) stopped: bool,
+    pub(in crate::ocp) stopped: bool,
 }
 
 impl<'o> Watch<'o> {
-    pub(super) fn new(observer: &'o mut Observer<'o>) -> Self {
+    pub(in crate::ocp) fn new(observer: &'o mut Observer<'o>) -> Self {
         Self {
             observer,
             start: Instant::now(),
@@ -28,7 +28,7 @@ impl<'o> Watch<'o> {
     }
 
     /// Says what the next iterations are for.
-    pub(super) fn begin(&mut self, step: &'static str, counts: &Counts, best: Option<f64>) {
+    pub(in crate::ocp) fn begin(&mut self, step: &'static str, counts: &Counts, best: Option<f64>) {
         self.before = counts.global_iterations + counts.iterations;
         self.progress.step = step;
         self.progress.programs = counts.programs;
@@ -36,7 +36,7 @@ impl<'o> Watch<'o> {
     }
 
     /// Reports an iteration of a program with the objective in that unit; `false` stops it.
-    pub(super) fn iteration(&mut self, info: &IterationInfo, unit: f64) -> bool {
+    pub(in crate::ocp) fn iteration(&mut self, info: &IterationInfo, unit: f64) -> bool {
         self.progress.iterations = self.before + info.iteration;
         self.progress.objective = unit * info.objective;
         self.progress.primal_infeasibility = info.primal_infeasibility;

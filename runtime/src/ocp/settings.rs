@@ -1,8 +1,8 @@
 //! What the caller may choose.
 
 use super::previous::Previous;
-use super::time_freezing::TimeFreezingSettings;
-use crate::rk::ButcherTableau;
+use crate::ocp::motion::control_grid::ControlShape;
+use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 
 /// Where the global phase starts; every guess but a previous motion is made from the model and the problem alone.
@@ -82,46 +82,39 @@ pub enum Formulation {
     TimeFreezing(TimeFreezingSettings),
 }
 
-/// Controls on the intervals of a problem.
-///
-/// ```
-/// use hangtime::prelude::*;
-///
-/// # hangtime::model! {
-/// #     /// A cart that is pushed to 1 m.
-/// #     pub Cart {
-/// #         parameters { m: kg = 2 }
-/// #         coordinates { y: m }
-/// #         controls { u: N in -1..=1 }
-/// #         lagrangian m/2*dot(y)^2
-/// #         forces { y: u }
-/// #         minimize time
-/// #         finally { y == 1[m] }
-/// #     }
-/// # }
-/// let cart = Cart::default();
-/// let solution = solve(&cart).intervals(4).controls(ControlShape::Linear).run()?;
-/// // One value a node.
-/// assert_eq!(solution.controls.len(), 5);
-/// # Ok::<(), InputError>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ControlShape {
-    /// Constant on each interval; they may jump between intervals.
-    #[default]
-    Constant,
-    /// Linear on each interval and continuous over the ends of the intervals: one value a node, one node more than
-    /// intervals. Bounds at the nodes hold everywhere. The contact sequence is looked for with constant controls.
-    Linear,
+/// How a problem is transcribed; change fields of [`TimeFreezingSettings::default`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TimeFreezingSettings {
+    /// Runge-Kutta scheme; default Radau IIA.
+    pub scheme: Scheme,
+    /// Its stages; default 2, in `1..=9`.
+    pub stages: usize,
+    /// Finite elements of a control interval; default 3, at least 1. One more than the switches that an
+    /// interval should be able to hold; a touchdown is two (the jump has a beginning and an end).
+    pub elements: usize,
+    /// Acceleration `a_bar` of the auxiliary dynamics \[unit of the gap / s^2\]; default 20, > 0. Of the
+    /// order of the contact accelerations, so that the step functions stay away from 0 and 1.
+    pub auxiliary_acceleration: f64,
+    /// Whether to start at a coarse simulation under the guessed controls instead of the straight line to
+    /// the goals; default false. Good where the motion that is looked for touches and leaves surfaces much
+    /// as it does without control. Without goals it is always so.
+    pub simulated_guess: bool,
+    /// Largest product of a pair, and optimality error, at which [`solve`](super::solve) takes the program for
+    /// solved before it polishes the motion; default 1e-6, in (0, 1). Below that the iterations double without
+    /// another contact sequence.
+    pub complementarity: f64,
 }
 
-impl ControlShape {
-    /// Name used on the command line and in JSON.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Constant => "constant",
-            Self::Linear => "linear",
+impl Default for TimeFreezingSettings {
+    fn default() -> Self {
+        Self {
+            scheme: Scheme::RadauIia,
+            stages: 2,
+            elements: 3,
+            auxiliary_acceleration: 20.0,
+            simulated_guess: false,
+            complementarity: 1e-6,
         }
     }
 }
@@ -133,7 +126,7 @@ pub enum BoundsAt {
     #[default]
     AllTimes,
     /// At the ends of the control intervals and at contact switches only; in between they may be violated, see
-    /// [`Solution::excess`](super::Solution::excess). Path constraints are not checked in between, either.
+    /// [`Solution::excess`](super::Solution::excess). Trajectory constraints are not checked in between, either.
     Nodes,
 }
 
@@ -277,7 +270,7 @@ impl Settings {
         Ok(())
     }
 
-    pub(super) fn refuse_starts(&self) -> InputError {
+    pub(in crate::ocp) fn refuse_starts(&self) -> InputError {
         InputError::OutOfRange {
             what: "starts".into(),
             value: self.starts as f64,
@@ -286,7 +279,7 @@ impl Settings {
         }
     }
 
-    pub(super) fn refuse_stages(&self) -> InputError {
+    pub(in crate::ocp) fn refuse_stages(&self) -> InputError {
         InputError::OutOfRange {
             what: "Runge-Kutta stages".into(),
             value: self.stages as f64,

@@ -1,11 +1,10 @@
 //! What the caller keeps.
 
-use super::control_grid::signal;
 use super::previous::Previous;
-use super::settings::ControlShape;
-use crate::mpcc;
-use crate::nlp::{self, NlpProblem, Violation};
+use crate::nlp::{NlpProblem, Violation};
+use crate::ocp::motion::control_grid::{ControlShape, signal};
 use crate::simulation::{ControlSignal, EventKind, InputError, Residuals, Simulation, State};
+use crate::{mpcc, nlp};
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -21,6 +20,10 @@ pub enum Status {
     /// The programs converged to points of local infeasibility: the goal cannot be reached from the guess
     /// within the bounds.
     Infeasible,
+    /// The objective still improves at an end of the final times that were looked at,
+    /// [`Solution::final_times`], however far they were moved: a control without bound, or an objective that rewards
+    /// ever longer motions.
+    Unbounded,
     /// The observer asked to stop; the result is the best motion found so far, if there is one.
     Interrupted,
     /// A program ended without a solution, for the reason given.
@@ -42,6 +45,7 @@ impl Status {
             Self::Uncertified => "uncertified",
             Self::Unconfirmed => "unconfirmed",
             Self::Infeasible => "infeasible",
+            Self::Unbounded => "unbounded",
             Self::Interrupted => "interrupted",
             Self::Failed(_) => "failed",
         }
@@ -112,7 +116,7 @@ pub struct Size {
 }
 
 impl Size {
-    pub(super) fn of(program: &dyn NlpProblem, complementarities: usize) -> Self {
+    pub(in crate::ocp) fn of(program: &dyn NlpProblem, complementarities: usize) -> Self {
         let rows = program.constraints();
         let (mut lower, mut upper) = (vec![0.0; rows], vec![0.0; rows]);
         program.constraint_bounds(&mut lower, &mut upper);
@@ -229,6 +233,9 @@ pub struct Solution {
     pub objective: f64,
     /// Length of the motion \[s\].
     pub horizon: f64,
+    /// Shortest and longest final time that was looked at \[s\]; where the final time is free, the range is moved until
+    /// the plan lies inside.
+    pub final_times: (f64, f64),
     /// What is proved about the contact sequence.
     pub stationarity: Stationarity,
     /// Largest difference of a final coordinate between plan and re-simulation.
@@ -270,7 +277,7 @@ pub struct Solution {
 }
 
 impl Solution {
-    pub(super) fn without_motion(
+    pub(in crate::ocp) fn without_motion(
         status: Status,
         violations: Vec<Violation>,
         counts: Counts,
@@ -279,6 +286,7 @@ impl Solution {
             status,
             objective: f64::NAN,
             horizon: f64::NAN,
+            final_times: (f64::NAN, f64::NAN),
             stationarity: Stationarity::None,
             resimulation_error: f64::INFINITY,
             disagreement: None,
@@ -354,7 +362,13 @@ impl Solution {
             }
             Status::Infeasible => Some(format!(
                 "no motion to the goal within the bounds was found from this guess, nor from the motion without \
-                 controls; try several starts or more intervals; {worst}"
+                 controls, with final times from {:.3} to {:.3} s; try several starts or more intervals; {worst}",
+                self.final_times.0, self.final_times.1
+            )),
+            Status::Unbounded => Some(format!(
+                "the objective still improves at a final time of {:.3e} s, the end of those from {:.3e} to {:.3e} s that \
+                 were looked at; bound the controls or the final time",
+                self.horizon, self.final_times.0, self.final_times.1
             )),
             Status::Interrupted if self.motion.is_none() => {
                 Some("stopped before a first motion was found".to_owned())

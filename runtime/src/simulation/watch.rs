@@ -10,8 +10,12 @@ pub(super) struct Watch<'o> {
     observer: &'o mut Observer<'o>,
     start: Instant,
     progress: Progress,
-    /// Points of the trajectory above which some are left out.
+    /// Most points of a trajectory.
+    most_points: usize,
+    /// The same, or more where jumps alone take more.
     points: usize,
+    /// Whether the observer sees the time of this run.
+    shown: bool,
     /// Of the points that belong to no jump every so many are kept.
     stride: usize,
     /// Points that have been through this before.
@@ -24,10 +28,21 @@ impl<'o> Watch<'o> {
             observer,
             start: Instant::now(),
             progress: Progress::new("simulation"),
+            most_points: problem.points,
             points: problem.points,
+            shown: true,
             stride: 1,
             thinned: 0,
         }
+    }
+
+    /// The motion is computed once more, with a trajectory of its own. Where it is not `shown`, the observer may stop it
+    /// but does not see its time; where it is, the time goes on where it has been further before.
+    pub(super) fn restart(&mut self, shown: bool) {
+        self.points = self.most_points;
+        self.stride = 1;
+        self.thinned = 0;
+        self.shown = shown;
     }
 
     /// Reports the end of an accepted step, the `step`-th.
@@ -43,7 +58,9 @@ impl<'o> Watch<'o> {
         if trajectory.time.len() > self.points {
             self.thin(trajectory);
         }
-        self.progress.time = time;
+        if self.shown {
+            self.progress.time = self.progress.time.max(time);
+        }
         self.progress.iterations = step;
         self.progress.seconds = self.start.elapsed().as_secs_f64();
         if (self.observer)(&self.progress) {

@@ -59,9 +59,9 @@ pub(super) fn write(
     code.push_str("], contacts: &[");
     for (contact, plan) in scene.contacts.iter().zip(&plan.contacts) {
         let friction = match &plan.friction {
-            None => "None".to_owned(),
+            None => "__Option::None".to_owned(),
             Some(friction) => format!(
-                "Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {} }})",
+                "__Option::Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {} }})",
                 pattern(&friction.derivatives.jacobian_pattern),
                 pattern(&friction.derivatives.hessian_pattern)
             ),
@@ -119,11 +119,11 @@ pub(super) fn write(
 
 fn optimal_control(scene: &CheckedScene, plan: &Plan) -> String {
     let (Some(task), Some(plan)) = (&scene.optimal_control, &plan.optimal_control) else {
-        return "None".to_owned();
+        return "__Option::None".to_owned();
     };
     let free_start: Vec<usize> = task.free_start.iter().map(|&(index, _)| index).collect();
     format!(
-        "Some(::hangtime::model::OptimalControlDeclaration {{ running_cost: {}, final_cost: {}, \
+        "__Option::Some(::hangtime::model::OptimalControlDeclaration {{ running_cost: {}, final_cost: {}, \
          constraints: &[{}], goals: &[{}], free_time: {}, free_start: &{free_start:?}, path_jacobian: {}, \
          path_hessian: {}, terminal_jacobian: {}, terminal_hessian: {} }})",
         task.running_cost.is_some(),

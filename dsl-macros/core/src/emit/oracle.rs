@@ -7,7 +7,7 @@
 mod parts;
 
 use super::kernel::literal;
-use crate::ast::{Expr, Kind, Name, Operator, Relation, Scene, Statement};
+use crate::ast::{Expr, Kind, Link, Name, Operator, Relation, Scene, Statement};
 use crate::scene::{self, CheckedScene, Coordinate};
 use crate::words;
 use parts::{Body, Parts, each, inner_product, matrix_function, matrix_product};
@@ -17,7 +17,8 @@ use std::fmt::Write;
 /// Longest oracle, in statements; a longer one is left out, as it would only cost compile time.
 const LONGEST: usize = 4000;
 
-const BOUND: &str = "D: ::hangtime::__private::num_dual::DualNum<Primitive = f64> + Copy";
+const BOUND: &str =
+    "D: ::hangtime::__private::num_dual::DualNum<Primitive = __f64> + ::core::marker::Copy";
 const DUAL: &str = "::hangtime::__private::num_dual::Dual";
 
 /// Source of the helper functions and of the methods; `None` if they would grow too long.
@@ -173,12 +174,15 @@ impl Oracle<'_> {
                 let inner = self.expr(inner, body)?;
                 inner.with(each(&inner, body, |component| format!("-{component}")))
             }
-            Kind::Binary {
-                operator,
-                left,
-                right,
-                ..
-            } => self.binary(*operator, left, right, body)?,
+            Kind::Chain(first, rest) => {
+                let mut total = self.expr(first, body)?;
+                for link in rest {
+                    let operand = self.expr(&link.operand, body)?;
+                    total = step(&total, link.operator, &operand, body)?;
+                }
+                total
+            }
+            Kind::Power { base, exponent, .. } => self.power(base, exponent, body)?,
             Kind::Call {
                 function,
                 arguments,
@@ -255,7 +259,7 @@ impl Oracle<'_> {
             .find(|known| known.name.text == name)
         {
             let scale = scene::scale(parameter.unit.as_ref());
-            let value = scaled(format!("p.{name}"), scale);
+            let value = scaled(format!("p.{}", words::rust_name(name)), scale);
             return Some(Parts::one(body.bind(&format!("D::from({value})"))));
         }
         let value = find(&self.checked.coordinates, "q")
@@ -269,40 +273,15 @@ impl Oracle<'_> {
         Some(Parts::one(body.bind(&value)))
     }
 
-    fn binary(
-        &mut self,
-        operator: Operator,
-        left: &Expr,
-        right: &Expr,
-        body: &mut Body,
-    ) -> Option<Parts> {
+    fn power(&mut self, base: &Expr, exponent: &Expr, body: &mut Body) -> Option<Parts> {
         // The square of a norm has no root in it, which would not be differentiable at 0.
-        if operator == Operator::Power
-            && let Kind::Norm(inner) = &left.kind
-            && matches!(&right.kind, Kind::Number { value, unit: None, .. } if *value == 2.0)
+        if let Kind::Norm(inner) = &base.kind
+            && matches!(&exponent.kind, Kind::Number { value, unit: None, .. } if *value == 2.0)
         {
             let inner = self.expr(inner, body)?;
             return Some(Parts::one(inner_product(&inner, &inner, body)));
         }
-        let own = self.expr(left, body)?;
-        if operator == Operator::Power {
-            return self.power(&own, right, body);
-        }
-        let its = self.expr(right, body)?;
-        let symbol = operator.symbol();
-        Some(match (own.len(), its.len()) {
-            (1, _) => its.with(each(&its, body, |c| format!("{} {symbol} {c}", own[0]))),
-            (_, 1) => own.with(each(&own, body, |c| format!("{c} {symbol} {}", its[0]))),
-            _ if operator == Operator::Multiply => matrix_product(&own, &its, body)?,
-            _ => {
-                let pairs = own.iter().zip(its.iter());
-                let names = pairs.map(|(a, b)| body.bind(&format!("{a} {symbol} {b}")));
-                own.with(names.collect())
-            }
-        })
-    }
-
-    fn power(&mut self, base: &[String], exponent: &Expr, body: &mut Body) -> Option<Parts> {
+        let base = self.expr(base, body)?;
         let constant = match &exponent.kind {
             Kind::Number {
                 value, unit: None, ..
@@ -449,6 +428,21 @@ impl Oracle<'_> {
     }
 }
 
+/// One step of a chain.
+fn step(own: &Parts, operator: Operator, its: &Parts, body: &mut Body) -> Option<Parts> {
+    let symbol = operator.symbol();
+    Some(match (own.len(), its.len()) {
+        (1, _) => its.with(each(its, body, |c| format!("{} {symbol} {c}", own[0]))),
+        (_, 1) => own.with(each(own, body, |c| format!("{c} {symbol} {}", its[0]))),
+        _ if operator == Operator::Multiply => matrix_product(own, its, body)?,
+        _ => {
+            let pairs = own.iter().zip(its.iter());
+            let names = pairs.map(|(a, b)| body.bind(&format!("{a} {symbol} {b}")));
+            own.with(names.collect())
+        }
+    })
+}
+
 /// Stands for the argument of the function that is being differentiated; no name of the language has
 /// a blank.
 const ARGUMENT: &str = "the argument";
@@ -465,16 +459,21 @@ fn insert(expr: &Expr, map: &HashMap<&str, &Expr>) -> Expr {
                 .map_or_else(|| expr.clone(), |&replacement| replacement.clone());
         }
         Kind::Negate(inner) => Kind::Negate(boxed(inner)),
-        Kind::Binary {
-            operator,
+        Kind::Chain(first, rest) => {
+            let rest = rest.iter().map(|link| Link {
+                operand: insert(&link.operand, map),
+                ..*link
+            });
+            Kind::Chain(boxed(first), rest.collect())
+        }
+        Kind::Power {
+            base,
             place,
-            left,
-            right,
-        } => Kind::Binary {
-            operator: *operator,
+            exponent,
+        } => Kind::Power {
+            base: boxed(base),
             place: *place,
-            left: boxed(left),
-            right: boxed(right),
+            exponent: boxed(exponent),
         },
         Kind::Call {
             function,

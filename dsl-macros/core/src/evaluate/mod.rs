@@ -4,11 +4,11 @@ mod algebra;
 mod call;
 mod matrix;
 
-use crate::ast::{Expr, Kind, Name};
+use crate::ast::{Expr, Kind, Link, Name, Prefix};
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
-use crate::graph::{Sym, Variable};
+use crate::graph::{self, Fault, Sym, Variable};
 use crate::words;
-use algebra::{binary, inner_product, map, not_a_vector};
+use algebra::{inner_product, map, not_a_vector, of_numbers, power, step};
 pub(crate) use call::velocity_direction;
 pub(crate) use matrix::Matrix;
 use std::collections::{BTreeMap, HashSet};
@@ -20,6 +20,14 @@ pub(crate) const BUDGET: usize = 300_000;
 
 /// Deepest evaluation, functions inserted; within the stack of a thread of 2 MB.
 const DEPTH: usize = 800;
+
+/// Deepest expression, abbreviations and functions inserted; far above any mechanism.
+const DEEPEST: usize = 300;
+
+/// Why an expression is refused that takes more work than a compilation can wait for.
+pub(crate) const TOO_LARGE: &str = "the declaration grows too large to be derived: abbreviations or functions that use others twice, again and again, double each time; use fewer, or make an intermediate quantity a coordinate of its own";
+
+const TOO_DEEP: &str = "abbreviations or functions build on each other too many times; use fewer, or make an intermediate quantity a coordinate of its own";
 
 /// What an expression stands for.
 #[derive(Debug, Clone)]
@@ -106,7 +114,8 @@ impl Scope {
     pub(crate) fn value(&mut self, expr: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
         self.depth += 1;
         let value = if self.depth > DEPTH {
-            Err(diagnostics.syntax(
+            Err(diagnostics.report(
+                "E22",
                 expr.place,
                 "the functions used here are nested too deeply; simplify them",
             ))
@@ -114,13 +123,27 @@ impl Scope {
             self.value_unguarded(expr, diagnostics)
         };
         self.depth -= 1;
-        value
+        let value = value?;
+        if graph::is_exhausted() {
+            return Err(diagnostics.report("E22", expr.place, TOO_LARGE));
+        }
+        if value.components().iter().any(|part| part.depth() > DEEPEST) {
+            return Err(diagnostics.report("E22", expr.place, TOO_DEEP));
+        }
+        // A derivative may cancel up to rounding; that is zero on paper.
+        match graph::take_fault() {
+            Some(fault) if fault.is_of_range() || !is_derivative(expr) => {
+                Err(unrepresentable(fault, expr, diagnostics))
+            }
+            _ => Ok(value),
+        }
     }
 
     fn value_unguarded(&mut self, expr: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
         self.evaluated += 1;
         if self.evaluated > BUDGET {
-            return Err(diagnostics.syntax(
+            return Err(diagnostics.report(
+                "E22",
                 expr.place,
                 "the declaration grows too large when its functions are inserted; simplify it",
             ));
@@ -128,28 +151,24 @@ impl Scope {
         match &expr.kind {
             Kind::Number { value, unit, .. } => {
                 let scale = unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
-                Ok(Value::Scalar(Sym::number(value * scale)))
+                // Checked as the product of two constants.
+                Ok(Value::Scalar(Sym::number(*value).scaled(scale)))
             }
             Kind::Name(name) => self.name(name, diagnostics),
             Kind::Negate(inner) => {
                 let inner = self.value(inner, diagnostics)?;
                 Ok(map(&inner, |component| -component))
             }
-            Kind::Binary {
-                operator,
+            Kind::Chain(first, rest) => self.chain(first, rest, diagnostics),
+            Kind::Power {
+                base,
                 place,
-                left,
-                right,
+                exponent,
             } => {
-                let left_value = self.value(left, diagnostics);
-                let right_value = self.value(right, diagnostics);
-                binary(
-                    *operator,
-                    (left, left_value?),
-                    (right, right_value?),
-                    *place,
-                    diagnostics,
-                )
+                let values = [base, exponent].map(|expr| self.value(expr, diagnostics));
+                let [base_value, exponent_value] = values;
+                let values = [base_value?, exponent_value?];
+                power(base, exponent, values, *place, diagnostics)
             }
             Kind::Call {
                 function,
@@ -211,6 +230,47 @@ impl Scope {
                 }
             }
         }
+    }
+
+    fn chain(
+        &mut self,
+        first: &Expr,
+        rest: &[Link],
+        diagnostics: &mut Diagnostics,
+    ) -> Checked<Value> {
+        let operands = std::iter::once(first).chain(rest.iter().map(|link| &link.operand));
+        let values: Vec<Checked<Value>> = operands
+            .map(|operand| self.value(operand, diagnostics))
+            .collect();
+        let values: Vec<Value> = values.into_iter().collect::<Checked<_>>()?;
+        if let Some(number) = of_numbers(&values, rest) {
+            let Some(fault) = graph::take_fault() else {
+                return Ok(Value::Scalar(number));
+            };
+            // Where it happens: with one operand more each time.
+            for (i, link) in rest.iter().enumerate() {
+                of_numbers(&values[..i + 2], &rest[..=i]);
+                if let Some(fault) = graph::take_fault() {
+                    return Err(unrepresentable(fault, &link.operand, diagnostics));
+                }
+            }
+            return Err(unrepresentable(fault, first, diagnostics));
+        }
+        let mut total = values[0].clone();
+        for (i, (link, value)) in rest.iter().zip(&values[1..]).enumerate() {
+            let left = Prefix {
+                first,
+                rest: &rest[..i],
+            };
+            total = step(&left, &total, link, value, diagnostics)?;
+            match graph::take_fault() {
+                Some(fault) if fault.is_of_range() || link.operator.is_additive() => {
+                    return Err(unrepresentable(fault, &link.operand, diagnostics));
+                }
+                _ => {}
+            }
+        }
+        Ok(total)
     }
 
     /// Evaluates an expression that must be a number.
@@ -360,15 +420,47 @@ impl Scope {
     }
 }
 
+/// Whether an expression is a derivative.
+fn is_derivative(expr: &Expr) -> bool {
+    match &expr.kind {
+        Kind::Derivative { .. } => true,
+        Kind::Call {
+            function,
+            arguments,
+        } => function.text == "dot" && arguments.len() == 1,
+        _ => false,
+    }
+}
+
+/// E21: a constant that double precision does not hold.
+pub(crate) fn unrepresentable(
+    fault: Fault,
+    expr: &Expr,
+    diagnostics: &mut Diagnostics,
+) -> Reported {
+    let message = match fault {
+        Fault::Overflow => format!(
+            "with `{expr}` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller"
+        ),
+        Fault::Underflow => format!(
+            "with `{expr}` a constant becomes smaller than double precision holds (2.2e-308), and its term would vanish; choose units in which the numbers are larger"
+        ),
+        Fault::Cancellation => format!(
+            "with `{expr}` constants cancel up to their rounding, so that no digit of the difference is right; write the difference itself, or leave the terms out if they cancel"
+        ),
+        Fault::Absorption => format!(
+            "with `{expr}` constants are added of which one is lost, as it is more than 1e16 times smaller; leave it out, or write the sum otherwise"
+        ),
+    };
+    diagnostics.report("E21", expr.place, message)
+}
+
 /// A value that must be a number.
 fn number(expr: &Expr, value: &Value, diagnostics: &mut Diagnostics) -> Checked<Sym> {
     match value {
         Value::Scalar(sym) => {
             if sym.as_number().is_some_and(|value| !value.is_finite()) {
-                return Err(diagnostics.syntax(
-                    expr.place,
-                    format!("`{expr}` has no finite value; check divisions by zero and roots"),
-                ));
+                return Err(unrepresentable(Fault::Overflow, expr, diagnostics));
             }
             Ok(*sym)
         }

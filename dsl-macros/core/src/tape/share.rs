@@ -55,12 +55,12 @@ pub(super) fn pairs(mut nodes: Vec<Nary>) -> Vec<Nary> {
     let mut places: HashMap<Pair, Vec<usize>> = HashMap::new();
     let mut counted = 0;
     for &i in &lists {
-        let pairs = pairs_of(&nodes[i]);
-        counted += pairs.len();
+        let parts = length(&nodes[i]);
+        counted += parts * (parts - 1) / 2;
         if counted > MOST {
             break;
         }
-        for pair in pairs {
+        for pair in pairs_of(&nodes[i]) {
             let list = places.entry(pair).or_default();
             if list.last() != Some(&i) {
                 list.push(i);

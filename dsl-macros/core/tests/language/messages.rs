@@ -306,6 +306,38 @@ texts! {
     friction_far_from_its_law: beside "surface a: y >= 0 impact a: inelastic horizon 3 [s]; friction a: 0.3" =>
         "`friction` is part of an impact law; write `impact name: ..., friction ...`, with commas between the parts";
 
+    // E21
+    product_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*3e250*2e140" =>
+        "E21: with `2e140` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    quotient_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z/4e-170/1e-160" =>
+        "E21: with `1e-160` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    function_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*cosh(800)" =>
+        "E21: with `cosh(800)` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    power_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*7^500" =>
+        "E21: with `7^500` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    root_of_a_negative_number: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*sqrt(2 - 5)" =>
+        "E21: with `sqrt(2 - 5)` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    product_that_underflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*3e-250*2e-140" =>
+        "E21: with `2e-140` a constant becomes smaller than double precision holds (2.2e-308), and its term would vanish; choose units in which the numbers are larger";
+    function_that_underflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*exp(-900)" =>
+        "E21: with `exp(-900)` a constant becomes smaller than double precision holds (2.2e-308), and its term would vanish; choose units in which the numbers are larger";
+    constants_that_cancel: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*(0.7 + 0.1 - 0.8)*1e19" =>
+        "E21: with `0.8` constants cancel up to their rounding, so that no digit of the difference is right; write the difference itself, or leave the terms out if they cancel";
+    terms_that_cancel_in_a_vector: with "let p = (1.1*y, z) + (2.2*y, z) - (3.3*y, z) lagrangian m/2*|dot((y, z))|^2 - m*g*p.z" =>
+        "E21: with `(3.3*y, z)` constants cancel up to their rounding, so that no digit of the difference is right; write the difference itself, or leave the terms out if they cancel";
+    constant_that_is_lost: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*(1 + 3e18 - 3e18)" =>
+        "E21: with `3e18` constants are added of which one is lost, as it is more than 1e16 times smaller; leave it out, or write the sum otherwise";
+    constants_that_cancel_exactly_are_accepted: with "lagrangian m/2*|dot((y, z))|^2 - m*g*(z + 3e18 [m] - 3e18 [m])" =>
+        "accepted";
+    numbers_out_of_range: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*2e308 - m*g*y*3e-310" =>
+        "E21: the number 2e308 is too large for double precision, which ends at 1.8e308";
+    number_with_a_unit_out_of_range: messages "S { parameters { m: kg = 1e307 [t] } coordinates { y: m } lagrangian m/2*dot(y)^2 }" =>
+        "E21: with `1e307 [t]` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    default_out_of_range: messages "S { parameters { l: um = 4e303 [m] } coordinates { y: m } lagrangian l*dot(y)^2 }" =>
+        "E21: with `4e303 [m]` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    derivative_out_of_range: with "lagrangian m/2*|dot((y, z))|^2 - m*1.7e308 [m/s^2]*z^3/1 [m^2]" =>
+        "E21: a constant in the derivatives of the declaration has no finite value in double precision, or is too small for it; choose units in which the numbers are closer to 1";
+
     // Functions
     function_of_itself: messages "S { coordinates { y } fn f(x) = 1 + f(x) lagrangian f(1)*dot(y)^2 }" =>
         "function `f` uses itself; functions are inserted where they are used and cannot do that";
@@ -366,8 +398,9 @@ fn long_chains_of_functions_are_refused_without_exhausting_the_stack() {
     }
     source += "lagrangian k*dot(y)^2 forces { y: f1999(y) } }";
     assert!(
-        messages(&source)
-            .contains(&"the functions used here are nested too deeply; simplify them".to_owned())
+        messages(&source).contains(
+            &"E22: the functions used here are nested too deeply; simplify them".to_owned()
+        )
     );
 }
 
@@ -394,6 +427,80 @@ fn functions_that_double_their_argument_are_refused_when_they_grow_too_large() {
     source += "lagrangian f39(dot(y)) }";
     assert_eq!(
         messages(&source),
-        ["the declaration grows too large when its functions are inserted; simplify it"]
+        ["E22: the declaration grows too large when its functions are inserted; simplify it"]
+    );
+}
+
+/// Repeats a statement with its number in the place of `#` and the one before it in the place of `@`.
+fn repeated(statement: &str, count: usize) -> String {
+    let one = |i: usize| statement.replace('#', &i.to_string());
+    (1..=count)
+        .map(|i| one(i).replace('@', &(i - 1).to_string()))
+        .collect()
+}
+
+#[test]
+fn declarations_that_grow_with_each_line_are_refused() {
+    for (begin, statement, count, end) in [
+        (
+            "fn f0(x) = cos(x) + x",
+            " fn f#(x) = f@(f@(x))",
+            14,
+            "f14(z)",
+        ),
+        ("let a0 = z", " let a# = a@*a@ - 2*z", 400, "a400"),
+        ("let r0 = rotation(z)", " let r# = r@*r@", 20, "r20[1][0]"),
+        (
+            "let s0 = sin(z)",
+            " let s# = s@*(s@ + z)*(s@ - 1)",
+            60,
+            "s60",
+        ),
+    ] {
+        let grown = repeated(statement, count);
+        let source =
+            format!("S {{ coordinates {{ z }} {begin}{grown} lagrangian dot(z)^2/2 + {end} }}");
+        let found = messages(&source);
+        assert!(
+            found.len() == 1 && found[0].starts_with("E22: "),
+            "{statement}: {found:?}"
+        );
+        // The same with few lines is a scene.
+        let grown = repeated(statement, 3);
+        let end = end.replace(&count.to_string(), "3");
+        let source =
+            format!("S {{ coordinates {{ z }} {begin}{grown} lagrangian dot(z)^2/2 + {end} }}");
+        assert_eq!(messages(&source), ["accepted"], "{statement}");
+    }
+}
+
+#[test]
+fn long_sums_and_products_are_accepted() {
+    let terms: Vec<String> = (1..=3000).map(|i| format!("{i}*sin({i}*z)")).collect();
+    let factors = vec!["(z + 1)"; 2000].join("*");
+    for value in [
+        terms.join(" + "),
+        terms.join(" - "),
+        format!("({factors})/({factors})"),
+    ] {
+        let source = format!("S {{ coordinates {{ z }} lagrangian dot(z)^2/2 - {value} }}");
+        assert_eq!(messages(&source), ["accepted"]);
+    }
+    // In a vector each step is one of its own.
+    let vectors = vec!["(z, 2*z)"; 1500].join(" + ");
+    let source = format!("S {{ coordinates {{ z }} lagrangian dot(z)^2/2 - ({vectors}).z }}");
+    assert_eq!(messages(&source), ["accepted"]);
+}
+
+#[test]
+fn messages_about_long_expressions_stay_short() {
+    let terms = vec!["y"; 5000].join(" + ");
+    let found = with(&format!(
+        "lagrangian m/2*|dot((y, z))|^2 - m*g*({terms} + m)"
+    ));
+    assert_eq!(found.len(), 1);
+    assert!(
+        found[0].starts_with("E03: units differ") && found[0].len() < 1000,
+        "{found:?}"
     );
 }

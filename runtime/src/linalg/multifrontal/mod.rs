@@ -30,26 +30,7 @@ use symbolic::{Node, Symbolic};
 use super::{FactorizationError, Inertia, KktFactorization, SymmetricPattern};
 
 /// Multifrontal factorization with pivoting, `S P' L B L' P S` for a matrix equilibrated by a diagonal `S`.
-///
-/// # Examples
-/// The inertia of `[1 2; 2 0]`, one primal and one dual row, and a solve:
-///
-/// ```
-/// use hangtime::linalg::{KktFactorization, MultifrontalLdl, SymmetricPattern};
-///
-/// let (pattern, map) = SymmetricPattern::new(2, &[(0, 0), (1, 0)]).ok_or("an entry outside")?;
-/// let mut values = vec![0.0; pattern.stored()];
-/// values[map[0]] = 1.0;
-/// values[map[1]] = 2.0;
-/// let mut factorization = MultifrontalLdl::new(&pattern, 1)?;
-/// let inertia = factorization.factor(&values, 0.0, 0.0)?;
-/// assert_eq!((inertia.positive, inertia.negative, inertia.zero), (1, 1, 0));
-/// let mut x = [5.0, 2.0];
-/// factorization.solve(&mut x);
-/// assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 2.0).abs() < 1e-14);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub struct MultifrontalLdl {
+pub(crate) struct MultifrontalLdl {
     primal: usize,
     symbolic: Symbolic,
     /// Equilibration of permuted rows, kept from one matrix to the next; whether there is one, and a work array.
@@ -106,7 +87,10 @@ impl MultifrontalLdl {
     ///
     /// # Errors
     /// [`FactorizationError::Analysis`] when memory or the index range does not suffice.
-    pub fn new(pattern: &SymmetricPattern, primal: usize) -> Result<Self, FactorizationError> {
+    pub(crate) fn new(
+        pattern: &SymmetricPattern,
+        primal: usize,
+    ) -> Result<Self, FactorizationError> {
         let n = pattern.dimension();
         let symbolic = Symbolic::new(pattern)?;
         let panel = |node: &Node| node.columns * padded(node.rows.len());
@@ -139,6 +123,16 @@ impl MultifrontalLdl {
         })
     }
 
+    /// Entries of the factor, a measure of fill.
+    #[cfg(test)]
+    pub(crate) fn factor_entries(&self) -> usize {
+        let entries = |front: &FrontRecord| {
+            let (pivots, rows) = (front.pivots as usize, front.rows as usize);
+            pivots * rows - pivots * pivots.saturating_sub(1) / 2
+        };
+        self.fronts.iter().map(entries).sum()
+    }
+
     /// Brings the shifted values into the order of elimination and equilibrates them in the infinity norm (Ruiz 2001). The
     /// matrices of an interior point method mostly change little from one to the next, so that one sweep mends the scales
     /// of the last; but a large shift needs more, or rows beside it would look like zeros.
@@ -165,7 +159,7 @@ impl MultifrontalLdl {
             fault += *value * 0.0;
         }
         if fault != 0.0 {
-            return Err(FactorizationError::NotFinite(self.faulty_row()));
+            return Err(FactorizationError::NotFinite);
         }
         if !self.is_scaled {
             self.is_scaled = true;
@@ -177,14 +171,6 @@ impl MultifrontalLdl {
             }
         }
         Ok(())
-    }
-
-    /// Row of the first value that is not finite.
-    fn faulty_row(&self) -> usize {
-        let on_diagonal = self.diagonal.iter().position(|a| !a.is_finite());
-        let entry = || self.entries.iter().position(|a| !a.is_finite());
-        let row = on_diagonal.or_else(|| entry().map(|k| self.symbolic.entries[k].row as usize));
-        self.symbolic.permutation[row.unwrap_or(0)] as usize
     }
 
     /// A sweep of equilibration: divides the scale of each row by the root of its largest entry. Returns by which factor
@@ -430,9 +416,7 @@ impl KktFactorization for MultifrontalLdl {
         self.take_values(values, delta_w, delta_c)?;
         pulp::Arch::new().dispatch(Eliminate(self));
         invert(&self.pivots, &mut self.inverse);
-        let mut inertia = inertia(&self.pivots).ok_or(FactorizationError::NotFinite(
-            self.scale.len().saturating_sub(1),
-        ))?;
+        let mut inertia = inertia(&self.pivots).ok_or(FactorizationError::NotFinite)?;
         inertia.zero += self.scale.len() - self.pivots.len();
         Ok(inertia)
     }
@@ -447,14 +431,6 @@ impl KktFactorization for MultifrontalLdl {
         for (x, (&old, scale)) in self.work.iter().zip(scaled) {
             right_hand_side[old as usize] = x * scale;
         }
-    }
-
-    fn factor_entries(&self) -> usize {
-        let entries = |front: &FrontRecord| {
-            let (pivots, rows) = (front.pivots as usize, front.rows as usize);
-            pivots * rows - pivots * pivots.saturating_sub(1) / 2
-        };
-        self.fronts.iter().map(entries).sum()
     }
 }
 

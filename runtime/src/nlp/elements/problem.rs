@@ -1,6 +1,6 @@
 //! The finished problem: patterns, places, evaluation with memory of the last point.
 
-use super::group::OBJECTIVE;
+use super::group::{Group, OBJECTIVE};
 use super::{ElementProblemBuilder, Target};
 use crate::nlp::{InputError, NlpProblem};
 
@@ -95,27 +95,18 @@ impl ElementProblem {
         }
         let length = entries + n;
         if u32::try_from(length.max(second.len()).max(first.len())).is_err() {
-            return Err(InputError::Linear(
-                crate::linalg::FactorizationError::Analysis(n + m),
-            ));
+            return Err(InputError::Size {
+                variables: n,
+                constraints: m,
+            });
         }
         let jacobian_pattern = all_first[..entries].to_vec();
         let mut constant_first = vec![0.0; length];
-        for (&(_, _, coefficient), &place) in linear.iter().zip(&first_places) {
+        let (of_linear, of_groups) = first_places.split_at(linear.len());
+        for (&(_, _, coefficient), &place) in linear.iter().zip(of_linear) {
             constant_first[place as usize] += coefficient;
         }
-        let (mut a, mut b) = (linear.len(), 0);
-        for group in &mut builder.groups {
-            let (mut first_length, mut second_length) = (0, 0);
-            group.first_positions(&mut |_, _| first_length += 1);
-            group.second_positions(&mut |_, _| second_length += 1);
-            group.set_places(
-                &first_places[a..a + first_length],
-                &second_places[b..b + second_length],
-            );
-            a += first_length;
-            b += second_length;
-        }
+        distribute(&mut builder.groups, of_groups, &second_places);
         let mut constant = vec![0.0; m + 1];
         for (target, value) in constants {
             constant[target] += value;
@@ -220,6 +211,19 @@ fn positions(given: &[(usize, usize)]) -> (Vec<(usize, usize)>, Vec<u32>) {
         places[k] = narrow(sorted.len() - 1);
     }
     (sorted, places)
+}
+
+/// Tells each group where its derivatives go; the places are in the order in which groups name their positions.
+fn distribute(groups: &mut [Box<dyn Group>], mut first: &[u32], mut second: &[u32]) {
+    for group in groups {
+        let (mut first_length, mut second_length) = (0, 0);
+        group.first_positions(&mut |_, _| first_length += 1);
+        group.second_positions(&mut |_, _| second_length += 1);
+        let (own_first, own_second);
+        (own_first, first) = first.split_at(first_length);
+        (own_second, second) = second.split_at(second_length);
+        group.set_places(own_first, own_second);
+    }
 }
 
 impl NlpProblem for ElementProblem {

@@ -6,10 +6,7 @@ use super::dop853::System;
 use super::dynamics::{Dynamics, dot, largest};
 use crate::model::contact_point;
 
-/// Flights lower than this times `max(1, |q|)` are none: a gap is known to about this. It ends the
-/// geometric sequence of impacts of, for example, a rocking block.
-const LOWEST_FLIGHT: f64 = 1e-14;
-/// Bounces lower than this times `max(1, |q|)` are left out: ten times the gap of a closed contact.
+/// Bounces lower than this share of the range of a gap are left out, and those lower than ten times a closed gap.
 const LOWEST_BOUNCE: f64 = 1e-11;
 /// Kinetic energies are compared to this relative accuracy.
 const SAME_ENERGY: f64 = 1e-12;
@@ -27,7 +24,7 @@ pub(in crate::simulation) struct LowestBounce {
     /// Normal velocity below which a contact no longer bounces; by default that of a bounce as high as
     /// `height`.
     pub(in crate::simulation) velocity: Option<f64>,
-    /// Height relative to `max(1, |q|)`.
+    /// Height relative to the range of the gap so far.
     pub(in crate::simulation) height: f64,
 }
 
@@ -77,7 +74,6 @@ pub(in crate::simulation) fn impact(
     lowest: LowestBounce,
 ) -> Result<Impact, Undetermined> {
     let n = dynamics.n;
-    let zero_velocity = dynamics.zero_velocity(y);
     let closed = closed_contacts(dynamics, t, y, closing);
     let mut velocities: Vec<f64> = closed
         .iter()
@@ -87,14 +83,14 @@ pub(in crate::simulation) fn impact(
         struck: closed
             .iter()
             .zip(&velocities)
-            .filter(|&(_, &velocity)| velocity < -zero_velocity)
+            .filter(|&(&i, &velocity)| velocity < -dynamics.zero_normal_velocity(i))
             .map(|(&i, _)| i)
             .collect(),
         ..Impact::default()
     };
     if let Some(&contact) = outcome.struck.first() {
-        for velocity in &mut velocities {
-            if velocity.abs() <= zero_velocity {
+        for (&i, velocity) in closed.iter().zip(&mut velocities) {
+            if velocity.abs() <= dynamics.zero_normal_velocity(i) {
                 *velocity = 0.0;
             }
         }
@@ -124,7 +120,7 @@ pub(in crate::simulation) fn impact(
             if dynamics.has_friction(i) {
                 let velocity = dynamics.sliding_velocity(i);
                 laws.push(TangentialLaw::Coulomb(dynamics.friction[i]));
-                tangential.push(if velocity.abs() <= zero_velocity {
+                tangential.push(if velocity.abs() <= dynamics.zero_sliding_velocity(i) {
                     0.0
                 } else {
                     velocity
@@ -166,8 +162,6 @@ pub(in crate::simulation) fn impact(
             .map(|(velocity, returned)| velocity + returned)
             .collect();
     }
-    let lowest_flight = LOWEST_FLIGHT * largest(&y[..n]).max(1.0);
-    let closed_gap = dynamics.closed_gap(y);
     dynamics.load(t, y);
     dynamics.evaluate_free_acceleration();
     for (i, velocity) in closed.into_iter().zip(velocities) {
@@ -176,13 +170,13 @@ pub(in crate::simulation) fn impact(
         // A gap that falls through zero at once, although it grows, has been negative all the time.
         let never_open = closing == Some(i) && outcome.struck.is_empty();
         let highest = if never_open {
-            closed_gap
+            dynamics.closed_gap(i)
         } else {
-            lowest_flight
+            dynamics.lowest_flight(i)
         };
         let room = highest - dynamics.point(i)[contact_point::GAP];
         let returns = velocity > 0.0 && velocity * velocity <= -2.0 * acceleration * room;
-        if velocity.abs() <= zero_velocity || returns {
+        if velocity.abs() <= dynamics.zero_normal_velocity(i) || returns {
             outcome.resting.push(i);
         }
     }
@@ -196,13 +190,12 @@ fn closed_contacts(
     y: &[f64],
     closing: Option<usize>,
 ) -> Vec<usize> {
-    let closed_gap = dynamics.closed_gap(y);
     dynamics.load(t, y);
     let mut closed = Vec::new();
     for i in 0..dynamics.contacts {
         dynamics.evaluate_sides(i);
         let gap = dynamics.point(i)[contact_point::GAP];
-        if gap <= closed_gap || closing == Some(i) || dynamics.is_active(i) {
+        if gap <= dynamics.closed_gap(i) || closing == Some(i) || dynamics.is_active(i) {
             closed.push(i);
         }
     }
@@ -224,7 +217,6 @@ fn ended_bounces(
     let n = dynamics.n;
     let mut slope = vec![0.0; y.len()];
     dynamics.derivative(t, y, &mut slope);
-    let height = lowest.height.max(LOWEST_BOUNCE) * largest(&y[..n]).max(1.0);
     struck
         .iter()
         .filter_map(|&i| {
@@ -233,6 +225,8 @@ fn ended_bounces(
             let speed = -point[contact_point::NORMAL_VELOCITY];
             let press =
                 -(point[contact_point::CURVATURE] + dot(dynamics.normal(i), &slope[n..2 * n]));
+            let height = (lowest.height.max(LOWEST_BOUNCE) * dynamics.gap_range(i))
+                .max(10.0 * dynamics.closed_gap(i));
             let last = lowest
                 .velocity
                 .unwrap_or_else(|| (2.0 * press.max(0.0) * height).sqrt());

@@ -4,12 +4,14 @@
 //! mode, `dop853` integrates it, `search` and `locate` find where the mode ends, `impact` and `contact_mode`
 //! (with `contact_problem` and `coulomb`) what follows.
 
+mod audit;
 pub(super) mod contact_mode;
 pub(super) mod contact_problem;
 mod contact_state;
 pub(super) mod coulomb;
 pub(super) mod dop853;
 pub(super) mod dynamics;
+mod error_scale;
 pub(super) mod impact;
 mod integration;
 mod locate;

@@ -1,0 +1,177 @@
+//! The check between the stages: gaps and bounds over the continuous motion of a solved program.
+
+use super::dense_motion::{DenseMotion, POINTS, lows, minimum};
+use super::friction_cuts::friction;
+use super::layout::{Cut, CutKind, SolvedPhase};
+use super::limits::Limits;
+use super::program::Collocation;
+use crate::model::contact_point;
+use crate::ocp::settings::BoundsAt;
+use crate::ocp::solution::Excess;
+
+/// Depth below a surface that rounding and collocation may cause right after an opening, relative to the
+/// margin.
+const DEPTH: f64 = 1e-4;
+
+/// Places where the motion between the stages grazes or enters a surface, or leaves the bounds of a
+/// coordinate or a path constraint: minima over the phases, with higher values on either side.
+pub(in crate::ocp) fn between_stages(program: &Collocation, x: &[f64], limits: Limits) -> Vec<Cut> {
+    let model = program.model;
+    let declaration = model.declaration();
+    let n = declaration.coordinates.len();
+    let mut input = vec![0.0; declaration.inputs()];
+    let mut found = Vec::new();
+    let motion = DenseMotion::new(program, x);
+    let cut = |phase: usize, theta: f64, kind: CutKind| Cut {
+        interval: program.phases[phase].interval,
+        phase: program.phases[phase].index,
+        theta,
+        kind,
+    };
+    for contact in 0..declaration.contacts.len() {
+        let mut gap = |phase: usize, theta: f64| {
+            motion.write(phase, theta, &mut input);
+            model.gap(contact, &input)
+        };
+        let mut next = 0;
+        while next < program.phases.len() {
+            let open = |phase: &usize| !program.phases[*phase].closed.contains(&contact);
+            // A flight ends where the contact closes or is touched.
+            let lands = |phase: &usize| program.phases[*phase].closing.contains(&contact);
+            let until = (next..program.phases.len()).find(lands);
+            let until = until.map_or(program.phases.len(), |last| last + 1);
+            let flight: Vec<usize> = (next..until).take_while(open).collect();
+            next += flight.len().max(1);
+            let depth = DEPTH * limits.margin;
+            for (phase, theta, between) in lows(&flight, &mut gap, limits.gap, depth) {
+                // Near an opening there is no room for the whole margin.
+                let share = if between { 1.0 } else { DEPTH };
+                found.push(cut(
+                    phase,
+                    theta,
+                    CutKind::Gap(contact, share * limits.margin),
+                ));
+            }
+        }
+    }
+    found.extend(departures(program, &motion.solved, limits));
+    found.extend(friction(&motion, limits));
+    if limits.setting.places.bounds == BoundsAt::Nodes {
+        return found;
+    }
+    let all: Vec<usize> = (0..program.phases.len()).collect();
+    for k in (0..n).filter(|&k| !limits.setting.parabolas[k]) {
+        let bounds = (limits.setting.bounds.0[k], limits.setting.bounds.1[k]);
+        if bounds == (f64::NEG_INFINITY, f64::INFINITY) {
+            continue;
+        }
+        let bound = limits.bound * limits.setting.units.states[k];
+        for (phase, theta, _) in lows(&all, &mut motion.inside(k, bounds), -bound, bound) {
+            found.push(cut(phase, theta, CutKind::Bounds(k)));
+        }
+    }
+    for (constraint, inequality) in motion
+        .constraints(limits.setting.problem)
+        .into_iter()
+        .enumerate()
+    {
+        if !inequality {
+            continue;
+        }
+        for (phase, theta, _) in lows(
+            &all,
+            &mut motion.path(constraint),
+            -limits.bound,
+            limits.bound,
+        ) {
+            found.push(cut(phase, theta, CutKind::Path(constraint)));
+        }
+    }
+    found
+}
+
+/// The largest violation of a bound of a coordinate or of a path constraint along the whole motion.
+pub(in crate::ocp) fn excess(program: &Collocation, x: &[f64], limits: Limits) -> Option<Excess> {
+    let declaration = program.model.declaration();
+    let motion = DenseMotion::new(program, x);
+    let mut largest: Option<Excess> = None;
+    let mut look = |name: &str, value: &mut dyn FnMut(usize, f64) -> f64| {
+        for (phase, solved) in motion.solved.iter().enumerate() {
+            let (mut lowest, mut place) = (f64::INFINITY, 0.0);
+            for i in 0..=POINTS {
+                let theta = i as f64 / POINTS as f64;
+                let here = value(phase, theta);
+                if here < lowest {
+                    (lowest, place) = (here, theta);
+                }
+            }
+            let step = 1.0 / POINTS as f64;
+            let (from, to) = ((place - step).max(0.0), (place + step).min(1.0));
+            let known = largest.as_ref().map_or(0.0, |excess| excess.amount);
+            if -lowest > known - step * step {
+                let better = minimum(&mut |theta| value(phase, theta), from, to);
+                let refined = value(phase, better);
+                if refined < lowest {
+                    (lowest, place) = (refined, better);
+                }
+            }
+            if -lowest > known {
+                largest = Some(Excess {
+                    name: name.to_owned(),
+                    amount: -lowest,
+                    time: solved.start + place * solved.length,
+                });
+            }
+        }
+    };
+    for (k, coordinate) in declaration.coordinates.iter().enumerate() {
+        let bounds = (limits.setting.bounds.0[k], limits.setting.bounds.1[k]);
+        if bounds != (f64::NEG_INFINITY, f64::INFINITY) {
+            look(coordinate.name, &mut motion.inside(k, bounds));
+        }
+    }
+    for constraint in 0..motion.constraints(limits.setting.problem).len() {
+        let declared = declaration.optimal_control;
+        let name = declared.map_or("", |d| d.constraints[constraint].name);
+        look(name, &mut motion.path(constraint));
+    }
+    largest
+}
+
+/// Flights that pass a jump of the controls so shortly after their opening that they are still on the surface,
+/// and are pushed back onto it after the jump.
+fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> Vec<Cut> {
+    let model = program.model;
+    let declaration = model.declaration();
+    let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
+    let slopes = program.tableau.slopes_with_start(0.0);
+    let mut found = Vec::new();
+    for (index, (phase, solved)) in program.phases.iter().zip(solved).enumerate() {
+        if phase.index.0 > 0 || index == 0 {
+            continue;
+        }
+        let before = &program.phases[index - 1];
+        for contact in 0..declaration.contacts.len() {
+            if phase.closed.contains(&contact) || before.closed.contains(&contact) {
+                continue;
+            }
+            let (mut gap, mut acceleration) = (f64::INFINITY, 0.0);
+            for (node, (input, slope)) in solved.inputs.iter().zip(&slopes).enumerate() {
+                model.contact(contact, input, &mut point);
+                if node == 0 {
+                    gap = point[contact_point::GAP];
+                }
+                acceleration += slope * point[contact_point::NORMAL_VELOCITY];
+            }
+            if gap < limits.gap && acceleration < -DEPTH * limits.margin {
+                found.push(Cut {
+                    interval: phase.interval,
+                    phase: phase.index,
+                    theta: 0.0,
+                    kind: CutKind::Departure(contact),
+                });
+            }
+        }
+    }
+    found
+}

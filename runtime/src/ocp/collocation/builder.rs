@@ -1,0 +1,48 @@
+//! What the construction of a collocation program has come to: the program so far and where it stands.
+
+use super::discretization::Setting;
+use super::layout::{Cut, Phase, Tangential};
+use crate::ocp::motion::mode::Mode;
+use crate::ocp::motion::sequence::Switch;
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::program::frame::Frame;
+use crate::ocp::program::sparse_program::Program;
+
+/// State of the construction. The rows themselves are added by the functions of the other files.
+pub(super) struct Builder<'a, 's> {
+    pub(super) setting: Setting<'a>,
+    pub(super) program: Program<'a>,
+    pub(super) guess: &'s Trajectory,
+    pub(super) cuts: &'s [Cut],
+    /// Finite elements of a phase in each interval.
+    pub(super) elements: &'s [usize],
+    pub(super) frame: Frame<'a>,
+    pub(super) phases: Vec<Phase>,
+    /// Contacts with friction in the impacts, by the index of the switch.
+    pub(super) impacts: Vec<(usize, Tangential)>,
+    /// Mode of each contact now.
+    pub(super) modes: Vec<Mode>,
+    pub(super) touches: Vec<(Switch, usize)>,
+    /// Variables of the state `(q, v)` now.
+    pub(super) state: Vec<usize>,
+    /// What drove the motion at the end of the phase before; nothing at the start, at time 0.
+    pub(super) before: Vec<usize>,
+    /// Number of coordinates.
+    pub(super) n: usize,
+}
+
+impl Builder<'_, '_> {
+    /// The closed contacts.
+    pub(super) fn closed(&self) -> Vec<usize> {
+        let modes = self.modes.iter().enumerate();
+        modes
+            .filter(|(_, m)| !m.is_open())
+            .map(|(i, _)| i)
+            .collect()
+    }
+
+    /// Length of an interval in the guess \[s\].
+    pub(super) fn interval_length(&self) -> f64 {
+        self.guess.horizon / self.setting.problem.intervals as f64
+    }
+}

@@ -1,0 +1,174 @@
+//! Rows of the conditions between the stages.
+
+use super::builder::Builder;
+use super::discretization::Setting;
+use super::friction_rows::reserve_between;
+use super::layout::{Cut, CutKind, Phase};
+use super::stage_inputs::drive_within;
+use crate::ocp::motion::mode::{Direction, Mode};
+use crate::ocp::program::frame::state_name;
+use crate::ocp::program::kernel::Kernel;
+use crate::ocp::program::sparse_program::Program;
+
+pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
+    let Setting {
+        model,
+        bounds,
+        tableau,
+        units,
+        ..
+    } = builder.setting;
+    let declaration = model.declaration();
+    let (n, cuts) = (builder.n, builder.cuts);
+    let here = |cut: &&Cut| cut.interval == phase.interval && cut.phase == phase.index;
+    for cut in cuts.iter().filter(here) {
+        let program = &mut builder.program;
+        let weights = tableau.values_with_start(cut.theta);
+        let at = format!(
+            "between the stages of phase {} of interval {}",
+            cut.phase.0, cut.interval
+        );
+        match cut.kind {
+            CutKind::Bounds(k) => {
+                let name = format!("`{}` {at}", declaration.coordinates[k].name);
+                let row = program.row_in(units.states[k], name, bounds.0[k], bounds.1[k]);
+                combine(program, row, k, phase, &weights);
+            }
+            CutKind::Gap(contact, _) | CutKind::Departure(contact)
+                if phase.closed.contains(&contact) => {}
+            CutKind::Departure(contact) => {
+                let before = builder.before.clone();
+                let program = &mut builder.program;
+                let name = format!("departure of `{}` {at}", declaration.contacts[contact].name);
+                let unit = units.gap_rows[contact];
+                let row = program.row_in(unit, name, 0.0, f64::INFINITY);
+                let slopes = tableau.slopes_with_start(0.0);
+                let stages = phase.stages.iter();
+                let stages = stages.map(|stage| (&stage.state, &stage.drive));
+                let nodes = std::iter::once((&phase.start, &before)).chain(stages);
+                for ((state, drive), slope) in nodes.zip(slopes) {
+                    let (q, v) = state.split_at(n);
+                    let uses = vec![(row, 1, slope)];
+                    program.block(&Kernel::Contact(contact), [q, v, drive, &[]], None, uses);
+                }
+            }
+            CutKind::Gap(contact, margin) => {
+                let state = state_at(builder, phase, cut, n, &at);
+                let drive = drive_within(builder, phase, cut.theta, &at);
+                let program = &mut builder.program;
+                let name = format!("gap `{}` {at}", declaration.contacts[contact].name);
+                let unit = units.gap_rows[contact];
+                let row = program.row_in(unit, name, margin, f64::INFINITY);
+                let uses = vec![(row, 0, 1.0)];
+                let kernel = Kernel::Contact(contact);
+                program.block(&kernel, [&state, &[], &drive, &[]], None, uses);
+            }
+            CutKind::Cone(contact, direction) => cone(builder, phase, contact, direction, cut, &at),
+            CutKind::Slip(contact) => slip(builder, phase, contact, cut, &at),
+            CutKind::Path(constraint) => {
+                let state = state_at(builder, phase, cut, 2 * n, &at);
+                let (q, v) = state.split_at(n);
+                let u = drive_within(builder, phase, cut.theta, &at);
+                let (frame, problem) = (&builder.frame, builder.setting.problem);
+                let inputs = [q, v, &u[..]];
+                frame.path_rows_of(&mut builder.program, problem, &[constraint], inputs, &at);
+            }
+        }
+    }
+}
+
+/// Variables of the first `count` components of the state at a cut.
+pub(in crate::ocp) fn state_at(
+    builder: &mut Builder,
+    phase: &Phase,
+    cut: &Cut,
+    count: usize,
+    at: &str,
+) -> Vec<usize> {
+    let Setting {
+        model,
+        problem,
+        tableau,
+        units,
+        ..
+    } = builder.setting;
+    let weights = tableau.values_with_start(cut.theta);
+    let length = builder.guess.horizon / problem.intervals as f64;
+    let sample = builder
+        .guess
+        .at(length * (cut.interval as f64 + cut.theta), true);
+    let free = (f64::NEG_INFINITY, f64::INFINITY);
+    let program = &mut builder.program;
+    (0..count)
+        .map(|k| {
+            let name = format!("{} {at}", state_name(model, k));
+            let unit = units.states[k];
+            let variable = program.variable(name.clone(), free, sample[k], unit);
+            let row = program.row_in(unit, name, 0.0, 0.0);
+            program.linear(row, variable, -1.0);
+            combine(program, row, k, phase, &weights);
+            variable
+        })
+        .collect()
+}
+
+/// Adds component `k` of the state inside a phase to a row.
+fn combine(program: &mut Program, row: usize, k: usize, phase: &Phase, weights: &[f64]) {
+    program.linear(row, phase.start[k], weights[0]);
+    for (stage, weight) in phase.stages.iter().zip(&weights[1..]) {
+        program.linear(row, stage.state[k], *weight);
+    }
+}
+
+pub(in crate::ocp) fn cone(
+    builder: &mut Builder,
+    phase: &Phase,
+    contact: usize,
+    direction: Direction,
+    cut: &Cut,
+    at: &str,
+) {
+    if phase.modes[contact] != Mode::Stick {
+        return;
+    }
+    let (model, tableau) = (builder.setting.model, builder.setting.tableau);
+    let name = model.declaration().contacts[contact].name;
+    let mut weights = vec![0.0; phase.stages.len()];
+    tableau.lagrange_values(cut.theta, &mut weights);
+    let name = format!("friction cone of `{name}` {at}");
+    let unit = builder.setting.units.gap_rows[contact];
+    let row = builder.program.row_in(unit, name, 0.0, f64::INFINITY);
+    let program = &mut builder.program;
+    reserve_between(
+        program,
+        model,
+        row,
+        contact,
+        direction,
+        &phase.stages,
+        &weights,
+    );
+}
+
+pub(in crate::ocp) fn slip(
+    builder: &mut Builder,
+    phase: &Phase,
+    contact: usize,
+    cut: &Cut,
+    at: &str,
+) {
+    let Mode::Slip(direction) = phase.modes[contact] else {
+        return;
+    };
+    let state = state_at(builder, phase, cut, 2 * builder.n, at);
+    let (q, v) = state.split_at(builder.n);
+    let drive = drive_within(builder, phase, cut.theta, at);
+    let name = builder.setting.model.declaration().contacts[contact].name;
+    let name = format!("sliding velocity of `{name}` {at}");
+    let unit = builder.setting.units.gap_rows[contact];
+    let row = builder.program.row_in(unit, name, 0.0, f64::INFINITY);
+    let uses = vec![(row, 0, direction.sign())];
+    builder
+        .program
+        .block(&Kernel::Sliding(contact), [q, v, &drive, &[]], None, uses);
+}

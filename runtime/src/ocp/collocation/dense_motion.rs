@@ -1,0 +1,149 @@
+//! The continuous motion of a solved program, and the lows of functions along it.
+
+use super::layout::SolvedPhase;
+use super::program::Collocation;
+use crate::model::ConstraintRelation;
+use crate::ocp::problem::Problem;
+
+/// Points of a phase that are looked at.
+pub(super) const POINTS: usize = 64;
+
+/// The continuous motion of a solved program.
+pub(in crate::ocp) struct DenseMotion<'p, 'm> {
+    pub(in crate::ocp) program: &'p Collocation<'m>,
+    pub(in crate::ocp) solved: Vec<SolvedPhase>,
+    /// Weights of the states of a phase at its points `i / POINTS`.
+    weights: Vec<Vec<f64>>,
+    /// Physical values of the unknowns.
+    pub(in crate::ocp) x: Vec<f64>,
+}
+
+impl<'p, 'm> DenseMotion<'p, 'm> {
+    pub(super) fn new(program: &'p Collocation<'m>, x: &[f64]) -> Self {
+        let thetas = (0..=POINTS).map(|i| i as f64 / POINTS as f64);
+        Self {
+            program,
+            solved: program.solved(x),
+            weights: thetas
+                .map(|theta| program.tableau.values_with_start(theta))
+                .collect(),
+            x: program.program.physical(x),
+        }
+    }
+
+    /// Writes the first components of the model's input vector at the share `theta` of a phase.
+    pub(in crate::ocp) fn write(&self, phase: usize, theta: f64, input: &mut [f64]) {
+        let place = theta * POINTS as f64;
+        let between;
+        let weights = if place.fract() == 0.0 {
+            &self.weights[place as usize]
+        } else {
+            between = self.program.tableau.values_with_start(theta);
+            &between
+        };
+        input.fill(0.0);
+        for (values, weight) in self.solved[phase].inputs.iter().zip(weights) {
+            for (slot, value) in input.iter_mut().zip(values) {
+                *slot += weight * value;
+            }
+        }
+    }
+
+    /// Distance of a coordinate from the nearer of its bounds, negative outside.
+    pub(super) fn inside(
+        &self,
+        k: usize,
+        bounds: (f64, f64),
+    ) -> impl FnMut(usize, f64) -> f64 + '_ {
+        let mut state = vec![0.0; k + 1];
+        move |phase, theta| {
+            self.write(phase, theta, &mut state);
+            (state[k] - bounds.0).min(bounds.1 - state[k])
+        }
+    }
+
+    /// Value of a path constraint, or minus the amount of one that is to be 0.
+    pub(super) fn path(&self, constraint: usize) -> impl FnMut(usize, f64) -> f64 + '_ {
+        let model = self.program.model;
+        let declaration = model.declaration();
+        let declared = declaration.optimal_control;
+        let mut input = vec![0.0; declaration.inputs()];
+        let mut values = vec![0.0; declared.map_or(0, |d| d.path_functions())];
+        let first = declared.map_or(0, |d| usize::from(d.running_cost));
+        let relation = declared.map(|d| d.constraints[constraint].relation);
+        move |phase, theta| {
+            self.write(phase, theta, &mut input);
+            model.path_functions(&input, &mut values);
+            let value = values[first + constraint];
+            match relation {
+                Some(ConstraintRelation::Zero) => -value.abs(),
+                _ => value,
+            }
+        }
+    }
+
+    /// Trajectory constraints of the problem: their number and whether each is an inequality.
+    pub(super) fn constraints(&self, problem: &Problem) -> Vec<bool> {
+        let declared = problem.declared(self.program.model);
+        let constraints = declared.map_or(&[][..], |d| d.constraints).iter();
+        constraints
+            .map(|c| c.relation == ConstraintRelation::NonNegative)
+            .collect()
+    }
+}
+
+/// Local minima below the limit of a function over consecutive phases, as (phase, theta, whether the function
+/// exceeds the limit before and after): those of which that is true, and those deeper than the depth.
+pub(in crate::ocp) fn lows(
+    phases: &[usize],
+    value: &mut dyn FnMut(usize, f64) -> f64,
+    limit: f64,
+    depth: f64,
+) -> Vec<(usize, f64, bool)> {
+    let mut samples = Vec::with_capacity(phases.len() * POINTS + 1);
+    for (position, &phase) in phases.iter().enumerate() {
+        for i in usize::from(position > 0)..=POINTS {
+            let theta = i as f64 / POINTS as f64;
+            samples.push((phase, theta, value(phase, theta)));
+        }
+    }
+    let above = |sample: &(usize, f64, f64)| sample.2 > limit;
+    let first = samples.iter().position(above).unwrap_or(samples.len());
+    let last = samples.iter().rposition(above).unwrap_or(0);
+    let mut found = Vec::new();
+    for i in 1..samples.len().saturating_sub(1) {
+        let (phase, theta, here) = samples[i];
+        let between = first < i && i < last;
+        if !between && here > -depth {
+            continue;
+        }
+        if here > samples[i - 1].2 || here >= samples[i + 1].2 {
+            continue;
+        }
+        let step = 1.0 / POINTS as f64;
+        let theta = if theta < 1.0 {
+            minimum(&mut |theta| value(phase, theta), theta - step, theta + step)
+        } else {
+            theta
+        };
+        if value(phase, theta) < limit {
+            found.push((phase, theta, between));
+        }
+    }
+    found
+}
+
+/// Minimum of a function between two points, by golden section to the square root of the precision.
+pub(super) fn minimum(value: &mut dyn FnMut(f64) -> f64, mut from: f64, mut to: f64) -> f64 {
+    const SHARE: f64 = 0.381_966_011_250_105;
+    const STEPS: usize = 40;
+    for _ in 0..STEPS {
+        let (a, b) = (from + SHARE * (to - from), to - SHARE * (to - from));
+        if value(a) < value(b) {
+            to = b;
+        } else {
+            from = a;
+        }
+    }
+    0.5 * (from + to)
+}

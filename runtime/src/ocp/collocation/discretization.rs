@@ -1,0 +1,77 @@
+//! What stays the same over all contact sequences on a grid.
+
+use crate::model::{Model, contact_point, tangent_point};
+use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::motion::final_times::FinalTimes;
+use crate::ocp::motion::mode::is_frictional;
+use crate::ocp::problem::Problem;
+use crate::ocp::program::units::Units;
+use crate::ocp::settings::{BoundsAt, PathPoints};
+use crate::rk::ButcherTableau;
+
+/// Everything that stays the same over all sequences.
+#[derive(Clone, Copy)]
+pub(in crate::ocp) struct Setting<'a> {
+    pub(in crate::ocp) model: &'a dyn Model,
+    pub(in crate::ocp) problem: &'a Problem,
+    pub(in crate::ocp) tableau: &'a ButcherTableau,
+    pub(in crate::ocp) units: &'a Units,
+    pub(in crate::ocp) bounds: (&'a [f64], &'a [f64]),
+    /// Whether each coordinate is a parabola on each interval.
+    pub(in crate::ocp) parabolas: &'a [bool],
+    pub(in crate::ocp) places: Places,
+    pub(in crate::ocp) shape: ControlShape,
+}
+
+impl Setting<'_> {
+    /// The final times that its programs look at.
+    pub(in crate::ocp) fn final_times(&self) -> FinalTimes {
+        FinalTimes::around(self.problem, self.units.time)
+    }
+}
+
+/// Where bounds of coordinates and path constraints are imposed.
+#[derive(Clone, Copy)]
+pub(in crate::ocp) struct Places {
+    pub(in crate::ocp) bounds: BoundsAt,
+    pub(in crate::ocp) path: PathPoints,
+}
+
+/// Which coordinates are parabolas while the controls are constant: their acceleration is affine in the
+/// controls alone, and no contact acts on them.
+pub(in crate::ocp) fn parabolas(model: &dyn Model, start: &[f64]) -> Vec<bool> {
+    let declaration = model.declaration();
+    let n = declaration.coordinates.len();
+    let mut x = start.to_vec();
+    x.resize(declaration.inputs(), 0.0);
+    let mut point = vec![0.0; contact_point::length(n)];
+    let mut tangent = vec![0.0; tangent_point::length(n)];
+    let places = 2 * n..2 * n + declaration.controls.len();
+    let controls = |column: u32| places.contains(&(column as usize));
+    let affine = !declaration
+        .free_hessian
+        .entries
+        .iter()
+        .any(|&(i, j)| controls(i) && controls(j));
+    (0..n)
+        .map(|k| {
+            let mut jacobian = declaration.free_jacobian.entries.iter();
+            let free = jacobian.all(|&(row, column)| row as usize != k || controls(column));
+            let pushed = declaration.contacts.iter().enumerate().any(|(i, contact)| {
+                model.contact(i, &x, &mut point);
+                let mut entries = contact.jacobian.entries.iter();
+                let friction = contact.friction.filter(|_| is_frictional(model, i));
+                let dragged = friction.is_some_and(|friction| {
+                    model.tangent(i, &x, &mut tangent);
+                    let mut entries = friction.jacobian.entries.iter();
+                    tangent[tangent_point::direction(n) + k] != 0.0
+                        || entries.any(|&(row, _)| row as usize == 1 + k)
+                });
+                dragged
+                    || point[contact_point::direction(n) + k] != 0.0
+                    || entries.any(|&(row, _)| row as usize == 2 + k)
+            });
+            affine && free && !pushed
+        })
+        .collect()
+}

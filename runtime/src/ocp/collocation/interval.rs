@@ -1,0 +1,225 @@
+//! One control interval: what switches at its start, its phases, and the bounds over the whole of it.
+
+use super::builder::Builder;
+use super::impact_map::Instant;
+use super::phase::Element;
+use super::stage_inputs::Elapsed;
+use super::turns::Turns;
+use super::{impact_map, interval_bounds, phase, start_conditions};
+use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::motion::mode::Mode;
+use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+
+/// Least distance of a guessed switch from the ends of its interval and from other switches, relative to the length
+/// of the interval.
+const GUESS_MARGIN: f64 = 0.02;
+
+/// Shortest phase relative to its interval: in a phase of no length the contact forces are undetermined.
+const SHORTEST: f64 = 2e-3;
+
+/// What the switches before a phase leave to it.
+#[derive(Default)]
+struct Left {
+    /// Contacts that open.
+    opened: Vec<usize>,
+    /// Contacts that are touched.
+    touched: Vec<usize>,
+    turns: Turns,
+}
+
+impl Left {
+    /// Adds what the switches of an instant leave; `jumps` where the controls may jump between intervals.
+    fn add(&mut self, instant: &Instant, modes: &[Mode], jumps: bool) {
+        for switch in instant.all() {
+            let before = modes[switch.contact];
+            self.turns
+                .start(switch, before, instant.first.closes, jumps);
+        }
+        self.touched.extend(instant.touched());
+        if instant.first.opens() {
+            self.opened.push(instant.first.contact);
+        }
+    }
+}
+
+/// Adds the phases of an interval and its bounds.
+pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
+    let jumps = builder.setting.shape == ControlShape::Constant;
+    let mut before = builder.state.clone();
+    let mut left = switch_at_start(builder, interval, switches, &mut before);
+    let inside: Vec<usize> = instants(switches, interval, Place::Inside).collect();
+    let length = builder.interval_length();
+    let ends = guessed_ends(interval, switches, &inside);
+    let durations = durations(builder, interval, &ends);
+    let intervals = builder.setting.problem.intervals;
+    let (elements, count) = (builder.elements[interval], ends.len());
+    let mut elapsed = Elapsed::none(builder.frame.horizon, intervals);
+    let mut begin = 0.0;
+    for (p, &end) in ends.iter().enumerate() {
+        let (scale, factor) = match durations.get(p) {
+            Some(&duration) => (duration, 1.0),
+            None => (builder.frame.horizon, 1.0 / intervals as f64),
+        };
+        let factor = factor / elements as f64;
+        let (from, to) = (
+            (interval as f64 + begin) * length,
+            (interval as f64 + end) * length,
+        );
+        left.turns.finishing = interval + 1 == intervals && p + 1 == count;
+        let ending = inside.get(p).copied();
+        let closing = switch_at_end(builder, interval, switches, ending, &mut left.turns);
+        for e in 0..elements {
+            let (first, last) = (e == 0, e + 1 == elements);
+            let time = |e: usize| from + e as f64 / elements as f64 * (to - from);
+            let element = Element {
+                interval,
+                index: (p * elements + e, count * elements),
+                scale,
+                factor,
+                elapsed: &elapsed,
+                from: time(e),
+                to: time(e + 1),
+                ends_with: ending.filter(|_| last),
+                closing: if last { &closing } else { &[] },
+                opened: if first { &left.opened } else { &[] },
+                touched: if first { &left.touched } else { &[] },
+                turns: &left.turns.of_element(first, last),
+            };
+            phase::add(builder, &element);
+            elapsed = elapsed.later(scale, factor);
+        }
+        left = Left::default();
+        if let Some(index) = ending {
+            let instant = Instant::at(switches, index);
+            left.add(&instant, &builder.modes, jumps);
+            if instant.first.closes {
+                let label = format!("interval {interval}, phase {p}");
+                impact_map::close(builder, &instant, &label, to);
+            } else {
+                impact_map::let_go(builder, &instant);
+            }
+        }
+        begin = end;
+    }
+    interval_bounds::add(builder, interval, &before);
+}
+
+/// Indices of the first switches of the instants at a place of an interval.
+fn instants(
+    switches: &[Switch],
+    interval: usize,
+    place: Place,
+) -> impl Iterator<Item = usize> + '_ {
+    let here = move |s: &Switch| s.interval == interval && s.place == place && !s.accompanies;
+    (0..switches.len()).filter(move |&index| here(&switches[index]))
+}
+
+/// Goes through the switches at the start of an interval; `before` becomes the state after the last impact there.
+fn switch_at_start(
+    builder: &mut Builder,
+    interval: usize,
+    switches: &[Switch],
+    before: &mut Vec<usize>,
+) -> Left {
+    let jumps = builder.setting.shape == ControlShape::Constant;
+    let mut left = Left::default();
+    if interval == 0 {
+        left.turns.pulled = start_conditions::pulled(builder);
+    }
+    for index in instants(switches, interval, Place::Start) {
+        let instant = Instant::at(switches, index);
+        left.add(&instant, &builder.modes, jumps);
+        if instant.first.closes {
+            let share = 1.0 / builder.setting.problem.intervals as f64;
+            let time = builder.guess.horizon * interval as f64 * share;
+            let label = format!("interval {}", interval - 1);
+            impact_map::close(builder, &instant, &label, time);
+            before.clone_from(&builder.state);
+        } else if jumps {
+            impact_map::enter(builder, &instant);
+        } else {
+            // Controls that do not jump let go of a contact where its force vanishes.
+            impact_map::let_go(builder, &instant);
+        }
+    }
+    left
+}
+
+/// Adds to `turns` what happens at the end of a phase: with the switch `ending`, or at the start of the next interval.
+/// The contacts that close or are touched there.
+fn switch_at_end(
+    builder: &Builder,
+    interval: usize,
+    switches: &[Switch],
+    ending: Option<usize>,
+    turns: &mut Turns,
+) -> Vec<usize> {
+    let jumps = builder.setting.shape == ControlShape::Constant;
+    let ends = |index: usize, switch: &Switch| match ending {
+        Some(first) => {
+            let companions = Sequence::companions(switches, first).len();
+            (first..=first + companions).contains(&index)
+        }
+        None => switch.interval == interval + 1 && switch.place == Place::Start,
+    };
+    let (mut closing, mut impact) = (Vec::new(), false);
+    for (index, switch) in switches.iter().enumerate() {
+        impact = switch.closes || impact && switch.accompanies;
+        if !ends(index, switch) {
+            continue;
+        }
+        if switch.closes {
+            closing.push(switch.contact);
+        } else if !impact {
+            turns.end(switch, builder.modes[switch.contact], jumps);
+        }
+    }
+    closing
+}
+
+/// Ends of the phases of an interval in the guess, as shares of it: the switches `inside`, kept apart.
+fn guessed_ends(interval: usize, switches: &[Switch], inside: &[usize]) -> Vec<f64> {
+    let count = inside.len() + 1;
+    let margin = GUESS_MARGIN.min(0.5 / count as f64);
+    let mut ends: Vec<f64> = Vec::with_capacity(count);
+    for (p, &index) in inside.iter().enumerate() {
+        let before = ends.last().copied().unwrap_or(0.0);
+        let least = before + margin;
+        let most = 1.0 - (count - 1 - p) as f64 * margin;
+        ends.push(
+            (switches[index].time - interval as f64)
+                .max(least)
+                .min(most),
+        );
+    }
+    ends.push(1.0);
+    ends
+}
+
+/// Adds the lengths of the phases of an interval, which make it up; none where it is one phase.
+fn durations(builder: &mut Builder, interval: usize, ends: &[f64]) -> Vec<usize> {
+    let count = ends.len();
+    if count == 1 {
+        return Vec::new();
+    }
+    let (share, length) = (
+        1.0 / builder.setting.problem.intervals as f64,
+        builder.interval_length(),
+    );
+    let (program, horizon) = (&mut builder.program, builder.frame.horizon);
+    let row = program.row(format!("length of interval {interval}"), 0.0, 0.0);
+    program.linear(row, horizon, -share);
+    (0..count)
+        .map(|p| {
+            let begin = if p == 0 { 0.0 } else { ends[p - 1] };
+            let duration = program.variable(
+                format!("length of phase {p} of interval {interval}"),
+                (SHORTEST * length, f64::INFINITY),
+                (ends[p] - begin) * length,
+                length,
+            );
+            program.linear(row, duration, 1.0);
+            duration
+        })
+        .collect()
+}

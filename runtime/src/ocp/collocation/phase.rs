@@ -1,0 +1,387 @@
+//! One element of a phase: its unknowns, the rows of its stages, and what holds at its start.
+
+use super::builder::Builder;
+use super::discretization::Setting;
+use super::friction_rows::Normal;
+use super::layout::{FREE, Phase, Stage};
+use super::stage_inputs::{Elapsed, drive_at, drive_within};
+use super::turns::Turns;
+use super::{cut_rows, friction_rows, start_conditions};
+use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::program::frame::state_name;
+use crate::ocp::program::kernel::Kernel;
+use crate::ocp::settings::{BoundsAt, PathPoints};
+
+/// One element of a phase, as the contact sequence asks for it.
+pub(super) struct Element<'e> {
+    pub(super) interval: usize,
+    /// Index in its interval, and the number of elements there.
+    pub(super) index: (usize, usize),
+    /// Length: `factor` times this variable.
+    pub(super) scale: usize,
+    pub(super) factor: f64,
+    /// What has passed of its interval before it.
+    pub(super) elapsed: &'e Elapsed,
+    /// Start and end in the guess \[s\].
+    pub(super) from: f64,
+    pub(super) to: f64,
+    /// The switch at the end inside the interval, as an index into the sequence.
+    pub(super) ends_with: Option<usize>,
+    /// Contacts that close or are touched at the end.
+    pub(super) closing: &'e [usize],
+    /// Contacts that open, and that are touched, right before the start.
+    pub(super) opened: &'e [usize],
+    pub(super) touched: &'e [usize],
+    pub(super) turns: &'e Turns,
+}
+
+impl Element<'_> {
+    fn label(&self) -> String {
+        format!("interval {}, phase {}", self.interval, self.index.0)
+    }
+
+    /// Time of a node in the guess \[s\].
+    fn time(&self, node: f64) -> f64 {
+        self.from + node * (self.to - self.from)
+    }
+
+    fn is_first_of_motion(&self) -> bool {
+        (self.interval, self.index.0) == (0, 0)
+    }
+}
+
+/// Adds an element.
+pub(super) fn add(builder: &mut Builder, element: &Element) {
+    let stages = builder.setting.tableau.stages();
+    let drives = drives(builder, element);
+    let (mut phase, corrections) = unknowns(builder, element, drives);
+    for (stage, corrections) in corrections.iter().enumerate() {
+        stage_rows(builder, element, &mut phase, stage, corrections);
+    }
+    costs_and_path_rows(builder, element, &phase);
+    force_rows_at_start(builder, element, &phase);
+    opening_rows(builder, element, &mut phase);
+    let (program, label) = (&mut builder.program, element.label());
+    friction_rows::at_start(program, builder.setting, &mut phase, element.turns, &label);
+    cut_rows::add(builder, &phase);
+    let last = &phase.stages[stages - 1];
+    builder.state.clone_from(&last.state);
+    builder.before.clone_from(&last.drive);
+    builder.phases.push(phase);
+}
+
+/// What drives the motion at each stage.
+fn drives(builder: &mut Builder, element: &Element) -> Vec<Vec<usize>> {
+    let tableau = builder.setting.tableau;
+    let (stages, length) = (tableau.stages(), builder.interval_length());
+    let mut drives = Vec::with_capacity(stages);
+    for (m, c) in tableau.c().iter().enumerate() {
+        let mut moment = element.elapsed.later(element.scale, c * element.factor);
+        if element.index.0 + 1 == element.index.1 && m + 1 == stages {
+            moment = moment.all();
+        }
+        let guess = element.time(*c) / length - element.interval as f64;
+        let place = format!("at stage {m} of {}", element.label());
+        drives.push(drive_at(builder, element.interval, &moment, guess, &place));
+    }
+    drives
+}
+
+/// Adds the unknowns of the stages; the phase, without rows, and the position corrections of each stage.
+fn unknowns(
+    builder: &mut Builder,
+    element: &Element,
+    drives: Vec<Vec<usize>>,
+) -> (Phase, Vec<Vec<usize>>) {
+    let closed = builder.closed();
+    let Setting { tableau, units, .. } = builder.setting;
+    let mut phase = Phase {
+        interval: element.interval,
+        index: element.index,
+        closed: closed.clone(),
+        modes: builder.modes.clone(),
+        start: builder.state.clone(),
+        stages: Vec::with_capacity(drives.len()),
+        scale: element.scale,
+        factor: element.factor,
+        openings: Vec::new(),
+        pulled: Vec::new(),
+        cones: Vec::new(),
+        yielded: element.turns.yielded.clone(),
+        ends_with: element.ends_with,
+        closing: element.closing.to_vec(),
+    };
+    let mut corrections = Vec::with_capacity(drives.len());
+    for ((m, c), drive) in tableau.c().iter().enumerate().zip(drives) {
+        let last = m + 1 == tableau.stages();
+        let sample = builder.guess.at(element.time(*c), !last);
+        let at = format!("at stage {m} of {}", element.label());
+        let state = stage_state(builder, &sample, last, &at);
+        let mut stage = Stage {
+            state,
+            drive,
+            forces: Vec::new(),
+            gap_rows: Vec::new(),
+            tangential: Vec::new(),
+        };
+        let mut shifts = Vec::new();
+        let (model, length) = (builder.setting.model, element.to - element.from);
+        for &i in &closed {
+            let name = model.declaration().contacts[i].name;
+            let program = &mut builder.program;
+            let unit = units.force[i] * length;
+            let force = program.variable(
+                format!("force of `{name}` {at}"),
+                (0.0, f64::INFINITY),
+                sample[2 * builder.n + i] * length,
+                unit,
+            );
+            stage.forces.push(force);
+            let normal = Normal {
+                contact: i,
+                mode: builder.modes[i],
+                force,
+                force_unit: unit,
+                row_unit: units.gap_rows[i],
+            };
+            let tangential = friction_rows::tangential(program, model, &normal, &at);
+            stage.tangential.extend(tangential);
+            let name = format!("correction of `{name}` {at}");
+            shifts.push(program.variable(name, FREE, 0.0, units.gap[i]));
+        }
+        corrections.push(shifts);
+        phase.stages.push(stage);
+    }
+    (phase, corrections)
+}
+
+/// Adds the variables of the state at a stage; the bounds of those coordinates hold there for which nothing better is
+/// known.
+fn stage_state(builder: &mut Builder, sample: &[f64], last: bool, at: &str) -> Vec<usize> {
+    let Setting {
+        model,
+        units,
+        bounds,
+        parabolas,
+        places,
+        ..
+    } = builder.setting;
+    let n = builder.n;
+    (0..2 * n)
+        .map(|k| {
+            let bounded = k < n
+                && match places.bounds {
+                    BoundsAt::AllTimes => !parabolas[k],
+                    BoundsAt::Nodes => last,
+                };
+            let range = if bounded {
+                (bounds.0[k], bounds.1[k])
+            } else {
+                FREE
+            };
+            let name = format!("{} {at}", state_name(model, k));
+            builder
+                .program
+                .variable(name, range, sample[k], units.states[k])
+        })
+        .collect()
+}
+
+/// Adds the rows of a stage: collocation, friction, gaps.
+fn stage_rows(
+    builder: &mut Builder,
+    element: &Element,
+    phase: &mut Phase,
+    stage: usize,
+    corrections: &[usize],
+) {
+    let model = builder.setting.model;
+    let (n, last) = (builder.n, stage + 1 == builder.setting.tableau.stages());
+    let mut tangentials = std::mem::take(&mut phase.stages[stage].tangential);
+    let state = phase.stages[stage].state.clone();
+    let u = phase.stages[stage].drive.clone();
+    let (q, v) = state.split_at(n);
+    let rows = collocation_rows(builder, element, phase, stage);
+    let each = |coefficient: f64, rows: &[usize]| -> Vec<(usize, usize, f64)> {
+        let rows = rows.iter().enumerate();
+        rows.map(|(k, &row)| (row, k, coefficient)).collect()
+    };
+    let (moves, pushes) = (each(-1.0, &rows[..n]), each(-1.0, &rows[n..]));
+    let program = &mut builder.program;
+    let kernel = Kernel::Acceleration(Vec::new());
+    let free = each(-element.factor, &rows[n..]);
+    program.block(&kernel, [q, v, &u, &[]], Some(element.scale), free);
+    if !phase.closed.is_empty() {
+        let at = format!("at stage {stage} of {}", element.label());
+        for tangential in &mut tangentials {
+            friction_rows::push(tangential, program, model, [q, &u], &pushes);
+            let turns = element.turns;
+            friction_rows::constrain(tangential, program, model, [q, v, &u], turns, last, &at);
+        }
+        let (kernel, forces) = (
+            Kernel::Push(phase.closed.clone()),
+            &phase.stages[stage].forces,
+        );
+        program.block(&kernel, [q, &[], &u, forces], None, pushes);
+        program.block(&kernel, [q, &[], &u, corrections], None, moves);
+    }
+    phase.stages[stage].tangential = tangentials;
+    phase.stages[stage].gap_rows = gap_rows(builder, element, phase, stage);
+}
+
+/// Adds the collocation rows of a stage with all that is linear in the unknowns, and the velocities.
+fn collocation_rows(
+    builder: &mut Builder,
+    element: &Element,
+    phase: &Phase,
+    stage: usize,
+) -> Vec<usize> {
+    let Setting {
+        model,
+        units,
+        tableau,
+        ..
+    } = builder.setting;
+    let (n, program) = (builder.n, &mut builder.program);
+    let slopes = tableau.slopes_with_start(tableau.c()[stage]);
+    let place = format!("stage {stage}, {}", element.label());
+    let mut rows = Vec::with_capacity(2 * n);
+    for (k, &before) in phase.start.iter().enumerate() {
+        let name = format!("collocation of {}, {place}", state_name(model, k));
+        let row = program.row_in(units.states[k], name, 0.0, 0.0);
+        program.linear(row, before, slopes[0]);
+        for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
+            program.linear(row, stage.state[k], *slope);
+        }
+        if k < n {
+            let velocity = phase.stages[stage].state[n + k];
+            program.bilinear(row, element.scale, velocity, -element.factor);
+        }
+        rows.push(row);
+    }
+    rows
+}
+
+/// Adds the rows of the gaps at a stage, and of the normal velocities of closed contacts.
+fn gap_rows(builder: &mut Builder, element: &Element, phase: &Phase, stage: usize) -> Vec<usize> {
+    let Setting {
+        model,
+        units,
+        tableau,
+        ..
+    } = builder.setting;
+    let program = &mut builder.program;
+    let last = stage + 1 == tableau.stages();
+    let place = format!("stage {stage}, {}", element.label());
+    let Stage { state, drive, .. } = &phase.stages[stage];
+    let (q, v) = state.split_at(builder.n);
+    let mut rows = Vec::with_capacity(builder.modes.len());
+    for (i, contact) in model.declaration().contacts.iter().enumerate() {
+        let closed = phase.closed.contains(&i);
+        let closes = last && element.closing.contains(&i);
+        let upper = if closed || closes { 0.0 } else { f64::INFINITY };
+        let name = format!("gap `{}`, {place}", contact.name);
+        // Right after an opening the gap is of third order in time, so that its rows would have no
+        // interior: its sign follows from the force before, and is checked afterwards.
+        let lower = if element.opened.contains(&i) && upper > 0.0 {
+            f64::NEG_INFINITY
+        } else {
+            0.0
+        };
+        let row = program.row_in(units.gap_rows[i], name, lower, upper);
+        rows.push(row);
+        let mut uses = vec![(row, 0, 1.0)];
+        if closed {
+            let name = format!("normal velocity of `{}`, {place}", contact.name);
+            let row = program.row_in(units.gap_rows[i], name, 0.0, 0.0);
+            uses.push((row, 1, 1.0));
+        }
+        program.block(&Kernel::Contact(i), [q, v, drive, &[]], None, uses);
+    }
+    rows
+}
+
+/// Adds the running cost of an element and the path constraints at its stages and its start.
+fn costs_and_path_rows(builder: &mut Builder, element: &Element, phase: &Phase) {
+    let Setting {
+        problem,
+        tableau,
+        places,
+        ..
+    } = builder.setting;
+    let n = builder.n;
+    let label = element.label();
+    for (m, stage) in phase.stages.iter().enumerate() {
+        let (q, v) = stage.state.split_at(n);
+        let (frame, program) = (&builder.frame, &mut builder.program);
+        let (inputs, factor) = ([q, v, &stage.drive[..]], element.factor * tableau.b()[m]);
+        frame.running_cost(program, problem, inputs, element.scale, factor);
+        if places.path != PathPoints::Ends || m + 1 == phase.stages.len() {
+            let place = format!("at stage {m} of {label}");
+            frame.path_rows(program, problem, inputs, &place);
+        }
+    }
+    if places.path == PathPoints::Both && !element.is_first_of_motion() {
+        let (q, v) = phase.start.split_at(n);
+        let place = format!("at the start of {label}");
+        let u = drive_within(builder, phase, 0.0, &place);
+        let program = &mut builder.program;
+        builder
+            .frame
+            .path_rows(program, problem, [q, v, &u], &place);
+    }
+    if element.is_first_of_motion() {
+        start_conditions::path_rows(builder, phase);
+    }
+}
+
+/// Adds the sign of the force right at the start of a contact phase, extrapolated from the stages.
+fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) {
+    let Setting {
+        model,
+        units,
+        tableau,
+        ..
+    } = builder.setting;
+    let program = &mut builder.program;
+    let mut values = vec![0.0; tableau.stages()];
+    tableau.lagrange_values(0.0, &mut values);
+    for (slot, &i) in phase.closed.iter().enumerate() {
+        let name = model.declaration().contacts[i].name;
+        let name = format!("force of `{name}` at the start of {}", element.label());
+        let row = program.row_in(units.gap_rows[i], name, 0.0, f64::INFINITY);
+        for (stage, weight) in phase.stages.iter().zip(&values) {
+            program.linear(row, stage.forces[slot], *weight);
+        }
+    }
+}
+
+/// Adds the sign of the normal acceleration after an opening at a jump of the controls, and after a touch without a
+/// bounce: the slope of the normal velocity, which starts from 0.
+fn opening_rows(builder: &mut Builder, element: &Element, phase: &mut Phase) {
+    let Setting {
+        model,
+        units,
+        tableau,
+        shape,
+        ..
+    } = builder.setting;
+    let (n, program) = (builder.n, &mut builder.program);
+    let jumps = element.index.0 == 0 && shape == ControlShape::Constant;
+    let jump = element.opened.iter().filter(|_| jumps);
+    let plastic = element.touched.iter();
+    let plastic = plastic.filter(|&&i| model.restitution(i) == 0.0);
+    for &i in jump.chain(plastic) {
+        let name = model.declaration().contacts[i].name;
+        let name = format!("opening of `{name}` at the start of {}", element.label());
+        let row = program.row_in(units.gap_rows[i], name, 0.0, f64::INFINITY);
+        let slopes = tableau.slopes_with_start(0.0);
+        for (stage, slope) in phase.stages.iter().zip(&slopes[1..]) {
+            let (q, v) = stage.state.split_at(n);
+            let uses = vec![(row, 1, *slope)];
+            let kernel = Kernel::Contact(i);
+            program.block(&kernel, [q, v, &stage.drive, &[]], None, uses);
+        }
+        phase.openings.push((i, row));
+    }
+}

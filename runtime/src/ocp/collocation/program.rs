@@ -1,0 +1,108 @@
+//! A solved collocation program as a motion.
+
+use super::layout::{Phase, SolvedPhase, Tangential};
+use crate::model::Model;
+use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
+use crate::ocp::motion::sequence::{Sequence, Switch};
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::program::sparse_program::Program;
+use crate::rk::ButcherTableau;
+
+/// The program with its phases.
+pub(in crate::ocp) struct Collocation<'a> {
+    pub(in crate::ocp) program: Program<'a>,
+    pub(in crate::ocp) model: &'a dyn Model,
+    pub(in crate::ocp) sequence: Sequence,
+    pub(in crate::ocp) phases: Vec<Phase>,
+    /// Contacts with friction in the impacts, by the index of the switch.
+    pub(in crate::ocp) impacts: Vec<(usize, Tangential)>,
+    /// Touches, and the row of the least impact velocity of each.
+    pub(in crate::ocp) touches: Vec<(Switch, usize)>,
+    pub(in crate::ocp) tableau: &'a ButcherTableau,
+    pub(in crate::ocp) horizon: usize,
+    /// Variables of the controls on each interval, or at each node.
+    pub(in crate::ocp) controls: Vec<Vec<usize>>,
+    pub(in crate::ocp) shape: ControlShape,
+}
+
+impl Collocation<'_> {
+    /// Length of the motion, from physical values.
+    pub(in crate::ocp) fn horizon_at(&self, physical: &[f64]) -> f64 {
+        physical[self.horizon]
+    }
+
+    /// Start, length and states of every phase at a solver's point.
+    pub(in crate::ocp) fn solved(&self, x: &[f64]) -> Vec<SolvedPhase> {
+        let x = self.program.physical(x);
+        let mut time = 0.0;
+        let values = |variables: &[usize]| variables.iter().map(|&i| x[i]).collect::<Vec<f64>>();
+        self.phases
+            .iter()
+            .map(|phase| {
+                let length = phase.factor * x[phase.scale];
+                time += length;
+                let mut inputs = vec![values(&phase.start)];
+                let stages = phase.stages.iter();
+                inputs.extend(
+                    stages.map(|stage| [values(&stage.state), values(&stage.drive)].concat()),
+                );
+                // Controls and time are affine over a phase.
+                let (c, last) = (self.tableau.c(), inputs.len() - 1);
+                let share = c[0] / (c[last - 1] - c[0]);
+                for k in inputs[0].len()..inputs[last].len() {
+                    let (from, to) = (inputs[1][k], inputs[last][k]);
+                    inputs[0].push(from - share * (to - from));
+                }
+                SolvedPhase {
+                    start: time - length,
+                    length,
+                    inputs,
+                }
+            })
+            .collect()
+    }
+
+    /// The motion and the sequence with its times at a solver's point.
+    pub(in crate::ocp) fn result(&self, point: &[f64]) -> (Trajectory, Sequence) {
+        let x = self.program.physical(point);
+        let contacts = self.model.declaration().contacts.len();
+        let horizon = x[self.horizon];
+        let controls = self.controls.iter();
+        let controls = controls.map(|controls| controls.iter().map(|&u| x[u]).collect());
+        let controls = ControlGrid::new(self.shape, controls.collect());
+        let intervals = controls.intervals() as f64;
+        let mut trajectory = Trajectory {
+            horizon,
+            controls,
+            time: Vec::new(),
+            states: Vec::new(),
+        };
+        let mut sequence = self.sequence.clone();
+        for switch in &mut sequence.switches {
+            switch.time = switch.interval as f64;
+        }
+        for (phase, solved) in self.phases.iter().zip(self.solved(point)) {
+            let nodes = std::iter::once(0.0).chain(self.tableau.c().iter().copied());
+            for (index, (node, input)) in nodes.zip(&solved.inputs).enumerate() {
+                let mut forces = vec![0.0; contacts];
+                let stage = &phase.stages[index.saturating_sub(1)];
+                for (&i, &force) in phase.closed.iter().zip(&stage.forces) {
+                    forces[i] = x[force] / solved.length;
+                }
+                trajectory.time.push(solved.start + node * solved.length);
+                let state = input[..phase.start.len()].iter().copied();
+                trajectory.states.push(state.chain(forces).collect());
+            }
+            if let Some(index) = phase.ends_with {
+                let switch = &mut sequence.switches[index];
+                switch.time = (solved.start + solved.length) / horizon * intervals;
+            }
+        }
+        for index in 1..sequence.switches.len() {
+            if sequence.switches[index].accompanies {
+                sequence.switches[index].time = sequence.switches[index - 1].time;
+            }
+        }
+        (trajectory, sequence)
+    }
+}

@@ -1,0 +1,249 @@
+//! What drives the motion at the stages of a phase from outside: the controls, and the time where the model reads it.
+//!
+//! Linear controls are those of the nodes at both ends of the interval, `u = u_k + tau (u_k+1 - u_k)`, where `tau` is
+//! the share of the *physical* length `T / N` that has passed. Without a switch in the interval `tau` is a number;
+//! with switches it is an unknown of its own, since the lengths of the phases before it are.
+
+use super::builder::Builder;
+use super::layout::Phase;
+use crate::ocp::motion::control_grid::ControlShape;
+
+/// A moment in an interval: the time passed since its start as a sum of `coefficient variable`.
+#[derive(Clone)]
+pub(in crate::ocp) struct Elapsed {
+    terms: Vec<(usize, f64)>,
+    /// The time passed as a share of the interval, if that is a number: as long as the length of the motion is all
+    /// that it depends on.
+    share: Option<f64>,
+    horizon: usize,
+    intervals: usize,
+}
+
+impl Elapsed {
+    /// The start of an interval, where that many make up the `horizon`.
+    pub(in crate::ocp) fn none(horizon: usize, intervals: usize) -> Self {
+        Self {
+            terms: Vec::new(),
+            share: Some(0.0),
+            horizon,
+            intervals,
+        }
+    }
+
+    /// A moment later by `factor` times the variable `scale`.
+    pub(in crate::ocp) fn later(&self, scale: usize, factor: f64) -> Self {
+        let mut later = self.clone();
+        later.terms.push((scale, factor));
+        let known = self.share.filter(|_| scale == self.horizon);
+        later.share = known.map(|share| share + factor * self.intervals as f64);
+        later
+    }
+
+    /// The end of the interval.
+    pub(in crate::ocp) fn all(mut self) -> Self {
+        self.share = Some(1.0);
+        self
+    }
+}
+
+/// The controls at a moment of an interval, and the time where the model reads it; `guess` is the share of the
+/// interval as far as it is known.
+pub(in crate::ocp) fn drive_at(
+    builder: &mut Builder,
+    interval: usize,
+    elapsed: &Elapsed,
+    guess: f64,
+    place: &str,
+) -> Vec<usize> {
+    let mut drive = controls_at(builder, interval, elapsed, guess, place);
+    if builder.setting.model.declaration().explicit_time {
+        let share = 1.0 / builder.setting.problem.intervals as f64;
+        let mut terms = vec![(builder.frame.horizon, interval as f64 * share)];
+        terms.extend(&elapsed.terms);
+        let time = builder.guess.horizon * (interval as f64 + guess) * share;
+        let name = format!("time {place}");
+        drive.push(builder.frame.time(&mut builder.program, name, &terms, time));
+    }
+    drive
+}
+
+/// The controls at a moment of an interval; `guess` is its share of the interval as far as it is known.
+fn controls_at(
+    builder: &mut Builder,
+    interval: usize,
+    elapsed: &Elapsed,
+    guess: f64,
+    place: &str,
+) -> Vec<usize> {
+    let (model, problem) = (builder.setting.model, builder.setting.problem);
+    let from = builder.frame.controls[interval].clone();
+    if builder.setting.shape == ControlShape::Constant || from.is_empty() {
+        return from;
+    }
+    let to = builder.frame.controls[interval + 1].clone();
+    if elapsed.share == Some(0.0) {
+        return from;
+    }
+    if elapsed.share == Some(1.0) {
+        return to;
+    }
+    let free = (f64::NEG_INFINITY, f64::INFINITY);
+    let horizon = builder.frame.horizon;
+    let program = &mut builder.program;
+    let tau = elapsed.share.is_none().then(|| {
+        let name = format!("share of interval {interval} {place}");
+        let tau = program.variable(name.clone(), free, guess, 1.0);
+        let row = program.row(name, 0.0, 0.0);
+        program.bilinear(row, horizon, tau, 1.0 / problem.intervals as f64);
+        for &(variable, coefficient) in &elapsed.terms {
+            program.linear(row, variable, -coefficient);
+        }
+        tau
+    });
+    let guessed = builder.guess.controls.at(interval as f64 + guess);
+    let names = model.declaration().controls.iter();
+    let controls = names.zip(from.iter().zip(&to)).zip(guessed);
+    controls
+        .map(|((control, (&from, &to)), guessed)| {
+            let name = format!("`{}` {place}", control.name);
+            let unit = program.unit(from);
+            let u = program.variable(name.clone(), free, guessed, unit);
+            let row = program.row(name, 0.0, 0.0);
+            program.linear(row, u, 1.0 / unit);
+            match (tau, elapsed.share) {
+                (Some(tau), _) => {
+                    program.linear(row, from, -1.0 / unit);
+                    program.bilinear(row, tau, to, -1.0 / unit);
+                    program.bilinear(row, tau, from, 1.0 / unit);
+                }
+                (None, share) => {
+                    let share = share.unwrap_or(guess);
+                    program.linear(row, from, -(1.0 - share) / unit);
+                    program.linear(row, to, -share / unit);
+                }
+            }
+            u
+        })
+        .collect()
+}
+
+/// What drives the motion at the share `theta` of a phase.
+pub(in crate::ocp) fn drive_within(
+    builder: &mut Builder,
+    phase: &Phase,
+    theta: f64,
+    place: &str,
+) -> Vec<usize> {
+    let c = builder.setting.tableau.c();
+    let (Some(first), Some(last)) = (phase.stages.first(), phase.stages.last()) else {
+        return Vec::new();
+    };
+    let share = (theta - c[0]) / (c[c.len() - 1] - c[0]);
+    let program = &mut builder.program;
+    let pairs = first.drive.iter().zip(&last.drive).enumerate();
+    pairs
+        .map(|(k, (&from, &to))| {
+            if from == to {
+                return from;
+            }
+            let (a, b) = (program.guessed(from), program.guessed(to));
+            let name = format!("drive {k} {place}");
+            let free = (f64::NEG_INFINITY, f64::INFINITY);
+            let unit = program.unit(from);
+            let u = program.variable(name.clone(), free, a + share * (b - a), unit);
+            let row = program.row(name, 0.0, 0.0);
+            program.linear(row, u, 1.0 / unit);
+            program.linear(row, from, -(1.0 - share) / unit);
+            program.linear(row, to, -share / unit);
+            u
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::nlp;
+    use crate::ocp::collocation::discretization::{Places, Setting};
+    use crate::ocp::collocation::transcribe::transcribe;
+    use crate::ocp::global::guess::guess;
+    use crate::ocp::motion::control_grid::ControlShape;
+    use crate::ocp::motion::mode::Mode;
+    use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+    use crate::ocp::problem::{Component, Goal, Horizon, Objective, Problem, bounds};
+    use crate::ocp::program::units::Units;
+    use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
+    use crate::rk::{ButcherTableau, Scheme};
+
+    crate::model! {
+        /// A mass with an engine, on the ground.
+        Hopper {
+            parameters { m: kg = 2, g: m/s^2 = 9.81 }
+            coordinates { z: m }
+            controls { u: N in 0..=80 }
+            lagrangian m/2*dot(z)^2 - m*g*z
+            forces { z: u }
+            surface ground: z >= 0
+            impact ground: inelastic
+        }
+    }
+
+    #[test]
+    fn contact_that_opens_at_a_node_of_linear_controls_is_let_go_by_a_vanishing_force() {
+        let model = Hopper::default();
+        let goals = vec![Goal {
+            component: Component::Coordinate(0),
+            value: 0.5,
+        }];
+        let problem = Problem {
+            horizon: Horizon::Fixed(1.0),
+            ..Problem::new(&model, Objective::effort(), goals, 3)
+        };
+        let (lower, upper) = bounds(&model);
+        let bounds = (&lower[..], &upper[..]);
+        let start = guess(&model, &problem, &Guess::Straight, bounds).unwrap();
+        let units = Units::new(&model, &start, bounds);
+        let tableau = ButcherTableau::new(Scheme::RadauIia, 4).unwrap();
+        let setting = Setting {
+            model: &model,
+            problem: &problem,
+            tableau: &tableau,
+            units: &units,
+            bounds,
+            parabolas: &[false],
+            places: Places {
+                bounds: BoundsAt::AllTimes,
+                path: PathPoints::Stages,
+            },
+            shape: ControlShape::Linear,
+        };
+        let sequence = Sequence {
+            initially: vec![Mode::Frictionless],
+            switches: vec![Switch {
+                contact: 0,
+                closes: false,
+                mode: Mode::Open,
+                impulse: Mode::Frictionless,
+                accompanies: false,
+                interval: 1,
+                place: Place::Start,
+                time: 1.0,
+            }],
+        };
+        let mut program = transcribe(setting, &sequence, &start, &[], &[1; 3]);
+        let solution = nlp::solve(&mut program.program, &nlp::Settings::default()).unwrap();
+        assert_eq!(solution.status, nlp::Status::Solved);
+        let (motion, sequence) = program.result(&solution.x);
+        assert_eq!(sequence.switches[0].time, 1.0);
+        // The engine carries the mass there, and not before.
+        let u: Vec<f64> = motion.controls.values().iter().map(|u| u[0]).collect();
+        let weight = 2.0 * 9.81;
+        assert!((u[1] - weight).abs() < 1e-7, "{u:?}");
+        assert!(u[0] < weight && u[2] > weight, "{u:?}");
+        // From then on z'' = (u - weight) / m, linear on both intervals of a third of a second.
+        let h: f64 = 1.0 / 3.0;
+        let (a2, a3) = ((u[2] - weight) / 2.0, (u[3] - weight) / 2.0);
+        let (z, v) = (h * h * a2 / 6.0, h * a2 / 2.0);
+        let height = z + v * h + h * h * (2.0 * a2 + a3) / 6.0;
+        assert!((height - 0.5).abs() < 1e-9, "{height}");
+    }
+}

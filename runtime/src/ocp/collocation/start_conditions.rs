@@ -1,0 +1,108 @@
+//! Conditions at the start of the motion.
+
+use super::builder::Builder;
+use super::discretization::Setting;
+use super::layout::Phase;
+use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::motion::mode::{Mode, sliding_velocity, zero_velocity};
+use crate::ocp::program::kernel::Kernel;
+
+/// Contacts that are pulled into slip from the start of the motion.
+pub(in crate::ocp) fn pulled(builder: &Builder) -> Vec<usize> {
+    let Setting { model, problem, .. } = builder.setting;
+    let start = problem.start();
+    let zero = zero_velocity(&start[builder.n..]);
+    let modes = builder.modes.iter().enumerate();
+    modes
+        .filter(|(_, mode)| matches!(mode, Mode::Slip(_)) && !problem.has_free_start(model))
+        .map(|(contact, _)| contact)
+        .filter(|&contact| sliding_velocity(model, contact, &start, 0.0).abs() <= zero)
+        .collect()
+}
+
+/// Where initial values are free: contacts closed at the start touch and rest, the others are open.
+pub(in crate::ocp) fn add(builder: &mut Builder) {
+    let Setting {
+        model,
+        problem,
+        units,
+        ..
+    } = builder.setting;
+    let free: Vec<usize> = (0..2 * builder.n)
+        .filter(|&k| {
+            let (lower, upper) = builder.program.bounds(builder.frame.start[k]);
+            lower < upper
+        })
+        .collect();
+    if !problem.has_free_start(model) {
+        return;
+    }
+    for (i, contact) in model.declaration().contacts.iter().enumerate() {
+        let reads = |row: u32| {
+            let mut entries = contact.jacobian.entries.iter();
+            entries.any(|&(r, column)| r == row && free.contains(&(column as usize)))
+        };
+        let mode = builder.modes[i];
+        let closed = !mode.is_open();
+        let mut uses = Vec::new();
+        if reads(0) {
+            let upper = if closed { 0.0 } else { f64::INFINITY };
+            let name = format!("gap `{}` at the start", contact.name);
+            let row = builder.program.row_in(units.gap_rows[i], name, 0.0, upper);
+            uses.push((row, 0, 1.0));
+        }
+        if closed && reads(1) {
+            let name = format!("normal velocity of `{}` at the start", contact.name);
+            let row = builder.program.row_in(units.gap_rows[i], name, 0.0, 0.0);
+            uses.push((row, 1, 1.0));
+        }
+        let (q, v) = builder.frame.start.split_at(builder.n);
+        if !uses.is_empty() {
+            builder
+                .program
+                .block(&Kernel::Contact(i), [q, v, &[], &[]], None, uses);
+        }
+        let slides = contact.friction.is_some_and(|friction| {
+            let mut entries = friction.jacobian.entries.iter();
+            entries.any(|&(row, column)| row == 0 && free.contains(&(column as usize)))
+        });
+        let (sign, upper) = match mode {
+            Mode::Slip(direction) => (direction.sign(), f64::INFINITY),
+            _ => (1.0, 0.0),
+        };
+        if slides && matches!(mode, Mode::Stick | Mode::Slip(_)) {
+            let name = format!("sliding velocity of `{}` at the start", contact.name);
+            let row = builder.program.row_in(units.gap_rows[i], name, 0.0, upper);
+            let uses = vec![(row, 0, sign)];
+            builder
+                .program
+                .block(&Kernel::Sliding(i), [q, v, &[], &[]], None, uses);
+        }
+    }
+}
+
+/// The path constraints on linear controls at the very start, which is no stage.
+pub(in crate::ocp) fn path_rows(builder: &mut Builder, phase: &Phase) {
+    let problem = builder.setting.problem;
+    let declared = problem.declared(builder.setting.model);
+    let Some(declared) = declared.filter(|_| builder.setting.shape == ControlShape::Linear) else {
+        return;
+    };
+    let first = usize::from(declared.running_cost);
+    let (from, u) = (2 * builder.n, builder.frame.controls[0].clone());
+    let reads = |constraint: &usize| {
+        let controls = |column: usize| (from..from + u.len()).contains(&column);
+        let mut entries = declared.path_jacobian.entries.iter();
+        entries
+            .any(|&(row, column)| row as usize == first + constraint && controls(column as usize))
+    };
+    let chosen: Vec<usize> = (0..declared.constraints.len()).filter(reads).collect();
+    let inputs = [&phase.start[..builder.n], &phase.start[builder.n..], &u[..]];
+    builder.frame.path_rows_of(
+        &mut builder.program,
+        problem,
+        &chosen,
+        inputs,
+        "at the start",
+    );
+}

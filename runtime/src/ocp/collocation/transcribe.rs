@@ -1,0 +1,188 @@
+//! Construction of the collocation program, interval by interval.
+
+use super::builder::Builder;
+use super::discretization::Setting;
+use super::impact_map::Instant;
+use super::layout::Cut;
+use super::program::Collocation;
+use super::{impact_map, interval, start_conditions};
+use crate::ocp::motion::sequence::{Sequence, Switch};
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::program::frame::Frame;
+use crate::ocp::program::sparse_program::Program;
+
+/// The program of a sequence, started at `guess`, with `elements` of each interval's phases.
+pub(in crate::ocp) fn transcribe<'a>(
+    setting: Setting<'a>,
+    sequence: &Sequence,
+    guess: &Trajectory,
+    cuts: &[Cut],
+    elements: &[usize],
+) -> Collocation<'a> {
+    let (model, problem) = (setting.model, setting.problem);
+    let mut program = Program::new(model);
+    let frame = Frame::add(
+        &mut program,
+        model,
+        problem,
+        guess,
+        setting.shape,
+        setting.units,
+        setting.bounds,
+    );
+    let state = frame.start.clone();
+    let mut builder = Builder {
+        setting,
+        program,
+        guess,
+        cuts,
+        elements,
+        frame,
+        phases: Vec::new(),
+        impacts: Vec::new(),
+        modes: sequence.initially.clone(),
+        touches: Vec::new(),
+        state,
+        before: Vec::new(),
+        n: problem.q.len(),
+    };
+    start_conditions::add(&mut builder);
+    for interval in 0..problem.intervals {
+        interval::add(&mut builder, interval, &sequence.switches);
+    }
+    let last = |switch: &Switch| switch.interval == problem.intervals;
+    for (index, switch) in sequence.switches.iter().enumerate() {
+        if last(switch) && !switch.accompanies {
+            let instant = Instant::at(&sequence.switches, index);
+            impact_map::close(&mut builder, &instant, "the last interval", guess.horizon);
+        }
+    }
+    let (frame, mut program) = (builder.frame, builder.program);
+    frame.finish(&mut program, problem, &builder.state);
+    Collocation {
+        program: program.finish(&frame.controls),
+        model,
+        sequence: sequence.clone(),
+        phases: builder.phases,
+        impacts: builder.impacts,
+        touches: builder.touches,
+        tableau: setting.tableau,
+        horizon: frame.horizon,
+        controls: frame.controls,
+        shape: setting.shape,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::nlp::check_derivatives;
+    use crate::ocp::collocation::discretization::{Places, parabolas};
+    use crate::ocp::collocation::layout::CutKind;
+    use crate::ocp::collocation::test_scene::{Demanding, Sledge};
+    use crate::ocp::global::contact_implicit::ContactImplicit;
+    use crate::ocp::global::guess::guess;
+    use crate::ocp::motion::control_grid::ControlShape;
+    use crate::ocp::motion::mode::Mode;
+    use crate::ocp::motion::sequence::Place;
+    use crate::ocp::problem::{Component, Goal, Horizon, Objective, Problem, bounds};
+    use crate::ocp::program::units::Units;
+    use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
+    use crate::rk::{ButcherTableau, Scheme};
+
+    /// The central difference of a function with values and derivatives up to 1e3 is good to about 1e-7 of them.
+    const DIFFERENCE: f64 = 1e-5;
+
+    fn problem(model: &Demanding) -> Problem {
+        let goal = Goal {
+            component: Component::Coordinate(0),
+            value: 1.5,
+        };
+        let objective = Objective {
+            final_time: 1.0,
+            control_effort: 0.1,
+            final_coordinates: vec![(2, 0.3)],
+            final_velocities: vec![(1, -0.2)],
+        };
+        Problem {
+            horizon: Horizon::Free { guess: Some(1.2) },
+            declared: true,
+            ..Problem::new(model, objective, vec![goal], 3)
+        }
+    }
+
+    #[test]
+    fn derivatives_of_both_programs_agree_with_differences() {
+        for shape in [ControlShape::Constant, ControlShape::Linear] {
+            check_both(shape);
+        }
+    }
+
+    fn check_both(shape: ControlShape) {
+        let model = Demanding(Sledge::default());
+        let problem = problem(&model);
+        let (lower, upper) = bounds(&model);
+        let bounds = (&lower[..], &upper[..]);
+        let guessed = guess(&model, &problem, &Guess::Perturbed { seed: 3 }, bounds).unwrap();
+        let units = Units::new(&model, &guessed, bounds);
+        let tableau = ButcherTableau::new(Scheme::RadauIia, 3).unwrap();
+        let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
+        let parabolas = parabolas(&model, &start);
+        assert_eq!(parabolas, [false, false, true]);
+        let setting = Setting {
+            model: &model,
+            problem: &problem,
+            tableau: &tableau,
+            units: &units,
+            bounds,
+            parabolas: &parabolas,
+            places: Places {
+                bounds: BoundsAt::AllTimes,
+                path: PathPoints::Both,
+            },
+            shape,
+        };
+        let mut coarse = ContactImplicit::new(setting, 2, &guessed);
+        let report = check_derivatives(&mut coarse.program, None).unwrap();
+        assert!(report.worst() < DIFFERENCE, "{:?}", report.worst_entry());
+        let switch = |closes, interval, place, time| Switch {
+            contact: 0,
+            closes,
+            mode: if closes {
+                Mode::Frictionless
+            } else {
+                Mode::Open
+            },
+            impulse: Mode::Frictionless,
+            accompanies: false,
+            interval,
+            place,
+            time,
+        };
+        let sequence = Sequence {
+            initially: vec![Mode::Open],
+            switches: vec![
+                switch(true, 0, Place::Inside, 0.4),
+                switch(false, 0, Place::Inside, 0.8),
+                switch(true, 1, Place::Start, 1.0),
+                switch(false, 2, Place::Start, 2.0),
+            ],
+        };
+        let cut = |phase, interval, kind| Cut {
+            interval,
+            phase,
+            theta: 0.3,
+            kind,
+        };
+        let cuts = [
+            cut((0, 3), 0, CutKind::Gap(0, 1e-5)),
+            cut((0, 1), 2, CutKind::Bounds(0)),
+            cut((0, 1), 2, CutKind::Departure(0)),
+            cut((0, 1), 2, CutKind::Path(0)),
+        ];
+        let mut fine = transcribe(setting, &sequence, &guessed, &cuts, &[1, 2, 1]);
+        assert_eq!(fine.phases.len(), 6);
+        let report = check_derivatives(&mut fine.program, None).unwrap();
+        assert!(report.worst() < DIFFERENCE, "{:?}", report.worst_entry());
+    }
+}

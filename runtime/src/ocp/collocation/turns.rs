@@ -1,0 +1,79 @@
+//! What happens to contacts with friction at the ends of an element.
+
+use crate::ocp::motion::mode::{Direction, Mode};
+use crate::ocp::motion::sequence::{Place, Switch};
+
+/// What happens to contacts with friction at the ends of an element.
+#[derive(Default, Clone)]
+pub(in crate::ocp) struct Turns {
+    /// Contacts at rest that begin to slip at the start, pulled by a jump of the controls, an impact or the reversal of
+    /// their own friction: with an acceleration.
+    pub(in crate::ocp) pulled: Vec<usize>,
+    /// Contacts that begin to slip at the start because their force has reached the edge of the cone: with the rate
+    /// of the acceleration, so that the rows of their sliding velocities would have no interior. Its sign follows from
+    /// the force before.
+    pub(in crate::ocp) yielded: Vec<usize>,
+    /// Contacts whose sliding velocity vanishes at the end.
+    pub(in crate::ocp) stopping: Vec<usize>,
+    /// The same because they are parts of the body of another one that stops.
+    pub(in crate::ocp) stopped: Vec<usize>,
+    /// Contacts whose force reaches the edge of the cone at the end.
+    pub(in crate::ocp) yielding: Vec<(usize, Direction)>,
+    /// Sticking contacts that open at the end: the cone has shrunk to a point.
+    pub(in crate::ocp) opening: Vec<usize>,
+    /// Whether the motion ends at the end.
+    pub(in crate::ocp) finishing: bool,
+}
+
+impl Turns {
+    /// What a switch asks for at the end of the element before it; `jumps` where the controls may jump between
+    /// intervals.
+    pub(in crate::ocp) fn end(&mut self, switch: &Switch, before: Mode, jumps: bool) {
+        let inside = switch.place == Place::Inside || !jumps;
+        match (before, switch.mode) {
+            (Mode::Slip(_), Mode::Stick | Mode::Slip(_)) if switch.accompanies => {
+                self.stopped.push(switch.contact);
+            }
+            (Mode::Slip(_), Mode::Stick | Mode::Slip(_)) => self.stopping.push(switch.contact),
+            (Mode::Stick, Mode::Slip(direction)) if inside => {
+                self.yielding.push((switch.contact, direction));
+            }
+            (Mode::Stick, Mode::Open) if inside => self.opening.push(switch.contact),
+            _ => {}
+        }
+    }
+
+    /// What a switch leaves at the start of the element after it; `impact` where it belongs to one, `jumps` where the
+    /// controls may jump between intervals.
+    pub(in crate::ocp) fn start(
+        &mut self,
+        switch: &Switch,
+        before: Mode,
+        impact: bool,
+        jumps: bool,
+    ) {
+        let inside = switch.place == Place::Inside || !jumps;
+        match (before, switch.mode) {
+            (_, Mode::Slip(_)) if impact && switch.impulse != Mode::Stick => {}
+            (Mode::Stick, Mode::Slip(_)) if inside && !impact => {
+                self.yielded.push(switch.contact);
+            }
+            (_, Mode::Slip(_)) => self.pulled.push(switch.contact),
+            _ => {}
+        }
+    }
+
+    /// The part that belongs to one of the elements between two switches.
+    pub(in crate::ocp) fn of_element(&self, first: bool, last: bool) -> Self {
+        let mut turns = self.clone();
+        if !first {
+            (turns.pulled, turns.yielded) = (Vec::new(), Vec::new());
+        }
+        if !last {
+            (turns.stopping, turns.stopped) = (Vec::new(), Vec::new());
+            (turns.yielding, turns.opening) = (Vec::new(), Vec::new());
+            turns.finishing = false;
+        }
+        turns
+    }
+}

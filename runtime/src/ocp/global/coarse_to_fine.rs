@@ -1,0 +1,199 @@
+//! The search for contact sequences: contact-implicit programs from coarse to fine.
+
+use super::contact_implicit::ContactImplicit;
+use super::start_modes::modes_at_start;
+use crate::mpcc;
+use crate::mpcc::RelaxationRule;
+use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::motion::candidate::Candidate;
+use crate::ocp::motion::read_sequence::{Elements, of_elements};
+use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::program::runner::{Failure, Runner};
+use crate::simulation::InputError;
+
+/// Elements an interval of the first programs of the global phase, and the rules that relax them: the programs differ
+/// in the local optima that they end at.
+const COARSE_PROGRAMS: [(usize, RelaxationRule); 3] = [
+    (1, RelaxationRule::Proportional),
+    (2, RelaxationRule::Continuation),
+    (2, RelaxationRule::RollOff),
+];
+
+/// Least number of elements of the whole motion in the coarsest program; with fewer intervals they are divided.
+const LEAST_ELEMENTS: usize = 24;
+
+/// The same of a program that carries a motion on to a finer grid.
+const LEAST_FINE_ELEMENTS: usize = 120;
+
+/// The first programs.
+const COARSE: Relaxation = Relaxation {
+    last: 1e-3,
+    tolerance: 1e-4,
+    barrier: 1e-1,
+};
+
+/// The refined ones, which start at solutions of the first ones.
+const FINE: Relaxation = Relaxation {
+    last: 1e-6,
+    tolerance: 1e-6,
+    barrier: 1e-4,
+};
+
+/// Rules of the refined programs, in the order in which they are tried.
+const FINE_RULES: [RelaxationRule; 3] = [
+    RelaxationRule::Proportional,
+    RelaxationRule::RollOff,
+    RelaxationRule::Continuation,
+];
+
+/// Relative difference of the objective within which two relaxed motions count as the same.
+const SAME: f64 = 1e-3;
+
+/// Where in an element of implicit Euler a contact closes, as a share of the element: it says no more.
+const CLOSING: f64 = 0.5;
+
+/// How far a program is relaxed: only which contacts close when is read from it.
+#[derive(Clone, Copy)]
+struct Relaxation {
+    /// Last relaxation parameter.
+    last: f64,
+    /// Tolerance of the interior point method.
+    tolerance: f64,
+    /// First barrier parameter.
+    barrier: f64,
+}
+
+/// The contact-implicit phase: distinct motions, the best first; the guess itself if no program could be solved.
+pub(in crate::ocp) fn candidates(
+    runner: &mut Runner,
+    setting: Setting,
+    guess: &Trajectory,
+) -> Result<Vec<Candidate>, InputError> {
+    let finer = LEAST_ELEMENTS.div_ceil(setting.problem.intervals);
+    let elements = finer * runner.settings.refined_elements;
+    let mut coarse: Vec<Candidate> = Vec::new();
+    let mut fine: Vec<Candidate> = Vec::new();
+    for (per_interval, rule) in COARSE_PROGRAMS {
+        if runner.stopped() {
+            return Ok(Vec::new());
+        }
+        let elements_here = finer * per_interval;
+        let Some(found) = relaxed(runner, setting, guess, elements_here, rule, COARSE)? else {
+            continue;
+        };
+        let start = found.trajectory.clone();
+        if !insert(&mut coarse, found) {
+            continue;
+        }
+        // Two programs that lead to the same motion leave little doubt.
+        if let Some(refined) = refined(runner, setting, &start, elements)?
+            && !insert(&mut fine, refined)
+        {
+            break;
+        }
+    }
+    if coarse.is_empty()
+        && let Some(refined) = refined(runner, setting, guess, elements)?
+    {
+        fine.push(refined);
+    }
+    if fine.is_empty() {
+        // Too few elements for the motion, perhaps: the next phase starts from the guess.
+        fine.push(Candidate {
+            objective: f64::INFINITY,
+            trajectory: guess.clone(),
+            sequence: Sequence {
+                initially: modes_at_start(setting, guess),
+                switches: Vec::new(),
+            },
+        });
+    }
+    Ok(fine)
+}
+
+/// The contact-implicit motion on the grid of the problem that a motion on a coarser grid leads to.
+pub(in crate::ocp) fn on_this_grid(
+    runner: &mut Runner,
+    setting: Setting,
+    coarser: &Trajectory,
+) -> Result<Option<Candidate>, InputError> {
+    let elements = LEAST_FINE_ELEMENTS.div_ceil(setting.problem.intervals);
+    refined(runner, setting, coarser, elements)
+}
+
+/// The program with many elements from a relaxed motion, by the first rule that works.
+fn refined(
+    runner: &mut Runner,
+    setting: Setting,
+    start: &Trajectory,
+    elements: usize,
+) -> Result<Option<Candidate>, InputError> {
+    for rule in FINE_RULES {
+        if runner.stopped() {
+            break;
+        }
+        let found = relaxed(runner, setting, start, elements, rule, FINE)?;
+        if found.is_some() {
+            return Ok(found);
+        }
+    }
+    Ok(None)
+}
+
+/// One contact-implicit program with that many elements an interval, relaxed by one rule.
+fn relaxed(
+    runner: &mut Runner,
+    setting: Setting,
+    start: &Trajectory,
+    elements: usize,
+    rule: RelaxationRule,
+    relaxation: Relaxation,
+) -> Result<Option<Candidate>, InputError> {
+    let mut program = ContactImplicit::new(setting, elements, start);
+    let mut settings = mpcc::Settings {
+        rules: vec![rule],
+        crossover: false,
+        final_relaxation: relaxation.last,
+        ..mpcc::Settings::default()
+    };
+    settings.interior_point.initial_barrier_parameter = relaxation.barrier;
+    settings.interior_point.tolerance = relaxation.tolerance;
+    settings.interior_point.maximum_iterations = runner.settings.maximum_iterations;
+    let unit = program.program.objective_unit();
+    let step = "contact-implicit search";
+    let solution = runner.relax(&mut program.program, &settings, step, unit)?;
+    let trajectory = program.trajectory(&solution.x);
+    if let Some(failure) = Failure::of_relaxed(&solution, trajectory.horizon) {
+        runner.note(failure);
+        return Ok(None);
+    }
+    let modes = program.modes(&solution.x);
+    let count = modes.len();
+    let elements = Elements {
+        ends: (1..=count)
+            .map(|end| end as f64 / elements as f64)
+            .collect(),
+        per_interval: elements,
+        modes,
+    };
+    let initially = modes_at_start(setting, &trajectory);
+    Ok(Some(Candidate {
+        objective: unit * solution.objective,
+        trajectory,
+        sequence: of_elements(initially, &elements, CLOSING),
+    }))
+}
+
+/// Adds a motion to those sorted by objective, unless one with the same objective is there; says whether it did.
+fn insert(motions: &mut Vec<Candidate>, found: Candidate) -> bool {
+    let objective = found.objective;
+    let tolerance = SAME * objective.abs().max(f64::MIN_POSITIVE);
+    let same = |other: &Candidate| (other.objective - objective).abs() <= tolerance;
+    if motions.iter().any(same) {
+        return false;
+    }
+    let place = motions.partition_point(|other| other.objective < objective);
+    motions.insert(place, found);
+    true
+}

@@ -1,0 +1,368 @@
+//! The global phase: a small contact-implicit program that finds which contacts close when.
+//!
+//! Implicit Euler on equal elements of length `h = T / (N M)`, contact at position level, one
+//! complementarity pair an element and contact, no switch detection:
+//!
+//! ```text
+//! q+ = q + h v+      v+ = v + h (a(q+, v+, u) + sum_i d_i(q+) r_i)      0 <= r_i  _|_  g_i(q+) >= 0
+//! ```
+//!
+//! In the plane Coulomb's law is piecewise linear, and takes two pairs more of a contact with friction: with the parts
+//! of its sliding velocity and what is left of its friction cone on either side,
+//!
+//! ```text
+//! v_t,i(q+, v+) = w+ - w-      c+ + c- = 2 mu_i r_i      s_i = (c+ - c-) / 2
+//! 0 <= w+  _|_  c+ >= 0        0 <= w-  _|_  c- >= 0
+//! ```
+//!
+//! With one stage an element the position level performs an inelastic impact of any size within two
+//! elements: it is a time-stepping scheme. Gaps are variables of their own, in units of the order of
+//! one, so that the relaxed products are balanced.
+
+use crate::model::Model;
+use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::collocation::layout::FREE;
+use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
+use crate::ocp::motion::mode::{Direction, Mode, is_frictional, sliding_velocity};
+use crate::ocp::motion::model_input::drive;
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::program::frame::{Frame, state_name};
+use crate::ocp::program::kernel::Kernel;
+use crate::ocp::program::sparse_program::Program;
+
+/// Unknowns of a contact in an element.
+struct Contact {
+    force: usize,
+    gap: usize,
+    /// Forward and backward, of a contact with friction.
+    sliding: Option<[Side; 2]>,
+}
+
+/// Unknowns of a contact with friction in one direction.
+#[derive(Clone, Copy)]
+struct Side {
+    /// Part of the sliding velocity.
+    velocity: usize,
+    /// What is left of the cone before the contact slips that way.
+    reserve: usize,
+}
+
+/// The program and where its unknowns are.
+pub(in crate::ocp) struct ContactImplicit<'a> {
+    pub(in crate::ocp) program: Program<'a>,
+    horizon: usize,
+    controls: Vec<Vec<usize>>,
+    /// Variables `(q, v, r)` at the end of each element.
+    elements: Vec<Vec<usize>>,
+    /// Unknowns of the contacts of each element.
+    contacts: Vec<Vec<Contact>>,
+    /// Variables `(q, v)` at the start.
+    start: Vec<usize>,
+}
+
+/// An element under construction.
+struct Element<'e> {
+    index: usize,
+    /// Its share of the motion.
+    share: f64,
+    /// Guess of its end \[s\], and of `(q, v, r)` there.
+    time: f64,
+    sample: &'e [f64],
+    /// Variables of the state at its end, and of what drives it.
+    q: &'e [usize],
+    v: &'e [usize],
+    u: &'e [usize],
+}
+
+impl<'a> ContactImplicit<'a> {
+    /// The program with `per_interval` elements an interval, started at `guess`.
+    pub(in crate::ocp) fn new(
+        setting: Setting<'a>,
+        per_interval: usize,
+        guess: &Trajectory,
+    ) -> Self {
+        let Setting {
+            model,
+            problem,
+            units,
+            bounds,
+            ..
+        } = setting;
+        let n = model.declaration().coordinates.len();
+        let mut program = Program::new(model);
+        let shape = ControlShape::Constant;
+        let frame = Frame::add(&mut program, model, problem, guess, shape, units, bounds);
+        let count = problem.intervals * per_interval;
+        let share = 1.0 / count as f64;
+        let mut before = frame.start.clone();
+        let mut elements = Vec::with_capacity(count);
+        let mut unknowns = Vec::with_capacity(count);
+        for index in 0..count {
+            let mut u = frame.controls[index / per_interval].clone();
+            let time = guess.horizon * (index + 1) as f64 * share;
+            let sample = guess.at(time, true);
+            if model.declaration().explicit_time {
+                let passed = (index + 1) as f64 * share;
+                let name = format!("time after element {index}");
+                u.push(frame.time(&mut program, name, &[(frame.horizon, passed)], time));
+            }
+            let mut variables = states(&mut program, setting, index, &sample);
+            let (q, v) = variables.split_at(n);
+            let element = Element {
+                index,
+                share,
+                time,
+                sample: &sample,
+                q,
+                v,
+                u: &u,
+            };
+            let contacts = contacts(&mut program, setting, &element);
+            let forces: Vec<usize> = contacts.iter().map(|contact| contact.force).collect();
+            motion(
+                &mut program,
+                setting,
+                &element,
+                &contacts,
+                &before,
+                frame.horizon,
+            );
+            let inputs = [q, v, &u[..]];
+            frame.running_cost(&mut program, problem, inputs, frame.horizon, share);
+            let place = format!("after element {index}");
+            frame.path_rows(&mut program, problem, inputs, &place);
+            before.clone_from(&variables);
+            variables.extend(forces);
+            elements.push(variables);
+            unknowns.push(contacts);
+        }
+        frame.finish(&mut program, problem, &before);
+        Self {
+            program: program.finish(&frame.controls),
+            horizon: frame.horizon,
+            controls: frame.controls,
+            elements,
+            contacts: unknowns,
+            start: frame.start,
+        }
+    }
+
+    /// What the contacts do in each element at a solver's point: those are closed whose force exceeds the gap, each in
+    /// its unit, and those slip whose velocity exceeds what is left of the cone.
+    pub(in crate::ocp) fn modes(&self, x: &[f64]) -> Vec<Vec<Mode>> {
+        let mode = |contact: &Contact| {
+            if x[contact.force] <= x[contact.gap] {
+                return Mode::Open;
+            }
+            let Some(sliding) = contact.sliding else {
+                return Mode::Frictionless;
+            };
+            let mut both = Direction::BOTH.into_iter().zip(sliding);
+            both.find(|(_, side)| x[side.velocity] > x[side.reserve])
+                .map_or(Mode::Stick, |(direction, _)| Mode::Slip(direction))
+        };
+        let elements = self.contacts.iter();
+        elements
+            .map(|contacts| contacts.iter().map(mode).collect())
+            .collect()
+    }
+
+    /// The motion of a solver's point.
+    pub(in crate::ocp) fn trajectory(&self, x: &[f64]) -> Trajectory {
+        let x = self.program.physical(x);
+        let horizon = x[self.horizon];
+        let values = |variables: &Vec<usize>| variables.iter().map(|&i| x[i]).collect();
+        let mut states: Vec<Vec<f64>> = self.elements.iter().map(values).collect();
+        let mut first: Vec<f64> = values(&self.start);
+        first.extend(&states[0][first.len()..]);
+        states.insert(0, first);
+        let count = self.elements.len() as f64;
+        Trajectory {
+            horizon,
+            controls: ControlGrid::constant(self.controls.iter().map(values).collect()),
+            time: (0..states.len())
+                .map(|i| horizon * i as f64 / count)
+                .collect(),
+            states,
+        }
+    }
+}
+
+/// Adds the variables of the state at the end of an element.
+fn states(program: &mut Program, setting: Setting, element: usize, sample: &[f64]) -> Vec<usize> {
+    let Setting {
+        model,
+        units,
+        bounds,
+        ..
+    } = setting;
+    let n = model.declaration().coordinates.len();
+    let states = sample.iter().take(2 * n).enumerate();
+    states
+        .map(|(k, &value)| {
+            let range = if k < n {
+                (bounds.0[k], bounds.1[k])
+            } else {
+                FREE
+            };
+            let name = format!("{} after element {element}", state_name(model, k));
+            program.variable(name, range, value, units.states[k])
+        })
+        .collect()
+}
+
+/// Adds forces and gaps of the contacts of an element, their complementarity, and their friction.
+fn contacts(program: &mut Program, setting: Setting, element: &Element) -> Vec<Contact> {
+    let Setting { model, units, .. } = setting;
+    let &Element {
+        index,
+        time,
+        sample,
+        q,
+        u,
+        ..
+    } = element;
+    let n = q.len();
+    let declared = model.declaration().contacts.iter().enumerate();
+    declared
+        .map(|(contact, declared)| {
+            let name = declared.name;
+            let force = program.variable(
+                format!("force of `{name}` in element {index}"),
+                (0.0, f64::INFINITY),
+                sample[2 * n + contact],
+                units.force[contact],
+            );
+            let gap = program.variable(
+                format!("gap `{name}` after element {index}"),
+                (0.0, f64::INFINITY),
+                gap(model, contact, &sample[..2 * n], time),
+                units.gap[contact],
+            );
+            let label = format!("gap `{name}`, element {index}");
+            let row = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
+            program.linear(row, gap, -1.0);
+            let block = Kernel::Contact(contact);
+            program.block(&block, [q, &[], u, &[]], None, vec![(row, 0, 1.0)]);
+            program.pair(force, gap);
+            let sliding = is_frictional(model, contact)
+                .then(|| friction(program, setting, element, contact, force));
+            Contact {
+                force,
+                gap,
+                sliding,
+            }
+        })
+        .collect()
+}
+
+/// Adds the step of implicit Euler of an element from the state `before`.
+fn motion(
+    program: &mut Program,
+    setting: Setting,
+    element: &Element,
+    contacts: &[Contact],
+    before: &[usize],
+    horizon: usize,
+) {
+    let Setting { model, units, .. } = setting;
+    let &Element {
+        index,
+        share,
+        q,
+        v,
+        u,
+        ..
+    } = element;
+    let n = q.len();
+    let mut uses = Vec::with_capacity(n);
+    for k in 0..n {
+        let name = model.declaration().coordinates[k].name;
+        let label = format!("motion of `{name}`, element {index}");
+        let row = program.row_in(units.states[k], label, 0.0, 0.0);
+        program.linear(row, q[k], 1.0);
+        program.linear(row, before[k], -1.0);
+        program.bilinear(row, horizon, v[k], -share);
+        let label = format!("force on `{name}`, element {index}");
+        let row = program.row_in(units.states[n + k], label, 0.0, 0.0);
+        program.linear(row, v[k], 1.0);
+        program.linear(row, before[n + k], -1.0);
+        uses.push((row, k, -share));
+    }
+    for (contact, unknowns) in contacts.iter().enumerate() {
+        let Some(sliding) = unknowns.sliding else {
+            continue;
+        };
+        for (direction, side) in Direction::BOTH.into_iter().zip(sliding) {
+            let half = 0.5 * direction.sign();
+            let uses = uses.iter().map(|&(row, k, c)| (row, k, half * c)).collect();
+            let kernel = Kernel::Friction(vec![contact]);
+            program.block(&kernel, [q, &[], u, &[side.reserve]], Some(horizon), uses);
+        }
+    }
+    let forces: Vec<usize> = contacts.iter().map(|contact| contact.force).collect();
+    let kernel = Kernel::Acceleration((0..contacts.len()).collect());
+    program.block(&kernel, [q, v, u, &forces], Some(horizon), uses);
+}
+
+/// Adds the unknowns and the law of friction of a contact in an element, with the given normal force.
+fn friction(
+    program: &mut Program,
+    setting: Setting,
+    element: &Element,
+    contact: usize,
+    force: usize,
+) -> [Side; 2] {
+    let Setting { model, units, .. } = setting;
+    let &Element {
+        index,
+        time,
+        sample,
+        q,
+        v,
+        u,
+        ..
+    } = element;
+    let name = model.declaration().contacts[contact].name;
+    let mu = model.friction(contact);
+    let velocity = sliding_velocity(model, contact, sample, time);
+    let positive = (0.0, f64::INFINITY);
+    let label = format!("sliding of `{name}`, element {index}");
+    let row = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
+    let label = format!("friction of `{name}`, element {index}");
+    let cone = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
+    let uses = vec![(row, 0, -1.0)];
+    program.block(&Kernel::Sliding(contact), [q, v, u, &[]], None, uses);
+    program.linear(cone, force, -2.0 * mu);
+    Direction::BOTH.map(|direction| {
+        let sign = direction.sign();
+        let side = format!("{direction:?} of `{name}` in element {index}");
+        let part = program.variable(
+            format!("sliding {side}"),
+            positive,
+            (sign * velocity).max(0.0),
+            units.velocity(contact),
+        );
+        let reserve = program.variable(
+            format!("cone {side}"),
+            positive,
+            mu * sample[2 * q.len() + contact],
+            mu * units.force[contact],
+        );
+        program.linear(row, part, sign);
+        program.linear(cone, reserve, 1.0);
+        program.pair(part, reserve);
+        Side {
+            velocity: part,
+            reserve,
+        }
+    })
+}
+
+/// Gap of a contact at `(q, v)` and a time, at least 0.
+fn gap(model: &dyn Model, contact: usize, state: &[f64], time: f64) -> f64 {
+    let mut x = state.to_vec();
+    let controls = vec![0.0; model.declaration().controls.len()];
+    x.extend(drive(model, &controls, time));
+    model.gap(contact, &x).max(0.0)
+}

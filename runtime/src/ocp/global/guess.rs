@@ -1,0 +1,149 @@
+//! Where the search starts: motions made from model and problem alone.
+
+use crate::model::Model;
+use crate::ocp::motion::control_grid::ControlGrid;
+use crate::ocp::motion::model_input::{drive, with_forces};
+use crate::ocp::motion::targets::{horizon_guess, targets};
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::problem::{Horizon, Problem};
+use crate::ocp::settings::Guess;
+use crate::simulation::{EventDriven, InputError, Simulator as _};
+
+/// Samples of a guess in each interval.
+const SAMPLES: usize = 4;
+
+/// The start of the global phase.
+pub(in crate::ocp) fn guess(
+    model: &dyn Model,
+    problem: &Problem,
+    guess: &Guess,
+    bounds: (&[f64], &[f64]),
+) -> Result<Trajectory, InputError> {
+    let straight = straight(model, problem, bounds);
+    match guess {
+        Guess::Straight => Ok(straight),
+        Guess::Rest => Ok(at_rest(straight, model, problem)),
+        Guess::Ride => ride(straight, model, problem),
+        Guess::Perturbed { seed } => Ok(perturbed(straight, model, problem, *seed, bounds)),
+        Guess::Previous(previous) => previous.trajectory(model, problem),
+    }
+}
+
+/// Coordinates with a goal move to it at constant speed, the others rest; controls are 0, or as near to
+/// it as their bounds allow.
+fn straight(model: &dyn Model, problem: &Problem, bounds: (&[f64], &[f64])) -> Trajectory {
+    let declaration = model.declaration();
+    let n = declaration.coordinates.len();
+    let horizon = horizon_guess(problem, model);
+    let targets = targets(problem, model);
+    let controls: Vec<f64> = (n..n + declaration.controls.len())
+        .map(|k| 0.0_f64.clamp(bounds.0[k], bounds.1[k]))
+        .collect();
+    let samples = SAMPLES * problem.intervals;
+    let states = (0..=samples).map(|i| {
+        let share = i as f64 / samples as f64;
+        let mut x = problem.q.clone();
+        x.resize(2 * n, 0.0);
+        for k in 0..n {
+            if let Some(target) = targets[k] {
+                x[n + k] = (target - problem.q[k]) / horizon;
+                x[k] += share * (target - problem.q[k]);
+            }
+        }
+        with_forces(model, x, &drive(model, &controls, share * horizon))
+    });
+    Trajectory {
+        horizon,
+        states: states.collect(),
+        time: (0..=samples)
+            .map(|i| horizon * i as f64 / samples as f64)
+            .collect(),
+        controls: ControlGrid::constant(vec![controls.clone(); problem.intervals]),
+    }
+}
+
+/// All states as at the start, over 1 s unless the horizon is fixed.
+fn at_rest(mut motion: Trajectory, model: &dyn Model, problem: &Problem) -> Trajectory {
+    let driven = drive(model, motion.controls.start(), 0.0);
+    let state = with_forces(model, problem.start(), &driven);
+    motion.states.fill(state);
+    if let Horizon::Free { guess: None } = problem.horizon {
+        for time in &mut motion.time {
+            *time /= motion.horizon;
+        }
+        motion.horizon = 1.0;
+    }
+    motion
+}
+
+/// The motion under these controls; as far as it goes.
+fn ride(
+    motion: Trajectory,
+    model: &dyn Model,
+    problem: &Problem,
+) -> Result<Trajectory, InputError> {
+    let simulator = EventDriven {
+        output_times: SAMPLES * problem.intervals,
+        ..EventDriven::default()
+    };
+    let start = problem.start();
+    let unforced = problem.initial_value_problem(&start, motion.horizon, motion.signal());
+    let simulation = simulator.simulate(model, &unforced, &mut |_| true)?;
+    if simulation.trajectory.time.is_empty() {
+        return Ok(motion);
+    }
+    Ok(Trajectory::of_simulation(
+        model,
+        &simulation,
+        motion.horizon,
+        motion.controls,
+    ))
+}
+
+/// Random controls within a quarter of their range, the horizon scaled by up to 15 %, and every coordinate
+/// bent by up to a twentieth of the distance to its goal.
+fn perturbed(
+    mut motion: Trajectory,
+    model: &dyn Model,
+    problem: &Problem,
+    seed: u64,
+    bounds: (&[f64], &[f64]),
+) -> Trajectory {
+    let n = problem.q.len();
+    let mut state = seed;
+    // SplitMix64 (Steele, Lea, Flood 2014), mapped to [-1, 1).
+    let mut random = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    if let Horizon::Free { .. } = problem.horizon {
+        let factor = (0.15 * random()).exp();
+        motion.horizon *= factor;
+        motion.time.iter_mut().for_each(|time| *time *= factor);
+    }
+    let mut values = motion.controls.values().to_vec();
+    for controls in &mut values {
+        for (u, k) in controls.iter_mut().zip(n..) {
+            let range = bounds.1[k] - bounds.0[k];
+            let size = if range.is_finite() { 0.25 * range } else { 0.1 };
+            *u = (*u + size * random()).clamp(bounds.0[k], bounds.1[k]);
+        }
+    }
+    motion.controls = ControlGrid::constant(values);
+    let last = (motion.states.len() - 1) as f64;
+    for (k, target) in targets(problem, model).into_iter().enumerate() {
+        let bend = 0.05 * random() * target.map_or(0.0, |target| target - problem.q[k]);
+        for (i, x) in motion.states.iter_mut().enumerate() {
+            x[k] += bend * (std::f64::consts::PI * i as f64 / last).sin();
+        }
+    }
+    for (i, x) in motion.states.iter_mut().enumerate() {
+        let controls = motion.controls.at(i as f64 / SAMPLES as f64);
+        let driven = drive(model, &controls, motion.time[i]);
+        *x = with_forces(model, x[..2 * n].to_vec(), &driven);
+    }
+    motion
+}

@@ -1,0 +1,12 @@
+//! Motions to start a search from: made from model and problem alone, from small contact-implicit programs, or from the
+//! time-freezing system.
+//!
+//! Uses [`collocation`](super::collocation) for what stays the same over all programs on a grid, and the layers below
+//! that; each motion comes with the contact sequence that it suggests.
+
+pub(in crate::ocp) mod coarse_to_fine;
+pub(in crate::ocp) mod contact_implicit;
+pub(in crate::ocp) mod guess;
+pub(in crate::ocp) mod start_modes;
+pub(in crate::ocp) mod time_freezing;
+pub(in crate::ocp) mod time_freezing_search;

@@ -1,0 +1,35 @@
+//! What the contacts do at the start of a motion.
+
+use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::motion::mode::{Mode, is_frictional, sliding_velocity, zero_velocity};
+use crate::ocp::motion::trajectory::Trajectory;
+
+/// Gap below which a motion starts on a surface, in its unit.
+const AT_START: f64 = 1e-9;
+/// The same where initial values are free: as far as a relaxed program may hold it off.
+const NEAR_START: f64 = 1e-3;
+
+/// What the contacts do at the start of a motion.
+pub(super) fn modes_at_start(setting: Setting, motion: &Trajectory) -> Vec<Mode> {
+    let Setting {
+        model,
+        problem,
+        units,
+        ..
+    } = setting;
+    let mut input = motion.start(model, problem);
+    let zero = zero_velocity(&input[input.len() / 2..]);
+    input.resize(model.declaration().inputs(), 0.0);
+    let free = problem.has_free_start(model);
+    let near = if free { NEAR_START } else { AT_START };
+    (0..model.declaration().contacts.len())
+        .map(|contact| {
+            if model.gap(contact, &input) > near * units.gap[contact] {
+                return Mode::Open;
+            }
+            let frictional = is_frictional(model, contact);
+            let slides = frictional.then(|| sliding_velocity(model, contact, &input, 0.0));
+            Mode::closed(frictional, slides.unwrap_or(0.0), zero)
+        })
+        .collect()
+}

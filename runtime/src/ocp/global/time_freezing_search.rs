@@ -1,0 +1,139 @@
+//! The contact sequence from the complementarity problem of finite elements on the time-freezing system.
+
+use cpu_time::ThreadTime;
+
+use super::start_modes::modes_at_start;
+use super::time_freezing::{TimeFreezing, TimeFreezingMotion};
+use crate::mpcc::Mpcc as _;
+use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::motion::candidate::Candidate;
+use crate::ocp::motion::control_grid::ControlGrid;
+use crate::ocp::motion::mode::{Mode, is_frictional, sliding_velocity};
+use crate::ocp::motion::model_input::{drive, with_forces};
+use crate::ocp::motion::read_sequence::{Elements, of_elements};
+use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::program::runner::{Failure, Runner};
+use crate::ocp::settings::{Guess, TimeFreezingSettings};
+use crate::ocp::solution::{Size, TimeFreezingReport};
+use crate::simulation::InputError;
+use crate::{mpcc, nlp};
+
+/// Mean step function of an element above which its contact is open: in flight it is 1, in contact
+/// `a_bar / (a_bar + r)` for a normal acceleration `r`.
+const OPEN: f64 = 0.99;
+/// Most iterations of one rule. The programs are larger than those of the other phases.
+const ITERATIONS: usize = 1500;
+
+/// Solves the relaxed complementarity problem and reads motion and contact sequence from it, if there is one.
+pub(in crate::ocp) fn candidate(
+    runner: &mut Runner,
+    setting: Setting,
+    settings: &TimeFreezingSettings,
+) -> Result<(TimeFreezingReport, Option<Candidate>), InputError> {
+    let clock = ThreadTime::try_now();
+    let (model, problem) = (setting.model, setting.problem);
+    let settings = TimeFreezingSettings {
+        simulated_guess: settings.simulated_guess || runner.settings.guess == Guess::Ride,
+        ..settings.clone()
+    };
+    let mut program = TimeFreezing::new(model, problem, &settings)?;
+    let mut relaxation = mpcc::Settings {
+        crossover: false,
+        final_relaxation: settings.complementarity,
+        ..mpcc::Settings::default()
+    };
+    relaxation.interior_point.tolerance = settings.complementarity;
+    relaxation.interior_point.maximum_iterations =
+        runner.settings.maximum_iterations.max(ITERATIONS);
+    let solution = runner.relax(&mut program, &relaxation, "time-freezing program", 1.0)?;
+    let products = program.complementarities().iter();
+    let products = products.map(|&(i, j)| (solution.x[i] * solution.x[j]).max(0.0));
+    let motion = program.motion(&solution.x);
+    if let Some(failure) = Failure::of_relaxed(&solution, motion.horizon) {
+        runner.note(failure);
+    }
+    let report = TimeFreezingReport {
+        status: solution.status,
+        objective: solution.objective,
+        horizon: motion.horizon,
+        primal: solution.residuals.primal,
+        complementarity: products.fold(0.0, f64::max),
+        iterations: solution.iterations,
+        size: Size::of(&program, program.complementarities().len()),
+        seconds: clock
+            .and_then(|clock| clock.try_elapsed())
+            .map_or(f64::NAN, |elapsed| elapsed.as_secs_f64()),
+    };
+    let near = match solution.status {
+        mpcc::Status::Failed(status) => status == nlp::Status::Acceptable,
+        mpcc::Status::Infeasible => false,
+        _ => true,
+    };
+    let candidate = near.then(|| {
+        let trajectory = trajectory(setting, &motion);
+        Candidate {
+            objective: solution.objective,
+            sequence: sequence(setting, &motion, &settings, &trajectory),
+            trajectory,
+        }
+    });
+    Ok((report, candidate))
+}
+
+/// What the contacts do in each element; a jump belongs to the contact after it. How they slide follows from the
+/// velocity at the end: in a pair whose product is relaxed, both may be as large as its root.
+fn sequence(
+    setting: Setting,
+    motion: &TimeFreezingMotion,
+    settings: &TimeFreezingSettings,
+    trajectory: &Trajectory,
+) -> Sequence {
+    let zero = settings.complementarity.sqrt();
+    let model = setting.model;
+    let interval = motion.horizon / setting.problem.intervals as f64;
+    let states = motion.q.iter().zip(&motion.v).zip(&motion.time);
+    let modes: Vec<Vec<Mode>> = motion
+        .step_functions
+        .iter()
+        .zip(states)
+        .map(|(alpha, ((q, v), &time))| {
+            let state = [&q[..], v].concat();
+            let mode = |(contact, &alpha): (usize, &f64)| {
+                if alpha >= OPEN {
+                    return Mode::Open;
+                }
+                let frictional = is_frictional(model, contact);
+                let slides = frictional.then(|| sliding_velocity(model, contact, &state, time));
+                Mode::closed(frictional, slides.unwrap_or(0.0), zero)
+            };
+            alpha.iter().enumerate().map(mode).collect()
+        })
+        .collect();
+    let elements = Elements {
+        modes,
+        per_interval: settings.elements,
+        ends: motion.time.iter().map(|time| time / interval).collect(),
+    };
+    of_elements(modes_at_start(setting, trajectory), &elements, 0.0)
+}
+
+fn trajectory(setting: Setting, motion: &TimeFreezingMotion) -> Trajectory {
+    let (model, problem) = (setting.model, setting.problem);
+    let per_interval = motion.time.len() / problem.intervals;
+    let mut states = vec![problem.start()];
+    let ends = motion.q.iter().zip(&motion.v);
+    states.extend(ends.map(|(q, v)| [&q[..], &v[..]].concat()));
+    let states = states.into_iter().enumerate().map(|(i, state)| {
+        let interval = i.saturating_sub(1) / per_interval;
+        let time = i.checked_sub(1).map_or(0.0, |end| motion.time[end]);
+        let driven = drive(model, &motion.controls[interval], time);
+        with_forces(model, state, &driven)
+    });
+    Trajectory {
+        states: states.collect(),
+        time: std::iter::once(&0.0).chain(&motion.time).copied().collect(),
+        horizon: motion.horizon,
+        controls: ControlGrid::constant(motion.controls.clone()),
+    }
+}

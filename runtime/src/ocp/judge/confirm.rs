@@ -1,0 +1,219 @@
+//! The judge: an event-driven simulation of a plan under its controls.
+
+use super::disagreement::disagreement;
+use super::refine_grid::{ROUNDS, refine};
+use crate::ocp::collocation::between_stages::excess;
+use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::collocation::layout::Cut;
+use crate::ocp::collocation::limits::Limits;
+use crate::ocp::collocation::program::Collocation;
+use crate::ocp::motion::mode::Mode;
+use crate::ocp::motion::read_sequence::seen;
+use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::trajectory::{Trajectory, largest_difference};
+use crate::ocp::previous::Previous;
+use crate::ocp::program::runner::Runner;
+use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
+use crate::ocp::search::replay::{read_replay, simulate};
+use crate::ocp::settings::Settings;
+use crate::ocp::solution::{Size, Solution, Stationarity, Status};
+use crate::rk::ButcherTableau;
+use crate::simulation::{EventKind, InputError, Residuals, Simulation, SimulationStatus};
+
+/// The judgement of a local optimum: re-simulated, with more elements where they are needed, and else with the schemes
+/// of `tableaus`, of growing order, as long as the plan does not agree with the simulation.
+pub(in crate::ocp) fn judge<'a>(
+    runner: &mut Runner,
+    setting: Setting<'a>,
+    tableaus: &'a [ButcherTableau],
+    local: Local<'a>,
+    stationarity: Stationarity,
+) -> Result<Solution, InputError> {
+    let mut elements = vec![runner.settings.elements; setting.problem.intervals];
+    let coarse = elements.clone();
+    let cuts = local.cuts.clone();
+    let mut plan = Plan::of(&local);
+    let mut solution = confirm(runner, setting, &elements, local, stationarity)?;
+    for _ in 0..ROUNDS {
+        let unconfirmed = !runner.stopped() && solution.status == Status::Unconfirmed;
+        let distance = solution.resimulation_error;
+        if !unconfirmed || !refine(runner, setting, &mut elements, &plan.trajectory, distance) {
+            break;
+        }
+        let Some(better) = plan.again(runner, setting, &elements, &[])? else {
+            break;
+        };
+        plan = Plan::of(&better);
+        solution = confirm(runner, setting, &elements, better, stationarity)?;
+    }
+    for tableau in tableaus {
+        if runner.stopped() || solution.status != Status::Unconfirmed {
+            break;
+        }
+        let setting = Setting { tableau, ..setting };
+        let Some(better) = plan.again(runner, setting, &coarse, &cuts)? else {
+            break;
+        };
+        plan = Plan::of(&better);
+        solution = confirm(runner, setting, &coarse, better, stationarity)?;
+    }
+    Ok(solution)
+}
+
+/// What a finer program of a plan starts from.
+struct Plan {
+    sequence: Sequence,
+    trajectory: Trajectory,
+}
+
+impl Plan {
+    fn of(local: &Local) -> Self {
+        Self {
+            sequence: local.sequence.clone(),
+            trajectory: local.trajectory.clone(),
+        }
+    }
+
+    /// The plan with another discretization, if there is one.
+    fn again<'a>(
+        &self,
+        runner: &mut Runner,
+        setting: Setting<'a>,
+        elements: &[usize],
+        cuts: &[Cut],
+    ) -> Result<Option<Local<'a>>, InputError> {
+        let mut attempts = Attempts::new(setting, elements);
+        let attempt = Attempt {
+            sequence: &self.sequence,
+            guess: &self.trajectory,
+            cuts,
+            purpose: Purpose::Compare,
+        };
+        attempts.attempt(runner, attempt)?;
+        Ok(attempts.best)
+    }
+}
+
+/// Re-simulates a plan and compares.
+fn confirm(
+    runner: &Runner,
+    setting: Setting,
+    elements: &[usize],
+    plan: Local,
+    stationarity: Stationarity,
+) -> Result<Solution, InputError> {
+    let settings = runner.settings;
+    let Local {
+        program,
+        solution,
+        trajectory,
+        sequence,
+        ..
+    } = plan;
+    let replay = simulate(setting, &trajectory, settings.resimulation_tolerance)?;
+    let n = setting.problem.q.len();
+    let planned = trajectory.at(trajectory.horizon, true);
+    let distance = match (&replay.status, replay.trajectory.q.last()) {
+        (SimulationStatus::Solved, Some(q)) => largest_difference(q, &planned[..n]),
+        _ => f64::INFINITY,
+    };
+    let disagreement = compare(setting, settings, &sequence, &trajectory, &replay);
+    let agrees = distance <= settings.largest_distance && disagreement.is_none();
+    let status = if runner.stopped() {
+        Status::Interrupted
+    } else if !agrees {
+        Status::Unconfirmed
+    } else if stationarity == Stationarity::None {
+        Status::Uncertified
+    } else {
+        Status::Solved
+    };
+    let interval = trajectory.horizon / setting.problem.intervals as f64;
+    Ok(Solution {
+        status,
+        objective: solution.objective,
+        horizon: trajectory.horizon,
+        final_times: (f64::NAN, f64::NAN),
+        stationarity,
+        resimulation_error: distance,
+        disagreement,
+        residuals: Residuals {
+            primal: solution.residuals.primal,
+            dual: solution.residuals.dual,
+            complementarity: complementarity(&program, &solution.x),
+        },
+        planned_events: planned_events(&sequence, interval),
+        excess: excess(&program, &solution.x, Limits::new(setting, settings)),
+        controls: trajectory.controls.values().to_vec(),
+        shape: trajectory.controls.shape(),
+        elements: elements.to_vec(),
+        previous: Some(Previous::new(trajectory, sequence)),
+        motion: Some(replay),
+        violations: solution.violations,
+        size: Size::of(&program.program, 0),
+        counts: runner.counts,
+        seconds: 0.0,
+        time_freezing: None,
+        optima: Vec::new(),
+    })
+}
+
+/// The first difference in kind between a plan and its re-simulation, in words.
+fn compare(
+    setting: Setting,
+    settings: &Settings,
+    plan: &Sequence,
+    trajectory: &Trajectory,
+    replay: &Simulation,
+) -> Option<String> {
+    let Setting { model, problem, .. } = setting;
+    let simulated = Trajectory::of_simulation(
+        model,
+        replay,
+        trajectory.horizon,
+        trajectory.controls.clone(),
+    );
+    // A slip over less than the distance that is let pass is none.
+    let slowest = settings.largest_distance / trajectory.horizon;
+    let read = read_replay(setting, replay, trajectory);
+    disagreement(
+        model,
+        &seen(plan, model, trajectory, slowest),
+        &seen(&read, model, &simulated, slowest),
+        problem.intervals,
+        trajectory.horizon,
+    )
+}
+
+fn planned_events(sequence: &Sequence, interval: f64) -> Vec<(f64, EventKind, usize)> {
+    let switches = sequence.switches.iter().map(|switch| {
+        let kind = match switch.mode {
+            _ if switch.closes => EventKind::Impact,
+            Mode::Open => EventKind::LiftOff,
+            Mode::Stick => EventKind::Stick,
+            Mode::Slip(_) | Mode::Frictionless => EventKind::Slip,
+        };
+        (switch.time * interval, kind, switch.contact)
+    });
+    switches.collect()
+}
+
+/// Largest `min(g, r)` over all stages and contacts: 0 by construction wherever one of them is fixed.
+fn complementarity(program: &Collocation, x: &[f64]) -> f64 {
+    let x = program.program.physical(x);
+    let model = program.model;
+    let mut input = vec![0.0; model.declaration().inputs()];
+    let mut largest: f64 = 0.0;
+    for phase in &program.phases {
+        for stage in &phase.stages {
+            let variables = stage.state.iter().chain(&stage.drive);
+            for (slot, &variable) in input.iter_mut().zip(variables) {
+                *slot = x[variable];
+            }
+            for (&contact, &force) in phase.closed.iter().zip(&stage.forces) {
+                largest = largest.max(model.gap(contact, &input).abs().min(x[force].abs()));
+            }
+        }
+    }
+    largest
+}

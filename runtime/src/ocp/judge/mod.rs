@@ -1,0 +1,8 @@
+//! The judge of a plan: an event-driven simulation under its controls, which shares nothing with the programs but the
+//! model's functions, and finer grids where the two do not agree.
+//!
+//! Uses [`search`](super::search) to attempt the same sequence again.
+
+pub(in crate::ocp) mod confirm;
+pub(in crate::ocp) mod disagreement;
+pub(in crate::ocp) mod refine_grid;

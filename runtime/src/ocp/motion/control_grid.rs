@@ -1,0 +1,194 @@
+//! Controls over equal intervals: constant on each, or linear between nodes.
+
+use crate::simulation::ControlSignal;
+
+/// Controls on the intervals of a problem.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A cart that is pushed to 1 m.
+/// #     pub Cart {
+/// #         parameters { m: kg = 2 }
+/// #         coordinates { y: m }
+/// #         controls { u: N in -1..=1 }
+/// #         lagrangian m/2*dot(y)^2
+/// #         forces { y: u }
+/// #         minimize time
+/// #         finally { y == 1[m] }
+/// #     }
+/// # }
+/// let cart = Cart::default();
+/// let solution = solve(&cart).intervals(4).controls(ControlShape::Linear).run()?;
+/// // One value a node.
+/// assert_eq!(solution.controls.len(), 5);
+/// # Ok::<(), InputError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ControlShape {
+    /// Constant on each interval; they may jump between intervals.
+    #[default]
+    Constant,
+    /// Linear on each interval and continuous over the ends of the intervals: one value a node, one node more than
+    /// intervals. Bounds at the nodes hold everywhere. The contact sequence is looked for with constant controls.
+    Linear,
+}
+
+impl ControlShape {
+    /// Name used on the command line and in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Linear => "linear",
+        }
+    }
+}
+
+/// Controls as a function of time, in units of intervals.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::ocp) struct ControlGrid {
+    shape: ControlShape,
+    /// One vector an interval, or one more where they are linear.
+    values: Vec<Vec<f64>>,
+}
+
+impl ControlGrid {
+    /// At least one interval.
+    pub(in crate::ocp) fn new(shape: ControlShape, values: Vec<Vec<f64>>) -> Self {
+        Self { shape, values }
+    }
+
+    /// Constant on each interval.
+    pub(in crate::ocp) fn constant(values: Vec<Vec<f64>>) -> Self {
+        Self::new(ControlShape::Constant, values)
+    }
+
+    pub(in crate::ocp) fn shape(&self) -> ControlShape {
+        self.shape
+    }
+
+    /// Values of the intervals, or at the nodes.
+    pub(in crate::ocp) fn values(&self) -> &[Vec<f64>] {
+        &self.values
+    }
+
+    pub(in crate::ocp) fn intervals(&self) -> usize {
+        match self.shape {
+            ControlShape::Constant => self.values.len(),
+            ControlShape::Linear => self.values.len() - 1,
+        }
+    }
+
+    /// Controls right after the start.
+    pub(in crate::ocp) fn start(&self) -> &[f64] {
+        &self.values[0]
+    }
+
+    /// Controls at `place`, in units of intervals, on the later side of a jump.
+    pub(in crate::ocp) fn at(&self, place: f64) -> Vec<f64> {
+        let last = self.intervals() - 1;
+        let interval = (place.max(0.0) as usize).min(last);
+        match self.shape {
+            ControlShape::Constant => self.values[interval].clone(),
+            ControlShape::Linear => {
+                let share = (place - interval as f64).clamp(0.0, 1.0);
+                let ends = self.values[interval].iter().zip(&self.values[interval + 1]);
+                ends.map(|(from, to)| from + share * (to - from)).collect()
+            }
+        }
+    }
+
+    /// The controls in another shape, on another number of intervals: those at the middle of each interval, or at the
+    /// nodes, where a jump is met halfway.
+    pub(in crate::ocp) fn resampled(&self, shape: ControlShape, intervals: usize) -> Self {
+        if shape == self.shape && intervals == self.intervals() {
+            return self.clone();
+        }
+        let length = self.intervals() as f64 / intervals as f64;
+        let middle = |k: usize| self.at((k as f64 + 0.5) * length);
+        let values = match (shape, self.shape) {
+            (ControlShape::Constant, _) => (0..intervals).map(middle).collect(),
+            (ControlShape::Linear, ControlShape::Linear) => (0..=intervals)
+                .map(|node| self.at(node as f64 * length))
+                .collect(),
+            (ControlShape::Linear, ControlShape::Constant) => (0..=intervals)
+                .map(|node| {
+                    let before = middle(node.max(1) - 1);
+                    let after = middle(node.min(intervals - 1));
+                    let sides = before.iter().zip(&after);
+                    sides
+                        .map(|(before, after)| 0.5 * (before + after))
+                        .collect()
+                })
+                .collect(),
+        };
+        Self { shape, values }
+    }
+
+    /// The controls as a signal over `horizon`.
+    pub(in crate::ocp) fn signal(&self, horizon: f64) -> ControlSignal {
+        signal(self.shape, horizon, self.values.clone())
+    }
+
+    /// The controls of one interval as a signal that starts with it.
+    pub(in crate::ocp) fn signal_of(&self, interval: usize, length: f64) -> ControlSignal {
+        let count = match self.shape {
+            ControlShape::Constant => 1,
+            ControlShape::Linear => 2,
+        };
+        let values = self.values[interval..interval + count].to_vec();
+        signal(self.shape, length, values)
+    }
+}
+
+/// The signal of controls on equal intervals of a motion of length `horizon`.
+pub(in crate::ocp) fn signal(
+    shape: ControlShape,
+    horizon: f64,
+    values: Vec<Vec<f64>>,
+) -> ControlSignal {
+    let intervals = match shape {
+        ControlShape::Constant => values.len(),
+        ControlShape::Linear => values.len() - 1,
+    };
+    let times = (0..values.len())
+        .map(|k| {
+            if k == intervals {
+                horizon
+            } else {
+                horizon * k as f64 / intervals as f64
+            }
+        })
+        .collect();
+    match shape {
+        ControlShape::Constant => ControlSignal::PiecewiseConstant { times, values },
+        ControlShape::Linear => ControlSignal::PiecewiseLinear { times, values },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(shape: ControlShape, values: &[f64]) -> ControlGrid {
+        ControlGrid::new(shape, values.iter().map(|&u| vec![u]).collect())
+    }
+
+    #[test]
+    fn grid_in_another_shape_keeps_what_both_can_express() {
+        use ControlShape::{Constant, Linear};
+        let steps = grid(Constant, &[1.0, 3.0]);
+        assert_eq!(steps.resampled(Linear, 2), grid(Linear, &[1.0, 2.0, 3.0]));
+        assert_eq!(
+            steps.resampled(Constant, 4),
+            grid(Constant, &[1.0, 1.0, 3.0, 3.0])
+        );
+        let ramp = grid(Linear, &[1.0, 3.0]);
+        assert_eq!(ramp.resampled(Linear, 2), grid(Linear, &[1.0, 2.0, 3.0]));
+        assert_eq!(ramp.resampled(Constant, 2), grid(Constant, &[1.5, 2.5]));
+        assert_eq!(ramp.resampled(Linear, 1), ramp);
+        assert_eq!(ramp.at(5.0), [3.0]);
+    }
+}

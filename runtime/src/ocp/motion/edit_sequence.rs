@@ -1,0 +1,145 @@
+//! Contact sequences made from others.
+
+use super::mode::Mode;
+use super::sequence::{Place, Sequence, Switch};
+
+/// A contact between two flights that is shorter than this many intervals is deleted at the start.
+const SHORT_CONTACT: f64 = 1.5;
+
+/// A flight that is shorter than this many intervals is deleted at the start.
+const SHORT_FLIGHT: f64 = 0.6;
+
+/// The same for a contact that sticks, or slips in one direction.
+const SHORT_SLIDING: f64 = 0.6;
+
+/// With one switch, or none, in the place of those of a contact from `first` to `last`.
+pub(in crate::ocp) fn without(given: &Sequence, first: usize, last: usize) -> Sequence {
+    let mut sequence = given.clone();
+    let contact = given.switches[first].contact;
+    let (from, to) = (given.switches[first], given.switches[last]);
+    let before = given.mode_before(first, contact);
+    let mut index = 0;
+    sequence.switches.retain(|switch| {
+        index += 1;
+        switch.contact != contact || !(first..=last).contains(&(index - 1))
+    });
+    let both_closed = !before.is_open() && !to.mode.is_open();
+    if before == to.mode || !(from.slides() || to.slides() || both_closed) {
+        return sequence;
+    }
+    let (place, merged) = if before.is_open() {
+        // A contact that sticks in the end may not have slipped in the impact.
+        let impulse = match (to.mode, from.impulse) {
+            (Mode::Slip(_), Mode::Stick) => Mode::Stick,
+            (mode, _) => mode,
+        };
+        let mode = to.mode;
+        (
+            first,
+            Switch {
+                mode,
+                impulse,
+                ..from
+            },
+        )
+    } else {
+        let removed = given.switches.len() - sequence.switches.len();
+        let closes = false;
+        (last + 1 - removed, Switch { closes, ..to })
+    };
+    sequence.switches.insert(place, merged);
+    sequence
+}
+
+/// Without touches; `None` if there are none.
+pub(in crate::ocp) fn untouched(given: &Sequence) -> Option<Sequence> {
+    let mut sequence = given.clone();
+    sequence.switches.retain(|switch| !switch.touches());
+    (sequence.switches.len() < given.switches.len()).then_some(sequence)
+}
+
+/// Up to its last impact, which ends the motion; `None` without impacts.
+pub(in crate::ocp) fn ending(given: &Sequence, intervals: usize) -> Option<Sequence> {
+    let mut sequence = given.clone();
+    let last = sequence.switches.iter().rposition(|s| s.closes)?;
+    sequence.switches.truncate(last + 1);
+    let first = sequence.switches.iter().rposition(|s| !s.accompanies)?;
+    let impact = sequence.switches.split_off(first);
+    for switch in impact.into_iter().filter(|switch| switch.closes) {
+        sequence.switches.push(Switch {
+            interval: intervals,
+            place: Place::Start,
+            time: intervals as f64,
+            ..switch
+        });
+    }
+    Some(sequence)
+}
+
+/// With touches in the place of contacts that are too short to be meant as such; `None` if there are none.
+pub(in crate::ocp) fn touching(given: &Sequence) -> Option<Sequence> {
+    let mut sequence = given.clone();
+    let mut openings = Vec::new();
+    for (i, j) in given.neighbours() {
+        let (first, second) = (&given.switches[i], &given.switches[j]);
+        if first.stays() && second.opens() && second.time - first.time < SHORT_CONTACT {
+            sequence.switches[i].mode = Mode::Open;
+            openings.push(j);
+        }
+    }
+    if openings.is_empty() {
+        return None;
+    }
+    let mut index = 0;
+    sequence.switches.retain(|_| {
+        index += 1;
+        !openings.contains(&(index - 1))
+    });
+    Some(sequence)
+}
+
+/// Without contacts and flights too short to be meant, and without changes of sliding that do not last: shortest
+/// contacts first.
+pub(in crate::ocp) fn tidied(mut sequence: Sequence) -> Sequence {
+    let contact = |first: &Switch, second: &Switch| first.stays() && second.opens();
+    let flight = |first: &Switch, second: &Switch| first.opens() && second.stays();
+    let sliding = |first: &Switch, second: &Switch| {
+        !first.mode.is_open() && !second.closes && (first.slides() || second.slides())
+    };
+    type Pair<'a> = &'a dyn Fn(&Switch, &Switch) -> bool;
+    let kinds: [(Pair<'_>, f64); 3] = [
+        (&sliding, SHORT_SLIDING),
+        (&contact, SHORT_CONTACT),
+        (&flight, SHORT_FLIGHT),
+    ];
+    for (kind, limit) in kinds {
+        loop {
+            let duration =
+                |&(i, j): &(usize, usize)| sequence.switches[j].time - sequence.switches[i].time;
+            let shortest = sequence
+                .neighbours()
+                .filter(|&(i, j)| kind(&sequence.switches[i], &sequence.switches[j]))
+                .min_by(|a, b| duration(a).total_cmp(&duration(b)));
+            match shortest {
+                Some(pair) if duration(&pair) < limit => {
+                    sequence = without(&sequence, pair.0, pair.1)
+                }
+                _ => break,
+            }
+        }
+    }
+    sequence
+}
+
+/// With every opening, and every slip, at a jump of the controls inside the interval before it: controls that do
+/// not jump let go of a contact where its force vanishes or leaves the friction cone, which may be on either side
+/// of the node.
+pub(in crate::ocp) fn without_jumps(mut sequence: Sequence) -> Sequence {
+    for switch in &mut sequence.switches {
+        if switch.place == Place::Start && !switch.closes {
+            switch.interval -= 1;
+            switch.place = Place::Inside;
+        }
+    }
+    sequence
+}

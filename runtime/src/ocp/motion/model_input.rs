@@ -1,0 +1,39 @@
+//! Input vectors of the model, and the accelerations that follow from them.
+
+use crate::model::{Model, contact_point};
+
+/// What the model reads besides the state: the controls, and the time where it depends on that.
+pub(in crate::ocp) fn drive(model: &dyn Model, controls: &[f64], time: f64) -> Vec<f64> {
+    let explicit = model.declaration().explicit_time;
+    let time = explicit.then_some(time);
+    controls.iter().copied().chain(time).collect()
+}
+
+/// `(q, v)` with the normal accelerations that keep the contacts closed, as far as they push.
+pub(in crate::ocp) fn with_forces(model: &dyn Model, state: Vec<f64>, drive: &[f64]) -> Vec<f64> {
+    let mut x = state;
+    let plain = x.len();
+    x.extend(drive);
+    let forces: Vec<f64> = (0..model.declaration().contacts.len())
+        .map(|contact| (-free_normal_acceleration(model, contact, &x)).max(0.0))
+        .collect();
+    x.truncate(plain);
+    x.extend(forces);
+    x
+}
+
+/// Normal acceleration of a contact without its force, `n'a + curvature`, at an input vector.
+pub(in crate::ocp) fn free_normal_acceleration(
+    model: &dyn Model,
+    contact: usize,
+    x: &[f64],
+) -> f64 {
+    let n = model.declaration().coordinates.len();
+    let mut point = vec![0.0; contact_point::length(n)];
+    let mut acceleration = vec![0.0; n];
+    model.contact(contact, x, &mut point);
+    model.free_acceleration(x, &mut acceleration);
+    let normal = &point[contact_point::NORMAL..][..n];
+    let along: f64 = normal.iter().zip(&acceleration).map(|(n, a)| n * a).sum();
+    along + point[contact_point::CURVATURE]
+}

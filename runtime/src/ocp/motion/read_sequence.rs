@@ -1,0 +1,278 @@
+//! Contact sequences read from motions.
+
+use super::mode::{Direction, Mode, is_frictional, sliding_velocity, zero_velocity};
+use super::sequence::{Place, Sequence, Switch};
+use super::trajectory::Trajectory;
+use crate::model::Model;
+use crate::simulation::{Event, EventKind, Simulation};
+
+/// Events nearer to an interval end than this share of the interval lie on it.
+const AT_THE_END: f64 = 1e-7;
+
+/// Share of `mu r` that a tangential force must reach to be one of sliding: of rounding error in `s / r`.
+const EDGE: f64 = 1.0 - 1e-9;
+
+/// The mode of a closed contact right after entry `index` of a simulation. At rest a contact with friction may
+/// begin to slip, in the direction against which its force acts. `slips` says whether it does; if that is not known,
+/// it does if its force lies on the edge of the friction cone and it moves before its next event.
+pub(in crate::ocp) fn after(
+    model: &dyn Model,
+    simulation: &Simulation,
+    contact: usize,
+    index: usize,
+    slips: Option<bool>,
+) -> Mode {
+    if !is_frictional(model, contact) {
+        return Mode::Frictionless;
+    }
+    let trajectory = &simulation.trajectory;
+    let velocity = |index: usize| {
+        let state = [&trajectory.q[index][..], &trajectory.v[index]].concat();
+        sliding_velocity(model, contact, &state, trajectory.time[index])
+    };
+    let zero = zero_velocity(&trajectory.v[index]);
+    let now = velocity(index);
+    let resting = Mode::closed(true, now, zero);
+    if resting != Mode::Stick {
+        return resting;
+    }
+    let force = trajectory.friction_force[index][contact];
+    if let Some(slips) = slips {
+        return match slips {
+            true => Mode::Slip(Direction::of(-force)),
+            false => Mode::Stick,
+        };
+    }
+    let limit = model.friction(contact) * trajectory.contact_force[index][contact];
+    let time = trajectory.time[index];
+    let mut events = simulation.events.iter();
+    let next = events.find(|event| event.contact == contact && event.time > time);
+    let until = next.map_or(f64::INFINITY, |next| next.time);
+    let mut later = index + 1..trajectory.time.len();
+    let moves = later.any(|next| {
+        trajectory.time[next] <= until && velocity(next).abs() > zero_velocity(&trajectory.v[next])
+    });
+    if force.abs() >= EDGE * limit && moves {
+        Mode::Slip(Direction::of(-force))
+    } else {
+        Mode::Stick
+    }
+}
+
+/// Whether an impact is followed by flight: the contact does not open later, and carries no force until the next event.
+fn touches(simulation: &Simulation, index: usize) -> bool {
+    let event = &simulation.events[index];
+    let own = |other: &&Event| other.contact == event.contact;
+    let next = simulation.events[index + 1..].iter().find(own);
+    let until = next.map_or(f64::INFINITY, |next| next.time);
+    if event.kind != EventKind::Impact
+        || next.is_some_and(|next| next.kind == EventKind::LiftOff && next.time > event.time)
+    {
+        return false;
+    }
+    let trajectory = &simulation.trajectory;
+    let mut forces = trajectory.time.iter().zip(&trajectory.contact_force);
+    !forces.any(|(&time, forces)| time > event.time && time < until && forces[event.contact] > 0.0)
+}
+
+/// Reads the sequence from a simulation with control intervals of length `interval` and the contacts that are closed
+/// at the start.
+pub(in crate::ocp) fn read(
+    model: &dyn Model,
+    closed: &[bool],
+    simulation: &Simulation,
+    interval: f64,
+    intervals: usize,
+) -> Sequence {
+    let last = intervals as f64 * (1.0 - AT_THE_END);
+    let trajectory = &simulation.trajectory;
+    let mode_at = |contact: usize, time: f64, slips: Option<bool>| {
+        let index = trajectory.time.partition_point(|&t| t <= time);
+        after(model, simulation, contact, index.saturating_sub(1), slips)
+    };
+    let switches = simulation
+        .events
+        .iter()
+        .enumerate()
+        .filter(|(_, event)| event.time > 0.0 && event.time / interval < last)
+        .map(|(index, event)| {
+            let contact = event.contact;
+            let time = event.time / interval;
+            let mode = match event.kind {
+                EventKind::LiftOff => Mode::Open,
+                EventKind::Impact if touches(simulation, index) => Mode::Open,
+                EventKind::Slip => mode_at(contact, event.time, Some(true)),
+                EventKind::Stick => mode_at(contact, event.time, Some(false)),
+                _ => mode_at(contact, event.time, None),
+            };
+            let frictional = is_frictional(model, contact);
+            let velocity = || {
+                let state = [&event.q[..], &event.v_after].concat();
+                sliding_velocity(model, contact, &state, event.time)
+            };
+            let impulse = Mode::closed(
+                frictional,
+                if frictional { velocity() } else { 0.0 },
+                zero_velocity(&event.v_after),
+            );
+            let closes = matches!(event.kind, EventKind::Impact | EventKind::Contact);
+            let slides = matches!(event.kind, EventKind::Stick | EventKind::Slip);
+            let leads = |other: &Event| {
+                let kind = match other.kind {
+                    EventKind::Impact => closes || frictional,
+                    EventKind::Stick | EventKind::Slip => slides,
+                    _ => false,
+                };
+                kind && other.time == event.time && other.contact != contact
+            };
+            let nearest = time.round();
+            let at_jump = nearest > 0.0 && (time - nearest).abs() < AT_THE_END;
+            let (interval, place) = if at_jump {
+                (nearest, Place::Start)
+            } else {
+                (time.floor(), Place::Inside)
+            };
+            Switch {
+                contact,
+                closes,
+                mode,
+                impulse,
+                accompanies: simulation.events[..index].iter().any(leads),
+                interval: (interval as usize).min(intervals - 1),
+                place,
+                time,
+            }
+        })
+        .collect();
+    let initially = closed.iter().enumerate().map(|(contact, &closed)| {
+        if !closed {
+            return Mode::Open;
+        }
+        // One that lands at once is closed from then on.
+        let own = |event: &&Event| event.contact == contact;
+        let landing = match simulation.events.iter().find(own) {
+            Some(first) if trajectory.contact_force[0][contact] <= 0.0 => first.time,
+            _ => 0.0,
+        };
+        mode_at(contact, landing, None)
+    });
+    let mut sequence = Sequence {
+        initially: initially.collect(),
+        switches,
+    };
+    // A contact that stays closed may report another impact, and one that was only touched an opening.
+    let mut modes = sequence.initially.clone();
+    sequence.switches.retain(|switch| {
+        let before = modes[switch.contact];
+        modes[switch.contact] = switch.mode;
+        switch.follows(before)
+    });
+    sequence
+}
+
+/// What the contacts do in the elements of a program.
+pub(in crate::ocp) struct Elements {
+    /// Modes of the contacts in each element.
+    pub(in crate::ocp) modes: Vec<Vec<Mode>>,
+    pub(in crate::ocp) per_interval: usize,
+    /// Ends of the elements, in units of intervals.
+    pub(in crate::ocp) ends: Vec<f64>,
+}
+
+/// Reads the sequence from the modes of the contacts in the elements. A contact closes, and stops sliding, at the share
+/// `closing` of the first element in which it does; it opens, and begins to slide, at the end of the last element
+/// before.
+pub(in crate::ocp) fn of_elements(
+    initially: Vec<Mode>,
+    elements: &Elements,
+    closing: f64,
+) -> Sequence {
+    let Elements {
+        modes,
+        per_interval,
+        ends,
+    } = elements;
+    let mut switches: Vec<Switch> = Vec::new();
+    let mut initially = initially;
+    // A contact at rest may be pulled into slip at once.
+    for (before, now) in initially.iter_mut().zip(modes.iter().flatten()) {
+        if let (Mode::Stick, Mode::Slip(_)) = (*before, *now) {
+            *before = *now;
+        }
+    }
+    let mut before = &initially;
+    for (element, now) in modes.iter().enumerate() {
+        for (contact, (&was, &is)) in before.iter().zip(now).enumerate() {
+            if was == is {
+                continue;
+            }
+            let start = element.checked_sub(1).map_or(0.0, |before| ends[before]);
+            let closes = was.is_open();
+            let released = is.is_open() || was == Mode::Stick;
+            let shift = if released { 0.0 } else { closing };
+            let interval = element / per_interval;
+            let at_jump = released && element % per_interval == 0 && element > 0;
+            let time = start + shift * (ends[element] - start);
+            let slides = |s: &Switch| s.slides() && s.time == time;
+            switches.push(Switch {
+                contact,
+                closes,
+                mode: is,
+                impulse: is,
+                accompanies: !closes && !is.is_open() && switches.iter().any(slides),
+                interval,
+                place: if at_jump { Place::Start } else { Place::Inside },
+                time,
+            });
+        }
+        before = now;
+    }
+    Sequence {
+        switches,
+        initially,
+    }
+}
+
+/// As a simulation may see it: contacts that slip no faster than `slowest` rest, and switches of one instant are in
+/// the order of the contacts.
+pub(in crate::ocp) fn seen(
+    given: &Sequence,
+    model: &dyn Model,
+    motion: &Trajectory,
+    slowest: f64,
+) -> Sequence {
+    let mut sequence = given.clone();
+    let length = motion.horizon / motion.controls.intervals() as f64;
+    let rests = |contact: usize, from: f64, to: f64| {
+        let times = motion.time.iter().zip(&motion.states);
+        let mut inside = times.filter(|(time, _)| (from..=to).contains(&(*time / length)));
+        inside.all(|(&time, state)| sliding_velocity(model, contact, state, time).abs() <= slowest)
+    };
+    for (contact, mode) in sequence.initially.iter_mut().enumerate() {
+        let mut own = given.switches.iter().filter(|s| s.contact == contact);
+        let end = own.next().map_or(f64::INFINITY, |switch| switch.time);
+        if matches!(mode, Mode::Slip(_)) && rests(contact, 0.0, end) {
+            *mode = Mode::Stick;
+        }
+    }
+    for (index, switch) in sequence.switches.iter_mut().enumerate() {
+        let mut own = given.switches[index + 1..].iter();
+        let next = own.find(|s| s.contact == switch.contact);
+        let end = next.map_or(f64::INFINITY, |next| next.time);
+        // What is seen at a switch itself may belong to the motion before it.
+        let start = switch.time + AT_THE_END;
+        if matches!(switch.mode, Mode::Slip(_)) && rests(switch.contact, start, end) {
+            switch.mode = Mode::Stick;
+        }
+    }
+    let mut sequence = sequence.consistent();
+    let switches = &mut sequence.switches;
+    let mut start = 0;
+    for end in 1..=switches.len() {
+        if end == switches.len() || switches[end].time > switches[end - 1].time + AT_THE_END {
+            switches[start..end].sort_by_key(|switch| switch.contact);
+            start = end;
+        }
+    }
+    sequence
+}

@@ -1,0 +1,156 @@
+//! Which contact closes, opens, begins to stick or to slip when: the contact sequence of a motion.
+
+use super::mode::Mode;
+
+/// Where in the grid of the controls a switch happens.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(in crate::ocp) enum Place {
+    /// At the jump of the controls at the start of the interval; in the interval after the last one, an impact that
+    /// ends the motion.
+    Start,
+    /// Inside the interval.
+    Inside,
+}
+
+/// A contact closes, opens, is touched, or changes from one way of sliding to another. A touch is an impact after which
+/// the contact is open again, because it bounces or because it is pulled away.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::ocp) struct Switch {
+    pub(in crate::ocp) contact: usize,
+    /// Whether there is an impact: the contact closes or is touched.
+    pub(in crate::ocp) closes: bool,
+    /// What the contact does afterwards.
+    pub(in crate::ocp) mode: Mode,
+    /// How it slides right after the impulse that belongs to the switch, if one does: its own, or that of the impact
+    /// it accompanies.
+    pub(in crate::ocp) impulse: Mode,
+    /// Whether the contact switches at the same instant as another one, with the switch before it: both take part in
+    /// one impact, or slide as parts of one body.
+    pub(in crate::ocp) accompanies: bool,
+    pub(in crate::ocp) interval: usize,
+    pub(in crate::ocp) place: Place,
+    /// When, in units of intervals; a guess until solved.
+    pub(in crate::ocp) time: f64,
+}
+
+/// The modes of the contacts at the start, and the switches in order of time.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::ocp) struct Sequence {
+    pub(in crate::ocp) initially: Vec<Mode>,
+    pub(in crate::ocp) switches: Vec<Switch>,
+}
+
+/// What tells two sequences apart, whatever the times.
+pub(in crate::ocp) type Signature = (Vec<Mode>, Vec<(usize, Mode, Mode, usize, Place)>);
+
+impl Switch {
+    /// Whether the contact closes and is closed afterwards.
+    pub(in crate::ocp) fn stays(&self) -> bool {
+        self.closes && !self.mode.is_open()
+    }
+
+    /// Whether the contact is no more than touched.
+    pub(in crate::ocp) fn touches(&self) -> bool {
+        self.closes && self.mode.is_open()
+    }
+
+    /// Whether the contact opens.
+    pub(in crate::ocp) fn opens(&self) -> bool {
+        !self.closes && self.mode.is_open()
+    }
+
+    /// Whether the contact is closed before and afterwards.
+    pub(in crate::ocp) fn slides(&self) -> bool {
+        !self.closes && !self.mode.is_open()
+    }
+
+    /// Whether the contact may have the mode `before` until then.
+    pub(super) fn follows(&self, before: Mode) -> bool {
+        before.is_open() == self.closes && (self.closes || before != self.mode)
+    }
+}
+
+impl Sequence {
+    /// What tells it apart from others.
+    pub(in crate::ocp) fn signature(&self) -> Signature {
+        let switches = self.switches.iter();
+        let switches = switches.map(|s| {
+            let impulse = if s.closes || s.accompanies {
+                s.impulse
+            } else {
+                Mode::Open
+            };
+            (s.contact, s.mode, impulse, s.interval, s.place)
+        });
+        (self.initially.clone(), switches.collect())
+    }
+
+    /// Sorts the switches; `None` if a contact would close twice, open twice or begin what it does already, or
+    /// switches outside the `intervals`.
+    pub(in crate::ocp) fn ordered(mut self, intervals: usize) -> Option<Self> {
+        let key = |s: &Switch| (s.interval, s.place);
+        self.switches
+            .sort_by(|a, b| key(a).cmp(&key(b)).then(a.time.total_cmp(&b.time)));
+        let mut modes = self.initially.clone();
+        let mut leader: Option<Switch> = None;
+        for switch in &mut self.switches {
+            let ends =
+                switch.interval == intervals && switch.place == Place::Start && switch.closes;
+            if !switch.follows(modes[switch.contact])
+                || switch.interval >= intervals && !ends
+                || switch.place == Place::Start && switch.interval == 0
+            {
+                return None;
+            }
+            modes[switch.contact] = switch.mode;
+            let leads = |s: Switch| {
+                (s.closes || s.slides() && switch.slides())
+                    && key(&s) == key(switch)
+                    && s.time == switch.time
+            };
+            switch.accompanies &= leader.is_some_and(leads);
+            if !switch.accompanies {
+                leader = Some(*switch);
+            }
+        }
+        Some(self)
+    }
+
+    /// Whether an impact ends the motion.
+    pub(in crate::ocp) fn ends_with_impact(&self, intervals: usize) -> bool {
+        self.switches.iter().any(|s| s.interval == intervals)
+    }
+
+    /// The switches that accompany the one with this index.
+    pub(in crate::ocp) fn companions(switches: &[Switch], index: usize) -> &[Switch] {
+        let rest = &switches[index + 1..];
+        let count = rest.iter().take_while(|switch| switch.accompanies).count();
+        &rest[..count]
+    }
+
+    /// Mode of a contact before the switch with this index.
+    pub(in crate::ocp) fn mode_before(&self, index: usize, contact: usize) -> Mode {
+        let mut before = self.switches[..index].iter().rev();
+        let last = before.find(|switch| switch.contact == contact);
+        last.map_or(self.initially[contact], |switch| switch.mode)
+    }
+
+    /// Indices of neighbouring switches of the same contact, `(first, second)`.
+    pub(in crate::ocp) fn neighbours(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (0..self.switches.len()).filter_map(|i| {
+            let contact = self.switches[i].contact;
+            let next = (i + 1..self.switches.len()).find(|&j| self.switches[j].contact == contact);
+            next.map(|j| (i, j))
+        })
+    }
+
+    /// Without changes that are none.
+    pub(in crate::ocp) fn consistent(mut self) -> Self {
+        let mut modes = self.initially.clone();
+        self.switches.retain(|switch| {
+            let before = std::mem::replace(&mut modes[switch.contact], switch.mode);
+            switch.closes || before != switch.mode
+        });
+        self
+    }
+}

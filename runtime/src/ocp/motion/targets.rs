@@ -1,0 +1,101 @@
+//! Where the goals ask the motion to end, and how long that may take.
+
+use crate::model::{ConstraintRelation, Model, OptimalControlDeclaration};
+use crate::ocp::problem::{Component, Horizon, Problem, bounds};
+
+/// Singular values below this are zero in the search for a state that fulfils the goals.
+const SINGULAR: f64 = 1e-12;
+
+/// Change of a coordinate that rounding may cause, relative to the larger of itself and 1.
+const MOVED: f64 = 1e-9;
+
+/// Steps of [`approach`].
+const STEPS: usize = 20;
+
+/// A guess of the horizon \[s\]: the longest distance to a goal at the speed of the start, or else the
+/// horizon of the scene, or else 1 s.
+pub(in crate::ocp) fn horizon_guess(problem: &Problem, model: &dyn Model) -> f64 {
+    match problem.horizon {
+        Horizon::Fixed(horizon)
+        | Horizon::Free {
+            guess: Some(horizon),
+        } => horizon,
+        Horizon::Free { guess: None } => {
+            let targets = targets(problem, model).into_iter().enumerate();
+            let times =
+                targets.filter_map(|(k, target)| Some((target? - problem.q[k]) / problem.v[k]));
+            let longest = times.filter(|t| t.is_finite() && *t > 0.0).reduce(f64::max);
+            longest.or_else(|| model.horizon()).unwrap_or(1.0)
+        }
+    }
+}
+
+/// Where the goals ask coordinates to be at the end: the state nearest to the start that fulfils them, by the
+/// method of Gauss and Newton; `None` for coordinates that they leave alone.
+pub(in crate::ocp) fn targets(problem: &Problem, model: &dyn Model) -> Vec<Option<f64>> {
+    let n = problem.q.len();
+    let mut targets = vec![None; n];
+    if let Some(declared) = problem.declared(model) {
+        let mut z = problem.start();
+        z.push(match problem.horizon {
+            Horizon::Fixed(horizon)
+            | Horizon::Free {
+                guess: Some(horizon),
+            } => horizon,
+            Horizon::Free { guess: None } => model.horizon().unwrap_or(1.0),
+        });
+        approach(model, &declared, &mut z);
+        let (lower, upper) = bounds(model);
+        for k in 0..n {
+            let moved = (z[k] - problem.q[k]).abs() > MOVED * problem.q[k].abs().max(1.0);
+            if moved && z[k].is_finite() && lower[k] <= upper[k] {
+                targets[k] = Some(z[k].clamp(lower[k], upper[k]));
+            }
+        }
+    }
+    for goal in &problem.goals {
+        if let Component::Coordinate(k) = goal.component {
+            targets[k] = Some(goal.value);
+        }
+    }
+    targets
+}
+
+/// Moves `z = (q, v, T)` by shortest Newton steps towards fulfilling the terminal conditions.
+fn approach(model: &dyn Model, declared: &OptimalControlDeclaration, z: &mut [f64]) {
+    let first = usize::from(declared.final_cost);
+    let pattern = declared.terminal_jacobian.entries;
+    let mut values = vec![0.0; declared.terminal_functions()];
+    let mut slopes = vec![0.0; pattern.len()];
+    for _ in 0..STEPS {
+        model.terminal_functions(z, &mut values);
+        model.terminal_jacobian(z, &mut slopes);
+        let residuals = declared.goals.iter().zip(&values[first..]);
+        let residuals = residuals.map(|(goal, &value)| match goal.relation {
+            ConstraintRelation::Zero => value,
+            ConstraintRelation::NonNegative => value.min(0.0),
+        });
+        let residual = nalgebra::DVector::from_iterator(declared.goals.len(), residuals);
+        let mut jacobian = nalgebra::DMatrix::zeros(declared.goals.len(), z.len());
+        for (&(row, column), slope) in pattern.iter().zip(&slopes) {
+            if let Some(goal) = (row as usize).checked_sub(first)
+                && residual[goal] != 0.0
+            {
+                jacobian[(goal, column as usize)] = *slope;
+            }
+        }
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        if residual.amax() == 0.0 || !finite(residual.as_slice()) || !finite(jacobian.as_slice()) {
+            return;
+        }
+        let Ok(step) = jacobian.svd(true, true).solve(&residual, SINGULAR) else {
+            return;
+        };
+        for (z, step) in z.iter_mut().zip(step.iter()) {
+            *z -= step;
+        }
+        if step.amax() <= SINGULAR {
+            return;
+        }
+    }
+}

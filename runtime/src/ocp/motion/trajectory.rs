@@ -1,0 +1,129 @@
+//! A motion with its controls: what one phase of the solution hands to the next.
+
+use super::control_grid::ControlGrid;
+use super::model_input::drive;
+use crate::model::{Model, contact_point};
+use crate::ocp::problem::Problem;
+use crate::simulation::{ControlSignal, Simulation};
+
+/// Instants nearer to each other than this share of the horizon are one.
+const SAME_TIME: f64 = 1e-12;
+
+/// States over time, piecewise linear, with controls on equal intervals.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::ocp) struct Trajectory {
+    /// Length \[s\].
+    pub(in crate::ocp) horizon: f64,
+    /// Controls on equal intervals.
+    pub(in crate::ocp) controls: ControlGrid,
+    /// Instants \[s\], not decreasing; twice at a jump.
+    pub(in crate::ocp) time: Vec<f64>,
+    /// `(q, v, r)` at each instant, where `r` are the normal accelerations that the contacts provide.
+    pub(in crate::ocp) states: Vec<Vec<f64>>,
+}
+
+impl Trajectory {
+    /// The motion of a simulation.
+    pub(in crate::ocp) fn of_simulation(
+        model: &dyn Model,
+        simulation: &Simulation,
+        horizon: f64,
+        controls: ControlGrid,
+    ) -> Self {
+        let declaration = model.declaration();
+        let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
+        let trajectory = &simulation.trajectory;
+        let states = (0..trajectory.time.len()).map(|i| {
+            let mut x = trajectory.q[i].clone();
+            x.extend(&trajectory.v[i]);
+            let plain = x.len();
+            x.extend(drive(model, &trajectory.u[i], trajectory.time[i]));
+            let forces: Vec<f64> = (0..declaration.contacts.len())
+                .map(|contact| {
+                    model.contact(contact, &x, &mut point);
+                    trajectory.contact_force[i][contact] * point[contact_point::INVERSE_INERTIA]
+                })
+                .collect();
+            x.truncate(plain);
+            x.extend(forces);
+            x
+        });
+        Self {
+            horizon,
+            controls,
+            time: trajectory.time.clone(),
+            states: states.collect(),
+        }
+    }
+
+    /// The `(q, v)` that a path starts at, where it is free, and the declared one elsewhere.
+    pub(in crate::ocp) fn start(&self, model: &dyn Model, problem: &Problem) -> Vec<f64> {
+        let ranges = problem.start_ranges(model).into_iter();
+        let start = ranges.zip(&self.states[0]);
+        start
+            .map(|((lower, upper), value)| value.max(lower).min(upper))
+            .collect()
+    }
+
+    /// The motion up to its last jump, stretched to the whole length, if that is a jump in the last interval: a
+    /// start for a motion that ends with an impact.
+    pub(in crate::ocp) fn up_to_last_jump(&self, intervals: usize) -> Self {
+        let mut shorter = self.clone();
+        let jumps = |k: &usize| {
+            let passed = self.time[*k] - self.time[k - 1];
+            passed <= SAME_TIME * self.horizon && self.states[k - 1] != self.states[*k]
+        };
+        let late = |k: &usize| {
+            self.time[*k] > 0.0 && self.horizon - self.time[*k] < self.horizon / intervals as f64
+        };
+        let Some(last) = (1..self.time.len()).rev().find(jumps).filter(late) else {
+            return shorter;
+        };
+        let factor = self.horizon / self.time[last];
+        shorter.time.truncate(last + 1);
+        shorter.states.truncate(last + 1);
+        shorter.time.iter_mut().for_each(|time| *time *= factor);
+        shorter.time[last - 1] = self.horizon;
+        shorter.time[last] = self.horizon;
+        shorter
+    }
+
+    /// The same motion over another time: states as they are, at other instants.
+    pub(in crate::ocp) fn stretched(mut self, horizon: f64) -> Self {
+        let factor = horizon / self.horizon;
+        self.time.iter_mut().for_each(|time| *time *= factor);
+        self.horizon = horizon;
+        self
+    }
+
+    /// The controls as a signal.
+    pub(in crate::ocp) fn signal(&self) -> ControlSignal {
+        self.controls.signal(self.horizon)
+    }
+
+    /// `(q, v, r)` at time `t`, on the later side of a jump if `after`.
+    pub(in crate::ocp) fn at(&self, t: f64, after: bool) -> Vec<f64> {
+        let next = if after {
+            self.time.partition_point(|&time| time <= t)
+        } else {
+            self.time.partition_point(|&time| time < t)
+        };
+        let last = self.time.len() - 1;
+        if next == 0 || next > last {
+            return self.states[next.min(last)].clone();
+        }
+        let (from, to) = (self.time[next - 1], self.time[next]);
+        let share = if to > from {
+            (t - from) / (to - from)
+        } else {
+            1.0
+        };
+        let pair = self.states[next - 1].iter().zip(&self.states[next]);
+        pair.map(|(a, b)| a + share * (b - a)).collect()
+    }
+}
+
+pub(in crate::ocp) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    let pairs = a.iter().zip(b);
+    pairs.fold(0.0, |largest: f64, (a, b)| largest.max((a - b).abs()))
+}

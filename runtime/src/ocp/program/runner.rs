@@ -1,0 +1,174 @@
+//! The one door to the solvers: counts, limits, failures and the observer of a whole solve.
+
+use super::sparse_program::Program;
+use crate::mpcc::Mpcc;
+use crate::nlp::Violation;
+use crate::ocp::progress::Watch;
+use crate::ocp::settings::Settings;
+use crate::ocp::solution::Counts;
+use crate::simulation::InputError;
+use crate::{mpcc, nlp};
+
+/// What programs lead to, or why the last of them ended without a solution.
+pub(in crate::ocp) type Ended<T> = Result<Result<T, nlp::Status>, InputError>;
+
+/// Why a program ended without a solution, its worst rows, and where it ended.
+pub(in crate::ocp) struct Failure {
+    pub(in crate::ocp) status: nlp::Status,
+    pub(in crate::ocp) violations: Vec<Violation>,
+    /// Final time of its last point \[s\].
+    pub(in crate::ocp) horizon: f64,
+}
+
+impl Failure {
+    /// Why a relaxed program with its last point at that final time has no solution, if it has none.
+    pub(in crate::ocp) fn of_relaxed(solution: &mpcc::Solution, horizon: f64) -> Option<Self> {
+        let status = match solution.status {
+            mpcc::Status::Failed(status) => status,
+            mpcc::Status::Infeasible => nlp::Status::Infeasible,
+            _ => return None,
+        };
+        Some(Self {
+            status,
+            violations: solution.violations.clone(),
+            horizon,
+        })
+    }
+
+    /// Violation of the worst row.
+    fn worst(&self) -> f64 {
+        self.violations.first().map_or(0.0, |row| row.amount)
+    }
+}
+
+/// How a smooth program is run.
+pub(in crate::ocp) struct Run<'r> {
+    pub(in crate::ocp) settings: &'r nlp::Settings,
+    pub(in crate::ocp) start: Option<&'r nlp::WarmStart>,
+    /// Whether it ends where it would restore feasibility: that takes long, and a larger barrier parameter less.
+    pub(in crate::ocp) gives_up: bool,
+    /// Best objective so far, for the observer.
+    pub(in crate::ocp) best: Option<f64>,
+}
+
+/// Runs programs and keeps what they have in common.
+pub(in crate::ocp) struct Runner<'s> {
+    pub(in crate::ocp) settings: &'s Settings,
+    pub(in crate::ocp) counts: Counts,
+    watch: Watch<'s>,
+    /// Most programs, those of coarser grids included.
+    most_programs: usize,
+    /// Of the program that came nearest to a solution.
+    failure: Option<Failure>,
+}
+
+impl<'s> Runner<'s> {
+    /// Goes on from the counts of coarser grids.
+    pub(in crate::ocp) fn new(settings: &'s Settings, watch: Watch<'s>, counts: Counts) -> Self {
+        Self {
+            settings,
+            counts,
+            watch,
+            most_programs: counts.programs + settings.maximum_programs,
+            failure: None,
+        }
+    }
+
+    /// Whether the observer has asked to stop.
+    pub(in crate::ocp) fn stopped(&self) -> bool {
+        self.watch.stopped
+    }
+
+    /// Whether the observer has asked to stop, or the programs are used up.
+    pub(in crate::ocp) fn is_exhausted(&self) -> bool {
+        self.watch.stopped || self.counts.programs >= self.most_programs
+    }
+
+    pub(in crate::ocp) fn into_watch(self) -> Watch<'s> {
+        self.watch
+    }
+
+    /// Takes the failure of the program that came nearest to a solution.
+    pub(in crate::ocp) fn take_failure(&mut self) -> Option<Failure> {
+        self.failure.take()
+    }
+
+    /// Final time of the last point of that program \[s\].
+    pub(in crate::ocp) fn nearest_horizon(&self) -> Option<f64> {
+        self.failure.as_ref().map(|failure| failure.horizon)
+    }
+
+    pub(in crate::ocp) fn set_failure(&mut self, failure: Option<Failure>) {
+        self.failure = failure;
+    }
+
+    /// Keeps why a program failed, if it came nearer to a solution than those before.
+    pub(in crate::ocp) fn note(&mut self, failure: Failure) {
+        let nearer = |before: &Failure| failure.worst() < before.worst();
+        if self.failure.as_ref().is_none_or(nearer) {
+            self.failure = Some(failure);
+        }
+    }
+
+    /// Runs the interior point method on a smooth program with that variable for the final time; the reason if it ends
+    /// without a solution.
+    pub(in crate::ocp) fn solve(
+        &mut self,
+        program: &mut Program,
+        horizon: usize,
+        run: &Run,
+    ) -> Ended<nlp::Solution> {
+        self.watch.begin("collocation", &self.counts, run.best);
+        let unit = program.objective_unit();
+        let mut observer = |info: &nlp::IterationInfo| {
+            self.watch.iteration(info, unit) && !(run.gives_up && info.restoration)
+        };
+        let mut solution = nlp::solve_from(program, run.settings, run.start, Some(&mut observer))
+            .map_err(|error| refused(&error))?;
+        solution.objective *= unit;
+        for info in &mut solution.history {
+            info.objective *= unit;
+        }
+        self.counts.programs += 1;
+        self.counts.iterations += solution.counts.iterations;
+        self.counts.factorizations += solution.counts.factorizations;
+        let status = match solution.status {
+            nlp::Status::Solved | nlp::Status::Acceptable => return Ok(Ok(solution)),
+            nlp::Status::Interrupted if !self.watch.stopped => nlp::Status::RestorationFailed,
+            status => status,
+        };
+        self.note(Failure {
+            status,
+            violations: solution.violations,
+            horizon: program.physical(&solution.x)[horizon],
+        });
+        Ok(Err(status))
+    }
+
+    /// Relaxes a complementarity problem whose objective is measured in `unit`; `step` says what for.
+    pub(in crate::ocp) fn relax(
+        &mut self,
+        program: &mut dyn Mpcc,
+        settings: &mpcc::Settings,
+        step: &'static str,
+        unit: f64,
+    ) -> Result<mpcc::Solution, InputError> {
+        self.watch.begin(step, &self.counts, None);
+        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
+        let solution = mpcc::solve_observed(program, settings, &mut observer)
+            .map_err(|error| refused(&error))?;
+        self.counts.programs += 1;
+        self.counts.global_iterations += solution.iterations;
+        self.counts.factorizations += solution.factorizations;
+        Ok(solution)
+    }
+}
+
+/// A refusal of the interior point method: the programs here are built to be accepted, except where the
+/// model's functions are not finite.
+fn refused(error: &nlp::InputError) -> InputError {
+    InputError::NotFinite {
+        what: format!("optimal control: {error}; a number there"),
+        value: f64::NAN,
+    }
+}

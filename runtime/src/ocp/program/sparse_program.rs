@@ -1,0 +1,544 @@
+//! A sparse program made of quadratic rows and of model kernels: what both phases are written in.
+//!
+//! ```text
+//! c_i(x) = constant_i + sum linear + sum bilinear + sum coefficient scale kernel_output
+//! ```
+//!
+//! and the objective alike, where `scale` is a variable (a duration) or 1. Values that callers give and get are physical; the
+//! solver sees each variable divided by its own unit, so that all of them are of order one.
+
+use super::kernel::{Evaluator, Kernel};
+use super::units::nearest_power;
+use crate::model::Model;
+use crate::mpcc::Mpcc;
+use crate::nlp::{NlpProblem, Pattern};
+
+/// The row of the objective in the uses of a kernel.
+pub(in crate::ocp) const OBJECTIVE: usize = usize::MAX;
+
+/// One use of a kernel.
+struct Block {
+    evaluator: usize,
+    /// Variable of each local input; `None` where the kernel does not read it.
+    inputs: Vec<Option<usize>>,
+    scale: Option<usize>,
+    /// (row, or [`OBJECTIVE`]; output; coefficient).
+    uses: Vec<(usize, usize, f64)>,
+}
+
+impl Block {
+    fn serves_objective(&self) -> bool {
+        self.uses.iter().any(|used| used.0 == OBJECTIVE)
+    }
+
+    fn serves_rows(&self) -> bool {
+        self.uses.iter().any(|used| used.0 != OBJECTIVE)
+    }
+}
+
+/// Linear and bilinear terms, `(row, variable, coefficient)` and `(row, variable, variable, coefficient)`.
+#[derive(Default)]
+struct Terms {
+    linear: Vec<(usize, usize, f64)>,
+    bilinear: Vec<(usize, usize, usize, f64)>,
+}
+
+/// The program.
+pub(in crate::ocp) struct Program<'a> {
+    model: &'a dyn Model,
+    evaluators: Vec<Evaluator<'a>>,
+    blocks: Vec<Block>,
+    terms: Terms,
+    objective: Terms,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    guess: Vec<f64>,
+    unit: Vec<f64>,
+    names: Vec<String>,
+    row_lower: Vec<f64>,
+    row_upper: Vec<f64>,
+    row_unit: Vec<f64>,
+    objective_unit: f64,
+    row_names: Vec<String>,
+    pairs: Vec<(usize, usize)>,
+    jacobian: Pattern,
+    hessian: Pattern,
+    local: Vec<f64>,
+    physical: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl<'a> Program<'a> {
+    pub(in crate::ocp) fn new(model: &'a dyn Model) -> Self {
+        Self {
+            model,
+            evaluators: Vec::new(),
+            blocks: Vec::new(),
+            terms: Terms::default(),
+            objective: Terms::default(),
+            lower: Vec::new(),
+            upper: Vec::new(),
+            guess: Vec::new(),
+            unit: Vec::new(),
+            names: Vec::new(),
+            row_lower: Vec::new(),
+            row_upper: Vec::new(),
+            row_unit: Vec::new(),
+            objective_unit: 1.0,
+            row_names: Vec::new(),
+            pairs: Vec::new(),
+            jacobian: Pattern::default(),
+            hessian: Pattern::default(),
+            local: Vec::new(),
+            physical: Vec::new(),
+            weights: Vec::new(),
+        }
+    }
+
+    /// Adds a variable with bounds, guess and unit.
+    pub(in crate::ocp) fn variable(
+        &mut self,
+        name: impl Into<String>,
+        (lower, upper): (f64, f64),
+        guess: f64,
+        unit: f64,
+    ) -> usize {
+        self.names.push(name.into());
+        self.lower.push(lower);
+        self.upper.push(upper);
+        self.guess.push(guess.clamp(lower, upper));
+        self.unit.push(unit);
+        self.names.len() - 1
+    }
+
+    /// Bounds of a variable.
+    pub(in crate::ocp) fn bounds(&self, variable: usize) -> (f64, f64) {
+        (self.lower[variable], self.upper[variable])
+    }
+
+    /// Where the solver starts, in physical values.
+    pub(in crate::ocp) fn guessed(&self, variable: usize) -> f64 {
+        self.guess[variable]
+    }
+
+    /// Narrows the bounds of a variable.
+    pub(in crate::ocp) fn bound(&mut self, variable: usize, lower: f64, upper: f64) {
+        self.lower[variable] = lower;
+        self.upper[variable] = upper;
+        self.guess[variable] = self.guess[variable].clamp(lower, upper);
+    }
+
+    /// Adds a row `lower <= c <= upper` without terms.
+    pub(in crate::ocp) fn row(&mut self, name: impl Into<String>, lower: f64, upper: f64) -> usize {
+        self.row_in(1.0, name, lower, upper)
+    }
+
+    /// Adds a row that the solver sees divided by a unit.
+    pub(in crate::ocp) fn row_in(
+        &mut self,
+        unit: f64,
+        name: impl Into<String>,
+        lower: f64,
+        upper: f64,
+    ) -> usize {
+        self.row_unit.push(unit);
+        self.row_names.push(name.into());
+        self.row_lower.push(lower);
+        self.row_upper.push(upper);
+        self.row_names.len() - 1
+    }
+
+    /// Adds `coefficient x_i` to a row.
+    pub(in crate::ocp) fn linear(&mut self, row: usize, i: usize, coefficient: f64) {
+        if coefficient != 0.0 {
+            self.terms.linear.push((row, i, coefficient));
+        }
+    }
+
+    /// Adds `coefficient x_i x_j` to a row.
+    pub(in crate::ocp) fn bilinear(&mut self, row: usize, i: usize, j: usize, coefficient: f64) {
+        self.terms.bilinear.push((row, i, j, coefficient));
+    }
+
+    /// Adds `coefficient x_i` to the objective.
+    pub(in crate::ocp) fn objective_linear(&mut self, i: usize, coefficient: f64) {
+        self.objective.linear.push((0, i, coefficient));
+    }
+
+    /// Adds `coefficient x_i x_j` to the objective.
+    pub(in crate::ocp) fn objective_bilinear(&mut self, i: usize, j: usize, coefficient: f64) {
+        self.objective.bilinear.push((0, i, j, coefficient));
+    }
+
+    /// Adds `coefficient scale output` for each (row, output, coefficient); the inputs are the variables of
+    /// `q`, `v`, `u` (or of `T` for terminal functions) and the forces, empty slices where the kernel reads
+    /// nothing.
+    pub(in crate::ocp) fn block(
+        &mut self,
+        kernel: &Kernel,
+        [q, v, u, forces]: [&[usize]; 4],
+        scale: Option<usize>,
+        uses: Vec<(usize, usize, f64)>,
+    ) {
+        let evaluator = match self.evaluators.iter().position(|e| e.kernel() == kernel) {
+            Some(index) => index,
+            None => {
+                self.evaluators
+                    .push(Evaluator::new(self.model, kernel.clone()));
+                self.evaluators.len() - 1
+            }
+        };
+        let declaration = self.model.declaration();
+        let n = declaration.coordinates.len();
+        let mut inputs = vec![None; self.evaluators[evaluator].inputs()];
+        for (start, variables) in [(0, q), (n, v), (2 * n, u), (declaration.inputs(), forces)] {
+            let slots = inputs.iter_mut().skip(start);
+            slots.zip(variables).for_each(|(slot, &x)| *slot = Some(x));
+        }
+        self.blocks.push(Block {
+            evaluator,
+            inputs,
+            scale,
+            uses,
+        });
+    }
+
+    /// Declares the pair `0 <= x_i _|_ x_j >= 0`.
+    pub(in crate::ocp) fn pair(&mut self, i: usize, j: usize) {
+        self.pairs.push((i, j));
+    }
+
+    /// What the solver divides the objective by: the power of a million nearest to its largest derivative by an unknown
+    /// in its unit, where the `controls` are one unit off the guess. The solver itself takes derivatives above 100
+    /// back to that.
+    fn measure_objective(&mut self, controls: &[Vec<usize>]) {
+        let mut x = vec![0.0; self.names.len()];
+        let mut gradient = vec![0.0; x.len()];
+        self.initial_point(&mut x);
+        for &u in controls.iter().flatten() {
+            x[u] += 1.0;
+        }
+        self.gradient(&x, &mut gradient);
+        let largest = gradient.iter().fold(0.0, |largest, g| g.abs().max(largest));
+        self.objective_unit = nearest_power(1e6, largest);
+    }
+
+    /// What the solver's objective is in units of.
+    pub(in crate::ocp) fn objective_unit(&self) -> f64 {
+        self.objective_unit
+    }
+
+    /// Fixes the patterns and the unit of the objective; call once, after everything is added.
+    pub(in crate::ocp) fn finish(mut self, controls: &[Vec<usize>]) -> Self {
+        self.measure_objective(controls);
+        let mut additions = Vec::new();
+        self.visit_jacobian(&mut |row, column, _| additions.push((row, column)), None);
+        self.jacobian = Pattern::new(&additions);
+        additions.clear();
+        self.visit_hessian(&mut |i, j, _| additions.push((i.max(j), i.min(j))), None);
+        self.hessian = Pattern::new(&additions);
+        self
+    }
+
+    /// Physical values of a solver's point.
+    pub(in crate::ocp) fn physical(&self, x: &[f64]) -> Vec<f64> {
+        x.iter().zip(&self.unit).map(|(x, unit)| x * unit).collect()
+    }
+
+    /// Unit of a variable: multipliers of its bounds are per that unit.
+    pub(in crate::ocp) fn unit(&self, variable: usize) -> f64 {
+        self.unit[variable]
+    }
+
+    fn gather(&mut self, block: usize, x: &[f64]) {
+        self.local.clear();
+        let inputs = self.blocks[block].inputs.iter();
+        self.local
+            .extend(inputs.map(|slot| slot.map_or(0.0, |i| x[i])));
+    }
+
+    /// Calls `add` for every contribution to the Jacobian, in a fixed order; without a point the values are 0.
+    fn visit_jacobian(&mut self, add: &mut dyn FnMut(usize, usize, f64), x: Option<&[f64]>) {
+        for &(row, i, c) in &self.terms.linear {
+            add(row, i, c);
+        }
+        let at = |i: usize| x.map_or(0.0, |x| x[i]);
+        for &(row, i, j, c) in &self.terms.bilinear {
+            add(row, i, c * at(j));
+            add(row, j, c * at(i));
+        }
+        for index in 0..self.blocks.len() {
+            if !self.blocks[index].serves_rows() {
+                continue;
+            }
+            if let Some(x) = x {
+                self.gather(index, x);
+                let evaluator = self.blocks[index].evaluator;
+                self.evaluators[evaluator].differentiate(&self.local);
+            }
+            let block = &self.blocks[index];
+            let evaluator = &self.evaluators[block.evaluator];
+            let scale = block.scale.map_or(1.0, &at);
+            let inputs = block.inputs.len();
+            for &(row, output, c) in block.uses.iter().filter(|used| used.0 != OBJECTIVE) {
+                for &(_, input) in evaluator.jacobian_pattern.iter().filter(|e| e.0 == output) {
+                    if let Some(variable) = block.inputs[input] {
+                        let value = evaluator.jacobian[output * inputs + input];
+                        add(row, variable, c * scale * value);
+                    }
+                }
+                if let Some(variable) = block.scale {
+                    add(row, variable, c * evaluator.outputs[output]);
+                }
+            }
+        }
+    }
+
+    /// Calls `add` for every contribution to the Hessian; `point` is (x, weight, multipliers).
+    fn visit_hessian(
+        &mut self,
+        add: &mut dyn FnMut(usize, usize, f64),
+        point: Option<(&[f64], f64, &[f64])>,
+    ) {
+        let weight = point.map_or(0.0, |(_, weight, _)| weight);
+        let multiplier = |row: usize| match point {
+            Some((_, weight, _)) if row == OBJECTIVE => weight,
+            Some((_, _, y)) => y[row],
+            None => 0.0,
+        };
+        let objective = self.objective.bilinear.iter();
+        let rows = self.terms.bilinear.iter();
+        let products = objective
+            .map(|&(_, i, j, c)| (i, j, c * weight))
+            .chain(rows.map(|&(row, i, j, c)| (i, j, c * multiplier(row))));
+        for (i, j, c) in products {
+            add(i, j, if i == j { 2.0 * c } else { c });
+        }
+        for index in 0..self.blocks.len() {
+            let block = &self.blocks[index];
+            let evaluator = &mut self.evaluators[block.evaluator];
+            self.weights.clear();
+            self.weights.resize(evaluator.outputs.len(), 0.0);
+            for &(row, output, c) in &block.uses {
+                self.weights[output] += c * multiplier(row);
+            }
+            let mut scale = 1.0;
+            if let Some((x, ..)) = point {
+                self.gather(index, x);
+                let block = &self.blocks[index];
+                scale = block.scale.map_or(1.0, |i| x[i]);
+                let evaluator = &mut self.evaluators[block.evaluator];
+                evaluator.differentiate(&self.local);
+                evaluator.curve(&self.local, &self.weights);
+            }
+            let block = &self.blocks[index];
+            let evaluator = &self.evaluators[block.evaluator];
+            let inputs = block.inputs.len();
+            for &(i, j) in &evaluator.hessian_pattern {
+                if let (Some(a), Some(b)) = (block.inputs[i], block.inputs[j]) {
+                    add(a, b, scale * evaluator.hessian[i * inputs + j]);
+                }
+            }
+            let Some(scale) = block.scale else { continue };
+            for &(output, input) in &evaluator.jacobian_pattern {
+                if let Some(variable) = block.inputs[input]
+                    && block.uses.iter().any(|used| used.1 == output)
+                {
+                    let value = evaluator.jacobian[output * inputs + input];
+                    add(scale, variable, self.weights[output] * value);
+                }
+            }
+        }
+    }
+
+    fn terms_value(terms: &Terms, x: &[f64]) -> f64 {
+        let linear: f64 = terms.linear.iter().map(|&(_, i, c)| c * x[i]).sum();
+        let bilinear = terms.bilinear.iter();
+        linear + bilinear.map(|&(_, i, j, c)| c * x[i] * x[j]).sum::<f64>()
+    }
+
+    /// Runs `work` with the physical values of `x`.
+    fn with_physical<R>(&mut self, x: &[f64], work: impl FnOnce(&mut Self, &[f64]) -> R) -> R {
+        let mut physical = std::mem::take(&mut self.physical);
+        physical.clear();
+        physical.extend(x.iter().zip(&self.unit).map(|(x, unit)| x * unit));
+        let result = work(self, &physical);
+        self.physical = physical;
+        result
+    }
+}
+
+impl NlpProblem for Program<'_> {
+    fn variables(&self) -> usize {
+        self.names.len()
+    }
+
+    fn constraints(&self) -> usize {
+        self.row_names.len()
+    }
+
+    fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+        for (i, unit) in self.unit.iter().enumerate() {
+            lower[i] = self.lower[i] / unit;
+            upper[i] = self.upper[i] / unit;
+        }
+    }
+
+    fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+        for (i, unit) in self.row_unit.iter().enumerate() {
+            lower[i] = self.row_lower[i] / unit;
+            upper[i] = self.row_upper[i] / unit;
+        }
+    }
+
+    fn initial_point(&self, x: &mut [f64]) {
+        for ((x, guess), unit) in x.iter_mut().zip(&self.guess).zip(&self.unit) {
+            *x = guess / unit;
+        }
+    }
+
+    fn objective(&mut self, x: &[f64]) -> f64 {
+        let value = self.with_physical(x, |program, x| {
+            let mut value = Self::terms_value(&program.objective, x);
+            for index in 0..program.blocks.len() {
+                if !program.blocks[index].serves_objective() {
+                    continue;
+                }
+                program.gather(index, x);
+                let block = &program.blocks[index];
+                let evaluator = &mut program.evaluators[block.evaluator];
+                evaluator.evaluate(&program.local);
+                let scale = block.scale.map_or(1.0, |i| x[i]);
+                for &(_, output, c) in block.uses.iter().filter(|used| used.0 == OBJECTIVE) {
+                    value += c * scale * evaluator.outputs[output];
+                }
+            }
+            value
+        });
+        value / self.objective_unit
+    }
+
+    fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
+        gradient.fill(0.0);
+        self.with_physical(x, |program, x| {
+            for &(_, i, c) in &program.objective.linear {
+                gradient[i] += c * program.unit[i];
+            }
+            for &(_, i, j, c) in &program.objective.bilinear {
+                gradient[i] += c * x[j] * program.unit[i];
+                gradient[j] += c * x[i] * program.unit[j];
+            }
+            for index in 0..program.blocks.len() {
+                if !program.blocks[index].serves_objective() {
+                    continue;
+                }
+                program.gather(index, x);
+                let block = &program.blocks[index];
+                let evaluator = &mut program.evaluators[block.evaluator];
+                evaluator.differentiate(&program.local);
+                let scale = block.scale.map_or(1.0, |i| x[i]);
+                let inputs = block.inputs.len();
+                for &(_, output, c) in block.uses.iter().filter(|used| used.0 == OBJECTIVE) {
+                    for &(_, input) in evaluator.jacobian_pattern.iter().filter(|e| e.0 == output) {
+                        if let Some(variable) = block.inputs[input] {
+                            let value = evaluator.jacobian[output * inputs + input];
+                            gradient[variable] += c * scale * value * program.unit[variable];
+                        }
+                    }
+                    if let Some(variable) = block.scale {
+                        gradient[variable] +=
+                            c * evaluator.outputs[output] * program.unit[variable];
+                    }
+                }
+            }
+        });
+        gradient.iter_mut().for_each(|g| *g /= self.objective_unit);
+    }
+
+    fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
+        c.fill(0.0);
+        self.with_physical(x, |program, x| {
+            for &(row, i, coefficient) in &program.terms.linear {
+                c[row] += coefficient * x[i];
+            }
+            for &(row, i, j, coefficient) in &program.terms.bilinear {
+                c[row] += coefficient * x[i] * x[j];
+            }
+            for index in 0..program.blocks.len() {
+                if !program.blocks[index].serves_rows() {
+                    continue;
+                }
+                program.gather(index, x);
+                let block = &program.blocks[index];
+                let evaluator = &mut program.evaluators[block.evaluator];
+                evaluator.evaluate(&program.local);
+                let scale = block.scale.map_or(1.0, |i| x[i]);
+                let rows = block.uses.iter().filter(|used| used.0 != OBJECTIVE);
+                for &(row, output, coefficient) in rows {
+                    c[row] += coefficient * scale * evaluator.outputs[output];
+                }
+            }
+        });
+        for (c, unit) in c.iter_mut().zip(&self.row_unit) {
+            *c /= unit;
+        }
+    }
+
+    fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
+        self.jacobian.entries.clone()
+    }
+
+    fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
+        values.fill(0.0);
+        let places = std::mem::take(&mut self.jacobian.places);
+        let mut next = places.iter();
+        self.with_physical(x, |program, x| {
+            let unit = program.unit.clone();
+            let row_unit = program.row_unit.clone();
+            let mut add = |row: usize, column: usize, value: f64| {
+                if let Some(&place) = next.next() {
+                    values[place] += value * unit[column] / row_unit[row];
+                }
+            };
+            program.visit_jacobian(&mut add, Some(x));
+        });
+        self.jacobian.places = places;
+    }
+
+    fn hessian_pattern(&self) -> Vec<(usize, usize)> {
+        self.hessian.entries.clone()
+    }
+
+    fn hessian_values(&mut self, x: &[f64], weight: f64, multipliers: &[f64], values: &mut [f64]) {
+        values.fill(0.0);
+        let places = std::mem::take(&mut self.hessian.places);
+        let mut next = places.iter();
+        let weight = weight / self.objective_unit;
+        let scaled = multipliers.iter().zip(&self.row_unit);
+        let multipliers: Vec<f64> = scaled.map(|(y, unit)| y / unit).collect();
+        self.with_physical(x, |program, x| {
+            let unit = program.unit.clone();
+            let mut add = |i: usize, j: usize, value: f64| {
+                if let Some(&place) = next.next() {
+                    values[place] += value * unit[i] * unit[j];
+                }
+            };
+            program.visit_hessian(&mut add, Some((x, weight, &multipliers)));
+        });
+        self.hessian.places = places;
+    }
+
+    fn variable_name(&self, index: usize) -> String {
+        self.names[index].clone()
+    }
+
+    fn constraint_name(&self, index: usize) -> String {
+        self.row_names[index].clone()
+    }
+}
+
+impl Mpcc for Program<'_> {
+    fn complementarities(&self) -> &[(usize, usize)] {
+        &self.pairs
+    }
+}

@@ -1,0 +1,116 @@
+//! Units of the unknowns and rows of a program: what the solver divides them by, so that all are of the order of one
+//! whatever units the scene is written in.
+//!
+//! Controls, times, forces and gap variables are measured by their own size: the range of a control, the guess of the
+//! horizon, the acceleration of a contact at the start. Coordinates, velocities and gaps in rows are measured in the
+//! *power of a thousand* nearest to their size, as a person would choose between millimetres, metres and kilometres:
+//! numbers between 0.03 and 30 stay as they are. The objective is measured in a power of a million. So a scene in
+//! millimetres and kilonewtons gives the solver the same numbers as one in metres and newtons.
+
+use crate::model::Model;
+use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
+use crate::ocp::motion::trajectory::Trajectory;
+
+const THOUSAND: f64 = 1e3;
+
+/// Units of the unknowns, from the start of the motion and the bounds.
+#[derive(Debug, Clone)]
+pub(in crate::ocp) struct Units {
+    /// Time \[s\]: the guess of the horizon.
+    pub(in crate::ocp) time: f64,
+    /// Each control: half of its range, or 1 where that is infinite.
+    pub(in crate::ocp) controls: Vec<f64>,
+    /// Normal acceleration of each contact at the start under no force, at least a tenth of the
+    /// largest.
+    pub(in crate::ocp) force: Vec<f64>,
+    /// Gap of each contact: how far that acceleration carries in a tenth of the time, times 10.
+    pub(in crate::ocp) gap: Vec<f64>,
+    /// Components of `(q, v)`, powers of a thousand.
+    pub(in crate::ocp) states: Vec<f64>,
+    /// Rows of gaps and, per second, of normal velocities, powers of a thousand.
+    pub(in crate::ocp) gap_rows: Vec<f64>,
+}
+
+impl Units {
+    /// Sliding velocity of a contact: what its normal acceleration gives in a tenth of the time.
+    pub(in crate::ocp) fn velocity(&self, contact: usize) -> f64 {
+        0.1 * self.force[contact] * self.time
+    }
+
+    pub(in crate::ocp) fn new(
+        model: &dyn Model,
+        motion: &Trajectory,
+        bounds: (&[f64], &[f64]),
+    ) -> Self {
+        let declaration = model.declaration();
+        let (n, controls) = (declaration.coordinates.len(), declaration.controls.len());
+        let control_units = (n..n + controls).map(|k| {
+            let half = (bounds.1[k] - bounds.0[k]) / 2.0;
+            if half.is_finite() && half > 0.0 {
+                half
+            } else {
+                1.0
+            }
+        });
+        let mut x = motion.states[0][..2 * n].to_vec();
+        x.extend(drive(model, motion.controls.start(), 0.0));
+        let accelerations: Vec<f64> = (0..declaration.contacts.len())
+            .map(|contact| free_normal_acceleration(model, contact, &x).abs())
+            .collect();
+        let largest = accelerations.iter().copied().fold(0.0, f64::max);
+        let floor = if largest > 0.0 { 0.1 * largest } else { 1.0 };
+        let force: Vec<f64> = accelerations.iter().map(|a| a.max(floor)).collect();
+        // How far an acceleration carries in about a third of the time.
+        let reach = |acceleration: f64| acceleration.abs() * motion.horizon * motion.horizon / 20.0;
+        let mut acceleration = vec![0.0; n];
+        model.free_acceleration(&x, &mut acceleration);
+        let sizes = acceleration
+            .into_iter()
+            .enumerate()
+            .map(|(k, acceleration)| {
+                let values = motion.states.iter().map(|state| state[k].abs());
+                let limits = [bounds.0[k].abs(), bounds.1[k].abs()];
+                let limits = limits.into_iter().filter(|limit| limit.is_finite());
+                values.chain(limits).fold(reach(acceleration), f64::max)
+            });
+        let coordinates: Vec<f64> = sizes.map(|size| nearest_power(THOUSAND, size)).collect();
+        Self {
+            time: motion.horizon,
+            controls: control_units.collect(),
+            gap: force
+                .iter()
+                .map(|force| force * motion.horizon * motion.horizon / 200.0)
+                .collect(),
+            states: coordinates.repeat(2),
+            gap_rows: force
+                .iter()
+                .map(|&force| nearest_power(THOUSAND, reach(force)))
+                .collect(),
+            force,
+        }
+    }
+}
+
+/// The power of a base nearest to a size; 1 for none.
+pub(in crate::ocp) fn nearest_power(base: f64, size: f64) -> f64 {
+    let exponent = (size.log10() / base.log10()).round();
+    if size > 0.0 && exponent.is_finite() {
+        base.powf(exponent)
+    } else {
+        1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest_power;
+
+    #[test]
+    fn nearest_power_of_a_thousand_leaves_ordinary_numbers_alone() {
+        for size in [0.04, 1.0, 31.0, 0.0, f64::INFINITY, f64::NAN] {
+            assert_eq!(nearest_power(1e3, size), 1.0, "{size}");
+        }
+        assert_eq!([40.0, 31e3].map(|size| nearest_power(1e3, size)), [1e3; 2]);
+        assert_eq!(nearest_power(1e3, 0.4e-3), 1e-3);
+    }
+}

@@ -1,0 +1,315 @@
+//! One contact sequence: its program, the cuts that its motion asks for, and how it compares with the best.
+//!
+//! A program is solved in two stages. The first one ends at a moderate barrier parameter: that tells whether the
+//! sequence can be better than the best, and where its motion needs cuts; most sequences end there. Only a motion that
+//! passes is solved to the tolerance.
+
+use crate::nlp;
+use crate::ocp::collocation::between_stages::between_stages;
+use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::collocation::layout::Cut;
+use crate::ocp::collocation::limits::Limits;
+use crate::ocp::collocation::program::Collocation;
+use crate::ocp::collocation::transcribe::transcribe;
+use crate::ocp::motion::sequence::{Sequence, Signature};
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::program::runner::{Ended, Run, Runner};
+use crate::ocp::settings::Settings;
+use crate::simulation::InputError;
+
+/// Barrier parameters that a program is started with, in this order, and most iterations with each: of the first
+/// program, of a neighbour, which starts near its solution, and of a sequence about which nothing is claimed.
+const FIRST: [(f64, usize); 3] = [(1e-2, usize::MAX), (1e-3, usize::MAX), (1e-1, usize::MAX)];
+const NEIGHBOUR: [(f64, usize); 2] = [(1e-4, 60), (1e-2, 300)];
+const EXPLORED: [(f64, usize); 1] = [(1e-4, 80)];
+/// The same after a cut.
+const AFTER_CUT: (f64, usize) = (1e-5, 80);
+/// Rounds of cuts of one sequence.
+const ROUNDS: usize = 6;
+/// Tolerance of the first stage.
+const FIRST_TOLERANCE: f64 = 2e-7;
+/// Relative decrease of the objective that counts as an improvement.
+const IMPROVEMENT: f64 = 1e-9;
+
+/// What became of a sequence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::ocp) enum Verdict {
+    /// It is the best now.
+    Better,
+    /// Its local optimum is at least this, and not better than the best; infinite if it allows no motion.
+    NotBetter(f64),
+    /// Its program could not be solved.
+    Undecided,
+}
+
+/// Why a sequence is attempted while there is a best.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::ocp) enum Purpose {
+    /// It is a neighbour of the best, and has to be decided.
+    Compare,
+    /// It may be better, but nothing is claimed about it.
+    Explore,
+}
+
+/// A sequence that was attempted.
+struct Tried {
+    signature: Signature,
+    purpose: Purpose,
+    verdict: Verdict,
+}
+
+/// A solved program of a sequence.
+pub(in crate::ocp) struct Local<'a> {
+    pub(in crate::ocp) program: Collocation<'a>,
+    pub(in crate::ocp) solution: nlp::Solution,
+    pub(in crate::ocp) trajectory: Trajectory,
+    pub(in crate::ocp) sequence: Sequence,
+    pub(in crate::ocp) cuts: Vec<Cut>,
+}
+
+/// A sequence to attempt.
+#[derive(Clone, Copy)]
+pub(in crate::ocp) struct Attempt<'t> {
+    pub(in crate::ocp) sequence: &'t Sequence,
+    pub(in crate::ocp) guess: &'t Trajectory,
+    pub(in crate::ocp) cuts: &'t [Cut],
+    pub(in crate::ocp) purpose: Purpose,
+}
+
+/// The sequences that were attempted with one discretization, and the best of them.
+pub(in crate::ocp) struct Attempts<'a, 'e> {
+    pub(in crate::ocp) setting: Setting<'a>,
+    /// Finite elements of a phase in each interval.
+    pub(in crate::ocp) elements: &'e [usize],
+    pub(in crate::ocp) best: Option<Local<'a>>,
+    tried: Vec<Tried>,
+}
+
+impl<'a, 'e> Attempts<'a, 'e> {
+    /// None so far.
+    pub(in crate::ocp) fn new(setting: Setting<'a>, elements: &'e [usize]) -> Self {
+        Self {
+            setting,
+            elements,
+            best: None,
+            tried: Vec::new(),
+        }
+    }
+
+    /// Solves the program of a sequence with its cuts and keeps it if it is the best.
+    pub(in crate::ocp) fn attempt(
+        &mut self,
+        runner: &mut Runner,
+        attempt: Attempt,
+    ) -> Result<Verdict, InputError> {
+        let verdict = self.compare(runner, attempt)?;
+        // From now on the best is at least as good as the best is now.
+        let known = match (verdict, &self.best) {
+            (Verdict::Better, Some(best)) => Verdict::NotBetter(best.solution.objective),
+            _ => verdict,
+        };
+        self.tried.push(Tried {
+            signature: attempt.sequence.signature(),
+            purpose: attempt.purpose,
+            verdict: known,
+        });
+        Ok(verdict)
+    }
+
+    /// What is known of a neighbour of the best from an earlier attempt.
+    pub(super) fn known(&self, sequence: &Sequence) -> Option<Verdict> {
+        let signature = sequence.signature();
+        let mut tried = self.tried.iter().rev();
+        let tried = tried.find(|tried| tried.signature == signature)?;
+        match tried.verdict {
+            Verdict::NotBetter(least) if !self.improves(least) => Some(tried.verdict),
+            Verdict::Undecided if tried.purpose == Purpose::Compare => Some(tried.verdict),
+            _ => None,
+        }
+    }
+
+    /// Whether a sequence was attempted, for whatever purpose.
+    pub(super) fn was_tried(&self, sequence: &Sequence) -> bool {
+        let signature = sequence.signature();
+        self.tried.iter().any(|tried| tried.signature == signature)
+    }
+
+    fn compare(&mut self, runner: &mut Runner, attempt: Attempt) -> Result<Verdict, InputError> {
+        let mut cuts = attempt.cuts.to_vec();
+        let intervals = self.setting.problem.intervals;
+        let mut guess = if attempt.sequence.ends_with_impact(intervals) {
+            attempt.guess.up_to_last_jump(intervals)
+        } else {
+            attempt.guess.clone()
+        };
+        let mut sequence = attempt.sequence.clone();
+        let limits = Limits::new(self.setting, runner.settings);
+        let check = |program: &Collocation, x: &[f64]| between_stages(program, x, limits);
+        for round in 0..ROUNDS {
+            let last = round + 1 == ROUNDS;
+            let now = Attempt {
+                sequence: &sequence,
+                guess: &guess,
+                cuts: &cuts,
+                ..attempt
+            };
+            let (mut program, first) = match self.first(runner, now, round > 0)? {
+                Ok(first) => first,
+                Err(status) => return Ok(verdict_of(status)),
+            };
+            let least = least_objective(&first);
+            if !self.improves(least) {
+                return Ok(Verdict::NotBetter(least));
+            }
+            let mut new = check(&program, &first.x);
+            let mut solved = first;
+            // A cut only makes it worse.
+            let behind = !self.improves(solved.objective);
+            if new.is_empty() || behind || last {
+                solved = match second(runner, &mut program, &solved, self.best_objective())? {
+                    Ok(second) => second,
+                    Err(status) => return Ok(verdict_of(status)),
+                };
+                if !self.improves(solved.objective) {
+                    return Ok(Verdict::NotBetter(solved.objective));
+                }
+                new = check(&program, &solved.x);
+                // What is left after the last round is for the re-simulation to judge.
+                if new.is_empty() || last {
+                    let (trajectory, sequence) = program.result(&solved.x);
+                    self.best = Some(Local {
+                        program,
+                        solution: solved,
+                        trajectory,
+                        sequence,
+                        cuts,
+                    });
+                    return Ok(Verdict::Better);
+                }
+            }
+            (guess, sequence) = program.result(&solved.x);
+            cuts.extend(new);
+        }
+        Ok(Verdict::Undecided)
+    }
+
+    fn best_objective(&self) -> Option<f64> {
+        self.best.as_ref().map(|best| best.solution.objective)
+    }
+
+    /// Whether an objective is better than the best.
+    fn improves(&self, objective: f64) -> bool {
+        self.best.as_ref().is_none_or(|best| {
+            let size = objective.abs().max(best.program.program.objective_unit());
+            objective <= best.solution.objective - IMPROVEMENT * size
+        })
+    }
+
+    /// The first stage of a program: from the point of an earlier one, if there is any, or else from the first barrier
+    /// parameter that works. The reason if none does.
+    fn first(
+        &self,
+        runner: &mut Runner,
+        attempt: Attempt,
+        after_cut: bool,
+    ) -> Ended<(Collocation<'a>, nlp::Solution)> {
+        let Attempt {
+            sequence,
+            guess,
+            cuts,
+            purpose,
+        } = attempt;
+        let mut program = transcribe(self.setting, sequence, guess, cuts, self.elements);
+        let barriers = match (&self.best, purpose) {
+            (None, _) => &FIRST[..],
+            (Some(_), Purpose::Compare) => &NEIGHBOUR,
+            (Some(_), Purpose::Explore) => &EXPLORED,
+        };
+        let gives_up = purpose == Purpose::Compare && self.best.is_some();
+        let tries = after_cut.then_some((AFTER_CUT, true)).into_iter();
+        let later = barriers.iter().enumerate();
+        let later = later.map(|(index, &run)| (run, gives_up && index + 1 < barriers.len()));
+        let mut status = nlp::Status::Interrupted;
+        for (index, ((barrier, iterations), gives_up)) in tries.chain(later).enumerate() {
+            if runner.stopped() && (index > 0 || !after_cut) {
+                break;
+            }
+            let settings = interior_point(runner.settings);
+            let settings = nlp::Settings {
+                tolerance: FIRST_TOLERANCE.max(settings.tolerance),
+                initial_barrier_parameter: barrier,
+                maximum_iterations: settings.maximum_iterations.min(iterations),
+                ..settings
+            };
+            let run = Run {
+                settings: &settings,
+                start: None,
+                gives_up,
+                best: self.best_objective(),
+            };
+            let horizon = program.horizon;
+            match runner.solve(&mut program.program, horizon, &run)? {
+                Ok(solution) => return Ok(Ok((program, solution))),
+                Err(reason) => status = reason,
+            }
+        }
+        Ok(Err(status))
+    }
+}
+
+/// The second stage: from the end of the first one to the tolerance.
+fn second(
+    runner: &mut Runner,
+    program: &mut Collocation,
+    first: &nlp::Solution,
+    best: Option<f64>,
+) -> Ended<nlp::Solution> {
+    let settings = warm(&interior_point(runner.settings), first.barrier_parameter);
+    let run = Run {
+        settings: &settings,
+        start: Some(&nlp::WarmStart::from_solution(first)),
+        gives_up: false,
+        best,
+    };
+    let horizon = program.horizon;
+    runner.solve(&mut program.program, horizon, &run)
+}
+
+fn verdict_of(failure: nlp::Status) -> Verdict {
+    match failure {
+        nlp::Status::Infeasible => Verdict::NotBetter(f64::INFINITY),
+        _ => Verdict::Undecided,
+    }
+}
+
+fn interior_point(settings: &Settings) -> nlp::Settings {
+    nlp::Settings {
+        tolerance: settings.tolerance,
+        constraint_tolerance: settings.tolerance,
+        maximum_iterations: settings.maximum_iterations,
+        ..nlp::Settings::default()
+    }
+}
+
+/// Least objective that the central path may lead to. Between the ends of its last two levels, with barrier parameters
+/// `m > m'`, the objective fell from `f` to `f'`. The rest of the way is in proportion to the barrier parameter where
+/// complementarity is strict, and to its root where it is not: at most `(f - f') / (sqrt(m / m') - 1)`.
+fn least_objective(first: &nlp::Solution) -> f64 {
+    let mu = first.barrier_parameter;
+    let mut before = first.history.iter().rev();
+    let Some(before) = before.find(|info| info.barrier_parameter > mu && !info.restoration) else {
+        return f64::NEG_INFINITY;
+    };
+    let ratio = (before.barrier_parameter / mu).sqrt();
+    first.objective - (before.objective - first.objective).max(0.0) / (ratio - 1.0)
+}
+
+/// Settings that leave a warm point where it is.
+fn warm(settings: &nlp::Settings, barrier_parameter: f64) -> nlp::Settings {
+    let push = 1e-2 * barrier_parameter;
+    nlp::Settings {
+        bound_push: push,
+        bound_fraction: push,
+        ..settings.clone()
+    }
+}

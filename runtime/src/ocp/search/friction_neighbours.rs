@@ -1,0 +1,310 @@
+//! Neighbours of a sequence in which contacts stick or slip elsewhere: where a solution presses against the edge of a
+//! friction cone, or against the direction of a slip.
+
+use super::neighbours::{ENTRY, INSERTED, STUCK};
+use super::pressure::Pressure;
+use crate::ocp::motion::mode::{Direction, Mode};
+use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+
+/// A change of the way of sliding, for a while.
+struct Change {
+    contact: usize,
+    to: Mode,
+    back: Mode,
+}
+
+/// Sequences in which a contact slips where its force is held in the cone, sticks or turns round where its sliding
+/// velocity is held at 0, or does so after an impact.
+pub(in crate::ocp) fn sliding(pressure: &Pressure) -> Vec<Sequence> {
+    let mut found: Vec<Sequence> = Vec::new();
+    let candidates = beginnings(pressure)
+        .into_iter()
+        .chain(endings(pressure))
+        .chain(turned(pressure))
+        .chain(inserted_sliding(pressure))
+        .chain(impacts(pressure));
+    for candidate in candidates {
+        if let Some(sequence) = candidate.ordered(pressure.intervals)
+            && !found.iter().any(|s| s.signature() == sequence.signature())
+        {
+            found.push(sequence);
+        }
+    }
+    found
+}
+
+fn slide(contact: usize, mode: Mode, place: Place, time: f64) -> Switch {
+    Switch {
+        contact,
+        closes: false,
+        mode,
+        impulse: mode,
+        accompanies: false,
+        interval: time.max(0.0).floor() as usize,
+        place,
+        time,
+    }
+}
+
+/// With another mode right from the start: where the first change of a contact sticks there, and where a contact
+/// that slips from the start would rather stick.
+fn beginnings(pressure: &Pressure) -> Vec<Sequence> {
+    let switches = &pressure.sequence.switches;
+    let mut found = Vec::new();
+    for (index, switch) in switches.iter().enumerate() {
+        let first = !switches[..index]
+            .iter()
+            .any(|s| s.contact == switch.contact);
+        if first && switch.slides() && !switch.accompanies && switch.time < STUCK {
+            let mut sequence = pressure.sequence.clone();
+            let last = index + Sequence::companions(switches, index).len();
+            for member in sequence.switches.drain(index..=last) {
+                sequence.initially[member.contact] = member.mode;
+            }
+            found.push(sequence);
+        }
+    }
+    let Some(phase) = pressure.program.phases.first() else {
+        return found;
+    };
+    let pulled: Vec<usize> = phase
+        .pulled
+        .iter()
+        .filter(|pulled| pressure.presses(pulled.1))
+        .map(|pulled| pulled.0)
+        .collect();
+    for (place, time) in [(Place::Inside, ENTRY), (Place::Start, 1.0)] {
+        let mut sequence = pressure.sequence.clone();
+        for (index, &contact) in pulled.iter().enumerate() {
+            let mode = std::mem::replace(&mut sequence.initially[contact], Mode::Stick);
+            sequence.switches.push(Switch {
+                accompanies: index > 0,
+                ..slide(contact, mode, place, time)
+            });
+        }
+        if !pulled.is_empty() {
+            found.push(sequence);
+        }
+    }
+    found
+}
+
+/// With contacts that come to rest at the end at rest a little before.
+fn endings(pressure: &Pressure) -> Option<Sequence> {
+    let x = pressure.program.program.physical(&pressure.solution.x);
+    let phase = pressure.program.phases.last()?;
+    let stage = phase.stages.last()?;
+    let end = pressure.intervals as f64;
+    let rests = |contact: &usize| {
+        let time = pressure.program.horizon_at(&x);
+        pressure.mode_at(*contact, stage, time, &x) == Mode::Stick && !pressure.near(*contact, end)
+    };
+    let slipping = stage.tangential.iter().filter(|t| t.mode != Mode::Stick);
+    let changes: Vec<Change> = slipping
+        .filter(|tangential| rests(&tangential.contact))
+        .map(|tangential| Change {
+            contact: tangential.contact,
+            to: Mode::Stick,
+            back: tangential.mode,
+        })
+        .collect();
+    inserted(pressure, &changes, Place::Inside, end)
+}
+
+/// Sequences with a slip that begins at a jump of the controls earlier or later by an interval. The force of a contact
+/// that sticks is as constant as the controls, and seldom lets it go between two jumps, so that no multiplier tells
+/// at which of them it should.
+pub(in crate::ocp) fn shifted(pressure: &Pressure) -> Vec<Sequence> {
+    let switches = &pressure.sequence.switches;
+    let mut found = Vec::new();
+    for (index, switch) in switches.iter().enumerate() {
+        let sticks = pressure.sequence.mode_before(index, switch.contact) == Mode::Stick;
+        let jumps = switch.place == Place::Start && !switch.accompanies;
+        if !jumps || !sticks || !switch.slides() {
+            continue;
+        }
+        let group = index..=index + Sequence::companions(switches, index).len();
+        for interval in [switch.interval - 1, switch.interval + 1] {
+            let mut sequence = pressure.sequence.clone();
+            if interval == 0 {
+                for member in sequence.switches.drain(group.clone()) {
+                    sequence.initially[member.contact] = member.mode;
+                }
+            } else {
+                for member in &mut sequence.switches[group.clone()] {
+                    (member.interval, member.time) = (interval, interval as f64);
+                }
+            }
+            found.extend(sequence.ordered(pressure.intervals));
+        }
+    }
+    found
+}
+
+/// With a slip in the place of a stick whose force is held in the cone: a contact that has just come to rest is
+/// pulled on or back.
+fn turned(pressure: &Pressure) -> Vec<Sequence> {
+    let switches = &pressure.sequence.switches;
+    let mut found = Vec::new();
+    for (index, switch) in switches.iter().enumerate() {
+        if switch.accompanies || !switch.slides() || switch.mode != Mode::Stick {
+            continue;
+        }
+        let phases = &pressure.program.phases;
+        let after = match switch.place {
+            Place::Start => phases.iter().find(|p| p.interval == switch.interval),
+            Place::Inside => {
+                let ended = phases.iter().position(|p| p.ends_with == Some(index));
+                ended.and_then(|last| phases.get(last + 1))
+            }
+        };
+        let pressed = after.and_then(|phase| {
+            let start = phase.cones.iter().filter(|cone| cone.0 == switch.contact);
+            let stages = phase.stages.iter().flat_map(|stage| &stage.tangential);
+            let stages = stages.filter(|tangential| tangential.contact == switch.contact);
+            start
+                .map(|&(_, direction, row)| (direction, row))
+                .chain(stages.flat_map(|t| t.rows.iter().copied()))
+                .find(|&(_, row)| pressure.presses(row))
+        });
+        let Some((direction, _)) = pressed else {
+            continue;
+        };
+        let mut sequence = pressure.sequence.clone();
+        let back = pressure.sequence.mode_before(index, switch.contact) != Mode::Slip(direction);
+        let companions = Sequence::companions(switches, index).len();
+        for member in &mut sequence.switches[index..=index + companions] {
+            let before = pressure.sequence.mode_before(index, member.contact);
+            member.mode = match before {
+                Mode::Slip(direction) if back => Mode::Slip(direction.reversed()),
+                before => before,
+            };
+        }
+        found.push(sequence.consistent());
+    }
+    found
+}
+
+/// With another way of sliding inserted for a while, for all contacts together that press for it.
+fn inserted_sliding(pressure: &Pressure) -> Vec<Sequence> {
+    let x = pressure.program.program.physical(&pressure.solution.x);
+    let horizon = pressure.program.horizon_at(&x);
+    let intervals = pressure.intervals as f64;
+    let solved = pressure.program.solved(&pressure.solution.x);
+    let mut found = Vec::new();
+    for (phase, solved) in pressure.program.phases.iter().zip(&solved) {
+        let time = |theta: f64| (solved.start + theta * solved.length) / horizon * intervals;
+        // At a jump of the controls the force may leave the cone at once.
+        let cones = phase.cones.iter().filter(|cone| pressure.presses(cone.2));
+        let changes: Vec<Change> = cones
+            .filter(|cone| phase.index.0 == 0 && !pressure.near(cone.0, time(0.0)))
+            .map(|&(contact, direction, _)| Change {
+                contact,
+                to: Mode::Slip(direction),
+                back: Mode::Stick,
+            })
+            .collect();
+        found.extend(inserted(pressure, &changes, Place::Start, time(0.0)));
+        for (stage, c) in phase.stages.iter().zip(pressure.program.tableau.c()) {
+            let pressed = stage.tangential.iter().filter_map(|tangential| {
+                let mut rows = tangential.rows.iter();
+                let (direction, _) = rows.find(|(_, row)| pressure.presses(*row))?;
+                Some((tangential.contact, tangential.mode, *direction))
+            });
+            let pressed: Vec<(usize, Mode, Direction)> = pressed
+                .filter(|&(contact, ..)| !pressure.near(contact, time(*c)))
+                .collect();
+            for turned in [false, true] {
+                let change = |&(contact, back, direction): &(usize, Mode, Direction)| {
+                    let to = match back {
+                        Mode::Stick => Mode::Slip(direction),
+                        _ if turned => Mode::Slip(direction.reversed()),
+                        _ => Mode::Stick,
+                    };
+                    Change { contact, to, back }
+                };
+                let changes: Vec<Change> = pressed.iter().map(change).collect();
+                found.extend(inserted(pressure, &changes, Place::Inside, time(*c)));
+            }
+        }
+    }
+    found
+}
+
+/// The sequence with changes of the way of sliding from a time on, and back a little later unless the motion ends
+/// before.
+fn inserted(pressure: &Pressure, changes: &[Change], place: Place, time: f64) -> Option<Sequence> {
+    if changes.is_empty() {
+        return None;
+    }
+    let mut sequence = pressure.sequence.clone();
+    let until = time + INSERTED;
+    let from = match place {
+        Place::Start => time.round(),
+        Place::Inside => (time - INSERTED).max(0.0),
+    };
+    for (index, change) in changes.iter().enumerate() {
+        let accompanies = index > 0;
+        if place == Place::Start && time < STUCK {
+            sequence.initially[change.contact] = change.to;
+        } else {
+            sequence.switches.push(Switch {
+                accompanies,
+                ..slide(change.contact, change.to, place, from)
+            });
+        }
+        if until < pressure.intervals as f64 {
+            sequence.switches.push(Switch {
+                accompanies,
+                ..slide(change.contact, change.back, Place::Inside, until)
+            });
+        }
+    }
+    Some(sequence)
+}
+
+/// With another law between the impulses of an impact.
+fn impacts(pressure: &Pressure) -> Vec<Sequence> {
+    let mut found = Vec::new();
+    for (index, tangential) in &pressure.program.impacts {
+        let pressed = tangential
+            .rows
+            .iter()
+            .find(|(_, row)| pressure.presses(*row));
+        let Some(&(direction, _)) = pressed else {
+            continue;
+        };
+        let laws = match tangential.mode {
+            Mode::Stick => vec![(Mode::Slip(direction), Mode::Slip(direction))],
+            _ => vec![
+                (Mode::Stick, Mode::Stick),
+                (Mode::Stick, Mode::Slip(direction.reversed())),
+                (Mode::Stick, Mode::Slip(direction)),
+            ],
+        };
+        for (impulse, mode) in laws {
+            let mut sequence = pressure.sequence.clone();
+            let companions = Sequence::companions(&sequence.switches, *index).len();
+            let mut struck = sequence.switches[*index..=index + companions].iter_mut();
+            if let Some(switch) = struck.find(|s| s.contact == tangential.contact) {
+                switch.impulse = impulse;
+                if !switch.mode.is_open() {
+                    switch.mode = mode;
+                }
+            } else {
+                let switch = pressure.sequence.switches[*index];
+                let companion = Switch {
+                    contact: tangential.contact,
+                    closes: false,
+                    mode,
+                    impulse,
+                    accompanies: true,
+                    ..switch
+                };
+                sequence.switches.insert(index + 1, companion);
+            }
+            found.push(sequence.consistent());
+        }
+    }
+    found
+}

@@ -1,0 +1,13 @@
+//! The search over contact sequences: which are attempted, in which order, and what is proved about the best.
+//!
+//! Uses [`global`](super::global) for motions to start from and [`collocation`](super::collocation) for the programs of
+//! sequences.
+
+pub(in crate::ocp) mod attempt;
+pub(in crate::ocp) mod candidates;
+pub(in crate::ocp) mod friction_neighbours;
+pub(in crate::ocp) mod neighbours;
+pub(in crate::ocp) mod pressure;
+pub(in crate::ocp) mod repair;
+pub(in crate::ocp) mod replay;
+pub(in crate::ocp) mod ride;

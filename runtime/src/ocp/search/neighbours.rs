@@ -1,0 +1,232 @@
+//! Neighbours of a contact sequence: where a solution presses against the sequence it was given.
+
+use super::pressure::Pressure;
+use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::motion::edit_sequence::without;
+use crate::ocp::motion::mode::Mode;
+use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+
+/// Switches of a contact closer than this many intervals may cancel each other.
+const CLOSE: f64 = 1.1;
+
+/// A switch nearer to the end of its interval than this share of it sticks there.
+pub(in crate::ocp) const STUCK: f64 = 0.01;
+
+/// A contact shorter than this many intervals may be no more than a touch.
+const TOUCH: f64 = 1.5;
+
+/// Where a moved switch is started, as a distance from the end it came through.
+pub(in crate::ocp) const ENTRY: f64 = 0.05;
+
+/// Half the length of an inserted contact or flight, in intervals.
+pub(in crate::ocp) const INSERTED: f64 = 0.2;
+
+/// Sequences that the solution points to, the most promising first: without a pair of switches that
+/// are close to each other, with a switch that sticks to the end of its interval moved through it or
+/// onto it, with an opening at a jump of the controls moved to the side that it presses against.
+pub(in crate::ocp) fn directed(pressure: &Pressure) -> Vec<Sequence> {
+    let switches = &pressure.sequence.switches;
+    let mut found = Vec::new();
+    for (i, j) in pressure.sequence.neighbours() {
+        if switches[j].time - switches[i].time < CLOSE {
+            found.extend(without(pressure.sequence, i, j).ordered(pressure.intervals));
+        }
+    }
+    found.extend(touches_and_contacts(pressure));
+    for closes in [false, true] {
+        for (index, switch) in switches.iter().enumerate() {
+            let own = !switch.accompanies && switch.place == Place::Inside;
+            if !own || switch.closes != closes {
+                continue;
+            }
+            let (k, offset) = (switch.interval, switch.time - switch.interval as f64);
+            let (to, time) = if offset < STUCK {
+                (k.checked_sub(1), k as f64 - ENTRY)
+            } else if offset > 1.0 - STUCK {
+                (Some(k + 1), (k + 1) as f64 + ENTRY)
+            } else {
+                continue;
+            };
+            found.extend(pressure.moved(index, to, Place::Inside, time));
+            let nearest = switch.time.round();
+            found.extend(pressure.moved(index, Some(nearest as usize), Place::Start, nearest));
+        }
+    }
+    let threshold = pressure.threshold();
+    for (index, switch) in switches.iter().enumerate() {
+        if switch.accompanies || switch.place != Place::Start {
+            continue;
+        }
+        let k = switch.interval;
+        // What ends at a zero of the motion happens at a jump of the controls by chance only.
+        let slips = matches!(
+            pressure.sequence.mode_before(index, switch.contact),
+            Mode::Slip(_)
+        );
+        if switch.closes
+            || slips && switch.slides()
+            || pressure.program.shape == ControlShape::Linear
+        {
+            let time = k as f64 - ENTRY;
+            found.extend(pressure.moved(index, k.checked_sub(1), Place::Inside, time));
+            found.extend(pressure.moved(index, Some(k), Place::Inside, k as f64 + ENTRY));
+            continue;
+        }
+        let phases = &pressure.program.phases;
+        let after = phases.iter().find(|phase| phase.interval == k);
+        let pressed = after.is_some_and(|phase| {
+            let mut rows = phase.openings.iter().chain(&phase.pulled);
+            rows.any(|&(contact, row)| {
+                contact == switch.contact && pressure.solution.multipliers[row].abs() > threshold
+            })
+        });
+        if pressed {
+            found.extend(pressure.moved(index, Some(k), Place::Inside, k as f64 + ENTRY));
+        }
+        let before = phases.iter().rev().find(|phase| phase.interval + 1 == k);
+        let pressed = before.is_some_and(|phase| {
+            if switch.slides() {
+                return pressure.at_the_edge(phase, switch);
+            }
+            let slot = phase.closed.iter().position(|&i| i == switch.contact);
+            let stage = phase.stages.last();
+            slot.zip(stage).is_some_and(|(slot, stage)| {
+                pressure.solution.multipliers_lower[stage.forces[slot]] > threshold
+            })
+        });
+        if pressed {
+            let time = k as f64 - ENTRY;
+            found.extend(pressure.moved(index, k.checked_sub(1), Place::Inside, time));
+        }
+    }
+    found
+}
+
+/// Sequences with a touch in the place of a short contact, and with a short contact in the
+/// place of a touch after which nothing pulls the contact open.
+fn touches_and_contacts(pressure: &Pressure) -> Vec<Sequence> {
+    let switches = &pressure.sequence.switches;
+    let mut found = Vec::new();
+    for (i, j) in pressure.sequence.neighbours() {
+        let (first, second) = (&switches[i], &switches[j]);
+        if first.stays() && second.opens() && second.time - first.time < TOUCH {
+            let mut sequence = pressure.sequence.clone();
+            sequence.switches[i].mode = Mode::Open;
+            sequence.switches.remove(j);
+            found.extend(sequence.ordered(pressure.intervals));
+        }
+    }
+    let threshold = pressure.threshold();
+    for (index, switch) in switches.iter().enumerate().filter(|(_, s)| s.touches()) {
+        let mut touches = pressure.program.touches.iter();
+        let grazes = touches.any(|(touch, row)| {
+            (touch.contact, touch.interval, touch.place)
+                == (switch.contact, switch.interval, switch.place)
+                && pressure.solution.multipliers[*row].abs() > threshold
+        });
+        if grazes {
+            let mut sequence = pressure.sequence.clone();
+            sequence.switches.remove(index);
+            found.extend(sequence.ordered(pressure.intervals));
+        }
+        let phases = pressure.program.phases.iter();
+        let pressed = phases
+            .flat_map(|phase| &phase.openings)
+            .any(|&(contact, row)| {
+                contact == switch.contact && pressure.solution.multipliers[row].abs() > threshold
+            });
+        if pressed {
+            let mut sequence = pressure.sequence.clone();
+            sequence.switches[index].mode = switch.impulse;
+            let time = (switch.time + INSERTED).min(pressure.intervals as f64 - STUCK);
+            sequence.switches.push(Switch {
+                closes: false,
+                mode: Mode::Open,
+                interval: time.floor() as usize,
+                place: Place::Inside,
+                time,
+                ..*switch
+            });
+            found.extend(sequence.ordered(pressure.intervals));
+        }
+    }
+    found
+}
+
+/// The sequence without its last switch: the motion may end before it.
+pub(in crate::ocp) fn shortened(pressure: &Pressure) -> Option<Sequence> {
+    let mut sequence = pressure.sequence.clone();
+    while sequence.switches.pop()?.accompanies {}
+    sequence.ordered(pressure.intervals)
+}
+
+/// Sequences with a flight inserted where a contact force is held at 0, and with a contact inserted
+/// where a gap is held at 0: together with the stuck switches of [`directed`] these
+/// are the places where gap and force vanish together. A flight that passes a surface at the gap margin is
+/// none of them.
+pub(in crate::ocp) fn insertions(pressure: &Pressure) -> Vec<Sequence> {
+    let threshold = pressure.threshold();
+    let mut places: Vec<(usize, bool, Mode, f64)> = Vec::new();
+    let contacts = pressure.sequence.initially.len();
+    let tableau = pressure.program.tableau;
+    let x = pressure.program.program.physical(&pressure.solution.x);
+    let horizon = pressure.program.horizon_at(&x);
+    let solved = pressure.program.solved(&pressure.solution.x);
+    for (phase, solved) in pressure.program.phases.iter().zip(&solved) {
+        let opens = phase
+            .ends_with
+            .map(|index| &pressure.sequence.switches[index])
+            .filter(|switch| switch.opens())
+            .map(|switch| switch.contact);
+        let time = |theta: f64| {
+            (solved.start + theta * solved.length) / horizon * pressure.intervals as f64
+        };
+        for (m, (stage, c)) in phase.stages.iter().zip(tableau.c()).enumerate() {
+            let last = m + 1 == phase.stages.len();
+            for (&contact, &force) in phase.closed.iter().zip(&stage.forces) {
+                let exits = last && opens == Some(contact);
+                if !exits && pressure.solution.multipliers_lower[force] > threshold {
+                    places.push((contact, false, phase.modes[contact], time(*c)));
+                }
+            }
+            for contact in (0..contacts).filter(|i| !phase.closed.contains(i)) {
+                let row = stage.gap_rows[contact];
+                let closes = last && phase.closing.contains(&contact);
+                if !closes
+                    && pressure.solution.multipliers[row].abs() > threshold
+                    && pressure.gap(contact, stage, &x) < pressure.touching
+                {
+                    let seconds = solved.start + c * solved.length;
+                    let mode = pressure.mode_at(contact, stage, seconds, &x);
+                    places.push((contact, true, mode, time(*c)));
+                }
+            }
+        }
+    }
+    // Gap and force vanish together at every switch; that is no sign of another one nearby.
+    places.retain(|&(contact, .., time)| !pressure.near(contact, time));
+    let mut found: Vec<Sequence> = Vec::new();
+    let intervals = pressure.intervals as f64;
+    for (contact, closes, mode, time) in places {
+        let mut sequence = pressure.sequence.clone();
+        for (closes, time) in [(closes, time - INSERTED), (!closes, time + INSERTED)] {
+            let time = time.clamp(0.0, intervals - STUCK);
+            sequence.switches.push(Switch {
+                contact,
+                closes,
+                mode: if closes { mode } else { Mode::Open },
+                impulse: mode,
+                accompanies: false,
+                interval: time.floor() as usize,
+                place: Place::Inside,
+                time,
+            });
+        }
+        if let Some(sequence) = sequence.ordered(pressure.intervals)
+            && !found.iter().any(|s| s.signature() == sequence.signature())
+        {
+            found.push(sequence);
+        }
+    }
+    found
+}

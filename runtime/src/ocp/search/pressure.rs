@@ -1,0 +1,94 @@
+//! Where a solution presses against the sequence it was given.
+
+use crate::nlp;
+use crate::ocp::collocation::layout::{Phase, Stage};
+use crate::ocp::collocation::program::Collocation;
+use crate::ocp::motion::mode::{Mode, is_frictional, sliding_velocity, zero_velocity};
+use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+
+/// Distance from a switch of the same contact within which no other one is inserted, in intervals.
+const NEAR: f64 = 0.6;
+
+/// Multipliers above this share of the largest one belong to conditions that matter.
+const ACTIVE: f64 = 1e-6;
+
+/// What a solved program says about its sequence.
+pub(in crate::ocp) struct Pressure<'a, 'm> {
+    pub(in crate::ocp) program: &'a Collocation<'m>,
+    pub(in crate::ocp) solution: &'a nlp::Solution,
+    /// The sequence with its times.
+    pub(in crate::ocp) sequence: &'a Sequence,
+    pub(in crate::ocp) intervals: usize,
+    /// Gap below which a flight counts as touching.
+    pub(in crate::ocp) touching: f64,
+}
+
+impl Pressure<'_, '_> {
+    pub(in crate::ocp) fn threshold(&self) -> f64 {
+        let all = self.solution.multipliers.iter();
+        ACTIVE * all.fold(f64::MIN_POSITIVE, |largest, y| largest.max(y.abs()))
+    }
+
+    pub(super) fn presses(&self, row: usize) -> bool {
+        self.solution.multipliers[row].abs() > self.threshold()
+    }
+
+    /// Whether a contact switches near a time.
+    pub(in crate::ocp) fn near(&self, contact: usize, time: f64) -> bool {
+        let switches = self.sequence.switches.iter();
+        let mut own = switches.filter(|s| s.contact == contact);
+        own.any(|switch| (switch.time - time).abs() < NEAR)
+    }
+
+    /// Gap of a contact at a stage.
+    pub(super) fn gap(&self, contact: usize, stage: &Stage, x: &[f64]) -> f64 {
+        let variables = stage.state.iter().chain(&stage.drive);
+        let input: Vec<f64> = variables.map(|&i| x[i]).collect();
+        self.program.model.gap(contact, &input)
+    }
+
+    /// Whether the last force of a phase presses against the edge of the cone beyond which the switch leads.
+    pub(in crate::ocp) fn at_the_edge(&self, phase: &Phase, switch: &Switch) -> bool {
+        let last = phase.stages.iter().rev().take(1);
+        let mut own = last
+            .flat_map(|stage| &stage.tangential)
+            .filter(|tangential| tangential.contact == switch.contact)
+            .flat_map(|tangential| &tangential.rows);
+        own.any(|&(direction, row)| switch.mode == Mode::Slip(direction) && self.presses(row))
+    }
+
+    /// The mode in which a contact closes at a stage.
+    pub(in crate::ocp) fn mode_at(
+        &self,
+        contact: usize,
+        stage: &Stage,
+        time: f64,
+        x: &[f64],
+    ) -> Mode {
+        let model = self.program.model;
+        if !is_frictional(model, contact) {
+            return Mode::Frictionless;
+        }
+        let state: Vec<f64> = stage.state.iter().map(|&i| x[i]).collect();
+        let zero = zero_velocity(&state[state.len() / 2..]);
+        let velocity = sliding_velocity(model, contact, &state, time);
+        Mode::closed(true, velocity, zero)
+    }
+
+    pub(super) fn moved(
+        &self,
+        index: usize,
+        interval: Option<usize>,
+        place: Place,
+        time: f64,
+    ) -> Option<Sequence> {
+        let mut sequence = self.sequence.clone();
+        let companions = Sequence::companions(&sequence.switches, index).len();
+        for switch in &mut sequence.switches[index..=index + companions] {
+            switch.interval = interval?;
+            switch.place = place;
+            switch.time = time;
+        }
+        sequence.ordered(self.intervals)
+    }
+}

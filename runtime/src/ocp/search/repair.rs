@@ -1,0 +1,142 @@
+//! Following improving neighbours of a contact sequence.
+
+use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
+use super::pressure::Pressure;
+use super::{friction_neighbours, neighbours};
+use crate::ocp::collocation::layout::Cut;
+use crate::ocp::collocation::limits::touching_gap;
+use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::program::runner::Runner;
+use crate::ocp::solution::Stationarity;
+use crate::simulation::InputError;
+
+/// Follows improving neighbours of the best until there is none; says what was proved. `explores` sequences in other
+/// basins as well.
+pub(super) fn repair(
+    runner: &mut Runner,
+    attempts: &mut Attempts,
+    explores: bool,
+) -> Result<Stationarity, InputError> {
+    loop {
+        let Some(best) = &attempts.best else {
+            return Ok(Stationarity::None);
+        };
+        let around = Around::of(best, attempts, runner);
+        let compared = compare(runner, attempts, &around)?;
+        if compared == Compared::Incomplete {
+            return Ok(Stationarity::None);
+        }
+        let improved =
+            compared == Compared::Improved || explores && explore(runner, attempts, &around)?;
+        if !improved {
+            return Ok(match compared {
+                Compared::Undecided => Stationarity::None,
+                _ if around.neighbours.is_empty() => Stationarity::S,
+                _ => Stationarity::B,
+            });
+        }
+        runner.counts.repairs += 1;
+    }
+}
+
+/// The sequences around the best, and its motion to start them from.
+struct Around {
+    neighbours: Vec<Sequence>,
+    /// No neighbours, but often in another basin: nothing is claimed about them.
+    explored: Vec<Sequence>,
+    guess: Trajectory,
+    cuts: Vec<Cut>,
+}
+
+impl Around {
+    fn of(best: &Local, attempts: &Attempts, runner: &Runner) -> Self {
+        let pressure = Pressure {
+            program: &best.program,
+            solution: &best.solution,
+            sequence: &best.sequence,
+            intervals: attempts.setting.problem.intervals,
+            touching: touching_gap(runner.settings),
+        };
+        let inserted = neighbours::insertions(&pressure).into_iter();
+        let neighbours = neighbours::directed(&pressure).into_iter();
+        let sliding = friction_neighbours::sliding(&pressure);
+        let shifted = friction_neighbours::shifted(&pressure);
+        Self {
+            neighbours: neighbours.chain(inserted).chain(sliding).collect(),
+            explored: neighbours::shortened(&pressure)
+                .into_iter()
+                .chain(shifted)
+                .collect(),
+            guess: best.trajectory.clone(),
+            cuts: best.cuts.clone(),
+        }
+    }
+
+    fn attempt<'t>(&'t self, sequence: &'t Sequence, purpose: Purpose) -> Attempt<'t> {
+        Attempt {
+            sequence,
+            guess: &self.guess,
+            cuts: &self.cuts,
+            purpose,
+        }
+    }
+}
+
+/// What the comparison with the neighbours came to.
+#[derive(PartialEq)]
+enum Compared {
+    /// One is better.
+    Improved,
+    /// None is better.
+    Best,
+    /// None is known to be better, but programs failed.
+    Undecided,
+    /// The search was stopped, or ran out of programs.
+    Incomplete,
+}
+
+fn compare(
+    runner: &mut Runner,
+    attempts: &mut Attempts,
+    around: &Around,
+) -> Result<Compared, InputError> {
+    let mut undecided = false;
+    for neighbour in &around.neighbours {
+        let verdict = match attempts.known(neighbour) {
+            Some(verdict) => verdict,
+            None if runner.is_exhausted() => return Ok(Compared::Incomplete),
+            None => attempts.attempt(runner, around.attempt(neighbour, Purpose::Compare))?,
+        };
+        match verdict {
+            Verdict::Better => return Ok(Compared::Improved),
+            Verdict::NotBetter(_) => {}
+            Verdict::Undecided => undecided = true,
+        }
+    }
+    Ok(if undecided {
+        Compared::Undecided
+    } else {
+        Compared::Best
+    })
+}
+
+/// Whether one of the explored sequences is better.
+fn explore(
+    runner: &mut Runner,
+    attempts: &mut Attempts,
+    around: &Around,
+) -> Result<bool, InputError> {
+    for sequence in &around.explored {
+        if runner.is_exhausted() {
+            break;
+        }
+        if !attempts.was_tried(sequence) {
+            let attempt = around.attempt(sequence, Purpose::Explore);
+            if attempts.attempt(runner, attempt)? == Verdict::Better {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
+}

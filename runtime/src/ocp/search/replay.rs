@@ -1,0 +1,60 @@
+//! Event-driven motions under given controls, and their contact sequences.
+
+use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::motion::read_sequence::read;
+use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::simulation::{Event, EventDriven, EventKind, InputError, Simulation, Simulator as _};
+
+/// A contact that closes within this share of the first interval, from a gap \[its unit\] no larger than this, was
+/// closed at the start.
+const AT_ONCE: f64 = 1e-3;
+const ON_THE_SURFACE: f64 = 1e-9;
+
+/// Points of the simulation in each interval.
+const OUTPUTS: usize = 10;
+
+/// The motion under the controls of a trajectory, from its start.
+pub(in crate::ocp) fn simulate(
+    setting: Setting,
+    trajectory: &Trajectory,
+    tolerance: f64,
+) -> Result<Simulation, InputError> {
+    let Setting { model, problem, .. } = setting;
+    let start = trajectory.start(model, problem);
+    let simulator = EventDriven {
+        tolerance,
+        max_step: Some(trajectory.horizon / problem.intervals as f64),
+        output_times: OUTPUTS * problem.intervals,
+        ..EventDriven::default()
+    };
+    let motion = problem.initial_value_problem(&start, trajectory.horizon, trajectory.signal());
+    simulator.simulate(model, &motion, &mut |_| true)
+}
+
+/// The contact sequence of a simulation under the controls of a trajectory.
+pub(in crate::ocp) fn read_replay(
+    setting: Setting,
+    replay: &Simulation,
+    trajectory: &Trajectory,
+) -> Sequence {
+    let Setting { model, problem, .. } = setting;
+    let intervals = problem.intervals;
+    let interval = trajectory.horizon / intervals as f64;
+    let mut closed: Vec<bool> = match replay.trajectory.contact_force.first() {
+        Some(forces) => forces.iter().map(|&force| force > 0.0).collect(),
+        None => Vec::new(),
+    };
+    let start = trajectory.start(model, problem);
+    let mut input = vec![0.0; model.declaration().inputs()];
+    input[..start.len()].copy_from_slice(&start);
+    // A start that rounding puts above a surface lands at once.
+    for (contact, closed) in closed.iter_mut().enumerate() {
+        let own = |event: &&Event| event.contact == contact;
+        *closed |= model.gap(contact, &input) <= ON_THE_SURFACE
+            && replay.events.iter().find(own).is_some_and(|first| {
+                first.kind != EventKind::LiftOff && first.time < AT_ONCE * interval
+            });
+    }
+    read(model, &closed, replay, interval, intervals)
+}

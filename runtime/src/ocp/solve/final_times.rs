@@ -1,0 +1,92 @@
+//! Free final times: the range that programs look at is moved until a plan lies inside.
+//!
+//! Programs look at final times within a factor of the guess, since a plan that is far from it is of another size than
+//! the units that the program is measured in. That is no bound of the problem: where a plan, or the nearest point of a
+//! program without a solution, lies at an end of the range, the search starts again around that end.
+
+use super::one_grid::{Round, Start, solve_round};
+use crate::model::Model;
+use crate::ocp::problem::{Horizon, Problem};
+use crate::ocp::progress::Watch;
+use crate::ocp::settings::Settings;
+use crate::ocp::solution::{Solution, Stationarity, Status};
+use crate::simulation::InputError;
+
+/// How often the range is moved, each time by a factor of 20.
+const MOVES: usize = 4;
+
+/// Solves on the grid of the problem, around the final times that its plans ask for.
+pub(super) fn solve_grid<'s>(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &'s Settings,
+    start: Start<'s>,
+) -> Result<(Solution, Watch<'s>), InputError> {
+    let mut start = start;
+    let mut centre: Option<f64> = None;
+    // The last plan that lies at an end of its range.
+    let mut at_the_end: Option<Solution> = None;
+    let mut looked_at = None;
+    let mut moves = 0;
+    loop {
+        let moved = Problem {
+            horizon: match centre {
+                Some(_) => Horizon::Free { guess: centre },
+                None => problem.horizon,
+            },
+            ..problem.clone()
+        };
+        let coarser = start.coarser.clone();
+        let round = solve_round(model, &moved, settings, start, centre)?;
+        let Round {
+            mut solution,
+            watch,
+            range,
+            next,
+        } = round;
+        let all = range.with(looked_at.unwrap_or(range));
+        looked_at = Some(all);
+        solution.final_times = (all.shortest, all.longest);
+        let next = next.filter(|_| solution.status != Status::Interrupted && moves < MOVES);
+        if let Some(next) = next {
+            start = Start {
+                watch,
+                counts: solution.counts,
+                coarser,
+            };
+            if solution.motion.is_some() {
+                at_the_end = Some(solution);
+            }
+            centre = Some(next);
+            moves += 1;
+            continue;
+        }
+        // What was found at an end, and is not found any more beyond it, has no optimum there either.
+        let counts = solution.counts;
+        let solution = match at_the_end {
+            Some(found) if solution.motion.is_none() => Solution {
+                counts,
+                final_times: solution.final_times,
+                ..unbounded(found, solution.status)
+            },
+            _ if solution.motion.is_some() && range.end_at(solution.horizon).is_some() => {
+                let status = solution.status;
+                unbounded(solution, status)
+            }
+            _ => solution,
+        };
+        return Ok((solution, watch));
+    }
+}
+
+/// A plan at an end of the final times that were looked at.
+fn unbounded(plan: Solution, status: Status) -> Solution {
+    Solution {
+        status: match status {
+            Status::Interrupted => Status::Interrupted,
+            _ => Status::Unbounded,
+        },
+        stationarity: Stationarity::None,
+        ..plan
+    }
+}

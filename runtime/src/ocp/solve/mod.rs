@@ -1,0 +1,32 @@
+//! The order of work: starts side by side, coarse grids before fine ones, final times wherever they lie, and on each grid
+//! a guess, a search and the judge. The top of the layers; nothing else knows it.
+
+mod final_times;
+mod levels;
+mod one_grid;
+mod starts;
+
+use super::problem::Problem;
+use super::settings::Settings;
+use super::solution::Solution;
+use crate::Observer;
+use crate::model::Model;
+use crate::simulation::InputError;
+
+/// Solves an optimal control problem; `observer` is called after every interior point iteration and may stop it.
+///
+/// # Errors
+/// [`InputError`] if problem or settings are refused; everything that happens later is a [`Status`](super::Status).
+///
+/// # Examples
+/// See the [module](super).
+pub fn solve(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+    observer: &mut Observer<'_>,
+) -> Result<Solution, InputError> {
+    settings.check()?;
+    problem.check(model)?;
+    starts::solve(model, problem, settings, observer)
+}

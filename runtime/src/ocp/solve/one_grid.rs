@@ -1,0 +1,200 @@
+//! From a guess to a judged motion, on one grid of the controls.
+
+use crate::model::Model;
+use crate::nlp;
+use crate::ocp::collocation::discretization::{Places, Setting, parabolas};
+use crate::ocp::global::coarse_to_fine;
+use crate::ocp::global::guess::guess;
+use crate::ocp::judge::confirm::judge;
+use crate::ocp::motion::final_times::FinalTimes;
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::previous::Previous;
+use crate::ocp::problem::{Problem, bounds};
+use crate::ocp::program::runner::Runner;
+use crate::ocp::program::units::Units;
+use crate::ocp::progress::Watch;
+use crate::ocp::search::attempt::{Attempts, Local};
+use crate::ocp::search::candidates::{Found, Search};
+use crate::ocp::search::ride::ride;
+use crate::ocp::settings::{Guess, Settings};
+use crate::ocp::solution::{Counts, Solution, Stationarity, Status};
+use crate::rk::{ButcherTableau, Scheme};
+use crate::simulation::InputError;
+
+/// By how many stages the scheme grows where the re-simulation does not confirm a plan.
+const MORE_STAGES: usize = 2;
+
+/// What a solution on one grid takes over from the one before it.
+pub(super) struct Start<'s> {
+    pub(super) watch: Watch<'s>,
+    pub(super) counts: Counts,
+    /// The motion on a coarser grid.
+    pub(super) coarser: Option<Previous>,
+}
+
+/// What a search around one guess has come to.
+pub(super) struct Round<'s> {
+    pub(super) solution: Solution,
+    pub(super) watch: Watch<'s>,
+    /// The final times that were looked at.
+    pub(super) range: FinalTimes,
+    /// The end of them at which the plan lies, or the nearest point of a program without a solution.
+    pub(super) next: Option<f64>,
+}
+
+/// Solves on the grid of the problem, with final times around the given one, or else around the guess.
+pub(super) fn solve_round<'s>(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &'s Settings,
+    start: Start<'s>,
+    centre: Option<f64>,
+) -> Result<Round<'s>, InputError> {
+    let (lower, upper) = bounds(model);
+    let bounds = (&lower[..], &upper[..]);
+    let coarser = start.coarser;
+    let guessed = match &coarser {
+        Some(coarser) => coarser.trajectory(model, problem)?,
+        None => guess(model, problem, &settings.guess, bounds)?,
+    };
+    let guessed = match centre {
+        Some(centre) => guessed.stretched(centre),
+        None => guessed,
+    };
+    let units = Units::new(model, &guessed, bounds);
+    let stages = (settings.stages..=ButcherTableau::MAX_STAGES).step_by(MORE_STAGES);
+    let tableaus: Vec<ButcherTableau> = stages
+        .filter_map(|stages| ButcherTableau::new(Scheme::RadauIia, stages))
+        .collect();
+    let Some((tableau, finer)) = tableaus.split_first() else {
+        return Err(settings.refuse_stages());
+    };
+    let setting = Setting {
+        model,
+        problem,
+        tableau,
+        units: &units,
+        bounds,
+        parabolas: &parabolas(model, &problem.start()),
+        places: Places {
+            bounds: settings.bounds,
+            path: settings.path_points,
+        },
+        shape: settings.controls,
+    };
+    let mut runner = Runner::new(settings, start.watch, start.counts);
+    let elements = vec![settings.elements; problem.intervals];
+    let mut search = Search {
+        attempts: Attempts::new(setting, &elements),
+        explores: coarser.is_none(),
+        found: Found::default(),
+    };
+    let feasible = find(&mut runner, &mut search, &guessed, coarser.as_ref())?;
+    let found = search.found;
+    let nearest = runner.nearest_horizon();
+    let mut solution = best(&mut runner, setting, finer, found.optima, feasible)?;
+    solution.time_freezing = found.time_freezing;
+    let range = setting.final_times();
+    let time = match &solution.motion {
+        Some(_) => Some(solution.horizon),
+        None => nearest,
+    };
+    Ok(Round {
+        solution,
+        watch: runner.into_watch(),
+        range,
+        next: time.and_then(|time| range.end_at(time)),
+    })
+}
+
+/// Looks for local optima from a known motion, or else from the guess, or else from the ride without controls. Whether
+/// that was asked for, and fulfils the goals within the bounds.
+fn find(
+    runner: &mut Runner,
+    search: &mut Search,
+    guessed: &Trajectory,
+    coarser: Option<&Previous>,
+) -> Result<bool, InputError> {
+    let setting = search.attempts.setting;
+    let settings = runner.settings;
+    let mut known = Vec::new();
+    if coarser.is_some() {
+        known.extend(coarse_to_fine::on_this_grid(runner, setting, guessed)?);
+    }
+    let previous = match &settings.guess {
+        Guess::Previous(previous) => Some(&**previous),
+        _ => coarser,
+    };
+    let intervals = setting.problem.intervals;
+    known.extend(previous.map(|previous| previous.candidate(guessed, intervals)));
+    for candidate in known {
+        if search.found.optima.is_empty() && !runner.stopped() {
+            search.from_candidate(runner, candidate, coarser.is_some())?;
+        }
+    }
+    // Without a previous motion, or too far from it: search.
+    if search.found.optima.is_empty() {
+        search.from_guess(runner, guessed)?;
+    }
+    // The ride without controls obeys the dynamics, which is what other guesses may be too far from.
+    let none = search.found.optima.is_empty();
+    if none && !matches!(settings.guess, Guess::Ride) && !runner.stopped() {
+        let Setting {
+            model,
+            problem,
+            bounds,
+            ..
+        } = setting;
+        let ride = guess(model, problem, &Guess::Ride, bounds)?;
+        search.from_guess(runner, &ride)?;
+    }
+    // Up to where it comes nearest to the goals it is a motion itself.
+    if !search.found.optima.is_empty() || runner.stopped() {
+        return Ok(false);
+    }
+    let Some(ride) = ride(runner, setting)? else {
+        return Ok(false);
+    };
+    search.from_candidate(runner, ride.candidate, true)?;
+    Ok(ride.reaches)
+}
+
+/// The best that the re-simulation confirms, or else the best; why there is none.
+fn best<'a>(
+    runner: &mut Runner,
+    setting: Setting<'a>,
+    finer: &'a [ButcherTableau],
+    found: Vec<(Local<'a>, Stationarity)>,
+    feasible: bool,
+) -> Result<Solution, InputError> {
+    let mut result: Option<Solution> = None;
+    for (local, stationarity) in found {
+        let at_an_end = setting.final_times().end_at(local.trajectory.horizon);
+        // A plan at an end of the final times is not the last one: it is not worth finer grids.
+        let finer = if at_an_end.is_some() { &[] } else { finer };
+        let solution = judge(runner, setting, finer, local, stationarity)?;
+        let confirmed = solution.status != Status::Unconfirmed;
+        if confirmed || result.is_none() {
+            result = Some(solution);
+        }
+        if confirmed {
+            break;
+        }
+    }
+    Ok(result.unwrap_or_else(|| failed(runner, feasible)))
+}
+
+/// A result without a motion; of a problem that is known to be `feasible` it is not said that it is not.
+fn failed(runner: &mut Runner, feasible: bool) -> Solution {
+    let (status, violations) = match runner.take_failure() {
+        Some(failure) => (failure.status, failure.violations),
+        None => (nlp::Status::IterationLimit, Vec::new()),
+    };
+    let status = match status {
+        _ if runner.stopped() => Status::Interrupted,
+        nlp::Status::Infeasible if !feasible => Status::Infeasible,
+        nlp::Status::Interrupted => Status::Interrupted,
+        status => Status::Failed(status),
+    };
+    Solution::without_motion(status, violations, runner.counts)
+}
