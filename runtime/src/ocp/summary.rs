@@ -6,6 +6,9 @@ use std::ops::Index;
 use super::solution::{Solution, Stationarity};
 use crate::simulation::number;
 
+/// Share of the largest value of a component to which a plan meets its goals, and more.
+const FULFILLED: f64 = 1e-7;
+
 impl fmt::Display for Stationarity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -59,7 +62,7 @@ impl fmt::Display for Solution {
                 contacts[contact].name
             )?;
         }
-        if let Some(last) = motion.last_for_people() {
+        if let Some(last) = motion.last_for_people(FULFILLED) {
             write!(f, "\n{last}")?;
         }
         Ok(())

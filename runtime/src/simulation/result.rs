@@ -145,8 +145,8 @@ impl Simulation {
         ))
     }
 
-    /// The last state; what is zero up to rounding is zero.
-    pub(crate) fn last_for_people(&self) -> Option<State> {
+    /// The last state; what is below `share` of the largest value of its component is zero.
+    pub(crate) fn last_for_people(&self, share: f64) -> Option<State> {
         let trajectory = &self.trajectory;
         let mut last = self.point(trajectory.time.len().checked_sub(1)?);
         for (values, rows) in [
@@ -156,7 +156,7 @@ impl Simulation {
         ] {
             for (k, value) in values.iter_mut().enumerate() {
                 let largest = rows.iter().fold(0.0_f64, |s, row| s.max(row[k].abs()));
-                if value.abs() <= ROUNDING * largest {
+                if value.abs() <= share * largest {
                     *value = 0.0;
                 }
             }
@@ -434,7 +434,7 @@ impl fmt::Display for Simulation {
         {
             write!(f, "\n... and {more} events more")?;
         }
-        if let Some(last) = self.last_for_people() {
+        if let Some(last) = self.last_for_people(ROUNDING) {
             write!(f, "\n{last}")?;
         }
         for note in &self.notes {
