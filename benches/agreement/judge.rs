@@ -116,7 +116,7 @@ fn run(simulator: &dyn Simulator, model: &dyn Model, share: f64) -> Result<Simul
         Err(error) => return Err(ended("refused", error.to_string())),
     };
     problem.horizon *= share;
-    let simulate = || simulator.simulate(model, &problem, &mut |_| {});
+    let simulate = || simulator.simulate(model, &problem, &mut |_| true);
     match catch_unwind(AssertUnwindSafe(simulate)) {
         Err(_) => Err(ended("panicked", String::new())),
         Ok(Err(error)) => Err(ended("refused", error.to_string())),

@@ -4,6 +4,7 @@ use std::fmt;
 
 use clap::ValueEnum;
 use cpu_time::ProcessTime;
+use hangtime::Observer;
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -178,10 +179,10 @@ impl ChosenMethod {
         &self,
         model: &dyn Model,
         problem: &InitialValueProblem,
-        progress: &mut dyn FnMut(f64),
+        observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         let start = ProcessTime::try_now();
-        let mut simulation = self.simulator.simulate(model, problem, progress)?;
+        let mut simulation = self.simulator.simulate(model, problem, observer)?;
         if let Ok(elapsed) = start.and_then(|start| start.try_elapsed()) {
             simulation.seconds.total = elapsed.as_secs_f64();
         }

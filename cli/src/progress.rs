@@ -2,7 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use hangtime::ocp;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::bounds::Stop;
@@ -81,7 +80,7 @@ impl SolveProgress {
     }
 
     /// Shows the progress; `false` once there is a reason to stop.
-    pub(crate) fn report(&mut self, progress: &ocp::Progress, stop: Option<Stop>) -> bool {
+    pub(crate) fn report(&mut self, progress: &hangtime::Progress, stop: Option<Stop>) -> bool {
         let now = Instant::now();
         if stop.is_some() {
             self.bar.set_message("stopping");
@@ -105,7 +104,7 @@ impl Drop for SolveProgress {
 }
 
 /// One iteration in words.
-fn line(progress: &ocp::Progress, best: Option<f64>) -> String {
+fn line(progress: &hangtime::Progress, best: Option<f64>) -> String {
     let best = best.map_or_else(String::new, |best| format!(", best objective {best:.7}"));
     format!(
         "{}: program {}, iteration {}, residuals primal {:.0e} dual {:.0e} complementarity {:.0e}{best}",

@@ -35,7 +35,10 @@ pub(crate) fn run(
     let bounds = Bounds::watch(chosen.scene.name, &arguments.limits);
     let mut progress = Progress::new(chosen.scene.name, problem.horizon);
     let simulation = method
-        .simulate(chosen.model.as_ref(), &problem, &mut |t| progress.reach(t))
+        .simulate(chosen.model.as_ref(), &problem, &mut |now| {
+            progress.reach(now.time);
+            true
+        })
         .map_err(|error| chosen.refuse(&error))?;
     drop(progress);
     drop(bounds);

@@ -53,7 +53,7 @@ pub(super) fn chart(
         ..MethodArguments::default()
     };
     let exact = ChosenMethod::from_arguments(&exact)?
-        .simulate(chosen.model.as_ref(), problem, &mut |_| {})
+        .simulate(chosen.model.as_ref(), problem, &mut |_| true)
         .map_err(|error| chosen.refuse(&error))?;
     let (SimulationStatus::Solved, Some(reference)) = (&exact.status, exact.trajectory.q.last())
     else {

@@ -34,7 +34,7 @@ impl Column {
             ..problem.clone()
         };
         let model = case.chosen.model.as_ref();
-        let run = method.simulate(model, &problem, &mut |_| {}).ok()?;
+        let run = method.simulate(model, &problem, &mut |_| true).ok()?;
         let last = run.trajectory.time.len().checked_sub(1)?;
         Some(State::of(&run.trajectory, last))
     }

@@ -32,7 +32,7 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
     let refuse = |error| chosen.refuse(&error);
     let settings = Settings::default();
     let problem = Problem::of(model, INTERVALS);
-    let mut observer = |_: &ocp::Progress| bounds.asked().is_none();
+    let mut observer = |_: &hangtime::Progress| bounds.asked().is_none();
     let solution = ocp::solve(model, &problem, &settings, &mut observer).map_err(refuse)?;
     let method = SolverSettings::new(&settings, problem.intervals);
     let ending = Ending::of(&solution);
@@ -132,7 +132,7 @@ fn replay(case: &Case) -> Result<Option<Simulation>, InputError> {
         tolerance: REPLAY_TOLERANCE,
         ..EventDriven::default()
     };
-    event.simulate(model, &problem, &mut |_| {}).map(Some)
+    event.simulate(model, &problem, &mut |_| true).map(Some)
 }
 
 /// What the replay of the published controls shows.

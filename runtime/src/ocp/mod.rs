@@ -81,12 +81,12 @@ mod search;
 mod settings;
 mod solution;
 mod solve;
+mod summary;
 
 pub use global::time_freezing::{TimeFreezing, TimeFreezingMotion};
 pub use motion::control_grid::ControlShape;
 pub use previous::Previous;
 pub use problem::{Horizon, Problem};
-pub use progress::{Observer, Progress};
 pub use settings::{BoundsAt, Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
 pub use solution::{
     Counts, Excess, Margin, Optimum, Size, Solution, Stationarity, Status, TimeFreezingReport,

@@ -186,6 +186,7 @@ impl Problem {
             v: v[..q.len()].to_vec(),
             horizon,
             controls,
+            points: InitialValueProblem::DEFAULT_POINTS,
         }
     }
 

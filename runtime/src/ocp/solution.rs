@@ -3,7 +3,7 @@
 use super::previous::Previous;
 use crate::nlp::{NlpProblem, Violation};
 use crate::ocp::motion::control_grid::{ControlShape, signal};
-use crate::simulation::{ControlSignal, EventKind, Residuals, Simulation};
+use crate::simulation::{ControlSignal, EventKind, InputError, Residuals, Simulation, State};
 use crate::{mpcc, nlp};
 
 /// Why a run ended.
@@ -53,6 +53,28 @@ impl Status {
 }
 
 /// What is proved about the contact sequence of a result.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A cart that is pushed to 1 m.
+/// #     pub Cart {
+/// #         parameters { m: kg = 2 }
+/// #         coordinates { y: m }
+/// #         controls { u: N in -1..=1 }
+/// #         lagrangian m/2*dot(y)^2
+/// #         forces { y: u }
+/// #         minimize time
+/// #         finally { y == 1[m] }
+/// #     }
+/// # }
+/// let cart = Cart::default();
+/// let solution = solve(&cart).intervals(4).run()?;
+/// // Without contacts there is no neighbouring contact sequence.
+/// assert_eq!(solution.stationarity, Stationarity::S);
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Stationarity {
     /// Nowhere do gap and force of a contact vanish together, and no switch sticks to a jump of the
@@ -190,6 +212,31 @@ pub struct Margin {
 }
 
 /// Result of a run.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A cart that is pushed to 1 m.
+/// #     pub Cart {
+/// #         parameters { m: kg = 2 }
+/// #         coordinates { y: m }
+/// #         controls { u: N in -1..=1 }
+/// #         lagrangian m/2*dot(y)^2
+/// #         forces { y: u }
+/// #         minimize time
+/// #         finally { y == 1[m] }
+/// #     }
+/// # }
+/// let cart = Cart::default();
+/// let solution = solve(&cart).intervals(4).run()?;
+/// assert!(solution.status.is_solved());
+/// // Full push all the way: t = sqrt(2 m y / u).
+/// assert!((solution.objective - 2.0).abs() < 1e-6);
+/// assert!((solution.at(1.0)?["y"] - 0.25).abs() < 1e-6);
+/// println!("{solution}");
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Solution {
     /// Why it ended.
@@ -286,6 +333,21 @@ impl Solution {
             return ControlSignal::Zero;
         }
         signal(self.shape, self.horizon, self.controls.clone())
+    }
+
+    /// The state of the re-simulated motion at a time, right after an impact at that time; see
+    /// [`Simulation::at`](crate::simulation::Simulation::at).
+    ///
+    /// # Errors
+    /// [`InputError::OutOfRange`] outside of the motion, [`InputError::Unsupported`] if none was found.
+    pub fn at(&self, time: f64) -> Result<State, InputError> {
+        match &self.motion {
+            Some(motion) => motion.at(time),
+            None => Err(InputError::Unsupported {
+                what: "a state of a result without a motion".into(),
+                remedy: "its diagnosis says why none was found".into(),
+            }),
+        }
     }
 
     /// Why the run did not end with a certified motion, in one line; `None` if it did.

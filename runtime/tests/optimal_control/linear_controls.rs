@@ -246,7 +246,8 @@ fn hopper_leaves_the_ground_where_the_thrust_carries_it() {
     let mut u = [0.0];
     solution
         .signal()
-        .write(solution.planned_events[0].0, &mut u);
+        .write(solution.planned_events[0].0, &mut u)
+        .unwrap();
     assert!((u[0] - 9.81).abs() < 1e-6, "{u:?}");
     assert!(
         solution.resimulation_error < 1e-9,

@@ -65,7 +65,7 @@ fn elements_grow_where_the_plan_departs_from_the_motion_and_nowhere_else() {
         };
         let simulation = Fesd::default()
             .with_tolerance(1e-11)
-            .simulate(&model, &problem, &mut |_| {})
+            .simulate(&model, &problem, &mut |_| true)
             .unwrap();
         let reached = simulation.trajectory.q.last().unwrap()[0];
         assert!(

@@ -420,7 +420,7 @@ fn settings_out_of_range_are_refused() {
         },
     ] {
         let error = simulator
-            .simulate(&model, &problem, &mut |_| {})
+            .simulate(&model, &problem, &mut |_| true)
             .unwrap_err();
         assert!(
             matches!(error, InputError::OutOfRange { .. }),
@@ -434,8 +434,9 @@ fn progress_reports_the_times_of_accepted_steps() {
     let model = scenes::ball();
     let mut times = Vec::new();
     let simulation = EventDriven::default()
-        .simulate(&model, &start(&[0.0, 1.0], &[0.0; 2], 1.0), &mut |t| {
-            times.push(t)
+        .simulate(&model, &start(&[0.0, 1.0], &[0.0; 2], 1.0), &mut |now| {
+            times.push(now.time);
+            true
         })
         .unwrap();
     assert_eq!(simulation.status, SimulationStatus::Solved);

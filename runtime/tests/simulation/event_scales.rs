@@ -101,7 +101,7 @@ fn simulate(model: &dyn Model, tolerance: f64) -> Simulation {
         tolerance,
         ..EventDriven::default()
     };
-    simulator.simulate(model, &problem, &mut |_| {}).unwrap()
+    simulator.simulate(model, &problem, &mut |_| true).unwrap()
 }
 
 #[test]

@@ -131,7 +131,7 @@ hangtime::model! {
 
 fn run(simulator: &dyn Simulator, model: &dyn Model, horizon: Option<f64>) -> Simulation {
     let problem = InitialValueProblem::of(model, horizon).unwrap();
-    simulator.simulate(model, &problem, &mut |_| {}).unwrap()
+    simulator.simulate(model, &problem, &mut |_| true).unwrap()
 }
 
 fn solved(simulator: &dyn Simulator, model: &dyn Model, horizon: Option<f64>) -> Simulation {
@@ -246,7 +246,7 @@ fn start_inside_the_floor_is_refused_far_from_the_origin() {
     };
     let mut problem = InitialValueProblem::of(&model, Some(0.1)).unwrap();
     problem.q[1] = -2e-5;
-    let refused = Fesd::default().simulate(&model, &problem, &mut |_| {});
+    let refused = Fesd::default().simulate(&model, &problem, &mut |_| true);
     assert!(refused.unwrap_err().to_string().contains("E08"));
 }
 

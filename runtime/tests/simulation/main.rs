@@ -17,6 +17,7 @@ mod fesd_time_freezing;
 mod friction_coupled;
 mod friction_event;
 mod friction_time_stepping;
+mod front_door;
 mod linear_controls;
 mod modes_after_events;
 mod restitution_event;

@@ -141,7 +141,7 @@ fn rest_velocity_ends_the_bounces_at_that_speed() {
             rest_velocity: Some(velocity),
             ..EventDriven::default()
         }
-        .simulate(&model, &start(&[0.0, 1.0], &[0.0; 2], 1.0), &mut |_| {});
+        .simulate(&model, &start(&[0.0, 1.0], &[0.0; 2], 1.0), &mut |_| true);
         assert!(matches!(refused, Err(InputError::OutOfRange { .. })));
     }
 }

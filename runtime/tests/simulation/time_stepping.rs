@@ -11,7 +11,7 @@ use hangtime::simulation::{
 
 fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
     let simulation = simulator
-        .simulate(model, problem, &mut |_| {})
+        .simulate(model, problem, &mut |_| true)
         .expect("the problem is accepted");
     assert_eq!(simulation.status, SimulationStatus::Solved);
     let trajectory = &simulation.trajectory;
@@ -267,7 +267,7 @@ fn settings_out_of_range_are_refused() {
     ];
     for simulator in refused {
         let error = simulator
-            .simulate(&model, &problem, &mut |_| {})
+            .simulate(&model, &problem, &mut |_| true)
             .expect_err("the settings are refused");
         assert!(matches!(error, InputError::OutOfRange { .. }));
     }
@@ -281,7 +281,7 @@ fn limit_on_steps_ends_the_smooth_run() {
         ..Smooth::default()
     };
     let simulation = simulator
-        .simulate(&model, &start(&[0.0, 1.0], &[0.0; 2], 1.0), &mut |_| {})
+        .simulate(&model, &start(&[0.0, 1.0], &[0.0; 2], 1.0), &mut |_| true)
         .expect("the problem is accepted");
     assert!(matches!(simulation.status, SimulationStatus::StepLimit(_)));
 }

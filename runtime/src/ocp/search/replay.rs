@@ -29,7 +29,7 @@ pub(in crate::ocp) fn simulate(
         ..EventDriven::default()
     };
     let motion = problem.initial_value_problem(&start, trajectory.horizon, trajectory.signal());
-    simulator.simulate(model, &motion, &mut |_| {})
+    simulator.simulate(model, &motion, &mut |_| true)
 }
 
 /// The contact sequence of a simulation under the controls of a trajectory.

@@ -52,7 +52,7 @@ pub(in crate::ocp) fn ride(runner: &Runner, setting: Setting) -> Result<Option<R
         ..EventDriven::default()
     };
     let motion = problem.initial_value_problem(&start, longest, controls.signal(longest));
-    let whole = simulator.simulate(model, &motion, &mut |_| {})?;
+    let whole = simulator.simulate(model, &motion, &mut |_| true)?;
     let trajectory = &whole.trajectory;
     let states: Vec<Vec<f64>> = (0..trajectory.time.len())
         .map(|i| {

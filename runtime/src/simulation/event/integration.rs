@@ -13,7 +13,9 @@ use super::error_scale::ErrorScale;
 use super::impact::{self, Impact, LowestBounce, Undetermined};
 use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
+use crate::Observer;
 use crate::model::{Model, contact_point};
+use crate::simulation::watch::Watch;
 use crate::simulation::{
     Diagnosis, Event, EventKind, InitialValueProblem, Residuals, Simulation, SimulationStatus,
 };
@@ -106,15 +108,17 @@ impl<'a> Integration<'a> {
         }
     }
 
-    pub(super) fn run(mut self, progress: &mut dyn FnMut(f64)) -> Simulation {
+    pub(super) fn run(mut self, observer: &mut Observer<'_>) -> Simulation {
         let clock = ThreadTime::try_now();
-        let ended = self.integrate(progress).err();
+        let mut watch = Watch::new(self.problem, observer);
+        let ended = self.integrate(&mut watch).err();
         let residuals = &mut self.result.residuals;
         residuals.dual = self.audit.largest;
         if let Some(status) = ended.or_else(|| self.audit.verdict()) {
             self.result.status = status;
         }
         self.result.notes = self.remarks.notes(self.dynamics.model.declaration());
+        watch.finish(&mut self.result);
         self.result.counts.evaluations = self.dynamics.evaluations;
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             self.result.seconds.total = elapsed.as_secs_f64();
@@ -122,7 +126,7 @@ impl<'a> Integration<'a> {
         self.result
     }
 
-    fn integrate(&mut self, progress: &mut dyn FnMut(f64)) -> Result<(), SimulationStatus> {
+    fn integrate(&mut self, watch: &mut Watch<'_>) -> Result<(), SimulationStatus> {
         let horizon = self.problem.horizon;
         let longest = self.settings.max_step.unwrap_or(horizon / 16.0);
         self.h = longest;
@@ -188,7 +192,8 @@ impl<'a> Integration<'a> {
                     }
                 }
             }
-            progress(self.t);
+            let count = self.result.counts.elements;
+            watch.reach(self.t, count, &mut self.result.trajectory)?;
         }
         Ok(())
     }

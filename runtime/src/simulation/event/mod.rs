@@ -21,6 +21,7 @@ mod small_system;
 mod tableau;
 
 use super::{InitialValueProblem, InputError, Simulation, Simulator};
+use crate::Observer;
 use crate::model::Model;
 
 /// Admissible tolerances: below the first, rounding error of one step exceeds the tolerance; above the
@@ -70,9 +71,25 @@ const TOLERANCES: (f64, f64) = (1e-14, 1e-2);
 /// It shares nothing with the finite element simulation but the model, so that each can check the other.
 ///
 /// ```
-/// use hangtime::simulation::EventDriven;
-/// let accurate = EventDriven { tolerance: 1e-12, ..EventDriven::default() };
-/// assert_eq!(accurate.max_events, 10_000);
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, e = 0.5, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: restitution e
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let method = EventDriven { tolerance: 1e-12, max_events: 100, ..EventDriven::default() };
+/// let run = simulate(&ball).method(method).run()?;
+/// assert!((run.events[0].time - (2.0_f64 / 9.81).sqrt()).abs() < 1e-14);
+/// # Ok::<(), InputError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventDriven {
@@ -166,10 +183,26 @@ impl Simulator for EventDriven {
         &self,
         model: &dyn Model,
         problem: &InitialValueProblem,
-        progress: &mut dyn FnMut(f64),
+        observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         self.check()?;
         problem.check(model)?;
-        Ok(integration::Integration::new(self, model, problem).run(progress))
+        if self.output_times > problem.points {
+            return Err(InputError::OutOfRange {
+                what: "output times".into(),
+                value: self.output_times as f64,
+                unit: String::new(),
+                bound: format!(
+                    "at most {}; raise `points` of the problem for more",
+                    problem.points
+                ),
+            });
+        }
+        Ok(integration::Integration::new(self, model, problem).run(observer))
+    }
+
+    fn set_tolerance(&mut self, tolerance: f64) -> Result<(), InputError> {
+        self.tolerance = tolerance;
+        Ok(())
     }
 }

@@ -25,7 +25,9 @@ mod mode_change;
 mod program;
 mod switch;
 
+use super::watch::Watch;
 use super::{InitialValueProblem, InputError, Simulation, Simulator};
+use crate::Observer;
 use crate::model::Model;
 use crate::rk::{ButcherTableau, Scheme};
 
@@ -45,6 +47,28 @@ pub enum StepFormulation {
 }
 
 /// Simulator by finite elements with switch detection.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let fesd = Fesd::default().with_grid(10, 2);
+/// let run = simulate(&ball).method(fesd).run()?;
+/// assert!((run.events[0].time - (2.0_f64 / 9.81).sqrt()).abs() < 1e-9);
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Fesd {
@@ -239,19 +263,32 @@ impl Simulator for Fesd {
         &self,
         model: &dyn Model,
         problem: &InitialValueProblem,
-        progress: &mut dyn FnMut(f64),
+        observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         let tableau = self.tableau()?;
         problem.check(model)?;
-        Ok(match self.promise() {
+        let mut watch = Watch::new(problem, observer);
+        let mut result = match self.promise() {
             Some(promise) => {
-                accuracy::promised(self, promise, &tableau, (model, problem), progress)
+                accuracy::promised(self, promise, &tableau, (model, problem), &mut watch)
             }
             None => {
                 driver::Driver::new(self, &tableau, model, problem)
-                    .run(progress)
+                    .run(&mut watch)
                     .0
             }
-        })
+        };
+        watch.finish(&mut result);
+        Ok(result)
+    }
+
+    fn set_tolerance(&mut self, tolerance: f64) -> Result<(), InputError> {
+        self.tolerance = Some(tolerance);
+        Ok(())
+    }
+
+    fn set_steps(&mut self, steps: usize) -> Result<(), InputError> {
+        self.steps = Some(steps);
+        Ok(())
     }
 }
