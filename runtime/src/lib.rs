@@ -17,7 +17,7 @@ extern crate self as hangtime;
 
 mod dcs;
 mod fesd;
-pub mod linalg;
+mod linalg;
 pub mod model;
 pub mod mpcc;
 pub mod nlp;
@@ -26,4 +26,5 @@ pub mod rk;
 pub mod simulation;
 mod time_freezing;
 
+#[doc = include_str!("model_macro.md")]
 pub use hangtime_macros::model;

@@ -52,6 +52,10 @@ impl Column {
                 let state = State::of(trajectory, end()?);
                 convert(quantity, state.value(quantity)?)
             }
+            Measure::Gain(quantity) => {
+                let [start, end] = [0, end()?].map(|k| State::of(trajectory, k).value(quantity));
+                Some(convert(quantity, end?)? - convert(quantity, start?)?)
+            }
             Measure::At(time, quantity) => {
                 let state = self.state_at(case, time)?;
                 convert(quantity, state.value(quantity)?)

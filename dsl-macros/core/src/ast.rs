@@ -1,9 +1,10 @@
 //! What the user wrote, with all places kept.
 
 use crate::diagnostics::Place;
+use crate::words;
 use hangtime_units::Unit;
 use proc_macro2::{Ident, Literal, TokenStream};
-use std::fmt;
+use std::fmt::{self, Write as _};
 
 /// A name as written.
 #[derive(Debug, Clone)]
@@ -15,6 +16,20 @@ pub(crate) struct Name {
 impl Name {
     pub(crate) fn place(&self) -> Place {
         Place::at(self.ident.span())
+    }
+
+    /// The name in emitted source.
+    pub(crate) fn rust(&self) -> String {
+        words::rust_name(&self.text)
+    }
+
+    /// The name in emitted tokens.
+    pub(crate) fn rust_ident(&self) -> Ident {
+        if words::is_raw(&self.text) {
+            Ident::new_raw(&self.text, self.ident.span())
+        } else {
+            self.ident.clone()
+        }
     }
 }
 
@@ -163,14 +178,13 @@ pub(crate) struct Expr {
     pub(crate) parenthesized: bool,
 }
 
-/// Operators between two expressions.
+/// Operators of chains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Operator {
     Add,
     Subtract,
     Multiply,
     Divide,
-    Power,
 }
 
 impl Operator {
@@ -180,9 +194,21 @@ impl Operator {
             Self::Subtract => '-',
             Self::Multiply => '*',
             Self::Divide => '/',
-            Self::Power => '^',
         }
     }
+
+    /// Whether it joins terms; the others join factors.
+    pub(crate) fn is_additive(self) -> bool {
+        matches!(self, Self::Add | Self::Subtract)
+    }
+}
+
+/// An operator and what stands on its right.
+#[derive(Debug, Clone)]
+pub(crate) struct Link {
+    pub(crate) operator: Operator,
+    pub(crate) place: Place,
+    pub(crate) operand: Expr,
 }
 
 /// Kinds of expressions.
@@ -196,11 +222,14 @@ pub(crate) enum Kind {
     },
     Name(Name),
     Negate(Box<Expr>),
-    Binary {
-        operator: Operator,
+    /// A sum or a product of any length, read from left to right: terms joined by `+` and `-`, or factors
+    /// joined by `*` and `/`. The list holds one link at least.
+    Chain(Box<Expr>, Vec<Link>),
+    /// `base^exponent`, with the place of `^`.
+    Power {
+        base: Box<Expr>,
         place: Place,
-        left: Box<Expr>,
-        right: Box<Expr>,
+        exponent: Box<Expr>,
     },
     /// `function(arguments)`.
     Call {
@@ -235,7 +264,11 @@ impl Expr {
         match &self.kind {
             Kind::Number { .. } | Kind::Name(_) => Vec::new(),
             Kind::Negate(inner) | Kind::Norm(inner) => vec![inner],
-            Kind::Binary { left, right, .. } => vec![left, right],
+            Kind::Chain(first, rest) => {
+                let operands = rest.iter().map(|link| &link.operand);
+                std::iter::once(&**first).chain(operands).collect()
+            }
+            Kind::Power { base, exponent, .. } => vec![base, exponent],
             Kind::Call {
                 arguments: items, ..
             }
@@ -247,14 +280,68 @@ impl Expr {
 }
 
 impl fmt::Display for Expr {
-    /// The expression as its author would write it again.
+    /// The expression as its author would write it again; the middle of a very long one is left out.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write_expr(f, self, 0)
+        let mut text = String::new();
+        write_expr(&mut text, self, 0)?;
+        f.write_str(&shortened(text))
     }
 }
 
-fn write_expr(f: &mut fmt::Formatter<'_>, expr: &Expr, outer: u8) -> fmt::Result {
-    let sequence = |f: &mut fmt::Formatter<'_>, items: &[Expr]| {
+/// What stands on the left of an operator of a chain.
+pub(crate) struct Prefix<'a> {
+    pub(crate) first: &'a Expr,
+    pub(crate) rest: &'a [Link],
+}
+
+impl fmt::Display for Prefix<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.rest.is_empty() {
+            return self.first.fmt(f);
+        }
+        let mut text = String::new();
+        write_chain(&mut text, self.first, self.rest)?;
+        f.write_str(&shortened(text))
+    }
+}
+
+/// Longest expression that a message shows in full, in characters.
+const LONGEST: usize = 400;
+
+fn shortened(text: String) -> String {
+    let length = text.chars().count();
+    if length <= LONGEST {
+        return text;
+    }
+    let begin: String = text.chars().take(LONGEST / 2).collect();
+    let end: String = text.chars().skip(length - LONGEST / 2).collect();
+    format!("{begin} ... {end}")
+}
+
+/// Rank of the operators of a chain: terms bind less than factors.
+fn rank(rest: &[Link]) -> u8 {
+    match rest.first() {
+        Some(link) if link.operator.is_additive() => 1,
+        _ => 2,
+    }
+}
+
+fn write_chain(f: &mut String, first: &Expr, rest: &[Link]) -> fmt::Result {
+    let own = rank(rest);
+    write_expr(f, first, own)?;
+    for link in rest {
+        if own == 1 {
+            write!(f, " {} ", link.operator.symbol())?;
+        } else {
+            f.push(link.operator.symbol());
+        }
+        write_expr(f, &link.operand, own + 1)?;
+    }
+    Ok(())
+}
+
+fn write_expr(f: &mut String, expr: &Expr, outer: u8) -> fmt::Result {
+    let sequence = |f: &mut String, items: &[Expr]| {
         f.write_str("(")?;
         for (i, item) in items.iter().enumerate() {
             if i > 0 {
@@ -265,11 +352,8 @@ fn write_expr(f: &mut fmt::Formatter<'_>, expr: &Expr, outer: u8) -> fmt::Result
         f.write_str(")")
     };
     let own = match &expr.kind {
-        Kind::Binary { operator, .. } => match operator {
-            Operator::Add | Operator::Subtract => 1,
-            Operator::Multiply | Operator::Divide => 2,
-            Operator::Power => 4,
-        },
+        Kind::Chain(_, rest) => rank(rest),
+        Kind::Power { .. } => 4,
         Kind::Negate(_) => 2,
         _ => 9,
     };
@@ -288,19 +372,11 @@ fn write_expr(f: &mut fmt::Formatter<'_>, expr: &Expr, outer: u8) -> fmt::Result
             f.write_str("-")?;
             write_expr(f, inner, 3)?;
         }
-        Kind::Binary {
-            operator,
-            left,
-            right,
-            ..
-        } => {
-            write_expr(f, left, if own == 4 { 5 } else { own })?;
-            if own == 1 {
-                write!(f, " {} ", operator.symbol())?;
-            } else {
-                write!(f, "{}", operator.symbol())?;
-            }
-            write_expr(f, right, own + 1)?;
+        Kind::Chain(first, rest) => write_chain(f, first, rest)?,
+        Kind::Power { base, exponent, .. } => {
+            write_expr(f, base, 5)?;
+            f.write_str("^")?;
+            write_expr(f, exponent, 5)?;
         }
         Kind::Call {
             function,

@@ -21,6 +21,7 @@ mod dimension;
 mod emit;
 mod evaluate;
 mod graph;
+mod mistakes;
 mod parse;
 mod scene;
 mod tape;
@@ -32,10 +33,10 @@ mod random_models;
 mod testing;
 
 pub use diagnostics::Mistake;
+pub use mistakes::{explanation, mistake_codes};
 
-use crate::diagnostics::{Checked, Diagnostics};
+use crate::diagnostics::{Checked, Diagnostics, Place};
 use proc_macro2::TokenStream;
-use std::time::{Instant, SystemTime};
 
 /// Expands one `model! { ... }` declaration into Rust items, or into `compile_error!`s and a stub.
 #[must_use]
@@ -48,7 +49,7 @@ pub fn expand(input: TokenStream) -> TokenStream {
             if let Some(outline) = parse::outline(stub_of) {
                 tokens.extend(emit::stub(
                     &outline.visibility,
-                    &outline.name.ident,
+                    &outline.name,
                     &outline.parameters,
                 ));
             }
@@ -70,13 +71,14 @@ pub fn try_expand(input: TokenStream) -> Result<TokenStream, Vec<Mistake>> {
 }
 
 fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<TokenStream> {
-    let (expanded_at, begin) = (SystemTime::now(), Instant::now());
     graph::reset();
     let declared = parse::scene(input, diagnostics)?;
     let scene = check::scene(&declared, diagnostics)?;
-    if diagnostics.mistakes() > 0 {
+    if diagnostics.grave() > 0 {
         return Err(diagnostics::Reported);
     }
+    // Only what happens to constants from here on is of interest.
+    graph::take_fault();
     let equations = derive::equations(&scene).map_err(|failure| match failure {
         derive::Failure::SingularMass { coordinate } => {
             let name = &scene.coordinates[coordinate].name;
@@ -91,24 +93,41 @@ fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
             )
         }
     })?;
+    let place = lagrangian(&declared);
+    if graph::is_exhausted() {
+        return Err(diagnostics.report("E22", place, evaluate::TOO_LARGE));
+    }
+    if graph::take_fault().is_some_and(graph::Fault::is_of_range) {
+        return Err(diagnostics.report("E21", place, DERIVED_CONSTANT));
+    }
     let positions = declared.statements.iter().any(|statement| {
         matches!(statement, ast::Statement::Start(list) if list.iter().any(|own| !own.velocity))
     });
     check::at_start(&scene, &equations.mass, positions, diagnostics)?;
-    let timing = emit::Timing {
-        expanded_at,
-        derivation: begin.elapsed(),
-    };
-    emit::scene(&declared, &scene, &equations, &timing).map_err(|too_large| {
-        diagnostics.syntax(
+    emit::scene(&declared, &scene, &equations).map_err(|unfit| match unfit {
+        emit::Unfit::Long { kernel, operations } => diagnostics.report(
+            "E22",
             scene.name.place(),
             format!(
-                "the derived function {} has {} operations, more than {}; split the mechanism into \
-                 smaller scenes or choose coordinates in which its inertia is simpler",
-                too_large.kernel,
-                too_large.operations,
+                "the derived function {kernel} has {operations} operations, more than {}; split the mechanism \
+                 into smaller scenes or choose coordinates in which its inertia is simpler",
                 emit::BUDGET
             ),
-        )
+        ),
+        emit::Unfit::Exhausted => diagnostics.report("E22", place, evaluate::TOO_LARGE),
+        emit::Unfit::Constant => diagnostics.report("E21", place, DERIVED_CONSTANT),
     })
+}
+
+const DERIVED_CONSTANT: &str = "a constant in the derivatives of the declaration has no finite value in double \
+    precision, or is too small for it; choose units in which the numbers are closer to 1";
+
+/// Where the Lagrangian begins; mistakes that belong to all that is derived are shown there.
+fn lagrangian(declared: &ast::Scene) -> Place {
+    let mut statements = declared.statements.iter();
+    let keyword = statements.find_map(|statement| match statement {
+        ast::Statement::Lagrangian { keyword, .. } => Some(*keyword),
+        _ => None,
+    });
+    keyword.unwrap_or_else(|| declared.name.place())
 }

@@ -245,16 +245,11 @@ impl<'a> Evaluator<'a> {
                     .unwrap_or_else(|| self.value(self.lets[name], point, &HashMap::new()))
             }
             Kind::Negate(inner) => of(inner).iter().map(Nested::negated).collect(),
-            Kind::Binary {
-                operator: Operator::Power,
-                left,
-                right,
-                ..
-            } => {
-                let Kind::Number { value, .. } = right.kind else {
+            Kind::Power { base, exponent, .. } => {
+                let Kind::Number { value, .. } = exponent.kind else {
                     panic!("exponents of random models are numbers");
                 };
-                let base = match &left.kind {
+                let base = match &base.kind {
                     // The square of a norm has no root.
                     Kind::Norm(inner) if value == 2.0 => {
                         let components = of(inner);
@@ -264,39 +259,13 @@ impl<'a> Evaluator<'a> {
                                 .fold(Nested::Real(0.0), |sum, c| sum.add(&c.times(c))),
                         ];
                     }
-                    _ => of(left).remove(0),
+                    _ => of(base).remove(0),
                 };
                 vec![(1..value as usize).fold(base.clone(), |power, _| power.times(&base))]
             }
-            Kind::Binary {
-                operator,
-                left,
-                right,
-                ..
-            } => {
-                let (a, b) = (of(left), of(right));
-                let pair = |a: &Nested, b: &Nested| match operator {
-                    Operator::Add => a.add(b),
-                    Operator::Subtract => a.add(&b.negated()),
-                    Operator::Multiply => a.times(b),
-                    _ => a.times(&b.apply("recip")),
-                };
-                if *operator == Operator::Multiply && a.len() == 4 && b.len() > 1 {
-                    let columns = b.len() / 2;
-                    let entry = |i: usize, j: usize| {
-                        let (above, below) = (&b[j], &b[columns + j]);
-                        a[2 * i].times(above).add(&a[2 * i + 1].times(below))
-                    };
-                    return (0..b.len())
-                        .map(|k| entry(k / columns, k % columns))
-                        .collect();
-                }
-                match (a.len(), b.len()) {
-                    (1, _) => b.iter().map(|b| pair(&a[0], b)).collect(),
-                    (_, 1) => a.iter().map(|a| pair(a, &b[0])).collect(),
-                    _ => a.iter().zip(&b).map(|(a, b)| pair(a, b)).collect(),
-                }
-            }
+            Kind::Chain(first, rest) => rest.iter().fold(of(first), |total, link| {
+                step(&total, link.operator, &of(&link.operand))
+            }),
             Kind::Call {
                 function,
                 arguments,
@@ -358,5 +327,30 @@ impl<'a> Evaluator<'a> {
             }
             Kind::Norm(_) | Kind::Index { .. } => panic!("not part of random models"),
         }
+    }
+}
+
+/// One step of a chain.
+fn step(a: &[Nested], operator: Operator, b: &[Nested]) -> Vec<Nested> {
+    let pair = |a: &Nested, b: &Nested| match operator {
+        Operator::Add => a.add(b),
+        Operator::Subtract => a.add(&b.negated()),
+        Operator::Multiply => a.times(b),
+        Operator::Divide => a.times(&b.apply("recip")),
+    };
+    if operator == Operator::Multiply && a.len() == 4 && b.len() > 1 {
+        let columns = b.len() / 2;
+        let entry = |i: usize, j: usize| {
+            let (above, below) = (&b[j], &b[columns + j]);
+            a[2 * i].times(above).add(&a[2 * i + 1].times(below))
+        };
+        return (0..b.len())
+            .map(|k| entry(k / columns, k % columns))
+            .collect();
+    }
+    match (a.len(), b.len()) {
+        (1, _) => b.iter().map(|b| pair(&a[0], b)).collect(),
+        (_, 1) => a.iter().map(|a| pair(a, &b[0])).collect(),
+        _ => a.iter().zip(b).map(|(a, b)| pair(a, b)).collect(),
     }
 }

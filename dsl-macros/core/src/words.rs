@@ -44,6 +44,13 @@ pub(crate) const FUNCTIONS: [&str; 13] = [
 /// Functions with their own rules.
 pub(crate) const SPECIAL_FUNCTIONS: [&str; 4] = ["dot", "diff", "atan2", "cross"];
 
+/// Whether a name is that of a function of the language.
+pub(crate) fn is_function(text: &str) -> bool {
+    FUNCTIONS.contains(&text)
+        || SPECIAL_FUNCTIONS.contains(&text)
+        || MATRIX_FUNCTIONS.contains(&text)
+}
+
 /// The running cost in an objective.
 pub(crate) const INTEGRAL: &str = "integral";
 
@@ -78,7 +85,24 @@ pub(crate) const NONSMOOTH: [&str; 10] = [
 pub(crate) const RESERVED: [&str; 6] =
     ["t", "time", "clock", "numerical_time", "clock_state", "pi"];
 
+/// Words that an edition of Rust reserves and older ones do not; they are emitted raw.
+const RAW: [&str; 1] = ["gen"];
+
+/// Whether a name is emitted as a raw identifier.
+pub(crate) fn is_raw(text: &str) -> bool {
+    RAW.contains(&text)
+}
+
+/// A name as source of any edition of Rust.
+pub(crate) fn rust_name(text: &str) -> String {
+    if is_raw(text) {
+        format!("r#{text}")
+    } else {
+        text.to_owned()
+    }
+}
+
 /// Whether a word cannot name a field or a type in Rust.
 pub(crate) fn is_rust_word(text: &str) -> bool {
-    text.starts_with("r#") || syn::parse_str::<syn::Ident>(text).is_err()
+    !is_raw(text) && (text.starts_with("r#") || syn::parse_str::<syn::Ident>(text).is_err())
 }

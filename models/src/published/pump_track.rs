@@ -99,6 +99,12 @@ pub(crate) const CASES: &[PublishedCase] = &[
             // A global search over event-driven simulations, refined with its contact sequence.
             best_known(Measure::FinalTime, "s", 1.413_768_945),
             best_known(Measure::Final(SPEED), "km/h", 22.655_963),
+            ComparedValue {
+                measure: Measure::Gain(SPEED),
+                unit: "km/h",
+                stated: Some(7.56),
+                reference: Reference::BestKnown(7.655_963),
+            },
         ],
     },
     PublishedCase {

@@ -6,11 +6,14 @@
 //! those of exact points; the homotopy does not look for better neighbours. Words after `--` choose the problems
 //! whose names contain one of them.
 
+#[path = "../homotopy.rs"]
+mod homotopy;
 mod problems;
 mod scenes;
 
-use hangtime::mpcc::{self, Mpcc as _, RelaxationRule, Settings, Solution};
+use hangtime::mpcc::{self, Mpcc as _, Settings, Solution};
 use hangtime::nlp::NlpProblem as _;
+use homotopy::homotopy;
 use problems::Case;
 
 /// Barrier parameter of a start from a simulation.
@@ -81,10 +84,7 @@ impl Total {
 }
 
 fn row(case: &Case, totals: &mut [Total; 3]) -> Result<(), Box<dyn std::error::Error>> {
-    let mut settings = Settings::default();
-    settings.rules = vec![RelaxationRule::Homotopy];
-    settings.maximum_neighbours = 0;
-    let homotopy = solve(case, &settings)?;
+    let homotopy = homotopy(&mut case.program()?)?;
     let default = solve(case, &Settings::default())?;
     totals[0].add(&default, &homotopy);
     let warm = if case.is_step() {

@@ -81,35 +81,32 @@ def solve(problem, options):
 
 
 def ours(executable, name, times):
-    """Lines of the benchmark as dictionaries, one for each factorization."""
+    """The line of the benchmark as a dictionary."""
     output = subprocess.run([executable, "nlp", name, str(times)], capture_output=True, text=True, check=True)
-    heading, *lines = [line.split() for line in output.stdout.splitlines()]
-    return [dict(zip(heading, line)) for line in lines]
+    heading, line = [line.split() for line in output.stdout.splitlines()]
+    return dict(zip(heading, line))
 
 
 def compare(executable, paths):
     print("| problem | variables | rows | iterations IPOPT | iterations | CPU IPOPT (evaluation) [ms] "
-          "| CPU (evaluation, linear algebra) [ms] | ratio | without pivoting [ms] (iterations) | ratio |")
-    print("|" + "---|" * 10)
-    ratios = [[], []]
+          "| CPU (evaluation, linear algebra) [ms] | ratio |")
+    print("|" + "---|" * 8)
+    ratios = []
     for path in paths:
         for problem in read(path):
             stats, seconds, evaluation, objective = solve(problem, {})
-            pivoting, static = ours(executable, problem["name"], 1 if seconds > 1.0 else 3)
-            for own, of in zip((pivoting, static), ratios):
-                of.append(float(own["cpu"]) / seconds)
+            own = ours(executable, problem["name"], 1 if seconds > 1.0 else 3)
+            ratios.append(float(own["cpu"]) / seconds)
             ms = lambda text: f"{1e3 * float(text):.1f}"
-            print(f"| {problem['name']} | {pivoting['variables']} | {pivoting['rows']} | {stats['iter_count']} "
-                  f"| {pivoting['iterations']} | {ms(seconds)} ({ms(evaluation)}) | {ms(pivoting['cpu'])} "
-                  f"({ms(pivoting['evaluation'])}, {ms(pivoting['linear'])}) | {ratios[0][-1]:.2f} "
-                  f"| {ms(static['cpu'])} ({static['iterations']}) | {ratios[1][-1]:.2f} |", flush=True)
-            if stats["return_status"] != "Solve_Succeeded" or pivoting["status"] != "Solved":
-                print(problem["name"], stats["return_status"], pivoting["status"], file=sys.stderr)
-            difference = abs(objective - float(pivoting["objective"])) / max(1.0, abs(objective))
+            print(f"| {problem['name']} | {own['variables']} | {own['rows']} | {stats['iter_count']} "
+                  f"| {own['iterations']} | {ms(seconds)} ({ms(evaluation)}) | {ms(own['cpu'])} "
+                  f"({ms(own['evaluation'])}, {ms(own['linear'])}) | {ratios[-1]:.2f} |", flush=True)
+            if stats["return_status"] != "Solve_Succeeded" or own["status"] != "Solved":
+                print(problem["name"], stats["return_status"], own["status"], file=sys.stderr)
+            difference = abs(objective - float(own["objective"])) / max(1.0, abs(objective))
             if difference > 1e-6:
-                print(problem["name"], objective, pivoting["objective"], file=sys.stderr)
-    medians = [statistics.median(of) for of in ratios]
-    print(f"| **median** | | | | | | | **{medians[0]:.2f}** | | **{medians[1]:.2f}** |")
+                print(problem["name"], objective, own["objective"], file=sys.stderr)
+    print(f"| **median** | | | | | | | **{statistics.median(ratios):.2f}** |")
 
 
 def main():

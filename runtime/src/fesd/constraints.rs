@@ -1,8 +1,8 @@
 //! The velocities that a contact mode holds at zero, and the directions of the forces that hold them.
 
 use super::active_contact::{ActiveContact, force_count};
-use super::contacts::friction_coefficients;
-use crate::model::{Model, contact_point, tangent_point};
+use super::contacts::sum_of_sizes;
+use crate::model::{Model, contact_point, friction_coefficients, tangent_point};
 
 /// The constraints of a contact mode at one point: first the normals of the active contacts, then the
 /// tangents of those that stick. Owns the memory for them.
@@ -13,6 +13,10 @@ pub(super) struct Constraints<'a> {
     friction: Vec<f64>,
     /// Gaps of the active contacts.
     pub(super) gaps: Vec<f64>,
+    /// Rounding error of the gaps at the last evaluation, the largest of them.
+    pub(super) gap_rounding: f64,
+    /// Time over which the constraints are held, which their rounding errors scale with \[s\].
+    length: f64,
     /// Velocities of all constraints.
     pub(super) velocities: Vec<f64>,
     /// Derivatives of the velocities with respect to `v`, one row a constraint: `n_i`, then `b_i`.
@@ -40,6 +44,8 @@ impl<'a> Constraints<'a> {
             active: Vec::new(),
             friction: friction_coefficients(model),
             gaps: Vec::new(),
+            gap_rounding: 0.0,
+            length: 0.0,
             velocities: Vec::new(),
             gradients: Vec::new(),
             directions: Vec::new(),
@@ -73,6 +79,11 @@ impl<'a> Constraints<'a> {
         self.turning.resize(count * self.n, 0.0);
     }
 
+    /// Sets the length of the element that holds the constraints.
+    pub(super) fn set_length(&mut self, length: f64) {
+        self.length = length;
+    }
+
     /// Whether the tangential side of an active contact matters.
     fn needs_tangent(&self, held: ActiveContact) -> bool {
         held.sticks() || held.tangential.share() != 0.0
@@ -87,9 +98,14 @@ impl<'a> Constraints<'a> {
     pub(super) fn evaluate(&mut self, x: &[f64]) {
         let n = self.n;
         let mut stuck = self.active.len();
+        self.gap_rounding = 0.0;
         for (i, &held) in self.active.iter().enumerate() {
             self.model.contact(held.contact, x, &mut self.point);
             self.gaps[i] = self.point[contact_point::GAP];
+            let normal = &self.point[contact_point::NORMAL..][..n];
+            let size =
+                sum_of_sizes(normal, &x[..n]) + self.length * sum_of_sizes(normal, &x[n..2 * n]);
+            self.gap_rounding = self.gap_rounding.max(f64::EPSILON * size);
             self.velocities[i] = self.point[contact_point::NORMAL_VELOCITY];
             self.gradients[i * n..(i + 1) * n]
                 .copy_from_slice(&self.point[contact_point::NORMAL..][..n]);

@@ -24,9 +24,9 @@ enum Undecided {
 }
 
 impl Contacts<'_> {
-    /// The contact mode at `x`: writes the contacts that carry a force to `active`. Of the contacts that
-    /// are `close`, those touch whose normal velocity is at most `velocity`; those of them slide whose
-    /// sliding velocity is above `sliding`.
+    /// The contact mode at `x` and `time`: writes the contacts that carry a force to `active`. Of the contacts
+    /// that are `close`, those touch whose normal velocity is zero for their size; those of them slide whose
+    /// sliding velocity is not.
     ///
     /// `active` holds the previous mode on entry; it decides where accelerations and jerks both vanish.
     /// What [`evaluate`](Self::evaluate) stored is overwritten.
@@ -34,20 +34,20 @@ impl Contacts<'_> {
         &mut self,
         x: &[f64],
         close: &[usize],
-        (velocity, sliding): (f64, f64),
+        time: f64,
         active: &mut Vec<ActiveContact>,
     ) -> Result<(), ModeError> {
         self.evaluate(x, close.iter().copied());
         let touching: Vec<usize> = close
             .iter()
             .copied()
-            .filter(|&i| self.normal_velocity(i).abs() <= velocity)
+            .filter(|&i| self.normal_velocity(i).abs() <= self.resting_velocity(i, time))
             .collect();
         if touching.is_empty() {
             active.clear();
             return Ok(());
         }
-        let at_rest = |i: usize| self.sliding_velocity(i).abs() <= sliding;
+        let at_rest = |i: usize| self.sliding_velocity(i).abs() <= self.size(i, time).at_rest();
         let (lines, cones) = self.coulomb_lines(&touching, at_rest);
         let free: Vec<f64> = lines
             .iter()
@@ -175,11 +175,9 @@ impl Contacts<'_> {
         self.constrained_acceleration(strict, &forces, &mut motion);
         let matrix = self.reduced_couplings(&held, &lines)?;
         let scales: Vec<f64> = lines.iter().map(|&line| self.scale(line)).collect();
-        // Central difference along the motion; its truncation and rounding errors are both near
-        // 1e-10 of the scale for a step of 1e-5 of the motion's own time scale.
-        let speed = norm(&x[self.n..2 * self.n]) + f64::MIN_POSITIVE;
-        let time_scale = (speed / (norm(&motion) + f64::MIN_POSITIVE)).clamp(1e-3, 1.0);
-        let step = 1e-5 * time_scale;
+        let (step, time_scale) = self.difference_step(x, &motion);
+        // Far from the origin the step is longer and leaves fewer digits.
+        let biactive = BIACTIVE.max(4.0 * (step / time_scale).powi(2));
         let mut jerk = vec![0.0; lines.len()];
         let mut behind = vec![0.0; lines.len()];
         self.separation(x, &motion, step, strict, &held, &lines, &mut jerk)?;
@@ -191,7 +189,7 @@ impl Contacts<'_> {
         coulomb::solve(&matrix, &jerk, &cones, &mut rates)?;
         let size = lines.len();
         for (k, &condition) in undecided.iter().enumerate() {
-            let zero = |line: usize| BIACTIVE * scales[line] / time_scale;
+            let zero = |line: usize| biactive * scales[line] / time_scale;
             let total =
                 |line: usize| jerk[line] + dot(&matrix[line * size..(line + 1) * size], &rates);
             match condition {
@@ -234,6 +232,23 @@ impl Contacts<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Step of a central difference along the motion with the acceleration `motion`, and the motion's own time
+    /// scale: truncation and rounding errors are both near 1e-10 for a step of 1e-5 of it.
+    fn difference_step(&self, x: &[f64], motion: &[f64]) -> (f64, f64) {
+        let speed = norm(&x[self.n..2 * self.n]) + f64::MIN_POSITIVE;
+        let rounding = f64::EPSILON * norm(&x[..self.n]);
+        let own = speed / (norm(motion) + f64::MIN_POSITIVE);
+        // From rest the velocity says nothing.
+        let shortest = if speed * own > 1e8 * rounding {
+            0.0
+        } else {
+            1e-3
+        };
+        let time_scale = own.clamp(shortest, 1.0);
+        let share = (rounding / (speed * time_scale)).cbrt().clamp(1e-5, 1e-2);
+        (share * time_scale, time_scale)
     }
 
     /// One line for each undecided condition, in its order, then the tangents of the cones.

@@ -5,8 +5,9 @@
 //! friction `s_i` of a sticking contact, which acts along `e_i`.
 
 use super::active_contact::{ActiveContact, Tangential};
+use super::contact_size::ContactSize;
 use crate::linalg::{dense, lcp};
-use crate::model::{Model, contact_point, tangent_point};
+use crate::model::{Model, contact_point, friction_coefficients, tangent_point};
 
 /// Coupling of the force of a slipping contact to its own normal velocity below which no force holds the
 /// contact: the friction presses as much as the force lifts.
@@ -30,17 +31,6 @@ impl From<lcp::LcpError> for ModeError {
             lcp::LcpError::NotFinite => Self::NotFinite,
         }
     }
-}
-
-/// Tolerances on the gap and the velocities of a contact.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Touching {
-    /// Gap tolerance [unit of the gap].
-    pub(crate) gap: f64,
-    /// Normal velocity tolerance [unit of the gap / s].
-    pub(crate) velocity: f64,
-    /// Sliding velocity tolerance [unit of the gap / s].
-    pub(crate) sliding: f64,
 }
 
 /// One velocity that is held, and the direction of the force that holds it.
@@ -70,11 +60,13 @@ pub(crate) struct Contacts<'a> {
     points: Vec<f64>,
     /// Tangential sides; empty if no contact has friction.
     tangents: Vec<f64>,
-    /// Largest sum of terms of each normal acceleration seen so far: the scale of its rounding error. At one
-    /// instant the terms may cancel inside the model.
+    /// Largest sum of terms of each normal acceleration of the motion so far: the scale of its rounding error. At
+    /// one instant the terms may cancel inside the model.
     scales: Vec<f64>,
     /// The same for the sliding accelerations.
     tangent_scales: Vec<f64>,
+    /// Largest sizes of gaps and velocities of the motion so far.
+    sizes: Vec<ContactSize>,
     lines: Vec<Line>,
     matrix: Vec<f64>,
     pivots: Vec<usize>,
@@ -101,6 +93,7 @@ impl<'a> Contacts<'a> {
             tangents: vec![0.0; tangents * tangent_point::length(n)],
             scales: vec![0.0; contacts],
             tangent_scales: vec![0.0; tangents],
+            sizes: vec![ContactSize::default(); contacts],
             lines: Vec::new(),
             matrix: Vec::new(),
             pivots: Vec::new(),
@@ -181,28 +174,70 @@ impl<'a> Contacts<'a> {
         self.evaluations += 1;
     }
 
+    /// Sizes of gap and velocities of a contact that was evaluated at `x`.
+    fn size_at(&self, x: &[f64], contact: usize) -> ContactSize {
+        let (q, v) = (&x[..self.n], &x[self.n..2 * self.n]);
+        let point = self.point(contact);
+        let normal = &point[contact_point::NORMAL..][..self.n];
+        let sliding = if self.friction[contact] > 0.0 {
+            let tangent = self.tangent(contact);
+            let along = &tangent[tangent_point::TANGENT..][..self.n];
+            sum_of_sizes(along, v).max(tangent[tangent_point::SLIDING_VELOCITY].abs())
+        } else {
+            0.0
+        };
+        ContactSize {
+            gap: sum_of_sizes(normal, q).max(point[contact_point::GAP].abs()),
+            velocity: sum_of_sizes(normal, v).max(point[contact_point::NORMAL_VELOCITY].abs()),
+            sliding,
+        }
+    }
+
+    /// Largest sizes of gap and velocities of a contact so far, at `time`.
+    pub(crate) fn size(&self, contact: usize, time: f64) -> ContactSize {
+        self.sizes[contact].at(time)
+    }
+
+    /// Normal velocity up to which a contact does not leave: a flight lower than the rounding error of its gap
+    /// is none, so that impacts that follow each other ever faster end in contact.
+    pub(crate) fn resting_velocity(&self, contact: usize, time: f64) -> f64 {
+        let size = self.size(contact, time);
+        let flight = (2.0 * self.phi_scale(contact) * size.gap_rounding()).sqrt();
+        size.touching_velocity().max(flight)
+    }
+
     /// Evaluates the free acceleration and the listed contacts at `x`.
-    pub(crate) fn evaluate(
-        &mut self,
-        x: &[f64],
-        contacts: impl IntoIterator<Item = usize> + Clone,
-    ) {
+    pub(crate) fn evaluate(&mut self, x: &[f64], contacts: impl IntoIterator<Item = usize>) {
         self.model.free_acceleration(x, &mut self.acceleration);
-        self.evaluate_contacts(x, contacts.clone());
-        for i in contacts {
-            let normal = Line::Normal {
-                contact: i,
-                slope: 0.0,
-            };
-            self.scales[i] = self.scales[i].max(self.terms(normal));
+        self.evaluate_contacts(x, contacts);
+    }
+
+    /// Remembers how large gaps and velocities of all contacts are, which were evaluated at the state `x` of
+    /// the motion. States that are only tried may be far beyond it.
+    pub(crate) fn remember_sizes(&mut self, x: &[f64]) {
+        for i in 0..self.sizes.len() {
+            let size = self.size_at(x, i);
+            self.sizes[i].include(size);
+        }
+    }
+
+    /// Remembers how large the accelerations of all contacts are, which were evaluated at a state of the
+    /// motion.
+    pub(crate) fn remember_scales(&mut self) {
+        for i in 0..self.scales.len() {
+            self.scales[i] = self.phi_scale(i);
             if self.friction[i] > 0.0 {
-                let terms = self.terms(Line::Tangent {
-                    contact: i,
-                    sense: 1.0,
-                });
-                self.tangent_scales[i] = self.tangent_scales[i].max(terms);
+                self.tangent_scales[i] = self.tangent_terms(i);
             }
         }
+    }
+
+    /// Largest sum of terms of the sliding acceleration so far.
+    fn tangent_terms(&self, contact: usize) -> f64 {
+        self.tangent_scales[contact].max(self.terms(Line::Tangent {
+            contact,
+            sense: 1.0,
+        }))
     }
 
     /// Gradient of the velocity of a line, up to its sign, and the velocity-dependent part of the
@@ -263,29 +298,37 @@ impl<'a> Contacts<'a> {
         })
     }
 
+    /// Sliding acceleration of a contact under `acceleration` at the last evaluation.
+    pub(crate) fn sliding_acceleration(&self, contact: usize, acceleration: &[f64]) -> f64 {
+        let (along, curvature) = self.row(Line::Tangent {
+            contact,
+            sense: 1.0,
+        });
+        dot(along, acceleration) + curvature
+    }
+
     /// Scale of the rounding error of the normal acceleration of a contact.
     pub(crate) fn phi_scale(&self, contact: usize) -> f64 {
-        self.scales[contact]
+        self.scales[contact].max(self.terms(Line::Normal {
+            contact,
+            slope: 0.0,
+        }))
     }
 
     /// Scale of the rounding error of the acceleration of a line.
     pub(super) fn scale(&self, line: Line) -> f64 {
         match line {
-            Line::Normal { contact, .. } => self.scales[contact],
+            Line::Normal { contact, .. } => self.phi_scale(contact),
             Line::Tangent { contact, .. } => self.tangential_scale(contact),
         }
     }
 
     /// Scale of the rounding errors of friction and sliding acceleration.
     pub(crate) fn tangential_scale(&self, contact: usize) -> f64 {
-        self.tangent_scales[contact] + self.friction[contact] * self.scales[contact]
-    }
-
-    /// Largest scale of the normal accelerations of the listed contacts.
-    pub(crate) fn largest_scale(&self, contacts: &[usize]) -> f64 {
-        contacts
-            .iter()
-            .fold(0.0, |largest, &i| self.scales[i].max(largest))
+        if self.friction[contact] == 0.0 {
+            return 0.0;
+        }
+        self.tangent_terms(contact) + self.friction[contact] * self.phi_scale(contact)
     }
 
     /// Acceleration of line `row` for a unit force on line `column`.
@@ -471,12 +514,9 @@ pub(super) fn unbiased_lines(active: &[ActiveContact]) -> Vec<Line> {
     normals.chain(tangents(active)).collect()
 }
 
-/// Coefficient of friction of each contact, 0 where none is declared.
-pub(crate) fn friction_coefficients(model: &dyn Model) -> Vec<f64> {
-    let contacts = model.declaration().contacts;
-    (0..contacts.len())
-        .map(|i| contacts[i].friction.map_or(0.0, |_| model.friction(i)))
-        .collect()
+/// Sum of the sizes of the terms of a scalar product.
+pub(super) fn sum_of_sizes(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| (x * y).abs()).sum()
 }
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -12,6 +12,7 @@
 pub(crate) mod active_contact;
 mod constraints;
 mod contact_mode;
+pub(crate) mod contact_size;
 pub(crate) mod contacts;
 mod coulomb;
 pub(crate) mod finite_element;

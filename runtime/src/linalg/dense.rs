@@ -6,9 +6,9 @@
 /// A matrix that cannot be factorized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("singular matrix: no usable pivot in column {column}")]
-pub struct SingularMatrix {
+pub(crate) struct SingularMatrix {
     /// Column in which no pivot was found.
-    pub column: usize,
+    pub(crate) column: usize,
 }
 
 /// Factorizes the row-major `n x n` matrix `a` in place, `P A = L U` with partial pivoting.
@@ -18,22 +18,7 @@ pub struct SingularMatrix {
 ///
 /// # Errors
 /// [`SingularMatrix`] names the first column without a pivot.
-///
-/// # Examples
-/// `[0 2; 1 1] x = (2, 3)` needs an exchange of rows:
-///
-/// ```
-/// use hangtime::linalg::dense;
-///
-/// let mut a = [0.0, 2.0, 1.0, 1.0];
-/// let mut pivots = [0; 2];
-/// dense::factorize(&mut a, &mut pivots)?;
-/// let mut x = [2.0, 3.0];
-/// dense::solve(&a, &pivots, &mut x);
-/// assert_eq!(x, [2.0, 1.0]);
-/// # Ok::<(), dense::SingularMatrix>(())
-/// ```
-pub fn factorize(a: &mut [f64], pivots: &mut [usize]) -> Result<(), SingularMatrix> {
+pub(crate) fn factorize(a: &mut [f64], pivots: &mut [usize]) -> Result<(), SingularMatrix> {
     let n = pivots.len();
     debug_assert_eq!(a.len(), n * n);
     for k in 0..n {
@@ -74,7 +59,7 @@ pub fn factorize(a: &mut [f64], pivots: &mut [usize]) -> Result<(), SingularMatr
 }
 
 /// Solves `A x = b` with the factors of [`factorize`]; `b` is overwritten by `x`.
-pub fn solve(factors: &[f64], pivots: &[usize], b: &mut [f64]) {
+pub(crate) fn solve(factors: &[f64], pivots: &[usize], b: &mut [f64]) {
     let n = pivots.len();
     for (k, &pivot) in pivots.iter().enumerate() {
         b.swap(k, pivot);

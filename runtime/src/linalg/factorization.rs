@@ -2,28 +2,25 @@
 
 /// Numbers of positive, negative and zero eigenvalues of a symmetric matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Inertia {
+pub(crate) struct Inertia {
     /// Positive eigenvalues.
-    pub positive: usize,
+    pub(crate) positive: usize,
     /// Negative eigenvalues.
-    pub negative: usize,
-    /// Eigenvalues that the factorization found to be zero. A factorization without pivoting stops
-    /// at the first zero pivot; then this counts the rows it did not reach.
-    pub zero: usize,
+    pub(crate) negative: usize,
+    /// Eigenvalues that the factorization found to be zero.
+    pub(crate) zero: usize,
 }
 
 /// Why a matrix has no usable factors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum FactorizationError {
-    /// A pivot vanished at this row; the matrix is singular, or needs pivoting.
-    #[error("zero pivot at row {0}; shift the diagonal or use a pivoting factorization")]
-    ZeroPivot(usize),
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FactorizationError {
+    /// A pivot vanished; the matrix is singular, or needs pivoting.
+    #[cfg(test)]
+    ZeroPivot,
     /// An entry or a pivot is not a finite number.
-    #[error("a matrix entry or pivot at row {0} is not finite")]
-    NotFinite(usize),
+    NotFinite,
     /// The analysis ran out of memory or index range.
-    #[error("the symbolic analysis failed for dimension {0}: out of memory or index range")]
-    Analysis(usize),
+    Analysis,
 }
 
 /// Factorization `P (K + D) P' = L B L'` of a saddle point matrix on a fixed pattern, with
@@ -35,7 +32,7 @@ pub enum FactorizationError {
 ///
 /// The analysis happens in the constructor of each implementation; afterwards neither `factor` nor
 /// `solve` allocates, unless a pivoting implementation has to postpone more pivots than ever before.
-pub trait KktFactorization {
+pub(crate) trait KktFactorization {
     /// Factorizes the matrix with the given values (order of the pattern) and shifts, both of them
     /// `>= 0`, and returns the inertia of what was factorized.
     ///
@@ -50,7 +47,4 @@ pub trait KktFactorization {
 
     /// Solves with the factors of the last successful [`KktFactorization::factor`], in place.
     fn solve(&mut self, right_hand_side: &mut [f64]);
-
-    /// Entries of the factor, a measure of fill.
-    fn factor_entries(&self) -> usize;
 }

@@ -6,7 +6,7 @@
 
 /// Why no solution was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum LcpError {
+pub(crate) enum LcpError {
     /// Lemke's method ended on a ray: there may be no solution.
     #[error("the linear complementarity problem has no solution that Lemke's method can reach")]
     Ray,
@@ -19,19 +19,7 @@ pub enum LcpError {
 ///
 /// # Errors
 /// [`LcpError::Ray`] if the method ends on a ray, [`LcpError::NotFinite`] for bad data.
-///
-/// # Examples
-/// With `M = [2 1; 1 2]` and `q = (-3, 1)` only the first unknown is positive, `z = (3/2, 0)`:
-///
-/// ```
-/// use hangtime::linalg::lcp;
-///
-/// let mut z = [0.0; 2];
-/// lcp::solve(&[2.0, 1.0, 1.0, 2.0], &[-3.0, 1.0], &mut z)?;
-/// assert_eq!(z, [1.5, 0.0]);
-/// # Ok::<(), lcp::LcpError>(())
-/// ```
-pub fn solve(m: &[f64], q: &[f64], z: &mut [f64]) -> Result<(), LcpError> {
+pub(crate) fn solve(m: &[f64], q: &[f64], z: &mut [f64]) -> Result<(), LcpError> {
     let n = q.len();
     debug_assert_eq!(m.len(), n * n);
     if m.iter().chain(q).any(|value| !value.is_finite()) {
@@ -108,6 +96,10 @@ fn pivot(tableau: &mut [f64], columns: usize, row: usize, column: usize) {
     }
 }
 
+/// Entries of the tableau that are rounding errors of pivots; those of contacts are of the order of one, and
+/// small ones carry the inertia of light bodies between heavy ones.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// Row with the smallest ratio; ties go to the artificial variable, then to the lexicographic order of
 /// the rows of the basis inverse, which prevents cycling.
 fn ratio_test(
@@ -122,7 +114,7 @@ fn ratio_test(
         |i: usize, column: usize| tableau[i * columns + column] / tableau[i * columns + entering];
     let mut best: Option<usize> = None;
     for i in 0..n {
-        if tableau[i * columns + entering] <= 1e-12 {
+        if tableau[i * columns + entering] <= ROUNDING {
             continue;
         }
         let Some(current) = best else {

@@ -1,4 +1,4 @@
-//! Sparse `L D L'` without pivoting, on faer's simplicial kernels.
+//! Sparse `L D L'` without pivoting, on faer's simplicial kernels: the oracle of the tests of the pivoting factorization.
 
 use faer::Side;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -16,33 +16,12 @@ use super::{FactorizationError, Inertia, KktFactorization, SymmetricPattern};
 
 /// `L D L'` with an approximate minimum degree order and static shifts in place of pivoting.
 ///
-/// The factorized matrix is `K + diag(delta_w + static_primal, -(delta_c + static_dual))`: without
+/// The factorized matrix is `K + diag(delta_w + STATIC_PRIMAL, -(delta_c + STATIC_DUAL))`: without
 /// pivoting a saddle point matrix is only factorizable in every order when it is quasi-definite, and
 /// the static shifts make it so wherever `W` allows. They are part of the factors but not of the
 /// system: [`super::RefinedSolver`] removes their effect by refinement. The inertia is that of `D`.
-///
-/// # Examples
-/// The inertia of `[1 2; 2 0]`, one primal and one dual row, and a solve:
-///
-/// ```
-/// use hangtime::linalg::{KktFactorization, SimplicialLdl, SymmetricPattern};
-///
-/// let (pattern, map) = SymmetricPattern::new(2, &[(0, 0), (1, 0)]).ok_or("an entry outside")?;
-/// let mut values = vec![0.0; pattern.stored()];
-/// values[map[0]] = 1.0;
-/// values[map[1]] = 2.0;
-/// let mut factorization = SimplicialLdl::new(&pattern, 1)?;
-/// let inertia = factorization.factor(&values, 0.0, 0.0)?;
-/// assert_eq!((inertia.positive, inertia.negative, inertia.zero), (1, 1, 0));
-/// let mut x = [5.0, 2.0];
-/// factorization.solve(&mut x);
-/// assert!((x[0] - 1.0).abs() < 1e-8 && (x[1] - 2.0).abs() < 1e-8);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub struct SimplicialLdl {
+pub(crate) struct SimplicialLdl {
     primal: usize,
-    static_primal: f64,
-    static_dual: f64,
     symbolic: SymbolicCholesky<u32>,
     /// `permutation[new] = old`.
     permutation: Vec<u32>,
@@ -58,28 +37,18 @@ pub struct SimplicialLdl {
 }
 
 impl SimplicialLdl {
-    /// Default of the static shift of primal rows: 1e-10 costs no accuracy after refinement.
-    pub const STATIC_PRIMAL: f64 = 1e-10;
-    /// Default of the static shift of dual rows.
-    pub const STATIC_DUAL: f64 = 1e-9;
+    /// Static shift of primal rows: 1e-10 costs no accuracy after refinement.
+    const STATIC_PRIMAL: f64 = 1e-10;
+    /// Static shift of dual rows.
+    const STATIC_DUAL: f64 = 1e-9;
 
     /// Analyses the pattern; the first `primal` rows are primal, the others dual.
     ///
     /// # Errors
     /// [`FactorizationError::Analysis`] when memory or the index range does not suffice.
-    pub fn new(pattern: &SymmetricPattern, primal: usize) -> Result<Self, FactorizationError> {
-        Self::with_static_shifts(pattern, primal, Self::STATIC_PRIMAL, Self::STATIC_DUAL)
-    }
-
-    /// As [`SimplicialLdl::new`], with static shifts of the caller's choice (both `>= 0`).
-    ///
-    /// # Errors
-    /// [`FactorizationError::Analysis`] when memory or the index range does not suffice.
-    pub fn with_static_shifts(
+    pub(crate) fn new(
         pattern: &SymmetricPattern,
         primal: usize,
-        static_primal: f64,
-        static_dual: f64,
     ) -> Result<Self, FactorizationError> {
         let n = pattern.dimension();
         let lower = SymbolicSparseColMatRef::new_checked(
@@ -95,7 +64,7 @@ impl SimplicialLdl {
         };
         let symbolic =
             factorize_symbolic_cholesky(lower, Side::Lower, SymmetricOrdering::Amd, parameters)
-                .map_err(|_| FactorizationError::Analysis(n))?;
+                .map_err(|_| FactorizationError::Analysis)?;
         let (permutation, inverse) = match symbolic.perm() {
             Some(order) => {
                 let (forward, inverse) = order.arrays();
@@ -112,8 +81,6 @@ impl SimplicialLdl {
         >(n));
         Ok(Self {
             primal,
-            static_primal,
-            static_dual,
             symbolic,
             permutation,
             permuted_values: vec![0.0; row_indices.len()],
@@ -125,13 +92,6 @@ impl SimplicialLdl {
             work: vec![0.0; n],
             scratch,
         })
-    }
-
-    fn symbolic_factor(&self) -> Option<&simplicial::SymbolicSimplicialCholesky<u32>> {
-        match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(symbolic) => Some(symbolic),
-            SymbolicCholeskyRaw::Supernodal(_) => None,
-        }
     }
 }
 
@@ -190,13 +150,13 @@ impl KktFactorization for SimplicialLdl {
         }
         for (row, &position) in self.diagonal.iter().enumerate() {
             self.permuted_values[position as usize] += if row < self.primal {
-                delta_w + self.static_primal
+                delta_w + Self::STATIC_PRIMAL
             } else {
-                -(delta_c + self.static_dual)
+                -(delta_c + Self::STATIC_DUAL)
             };
         }
         let SymbolicCholeskyRaw::Simplicial(symbolic) = self.symbolic.raw() else {
-            return Err(FactorizationError::Analysis(n));
+            return Err(FactorizationError::Analysis);
         };
         let matrix = SparseColMatRef::new(
             SymbolicSparseColMatRef::new_checked(
@@ -215,13 +175,12 @@ impl KktFactorization for SimplicialLdl {
             symbolic,
             MemStack::new(&mut self.scratch),
         );
-        if let Err(faer::linalg::cholesky::ldlt::factor::LdltError::ZeroPivot { index }) = result {
-            let row = self.permutation[index.saturating_sub(1).min(n - 1)] as usize;
+        if result.is_err() {
             let finite = self.permuted_values.iter().all(|a| a.is_finite());
             return Err(if finite {
-                FactorizationError::ZeroPivot(row)
+                FactorizationError::ZeroPivot
             } else {
-                FactorizationError::NotFinite(row)
+                FactorizationError::NotFinite
             });
         }
         let negative = symbolic.col_ptr()[..n]
@@ -251,9 +210,5 @@ impl KktFactorization for SimplicialLdl {
         for (&w, &old) in self.work.iter().zip(&self.permutation) {
             right_hand_side[old as usize] = w;
         }
-    }
-
-    fn factor_entries(&self) -> usize {
-        self.symbolic_factor().map_or(0, |s| s.len_val())
     }
 }

@@ -4,44 +4,27 @@
 ///
 /// Every diagonal position is present, so that a shift of the diagonal never changes the pattern. Row
 /// indices of a column are increasing, hence the diagonal entry comes first.
-///
-/// # Examples
-/// `A = [2 1; 1 0]` from its entries, the off-diagonal one in two parts, and `A (1, 1)`:
-///
-/// ```
-/// use hangtime::linalg::SymmetricPattern;
-///
-/// let entries = [(0, 0), (1, 0), (0, 1)];
-/// let (pattern, map) = SymmetricPattern::new(2, &entries).ok_or("an entry outside the matrix")?;
-/// assert_eq!(pattern.stored(), 3);
-/// let mut values = vec![0.0; pattern.stored()];
-/// for (&position, a) in map.iter().zip([2.0, 0.25, 0.75]) {
-///     values[position] += a;
-/// }
-/// let mut y = [0.0; 2];
-/// pattern.multiply_add(&values, &[1.0, 1.0], &mut y);
-/// assert_eq!(y, [3.0, 1.0]);
-/// # Ok::<(), &str>(())
-/// ```
 #[derive(Debug, Clone)]
-pub struct SymmetricPattern {
+pub(crate) struct SymmetricPattern {
     column_pointers: Vec<u32>,
     row_indices: Vec<u32>,
 }
 
 impl SymmetricPattern {
+    /// As [`SymmetricPattern::with_map`], from entries that are held.
+    #[cfg(test)]
+    pub(crate) fn new(dimension: usize, entries: &[(usize, usize)]) -> Option<(Self, Vec<usize>)> {
+        let (pattern, map) = Self::with_map(dimension, entries.iter().copied())?;
+        Some((pattern, map.into_iter().map(|k| k as usize).collect()))
+    }
+
     /// Pattern of dimension `dimension` that holds the diagonal and all `entries` (row, column).
     ///
     /// Entries may repeat and may lie in either triangle; (i, j) and (j, i) are the same position.
     /// The second value is the scatter map: position of entry `k` in the value array, so that
     /// `values[map[k]] += a_k` assembles the matrix. Entries outside the dimension are not accepted:
     /// `None` is returned if there is one, and if dimension and entries exceed the range of `u32` together.
-    pub fn new(dimension: usize, entries: &[(usize, usize)]) -> Option<(Self, Vec<usize>)> {
-        let (pattern, map) = Self::with_map(dimension, entries.iter().copied())?;
-        Some((pattern, map.into_iter().map(|k| k as usize).collect()))
-    }
-
-    /// As [`SymmetricPattern::new`], from entries that are visited twice instead of held, and with a map of half the width.
+    /// The entries are visited twice.
     pub(crate) fn with_map(
         dimension: usize,
         entries: impl Iterator<Item = (usize, usize)> + Clone,
@@ -111,32 +94,32 @@ impl SymmetricPattern {
     }
 
     /// Dimension of the matrix.
-    pub fn dimension(&self) -> usize {
+    pub(crate) fn dimension(&self) -> usize {
         self.column_pointers.len() - 1
     }
 
     /// Number of stored positions, the length of a value array.
-    pub fn stored(&self) -> usize {
+    pub(crate) fn stored(&self) -> usize {
         self.row_indices.len()
     }
 
     /// Start of each column in the value array, length `dimension + 1`.
-    pub fn column_pointers(&self) -> &[u32] {
+    pub(crate) fn column_pointers(&self) -> &[u32] {
         &self.column_pointers
     }
 
     /// Row of each stored position.
-    pub fn row_indices(&self) -> &[u32] {
+    pub(crate) fn row_indices(&self) -> &[u32] {
         &self.row_indices
     }
 
     /// Position of the diagonal entry of `column` in the value array.
-    pub fn diagonal(&self, column: usize) -> usize {
+    pub(crate) fn diagonal(&self, column: usize) -> usize {
         self.column_pointers[column] as usize
     }
 
     /// Adds `A x` to `y`, where `A` has the given values.
-    pub fn multiply_add(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+    pub(crate) fn multiply_add(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         for (j, ends) in self.column_pointers.windows(2).enumerate() {
             let (start, end) = (ends[0] as usize, ends[1] as usize);
             let x_j = x[j];

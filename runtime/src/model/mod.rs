@@ -35,7 +35,6 @@
 
 mod control_piece;
 mod declaration;
-mod mistakes;
 
 pub(crate) use control_piece::ControlPiece;
 
@@ -44,7 +43,6 @@ pub use declaration::{
     CoordinateDeclaration, Declaration, Equation, FrictionDeclaration, ImpactLaw, Kernel,
     OptimalControlDeclaration, ParameterDeclaration, SparsityPattern,
 };
-pub use mistakes::{explanation, mistake_codes};
 
 /// A Lagrangian system with unilateral contacts: the interface between scenes and solvers.
 ///
@@ -161,6 +159,14 @@ pub trait Model: Send + Sync {
 
     /// A copy behind a fresh box.
     fn boxed(&self) -> Box<dyn Model>;
+}
+
+/// Coefficient of friction of each contact, 0 where none is declared.
+pub(crate) fn friction_coefficients(model: &dyn Model) -> Vec<f64> {
+    let contacts = model.declaration().contacts;
+    (0..contacts.len())
+        .map(|i| contacts[i].friction.map_or(0.0, |_| model.friction(i)))
+        .collect()
 }
 
 /// Layout of the output of [`Model::contact`].

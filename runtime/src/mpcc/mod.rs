@@ -20,7 +20,6 @@
 //!     Elastic        min f + s / sigma,  x_i x_j <= s,  s >= 0,  sigma = 1, 0.1, ... until s vanishes
 //!     Continuation   sigma in steps whose length follows the iterations of the last one
 //!     Proportional   sigma = 10 mu
-//!     Homotopy       sigma = 1, 0.1, ..., 1e-8 in separate solves, for comparison
 //! ```
 //!
 //! At `sigma = 1e-5` a *crossover* fixes one side of each pair at zero, the smaller one or those that
@@ -35,8 +34,12 @@
 //! direction of the linear program with complementarity constraints
 //!
 //! ```text
-//!     min grad f'd  s.t.  linearized active constraints,  0 <= d_i  _|_  d_j >= 0,  |d|_inf <= 1.
+//!     min grad f'd  s.t.  c_l <= c + r J d <= c_u,  x_l <= x + r d <= x_u,  0 <= x_i + r d_i  _|_  x_j + r d_j >= 0,  |d|_inf <= 1
 //! ```
+//!
+//! with a small radius `r`: bounds count with their distances, so that none has to be called active. A side with a zero
+//! multiplier ends at `sqrt(mu)`, not at zero. So all pairs whose sides are small on the scale of the central path count as
+//! biactive; where the verdict hangs on one of them, the program with both sides at zero decides whether it is.
 //!
 //! None means B-stationary: certified. A direction leads to another choice of sides and a lower point. Last, choices
 //! next to the certified one that the problem knows of ([`Mpcc::neighbour`]) are tried for a better objective.
@@ -49,8 +52,8 @@
 mod branch;
 mod certificate;
 mod crossover;
-mod driver;
 mod elastic;
+mod finish;
 mod forced;
 mod linear_program;
 mod problem;
@@ -58,10 +61,11 @@ mod relaxation;
 mod run;
 mod settings;
 mod solution;
+mod solve;
 mod watch;
 
 pub use certificate::{Certificate, StationarityType};
-pub use driver::{solve, solve_observed, solve_parallel};
 pub use problem::Mpcc;
 pub use settings::{RelaxationRule, Settings};
 pub use solution::{Residuals, Solution, Status};
+pub use solve::{solve, solve_observed};

@@ -1,9 +1,13 @@
 //! What can be wrong with the input.
 
-/// A fault of the input, found before the first iteration.
+/// A fault of the input, found before the first iteration; its message says what is wrong, where, and how to mend it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum InputError {
+#[error(transparent)]
+pub struct InputError(#[from] Fault);
+
+/// What can be wrong.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub(crate) enum Fault {
     /// A setting lies outside its range.
     #[error("setting `{name}` is {value}; choose a value in {range}")]
     Setting {
@@ -89,7 +93,15 @@ pub enum InputError {
         /// What is wrong and how to mend it.
         fault: &'static str,
     },
-    /// The symbolic analysis of the Newton matrix failed.
-    #[error(transparent)]
-    Linear(#[from] crate::linalg::FactorizationError),
+    /// The Newton matrix is too large for its symbolic analysis.
+    #[error(
+        "{variables} variables and {constraints} constraints, or their nonzeros, are too many for the memory or the 32-bit \
+         indices of the factorization; state a smaller problem"
+    )]
+    Size {
+        /// Number of variables.
+        variables: usize,
+        /// Number of constraints.
+        constraints: usize,
+    },
 }

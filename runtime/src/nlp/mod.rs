@@ -1,6 +1,8 @@
 //! Nonlinear programming: minimize `f(x)` subject to `c_l <= c(x) <= c_u`, `x_l <= x <= x_u`.
 //!
-//! Knows nothing of time, contacts or complementarity.
+//! Knows nothing of time or contacts. Of complementarity it knows products only: a run may carry constraints
+//! `x_i x_j <= sigma` whose slacks are eliminated and whose `sigma` moves with `mu` along a path; which pairs these are, how
+//! `sigma` falls, and what their solution means is the caller's business.
 //!
 //! # Method
 //! Constraints get slacks `w` where `c_l < c_u`, so that with `v = (x, w)` the problem reads
@@ -18,62 +20,46 @@
 //!
 //! until `max(|dual|/s_d, |c|, |complementarity|/s_c) <= 10 mu`; then `mu` falls. The Newton matrix is shifted
 //! until its inertia promises descent. A filter of pairs (violation, `phi`) accepts steps, with second-order
-//! corrections; where no step is acceptable a restoration phase minimizes the violation. Files follow
-//! these ideas. `mu` falls by an adaptive rule or by the monotone one ([`BarrierStrategy`]), a watchdog allows full steps
-//! after many shortened ones, and before a restoration phase steps are tried that lower the optimality error alone. The
-//! constants are those of Waechter and Biegler (Mathematical Programming 106, 2006) where
-//! nothing else is said. What differs: slacks of inequalities and elastic slacks of the restoration phase are
+//! corrections; where no step is acceptable a restoration phase minimizes the violation. `program` holds the barrier
+//! problem, `kkt` the Newton system, `method` the iteration, one idea a file. The constants are
+//! those of Waechter and Biegler (Mathematical Programming 106, 2006) where nothing else is said. What differs: slacks of inequalities and elastic slacks of the restoration phase are
 //! eliminated, so that both phases share one sparsity and one symbolic factorization; slacks of inequalities are
 //! reset to the constraint value at trial points while their barrier stays comparable, which halves the
 //! iterations on some problems; bounds are not relaxed by default; a solution whose multipliers are huge is called
 //! [`Status::Degenerate`], not solved.
 
-mod adaptive_barrier;
-mod barrier;
-mod barrier_problem;
 mod derivative_check;
-mod driver;
 mod elements;
 mod error;
-mod filter;
-mod formulation;
-mod inertia_correction;
 mod info;
-mod iterate;
-pub mod iteration_log;
-mod kkt_system;
-mod line_search;
+mod kkt;
+mod method;
 mod pattern;
 mod problem;
-mod quality_function;
-mod rescue;
-mod residuals;
-mod restoration;
-mod scaling;
-mod second_order_correction;
+mod products;
+mod program;
+mod result;
 mod settings;
-mod soft_restoration;
 mod solution;
-mod solver;
-mod statistics;
+mod solve;
 mod status;
-mod step;
-mod watchdog;
+mod warm_start;
 
 pub use derivative_check::{DerivativeEntry, DerivativeReport, check_derivatives};
-pub use driver::{WarmStart, solve, solve_from};
 pub use elements::{Element, ElementProblem, ElementProblemBuilder, Target};
+pub(crate) use error::Fault;
 pub use error::InputError;
-pub use info::IterationInfo;
+pub use info::{IterationInfo, Observer};
 /// The number type that [`Element::evaluate`] is generic over.
 pub use num_dual::DualNum;
 pub(crate) use pattern::Pattern;
 pub use problem::NlpProblem;
-pub use settings::{BarrierStrategy, LinearSolver, Settings};
+pub use settings::Settings;
 pub use solution::{Counts, Residuals, Solution, Violation};
-pub use solver::Observer;
-pub use statistics::ProblemStatistics;
+pub use solve::{solve, solve_from};
 pub use status::Status;
+pub use warm_start::WarmStart;
 
-pub(crate) use barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};
-pub(crate) use driver::{Products, run, run_from_point};
+pub(crate) use method::barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};
+pub(crate) use products::Products;
+pub(crate) use solve::run;

@@ -1,28 +1,6 @@
 //! What the caller may choose.
 
-use super::InputError;
-
-/// Which factorization solves the Newton systems.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum LinearSolver {
-    /// Multifrontal `L B L'` with 1x1 and 2x2 pivots and postponed columns: exact inertia, no shifts.
-    Pivoting,
-    /// Simplicial `L D L'` without pivoting, with static shifts and refinement; `Pivoting` takes over
-    /// for the rest of a run when refinement fails.
-    Static,
-}
-
-/// How the barrier parameter falls.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum BarrierStrategy {
-    /// `mu <- max(tolerance / 11, min(0.2 mu, mu^1.5))` whenever the barrier problem is solved to `10 mu`.
-    Monotone,
-    /// A new `mu` in every iteration, where a quality function predicts the least optimality error for it (Nocedal,
-    /// Waechter and Waltz 2009); the monotone rule while that makes no progress. Two more solves an iteration.
-    Adaptive,
-}
+use super::{Fault, InputError};
 
 /// Settings of the interior point method; change fields of [`Settings::default`].
 #[derive(Debug, Clone, PartialEq)]
@@ -42,16 +20,6 @@ pub struct Settings {
     pub maximum_seconds: f64,
     /// First barrier parameter; default 0.1, > 0. Small values suit warm starts.
     pub initial_barrier_parameter: f64,
-    /// How the barrier parameter falls; default monotone. Adaptive takes fewer iterations on most programs of
-    /// BENCHMARKS.md, but each costs more. A warm start keeps its own parameter until it makes progress. Restoration
-    /// phases and complementarity problems, whose relaxation is tied to the barrier, are always monotone.
-    pub barrier_strategy: BarrierStrategy,
-    /// Shortened steps in a row after which full steps are tried without a test for three iterations; default 0 =
-    /// never, 10 is usual. Infeasible problems may then end without being called so.
-    pub watchdog_steps: usize,
-    /// Most steps in a row that only lower the optimality error, before the restoration phase; default 0 = none, 10 is
-    /// usual.
-    pub soft_restoration_steps: usize,
     /// Least absolute distance of the first point from its bounds; default 1e-2, > 0.
     pub bound_push: f64,
     /// Least distance of the first point from two-sided bounds, relative to their distance; default
@@ -60,15 +28,9 @@ pub struct Settings {
     /// Relative relaxation of all bounds, so that a feasible set without interior gets one; default
     /// 1e-8, `>= 0`. Solutions may violate bounds by as much.
     pub bound_relaxation: f64,
-    /// Objective and rows are scaled so that gradients at the start do not exceed this; default 100.
-    pub scaling_gradient: f64,
-    /// Most second-order corrections in an iteration; default 4.
-    pub maximum_corrections: usize,
     /// Shift of the dual rows relative to `mu^0.25` that is always on; default 0. Complementarity
     /// problems use 1e-10: their Jacobians lose rank.
     pub permanent_dual_shift: f64,
-    /// Factorization; default pivoting.
-    pub linear_solver: LinearSolver,
 }
 
 impl Default for Settings {
@@ -81,16 +43,10 @@ impl Default for Settings {
             maximum_iterations: 3000,
             maximum_seconds: f64::INFINITY,
             initial_barrier_parameter: 0.1,
-            barrier_strategy: BarrierStrategy::Monotone,
-            watchdog_steps: 0,
-            soft_restoration_steps: 0,
             bound_push: 1e-2,
             bound_fraction: 1e-2,
             bound_relaxation: 0.0,
-            scaling_gradient: 100.0,
-            maximum_corrections: 4,
             permanent_dual_shift: 0.0,
-            linear_solver: LinearSolver::Pivoting,
         }
     }
 }
@@ -99,13 +55,13 @@ impl Settings {
     /// Checks every field against its range.
     ///
     /// # Errors
-    /// [`InputError::Setting`] names the first field outside its range.
-    pub fn validate(&self) -> Result<(), InputError> {
+    /// [`InputError`] names the first field outside its range.
+    pub(crate) fn validate(&self) -> Result<(), InputError> {
         let check = |name, value: f64, valid: bool, range| {
             if valid {
                 Ok(())
             } else {
-                Err(InputError::Setting { name, value, range })
+                Err(InputError::from(Fault::Setting { name, value, range }))
             }
         };
         let positive = |name, value: f64| check(name, value, value > 0.0, "(0, inf)");
@@ -120,7 +76,6 @@ impl Settings {
         positive("maximum_seconds", self.maximum_seconds)?;
         positive("initial_barrier_parameter", self.initial_barrier_parameter)?;
         positive("bound_push", self.bound_push)?;
-        positive("scaling_gradient", self.scaling_gradient)?;
         check(
             "bound_fraction",
             self.bound_fraction,

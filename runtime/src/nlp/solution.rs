@@ -26,14 +26,6 @@ pub struct Counts {
     pub restoration_iterations: usize,
     /// Numeric factorizations.
     pub factorizations: usize,
-    /// Objective evaluations.
-    pub objectives: usize,
-    /// Constraint evaluations.
-    pub constraints: usize,
-    /// Gradient and Jacobian evaluations.
-    pub jacobians: usize,
-    /// Hessian evaluations.
-    pub hessians: usize,
 }
 
 /// A row or bound that a point violates.
@@ -77,56 +69,99 @@ pub struct Solution {
     pub violations: Vec<Violation>,
 }
 
-/// Violation, complementarity and the worst rows of a point, in the user's units.
-pub(crate) fn diagnose(
-    problem: &dyn NlpProblem,
-    x: &[f64],
-    c: &[f64],
-    (y, z_lower, z_upper): (&[f64], &[f64], &[f64]),
-    tolerance: f64,
-) -> (f64, f64, Vec<Violation>) {
-    let (n, m) = (x.len(), c.len());
-    let (mut lower, mut upper) = (vec![0.0; n], vec![0.0; n]);
-    problem.variable_bounds(&mut lower, &mut upper);
-    let mut complementarity: f64 = 0.0;
-    let mut violated = Vec::new();
-    let mut primal: f64 = 0.0;
-    let mut visit = |value: f64, lower: f64, upper: f64, z_l: f64, z_u: f64, index: usize, row| {
-        let violation = (lower - value).max(value - upper).max(0.0);
-        primal = primal.max(violation);
-        if violation > tolerance || !violation.is_finite() {
-            violated.push((violation, index, row));
-        }
-        if lower < upper {
-            for (distance, z) in [(value - lower, z_l), (upper - value, z_u)] {
+/// Multipliers in the user's units.
+pub(super) struct Multipliers {
+    pub(super) rows: Vec<f64>,
+    pub(super) lower: Vec<f64>,
+    pub(super) upper: Vec<f64>,
+}
+
+/// What is wrong with a point, in the user's units.
+#[derive(Default)]
+pub(super) struct Diagnosis {
+    /// Largest violation.
+    pub(super) primal: f64,
+    /// Largest product of a distance and its multiplier.
+    pub(super) complementarity: f64,
+    /// The worst rows and variables.
+    pub(super) violations: Vec<Violation>,
+}
+
+/// A value between its bounds, with their multipliers.
+struct Bounded {
+    value: f64,
+    lower: f64,
+    upper: f64,
+    z_lower: f64,
+    z_upper: f64,
+}
+
+impl Diagnosis {
+    /// Takes in a value; returns its violation.
+    fn see(&mut self, of: &Bounded) -> f64 {
+        let violation = (of.lower - of.value).max(of.value - of.upper).max(0.0);
+        self.primal = self.primal.max(violation);
+        if of.lower < of.upper {
+            for (distance, z) in [
+                (of.value - of.lower, of.z_lower),
+                (of.upper - of.value, of.z_upper),
+            ] {
                 if distance.is_finite() {
-                    complementarity = complementarity.max((distance * z).abs());
+                    self.complementarity = self.complementarity.max((distance * z).abs());
                 }
             }
         }
-    };
+        violation
+    }
+}
+
+/// Violation, complementarity and the worst rows of a point with constraint values `c`.
+pub(super) fn diagnose(
+    problem: &dyn NlpProblem,
+    x: &[f64],
+    c: &[f64],
+    multipliers: &Multipliers,
+    tolerance: f64,
+) -> Diagnosis {
+    let (n, m) = (x.len(), c.len());
+    let (mut lower, mut upper) = (vec![0.0; n], vec![0.0; n]);
+    problem.variable_bounds(&mut lower, &mut upper);
+    let mut diagnosis = Diagnosis::default();
+    // variables, then rows
+    let mut violations = Vec::with_capacity(n + m);
     for i in 0..n {
-        visit(x[i], lower[i], upper[i], z_lower[i], z_upper[i], i, false);
+        violations.push(diagnosis.see(&Bounded {
+            value: x[i],
+            lower: lower[i],
+            upper: upper[i],
+            z_lower: multipliers.lower[i],
+            z_upper: multipliers.upper[i],
+        }));
     }
     lower.resize(m, 0.0);
     upper.resize(m, 0.0);
     problem.constraint_bounds(&mut lower[..m], &mut upper[..m]);
     for i in 0..m {
-        let (z_l, z_u) = ((-y[i]).max(0.0), y[i].max(0.0));
-        visit(c[i], lower[i], upper[i], z_l, z_u, i, true);
+        let y = multipliers.rows[i];
+        violations.push(diagnosis.see(&Bounded {
+            value: c[i],
+            lower: lower[i],
+            upper: upper[i],
+            z_lower: (-y).max(0.0),
+            z_upper: y.max(0.0),
+        }));
     }
+    let mut violated: Vec<(f64, usize)> = violations.into_iter().zip(0..).collect();
+    violated.retain(|(violation, _)| *violation > tolerance || !violation.is_finite());
     violated.sort_by(|a, b| b.0.total_cmp(&a.0));
     violated.truncate(10);
-    let violations = violated
-        .into_iter()
-        .map(|(amount, index, row)| Violation {
-            name: if row {
-                problem.constraint_name(index)
-            } else {
-                problem.variable_name(index)
-            },
-            amount,
-        })
-        .collect();
-    (primal, complementarity, violations)
+    let named = |(amount, index): (f64, usize)| Violation {
+        name: match index.checked_sub(n) {
+            Some(row) => problem.constraint_name(row),
+            None => problem.variable_name(index),
+        },
+        amount,
+    };
+    diagnosis.violations = violated.into_iter().map(named).collect();
+    diagnosis
 }

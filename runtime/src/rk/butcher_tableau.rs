@@ -44,7 +44,7 @@ impl Scheme {
 ///     | b_1  ... b_s
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct ButcherTableau {
+pub(crate) struct ButcherTableau {
     scheme: Scheme,
     a: Vec<f64>,
     a_squared: Vec<f64>,
@@ -55,11 +55,11 @@ pub struct ButcherTableau {
 
 impl ButcherTableau {
     /// Largest number of stages offered.
-    pub const MAX_STAGES: usize = 9;
+    pub(crate) const MAX_STAGES: usize = 9;
 
     /// The scheme with `stages` stages, `1..=MAX_STAGES`; `None` outside.
     #[must_use]
-    pub fn new(scheme: Scheme, stages: usize) -> Option<Self> {
+    pub(crate) fn new(scheme: Scheme, stages: usize) -> Option<Self> {
         if !(1..=Self::MAX_STAGES).contains(&stages) {
             return None;
         }
@@ -93,62 +93,56 @@ impl ButcherTableau {
         })
     }
 
-    /// The family.
-    #[must_use]
-    pub fn scheme(&self) -> Scheme {
-        self.scheme
-    }
-
     /// Number of stages `s`.
     #[must_use]
-    pub fn stages(&self) -> usize {
+    pub(crate) fn stages(&self) -> usize {
         self.c.len()
     }
 
     /// Coefficient `a_ij`.
     #[must_use]
-    pub fn a(&self, i: usize, j: usize) -> f64 {
+    pub(crate) fn a(&self, i: usize, j: usize) -> f64 {
         self.a[i * self.c.len() + j]
     }
 
     /// Coefficient `(A^2)_ij`, for second-order systems.
     #[must_use]
-    pub fn a_squared(&self, i: usize, j: usize) -> f64 {
+    pub(crate) fn a_squared(&self, i: usize, j: usize) -> f64 {
         self.a_squared[i * self.c.len() + j]
     }
 
     /// Weights `b`.
     #[must_use]
-    pub fn b(&self) -> &[f64] {
+    pub(crate) fn b(&self) -> &[f64] {
         &self.b
     }
 
     /// Weights `(b'A)_j`, for second-order systems.
     #[must_use]
-    pub fn b_times_a(&self) -> &[f64] {
+    pub(crate) fn b_times_a(&self) -> &[f64] {
         &self.b_times_a
     }
 
     /// Nodes `c`.
     #[must_use]
-    pub fn c(&self) -> &[f64] {
+    pub(crate) fn c(&self) -> &[f64] {
         &self.c
     }
 
     /// Whether the last stage is the end of the step (`c_s = 1`).
     #[must_use]
-    pub fn stiffly_accurate(&self) -> bool {
+    pub(crate) fn stiffly_accurate(&self) -> bool {
         self.scheme == Scheme::RadauIia
     }
 
     /// Dense output weights `b_j(theta) = int_0^theta l_j`: `x(theta) = x_0 + h sum_j b_j(theta) k_j`.
     /// `weights` has length `s`.
-    pub fn dense_weights(&self, theta: f64, weights: &mut [f64]) {
+    pub(crate) fn dense_weights(&self, theta: f64, weights: &mut [f64]) {
         lagrange_integrals(&self.c, theta, weights);
     }
 
     /// Values `l_j(theta)` of the Lagrange polynomials of the nodes; `values` has length `s`.
-    pub fn lagrange_values(&self, theta: f64, values: &mut [f64]) {
+    pub(crate) fn lagrange_values(&self, theta: f64, values: &mut [f64]) {
         for (j, value) in values.iter_mut().enumerate() {
             *value = lagrange(&self.c, j, theta);
         }
@@ -228,7 +222,7 @@ mod tests {
     #[test]
     fn quadrature_condition_b_holds_up_to_the_order() {
         for tableau in tableaus() {
-            for k in 1..=tableau.scheme().order(tableau.stages()) {
+            for k in 1..=tableau.scheme.order(tableau.stages()) {
                 let sum: f64 = tableau
                     .b()
                     .iter()

@@ -11,4 +11,5 @@
 mod butcher_tableau;
 mod nodes;
 
-pub use butcher_tableau::{ButcherTableau, Scheme};
+pub(crate) use butcher_tableau::ButcherTableau;
+pub use butcher_tableau::Scheme;

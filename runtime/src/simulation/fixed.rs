@@ -201,6 +201,7 @@ impl<'a> FixedRun<'a> {
             velocity: None,
             height: 0.0,
         };
+        self.dynamics.observe_rounding(t, &self.y, h);
         let impact = impact::impact(&mut self.dynamics, t, &mut self.y, None, lowest)
             .map_err(|problem| self.undetermined(t, problem))?;
         self.y[2 * n] += impact.impulse / self.settings.auxiliary_acceleration;
@@ -211,7 +212,10 @@ impl<'a> FixedRun<'a> {
             &mut self.y,
             &impact.resting,
             None,
-            h,
+            contact_mode::Outlook {
+                moment: h,
+                skipped: 0,
+            },
         )
         .map_err(|problem| self.undetermined(t, problem))?;
         if self.result.initial_modes.is_empty() {

@@ -1,8 +1,8 @@
 //! The initial value problem that every simulator takes, and the checks that come before it.
 
-use crate::model::{ContactDeclaration, ControlPiece, ImpactLaw, Model};
+use crate::model::{ContactDeclaration, ControlPiece, ImpactLaw, Model, contact_point};
 
-/// Gaps above `-GAP_TOLERANCE` times the scale of the coordinates count as "on the surface".
+/// Gaps above `-GAP_TOLERANCE` times the size of their terms count as "on the surface".
 const GAP_TOLERANCE: f64 = 1e-9;
 
 /// Initial state, horizon and controls of a simulation.
@@ -238,11 +238,14 @@ impl InitialValueProblem {
         self.check_controls(declaration.controls.len())?;
         let x = self.input(model);
         check_mass(model, &x)?;
-        let scale = self.q.iter().fold(1.0_f64, |s, &q| s.max(q.abs()));
+        let mut point = vec![0.0; contact_point::length(n)];
         for (i, contact) in declaration.contacts.iter().enumerate() {
             let gap = model.gap(i, &x);
             finite(&format!("initial gap `{}`", contact.name), gap)?;
-            if gap < -GAP_TOLERANCE * scale {
+            model.contact(i, &x, &mut point);
+            let normal = &point[contact_point::NORMAL..][..n];
+            let terms = normal.iter().zip(&self.q).map(|(n, q)| (n * q).abs());
+            if gap < -GAP_TOLERANCE * terms.sum::<f64>() {
                 return Err(InputError::StartInsideGround {
                     contact: contact.name.into(),
                     gap,

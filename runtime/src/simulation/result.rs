@@ -22,6 +22,9 @@ pub struct Simulation {
     pub trajectory: Trajectory,
     /// Largest residuals measured over the whole run.
     pub residuals: Residuals,
+    /// Error at the end relative to the largest values of the motion, where the method estimates it: the
+    /// difference to a looser run under error control, else the sum of the errors of the elements.
+    pub error_estimate: Option<f64>,
     /// Size of the largest system that was solved for one step.
     pub size: ProblemSize,
     /// Operation counts, deterministic.
@@ -47,6 +50,8 @@ pub enum SimulationStatus {
     AmbiguousContact(Diagnosis),
     /// The limit on the number of steps was reached before the horizon.
     StepLimit(Diagnosis),
+    /// Reached the horizon, but not with the accuracy that is promised.
+    Inaccurate(Diagnosis),
 }
 
 impl SimulationStatus {
@@ -59,6 +64,7 @@ impl SimulationStatus {
             Self::NotFinite(_) => "not_finite",
             Self::AmbiguousContact(_) => "ambiguous_contact",
             Self::StepLimit(_) => "step_limit",
+            Self::Inaccurate(_) => "inaccurate",
         }
     }
 
@@ -70,7 +76,8 @@ impl SimulationStatus {
             Self::StepFailed(diagnosis)
             | Self::NotFinite(diagnosis)
             | Self::AmbiguousContact(diagnosis)
-            | Self::StepLimit(diagnosis) => Some(diagnosis),
+            | Self::StepLimit(diagnosis)
+            | Self::Inaccurate(diagnosis) => Some(diagnosis),
         }
     }
 }

@@ -200,7 +200,9 @@ fn integrate(
     };
     for _ in 0..settings.max_steps {
         method.step(system, numerical_time, &y, h);
-        let error = method.error(&y, h, settings.tolerance);
+        let error = method.error(h, |k, end: f64| {
+            settings.tolerance * (1.0 + end.abs().max(y[k].abs()))
+        });
         if error > 1.0 || error.is_nan() {
             h = Dop853::smaller_size(h, error);
             if h <= SHORTEST * horizon {

@@ -1,7 +1,8 @@
 //! Fields and switching functions of the time-freezing system at a point, with derivatives.
 
-use crate::fesd::contacts::friction_coefficients;
-use crate::model::{FrictionDeclaration, ImpactLaw, Model, contact_point, tangent_point};
+use crate::model::{
+    FrictionDeclaration, ImpactLaw, Model, contact_point, friction_coefficients, tangent_point,
+};
 
 /// The time-freezing system of a scene, with the memory for one evaluation.
 #[derive(Clone)]

@@ -1,9 +1,8 @@
 //! Coulomb friction in the finite element simulator against closed forms and its own order.
 
-use crate::common::scene::HandWritten;
+use crate::common::laws::{Disc, Feet, Ground, Pulled, Rod};
 use crate::common::scenes::GRAVITY;
 use crate::common::{distance, last, start};
-use crate::fesd_scenes::{Body, FLAT, Ground, Point, Pulled, Shape};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -67,17 +66,13 @@ fn block_on_incline_slides_stops_and_stays_as_in_closed_form() {
     for (angle, mu, speed, t_stop, s_stop, sliding, stuck) in BLOCKS {
         for (mass, scale) in [(1.0, 1.0), (3.0, 2.0)] {
             let angle = f64::to_radians(angle);
-            let mut point = Point::on(
-                Ground::Plane {
-                    angle,
-                    height: 0.0,
-                    scale,
-                },
+            let mut model = Ground {
+                slope: angle,
+                scale,
                 mu,
-                0.0,
-            );
-            point.mass = mass;
-            let model = point.model();
+                ..Ground::default()
+            };
+            model.mass = mass;
             let along = [angle.cos(), -angle.sin()];
             let problem = start(&[0.0, 0.0], &along.map(|c| speed * c), 3.0);
             let simulation = solve(&Fesd::default(), &model, &problem);
@@ -103,11 +98,14 @@ fn spring_driven_block_turns_round_until_it_sticks() {
     // y'' = -w^2 y -+ mu g: half periods pi / w about centres +-delta, each extent 2 delta smaller.
     let (mu, stiffness, extent) = (0.2_f64, 25.0_f64, 1.0_f64);
     let (omega, delta) = (stiffness.sqrt(), mu * GRAVITY / stiffness);
-    let mut point = Point::on(FLAT, mu, 0.0);
-    point.stiffness = stiffness;
+    let mut model = Ground {
+        mu,
+        ..Ground::default()
+    };
+    model.stiffness = stiffness;
     let simulation = solve(
         &accurate().with_grid(100, 2),
-        &point.model(),
+        &model,
         &start(&[extent, 0.0], &[0.0, 0.0], 10.0),
     );
     let mut turn = extent;
@@ -135,11 +133,11 @@ fn pulled_block_sticks_until_the_spring_reaches_the_bound() {
     // Linear spring: slip from t = mu g / (k V), then y = V s - V / w sin(w s).
     let (mu, stiffness, speed) = (0.4, 16.0_f64, 2.0);
     let omega = stiffness.sqrt();
-    let model = HandWritten::new(Pulled {
-        friction: mu,
+    let model = Pulled {
+        mu,
         stiffness,
-        hardening: 0.0,
-    });
+        ..Pulled::default()
+    };
     let slip = mu * GRAVITY / (stiffness * speed);
     let horizon = slip + 1.0;
     let problem = start(&[0.0; 3], &[0.0, 0.0, speed], horizon);
@@ -205,7 +203,11 @@ const STEPS: [(usize, &[usize]); 4] = [
 
 #[test]
 fn order_is_kept_through_turning_round_and_sticking_on_curved_ground() {
-    let model = Point::on(Ground::Bowl { curvature: 1.5 }, 0.25, 0.0).model();
+    let model = Ground {
+        curvature: 1.5,
+        mu: 0.25,
+        ..Ground::default()
+    };
     let problem = start(&[0.8, 0.48], &[0.0, 0.0], 3.0);
     let events = [EventKind::Slip, EventKind::Stick];
     for (stages, steps) in STEPS {
@@ -221,11 +223,12 @@ fn order_is_kept_through_turning_round_and_sticking_on_curved_ground() {
 
 #[test]
 fn order_is_kept_through_the_start_of_a_slip() {
-    let model = HandWritten::new(Pulled {
-        friction: 0.4,
+    let model = Pulled {
+        mu: 0.4,
         stiffness: 5.0,
         hardening: 40.0,
-    });
+        ..Pulled::default()
+    };
     let problem = start(&[0.0; 3], &[0.0, 0.0, 1.5], 1.0);
     for (stages, steps) in STEPS {
         let errors = errors(&model, &problem, stages, steps, &[EventKind::Slip]);
@@ -242,14 +245,11 @@ fn order_is_kept_through_the_start_of_a_slip() {
 fn disc_with_spin_slips_or_grips_at_an_impact() {
     // Unit mass, inertia k^2; p = v_z-. Grip: s = -(v_y + r w) / (1 + r^2 / k^2), if |s| <= mu p.
     let (radius, gyration) = (0.5_f64, 0.4_f64);
-    let body = |friction| {
-        Body {
-            gyration,
-            shape: Shape::Disc { radius },
-            friction,
-            restitution: 0.0,
-        }
-        .model()
+    let body = |friction| Disc {
+        radius,
+        shape: (gyration / radius).powi(2),
+        mu: friction,
+        ..Disc::default()
     };
     let (v_y, fall, spin) = (1.0_f64, 3.0_f64, 4.0_f64);
     let full = (v_y + radius * spin) / (1.0 + (radius / gyration).powi(2));
@@ -279,13 +279,12 @@ fn disc_with_spin_slips_or_grips_at_an_impact() {
 #[test]
 fn sliding_disc_rolls_after_the_time_of_the_closed_form() {
     let (radius, gyration, mu, v_y, spin) = (0.5_f64, 0.4_f64, 0.3_f64, 2.0_f64, 6.0_f64);
-    let model = Body {
-        gyration,
-        shape: Shape::Disc { radius },
-        friction: mu,
-        restitution: 0.0,
-    }
-    .model();
+    let model = Disc {
+        radius,
+        shape: (gyration / radius).powi(2),
+        mu,
+        ..Disc::default()
+    };
     let problem = start(&[0.0, radius, 0.0], &[v_y, 0.0, spin], 3.0);
     let simulation = solve(&Fesd::default(), &model, &problem);
     assert_eq!(kinds(&simulation), [EventKind::Stick]);
@@ -307,13 +306,12 @@ fn coupled_impact_of_a_rod_follows_the_mode_that_is_consistent() {
         (-1.2, 0.05, [1.0, -2.0, 0.0]),
     ] {
         let (half, gyration) = (1.0, 0.577_f64);
-        let model = Body {
-            gyration,
-            shape: Shape::Rod { half_length: half },
-            friction: mu,
-            restitution: 0.0,
-        }
-        .model();
+        let model = Rod {
+            inertia: gyration * gyration,
+            arm: half,
+            mu,
+            ..Rod::default()
+        };
         let (n, b) = ([0.0, 1.0, half * phi.cos()], [1.0, 0.0, -half * phi.sin()]);
         let inverse = [1.0, 1.0, gyration.powi(-2)];
         let product =
@@ -355,16 +353,13 @@ fn coupled_impact_of_a_rod_follows_the_mode_that_is_consistent() {
 #[test]
 fn both_feet_of_a_bar_stick_and_slip_together() {
     // Horizontal push of the floor's frame: the bar decelerates at mu g, stops, and stays on both feet.
-    let model = Body {
+    let model = Feet {
         gyration: 0.6,
-        shape: Shape::Tips {
-            front: 0.5,
-            rear: 0.8,
-        },
-        friction: 0.3,
-        restitution: 0.0,
-    }
-    .model();
+        front: 0.5,
+        rear: 0.8,
+        mu: 0.3,
+        ..Feet::default()
+    };
     let problem = start(&[0.0, 0.0, 0.0], &[1.5, 0.0, 0.0], 1.0);
     let simulation = solve(&Fesd::default(), &model, &problem);
     let time = 1.5 / (0.3 * GRAVITY);
@@ -387,7 +382,10 @@ fn both_feet_of_a_bar_stick_and_slip_together() {
 #[test]
 fn control_jumps_decide_between_sticking_and_slipping() {
     let (mu, mass) = (0.5, 1.0);
-    let model = Point::on(FLAT, mu, 0.0).model();
+    let model = Ground {
+        mu,
+        ..Ground::default()
+    };
     let problem = InitialValueProblem {
         controls: ControlSignal::PiecewiseConstant {
             times: vec![0.0, 0.5, 1.0, 1.5],
@@ -417,13 +415,12 @@ fn control_jumps_decide_between_sticking_and_slipping() {
 fn painleve_rod_ends_as_ambiguous_contact_with_a_diagnosis() {
     // n' (d - mu e) = 1 - mu D_nb / D_nn < 0 while it slides forward and presses: no force holds it.
     let (phi, half, gyration, mu) = (-0.9_f64, 1.0_f64, 0.577_f64, 2.5_f64);
-    let model = Body {
-        gyration,
-        shape: Shape::Rod { half_length: half },
-        friction: mu,
-        restitution: 0.0,
-    }
-    .model();
+    let model = Rod {
+        inertia: gyration * gyration,
+        arm: half,
+        mu,
+        ..Rod::default()
+    };
     let (normal, across) = (half * phi.cos(), -half * phi.sin());
     let coupling = normal * across / gyration.powi(2);
     let own = 1.0 + (normal / gyration).powi(2);

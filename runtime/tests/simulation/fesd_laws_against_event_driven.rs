@@ -1,8 +1,8 @@
 //! Restitution and friction in the finite element simulator against the event-driven one on random scenes:
 //! two implementations of the laws that share nothing but the model's functions.
 
+use crate::common::laws::{Feet, Ground, Rod};
 use crate::common::{check_energy, distance, last, start};
-use crate::fesd_scenes::{Body, Ground, Point, Shape};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -97,13 +97,20 @@ fn agree(
 
 fn ground() -> impl Strategy<Value = Ground> {
     prop_oneof![
-        (-0.6..0.6_f64, 0.5..2.0_f64).prop_map(|(angle, scale)| Ground::Plane {
-            angle,
-            height: 0.0,
-            scale
+        (-0.6..0.6_f64, 0.5..2.0_f64).prop_map(|(angle, scale)| Ground {
+            slope: angle,
+            scale,
+            ..Ground::default()
         }),
-        (0.2..2.0_f64).prop_map(|curvature| Ground::Bowl { curvature }),
-        (0.02..0.4_f64, 0.5..4.0_f64).prop_map(|(height, number)| Ground::Waves { height, number }),
+        (0.2..2.0_f64).prop_map(|curvature| Ground {
+            curvature,
+            ..Ground::default()
+        }),
+        (0.02..0.4_f64, 0.5..4.0_f64).prop_map(|(height, number)| Ground {
+            height,
+            number,
+            ..Ground::default()
+        }),
     ]
 }
 
@@ -121,9 +128,8 @@ proptest! {
         (y, above) in (-1.0..1.0_f64, prop::sample::select(vec![0.0, 0.05, 0.3])),
         (along, up) in (-3.0..3.0_f64, -1.0..1.0_f64),
     ) {
-        let point = Point::on(ground, friction, restitution);
-        let z = ground.height(y) + above;
-        let model = point.model();
+        let model = Ground { mu: friction, e: restitution, ..ground.clone() };
+        let z = ground.height_at(y) + above;
         // Distances between neighbouring motions grow a few times from bounce to bounce on curved ground.
         agree(&model, &start(&[y, z], &[along, up], 1.5), 1e-9)?;
     }
@@ -135,13 +141,13 @@ proptest! {
         y in -0.5..0.5_f64,
         forces in prop::collection::vec(-12.0..12.0, 6),
     ) {
-        let model = Point::on(ground, friction, 0.0).model();
+        let model = Ground { mu: friction, ..ground.clone() };
         let problem = InitialValueProblem {
             controls: ControlSignal::PiecewiseConstant {
                 times: (0..6).map(|k| 0.25 * f64::from(k)).collect(),
                 values: forces.into_iter().map(|force: f64| vec![force]).collect(),
             },
-            ..start(&[y, ground.height(y)], &[0.0, 0.0], 1.5)
+            ..start(&[y, ground.height_at(y)], &[0.0, 0.0], 1.5)
         };
         agree(&model, &problem, 1e-9)?;
     }
@@ -152,14 +158,9 @@ proptest! {
         (phi, above) in (-1.4..-0.5_f64, 0.0..0.3_f64),
         (along, up, spin) in (-2.0..2.0_f64, -1.0..0.0_f64, -2.0..2.0_f64),
     ) {
-        let body = Body {
-            gyration: 0.577,
-            shape: Shape::Rod { half_length: 1.0 },
-            friction,
-            restitution,
-        };
+        let body = Rod { inertia: 0.577 * 0.577, arm: 1.0, mu: friction, e: restitution, ..Rod::default() };
         let q = [0.0, -phi.sin() + above, phi];
-        agree(&body.model(), &start(&q, &[along, up, spin], 0.4), 1e-9)?;
+        agree(&body, &start(&q, &[along, up, spin], 0.4), 1e-9)?;
     }
 
     #[test]
@@ -169,14 +170,9 @@ proptest! {
         (phi, above) in (-0.3..0.3_f64, 0.0..0.1_f64),
         (along, spin) in (-2.0..2.0_f64, -0.5..0.5_f64),
     ) {
-        let body = Body {
-            gyration,
-            shape: Shape::Tips { front, rear },
-            friction,
-            restitution: 0.0,
-        };
+        let body = Feet { gyration, front, rear, mu: friction, ..Feet::default() };
         let q = [0.0, f64::max(front, rear) * phi.abs().sin() + above, phi];
         // The last impacts of a rocking bar are left out, at speeds of about 1e-7.
-        agree(&body.model(), &start(&q, &[along, 0.0, spin], 0.3), 1e-8)?;
+        agree(&body, &start(&q, &[along, 0.0, spin], 0.3), 1e-8)?;
     }
 }

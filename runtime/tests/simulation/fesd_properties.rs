@@ -1,9 +1,9 @@
 //! Finite elements with switch detection on random scenes: every run reaches its horizon, penetrates no
 //! more than its tolerance explains, and gains no energy.
 
+use crate::common::laws::{Ground, rough_crate};
 use crate::common::scenes;
 use crate::common::{check_energy, gap_at, start};
-use crate::fesd_scenes::{Ground, Point, RoughCrate};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -140,7 +140,7 @@ proptest! {
         friction in prop::sample::select(vec![0.1, 0.3, 0.6]),
         settings in settings(),
     ) {
-        let model = RoughCrate { half_width, half_height, half_room: 1.0, friction }.model();
+        let model = rough_crate(half_width, half_height, friction);
         let problem = start(&[y, z, angle], &[along, up, spin], 2.0);
         let simulation = checked(&model, &problem, settings)?;
         // A crate wedged between floor and wall presses with several times its weight.
@@ -156,9 +156,9 @@ proptest! {
         (friction, restitution) in (0.0..1.2, prop::sample::select(vec![0.0, 0.4, 0.8])),
         settings in settings(),
     ) {
-        let ground = Ground::Waves { height, number };
-        let model = Point::on(ground, friction, restitution).model();
-        let problem = start(&[y, ground.height(y) + above], &[along, up], 2.0);
+        let ground = Ground { height, number, ..Ground::default() };
+        let model = Ground { mu: friction, e: restitution, ..ground.clone() };
+        let problem = start(&[y, ground.height_at(y) + above], &[along, up], 2.0);
         let simulation = checked(&model, &problem, settings)?;
         check_complementarity(&simulation, 10.0)?;
         check_energy(&model, &simulation, settings.1)?;

@@ -1,9 +1,8 @@
 //! Restitution in the finite element simulator against closed forms.
 
-use crate::common::scene::{HandWritten, Number, Scene};
+use crate::common::laws::{Ground, SmoothRoom};
 use crate::common::scenes::GRAVITY;
 use crate::common::{distance, energies, last, start};
-use crate::fesd_scenes::{FLAT, Ground, Point};
 use hangtime::model::{Model, contact_point};
 use hangtime::rk::Scheme;
 use hangtime::simulation::{Event, EventKind, Fesd, Simulation, SimulationStatus, Simulator};
@@ -40,7 +39,10 @@ fn normal_velocity(model: &dyn Model, q: &[f64], v: &[f64]) -> f64 {
 #[test]
 fn bouncing_ball_reaches_the_heights_and_times_of_the_geometric_series() {
     for e in [0.3, 0.5, 0.9, 1.0] {
-        let model = Point::on(FLAT, 0.0, e).model();
+        let model = Ground {
+            e,
+            ..Ground::default()
+        };
         let simulator = Fesd::default().with_rest_velocity(1e-5);
         let simulation = simulate(&simulator, &model, &[0.0, 1.0], &[1.0, 0.0], 6.0);
         let mut time = (2.0 / GRAVITY).sqrt();
@@ -74,29 +76,35 @@ fn bouncing_ball_reaches_the_heights_and_times_of_the_geometric_series() {
 #[test]
 fn restitution_is_that_of_the_law_whatever_mass_ground_and_scale() {
     let grounds = [
-        FLAT,
-        Ground::Plane {
-            angle: 0.0,
-            height: 0.2,
-            scale: 1.0,
+        Ground::default(),
+        Ground {
+            offset: 0.2,
+            ..Ground::default()
         },
-        Ground::Plane {
-            angle: 0.4,
-            height: -0.3,
+        Ground {
+            slope: 0.4,
+            offset: -0.3,
             scale: 2.0,
+            ..Ground::default()
         },
-        Ground::Bowl { curvature: 0.7 },
-        Ground::Waves {
+        Ground {
+            curvature: 0.7,
+            ..Ground::default()
+        },
+        Ground {
             height: 0.3,
             number: 2.0,
+            ..Ground::default()
         },
     ];
     for e in [0.3, 0.5, 0.9, 1.0] {
         for mass in [1.0, 2.0, 10.0] {
-            for ground in grounds {
-                let mut point = Point::on(ground, 0.0, e);
-                point.mass = mass;
-                let model = point.model();
+            for ground in &grounds {
+                let mut model = Ground {
+                    e,
+                    ..ground.clone()
+                };
+                model.mass = mass;
                 let simulation = simulate(&accurate(), &model, &[0.3, 1.0], &[0.5, 0.0], 1.0);
                 let impacts = impacts(&simulation);
                 assert!(!impacts.is_empty());
@@ -114,45 +122,9 @@ fn restitution_is_that_of_the_law_whatever_mass_ground_and_scale() {
     }
 }
 
-/// An elastic ball in a box without gravity: four walls.
-#[derive(Debug, Clone)]
-struct Box {
-    restitution: f64,
-}
-
-impl Scene<2, 0> for Box {
-    fn coordinates(&self) -> [&'static str; 2] {
-        ["y", "z"]
-    }
-    fn contacts(&self) -> &'static [&'static str] {
-        &["floor", "ceiling", "left", "right"]
-    }
-    fn mass<D: Number>(&self, _q: &[D; 2]) -> [[D; 2]; 2] {
-        let (m, o) = (D::from(2.0), D::from(0.0));
-        [[m, o], [o, m]]
-    }
-    fn force<D: Number>(&self, _q: &[D; 2], _v: &[D; 2], _u: &[D; 0]) -> [D; 2] {
-        [D::from(0.0); 2]
-    }
-    fn potential(&self, _q: &[f64; 2]) -> f64 {
-        0.0
-    }
-    fn gap<D: Number>(&self, contact: usize, q: &[D; 2]) -> D {
-        match contact {
-            0 => q[1],
-            1 => -q[1] + 1.0,
-            2 => q[0],
-            _ => -q[0] + 1.0,
-        }
-    }
-    fn restitution(&self, _contact: usize) -> f64 {
-        self.restitution
-    }
-}
-
 #[test]
 fn elastic_ball_in_a_box_keeps_its_energy_over_hundreds_of_bounces_and_corners() {
-    let model = HandWritten::new(Box { restitution: 1.0 });
+    let model = SmoothRoom::default();
     // Along the diagonal every bounce is in a corner; off it the walls are met one by one.
     for (q, v) in [([0.5, 0.5], [10.0, 10.0]), ([0.3, 0.4], [11.0, 7.0])] {
         let simulation = simulate(&Fesd::default(), &model, &q, &v, 20.0);
@@ -176,7 +148,10 @@ fn elastic_ball_in_a_box_keeps_its_energy_over_hundreds_of_bounces_and_corners()
 
 #[test]
 fn resting_ball_does_not_bounce_and_a_bounce_lets_it_fly() {
-    let model = Point::on(FLAT, 0.0, 0.8).model();
+    let model = Ground {
+        e: 0.8,
+        ..Ground::default()
+    };
     let still = simulate(&Fesd::default(), &model, &[0.0, 0.0], &[1.0, 0.0], 1.0);
     assert!(still.events.is_empty());
     assert!(still.notes.is_empty());
@@ -187,7 +162,10 @@ fn resting_ball_does_not_bounce_and_a_bounce_lets_it_fly() {
 
 #[test]
 fn rest_velocity_decides_how_many_bounces_are_carried_out() {
-    let model = Point::on(FLAT, 0.0, 0.5).model();
+    let model = Ground {
+        e: 0.5,
+        ..Ground::default()
+    };
     let count = |rest: f64| {
         let simulator = Fesd::default().with_rest_velocity(rest);
         let simulation = simulate(&simulator, &model, &[0.0, 1.0], &[0.0, 0.0], 3.0);

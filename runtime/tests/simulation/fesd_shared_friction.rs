@@ -3,11 +3,9 @@
 //! and impacts that Newton's law lets gain energy.
 
 use crate::common::event::{accurate, sequence};
-use crate::common::laws::{Rod, Table};
-use crate::common::scene::HandWritten;
+use crate::common::laws::{Rod, Table, Wedge, rough_crate};
 use crate::common::scenes::GRAVITY;
 use crate::common::{distance, last, start};
-use crate::fesd_scenes::{RoughCrate, Wedge};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -37,12 +35,10 @@ fn sliding_table_stops_on_both_feet_at_once() {
     let (mu, height) = (0.5, 0.6);
     let model = Table {
         height,
-        stiffness: 0.0,
-        belt: 0.0,
-        restitution: 0.0,
-        friction: mu,
-    }
-    .model();
+
+        mu,
+        ..Table::default()
+    };
     let problem = start(&[0.0, height, 0.0], &[2.0, 0.0, 0.0], 1.0);
     let expected = run(&accurate(), &model, &problem);
     for simulator in both() {
@@ -78,10 +74,11 @@ fn mass_that_falls_into_a_wedge_comes_to_rest_in_its_corner() {
         (1.5, 0.0),
         (1.5, 0.5),
     ] {
-        let model = HandWritten::new(Wedge {
-            friction,
-            restitution,
-        });
+        let model = Wedge {
+            mu: friction,
+            e: restitution,
+            ..Wedge::default()
+        };
         let case = format!("mu {friction}, e {restitution}");
         let expected = run(&accurate(), &model, &problem);
         for simulator in both() {
@@ -155,13 +152,7 @@ const ROCKING: [Rocking; 2] = [
 #[test]
 fn crate_that_rocks_ever_faster_comes_to_rest_without_the_complementarity_problem() {
     for (half_width, half_height, q, v, friction, stages, tolerance) in ROCKING {
-        let model = RoughCrate {
-            half_width,
-            half_height,
-            half_room: 1.0,
-            friction,
-        }
-        .model();
+        let model = rough_crate(half_width, half_height, friction);
         let problem = start(&q, &v, 2.0);
         let simulation = run(&controlled(stages, tolerance), &model, &problem);
         assert_eq!(simulation.status, SimulationStatus::Solved);
@@ -183,10 +174,9 @@ fn rod_whose_force_grows_without_bound_ends_with_a_status() {
     // Slides towards the angle at which 1 - mu |n'e| vanishes; its force passes 1e5 N on the way there.
     let (mu, angle, spin): (f64, f64, f64) = (1.9169, 2.5735, -2.2747);
     let model = Rod {
-        restitution: 0.0,
-        friction: mu,
-    }
-    .model();
+        mu,
+        ..Rod::default()
+    };
     let v = [7.1806 - angle.sin() * spin, angle.cos() * spin, spin];
     let problem = start(&[0.0, angle.sin(), angle], &v, 1.0);
     let expected = run(&EventDriven::default(), &model, &problem);
@@ -212,10 +202,9 @@ fn rod_whose_force_grows_without_bound_ends_with_a_status() {
 #[test]
 fn rod_that_slides_into_the_paradox_ends_with_a_status() {
     let model = Rod {
-        restitution: 0.0,
-        friction: 1.8,
-    }
-    .model();
+        mu: 1.8,
+        ..Rod::default()
+    };
     for tenth in 7..16 {
         let angle = f64::from(tenth) / 10.0;
         for sliding in [-6.0, -3.0, -1.0, 1.0, 3.0] {
@@ -250,10 +239,10 @@ fn impact_that_raises_the_kinetic_energy_is_noted_with_its_figures() {
     let problem = start(&[0.0, sin, angle], &[0.7, -1.0, 0.0], 0.01);
     for (restitution, gains) in [(0.95, true), (0.5, false)] {
         let model = Rod {
-            restitution,
-            friction: 1.0,
-        }
-        .model();
+            e: restitution,
+            mu: 1.0,
+            ..Rod::default()
+        };
         let gain = 0.5 * (twice(restitution, 0.0) - twice(-1.0, 0.7));
         assert_eq!(gain > 0.0, gains);
         for simulator in both() {

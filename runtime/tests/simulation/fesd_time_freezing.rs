@@ -1,9 +1,9 @@
 //! Friction and restitution in the complementarity problem of the time-freezing system: every step of a
 //! motion solved by it, against closed forms.
 
+use crate::common::laws::{Disc, Ground};
 use crate::common::scenes::GRAVITY;
 use crate::common::{distance, last, start};
-use crate::fesd_scenes::{Body, FLAT, Ground, Point, Shape};
 use hangtime::model::{Model, contact_point};
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -36,12 +36,14 @@ const SOLVED: f64 = 1e-9;
 #[test]
 fn block_on_incline_stops_where_the_closed_form_does() {
     let (angle, mu, speed) = (15.0_f64.to_radians(), 0.5, 3.0);
-    let ground = Ground::Plane {
-        angle,
-        height: 0.0,
-        scale: 1.0,
+    let ground = Ground {
+        slope: angle,
+        ..Ground::default()
     };
-    let model = Point::on(ground, mu, 0.0).model();
+    let model = Ground {
+        mu,
+        ..ground.clone()
+    };
     let along = [angle.cos(), -angle.sin()];
     let problem = start(&[0.0, 0.0], &along.map(|c| speed * c), 2.0);
     let simulation = solve(&time_freezing(10), &model, &problem);
@@ -56,25 +58,30 @@ fn block_on_incline_stops_where_the_closed_form_does() {
 #[test]
 fn restitution_is_that_of_the_law_whatever_mass_ground_and_scale() {
     let grounds = [
-        FLAT,
-        Ground::Plane {
-            angle: 0.0,
-            height: 0.2,
-            scale: 1.0,
+        Ground::default(),
+        Ground {
+            offset: 0.2,
+            ..Ground::default()
         },
-        Ground::Plane {
-            angle: 0.4,
-            height: -0.3,
+        Ground {
+            slope: 0.4,
+            offset: -0.3,
             scale: 2.0,
+            ..Ground::default()
         },
-        Ground::Bowl { curvature: 0.7 },
+        Ground {
+            curvature: 0.7,
+            ..Ground::default()
+        },
     ];
     for e in [0.3, 0.5, 0.9, 1.0] {
-        for (k, ground) in grounds.into_iter().enumerate() {
-            let mut point = Point::on(ground, 0.0, e);
-            point.mass = [1.0, 2.0, 10.0, 10.0][k];
-            let model = point.model();
-            let q = [0.3, ground.height(0.3) + 0.1];
+        for (k, ground) in grounds.iter().enumerate() {
+            let mut model = Ground {
+                e,
+                ..ground.clone()
+            };
+            model.mass = [1.0, 2.0, 10.0, 10.0][k];
+            let q = [0.3, ground.height_at(0.3) + 0.1];
             let simulation = solve(&time_freezing(1), &model, &start(&q, &[0.5, -1.0], 0.12));
             assert_eq!(kinds(&simulation), [EventKind::Impact], "{e} {ground:?}");
             let impact = &simulation.events[0];
@@ -105,14 +112,15 @@ fn bounce_with_friction_slips_or_grips_as_the_impact_law_says() {
     let speed = (fall * fall + 2.0 * GRAVITY * above).sqrt();
     let full = (v_y + radius * spin) / (1.0 + (radius / gyration).powi(2));
     for mu in [0.1, 0.5] {
-        let body = Body {
-            gyration,
-            shape: Shape::Disc { radius },
-            friction: mu,
-            restitution: e,
+        let body = Disc {
+            radius,
+            shape: (gyration / radius).powi(2),
+            mu,
+            e,
+            ..Disc::default()
         };
         let problem = start(&[0.0, radius + above, 0.0], &[v_y, -fall, spin], 0.06);
-        let simulation = solve(&time_freezing(1), &body.model(), &problem);
+        let simulation = solve(&time_freezing(1), &body, &problem);
         assert_eq!(kinds(&simulation), [EventKind::Impact]);
         let s = -full.min(mu * (1.0 + e) * speed);
         let after = [v_y + s, e * speed, spin + radius * s / gyration.powi(2)];
@@ -129,11 +137,14 @@ fn bounce_with_friction_slips_or_grips_as_the_impact_law_says() {
 #[test]
 fn block_on_a_spring_turns_round_as_in_closed_form() {
     let (mu, stiffness) = (0.2, 25.0_f64);
-    let mut point = Point::on(FLAT, mu, 0.0);
-    point.stiffness = stiffness;
+    let mut model = Ground {
+        mu,
+        ..Ground::default()
+    };
+    model.stiffness = stiffness;
     let simulation = solve(
         &time_freezing(20),
-        &point.model(),
+        &model,
         &start(&[1.0, 0.0], &[0.0, 0.0], 2.0),
     );
     assert_eq!(kinds(&simulation), [EventKind::Slip; 3]);
@@ -150,7 +161,10 @@ fn block_on_a_spring_turns_round_as_in_closed_form() {
 
 #[test]
 fn bounces_faster_than_the_steps_end_by_the_rest_velocity_or_with_a_remedy() {
-    let model = Point::on(FLAT, 0.0, 0.5).model();
+    let model = Ground {
+        e: 0.5,
+        ..Ground::default()
+    };
     let problem = start(&[0.0, 0.1], &[0.0, 0.0], 0.6);
     let stopped = time_freezing(6)
         .simulate(&model, &problem, &mut |_| {})

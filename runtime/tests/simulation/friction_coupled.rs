@@ -1,6 +1,7 @@
 //! Coulomb friction in the event-driven simulator where normal and tangential directions couple, or several
 //! contacts meet: shared loads, Painleve's paradox, random motions.
 
+use crate::common::assembled::Assembled;
 use crate::common::event::{accurate, run, sequence};
 use crate::common::laws::{Rod, Room, Table};
 use crate::common::scenes::GRAVITY;
@@ -15,14 +16,15 @@ fn tables_share_the_load_of_two_sticking_feet() {
     for height in [0.3, 0.8] {
         let (stiffness, mu, belt) = (16.0_f64, 0.4, 0.5);
         let omega = stiffness.sqrt();
-        let model = Table {
-            height,
-            stiffness,
+        let model = Assembled::on_belt(
+            &Table {
+                height,
+                stiffness,
+                mu,
+                ..Table::default()
+            },
             belt,
-            restitution: 0.0,
-            friction: mu,
-        }
-        .model();
+        );
         let rest = mu * GRAVITY / stiffness;
         // Starts at rest on the belt where the spring is not strained.
         let problem = start(&[0.0, height, 0.0], &[belt, 0.0, 0.0], 1.2);
@@ -63,12 +65,10 @@ fn sliding_table_stops_on_both_feet_at_once() {
     let (mu, height) = (0.5, 0.6);
     let model = Table {
         height,
-        stiffness: 0.0,
-        belt: 0.0,
-        restitution: 0.0,
-        friction: mu,
-    }
-    .model();
+
+        mu,
+        ..Table::default()
+    };
     let simulation = run(
         &accurate(),
         &model,
@@ -90,10 +90,9 @@ fn rod_whose_force_grows_without_bound_ends_with_the_paradox_by_name() {
     // Slides towards the angle at which 1 - mu |n'e| vanishes; its force passes 1e5 N on the way there.
     let (mu, angle, spin): (f64, f64, f64) = (1.9169, 2.5735, -2.2747);
     let model = Rod {
-        restitution: 0.0,
-        friction: mu,
-    }
-    .model();
+        mu,
+        ..Rod::default()
+    };
     let v = [7.1806 - angle.sin() * spin, angle.cos() * spin, spin];
     let mut times = Vec::new();
     for tolerance in [1e-6, 1e-9, 1e-12] {
@@ -130,10 +129,9 @@ fn rod_sliding_where_friction_jams_ends_with_the_paradox_by_name() {
     // the lean, the weight would push the tip in (no solution), or fast rotation lift it (two solutions).
     let angle = 2.0_f64.atan();
     let model = Rod {
-        restitution: 0.0,
-        friction: 1.8,
-    }
-    .model();
+        mu: 1.8,
+        ..Rod::default()
+    };
     for spin in [0.0, 8.0] {
         for direction in [-1.0, 1.0] {
             // The tip slides with direction * 2 m/s and has no normal velocity.
@@ -170,10 +168,9 @@ fn rod_sliding_where_friction_jams_ends_with_the_paradox_by_name() {
 #[test]
 fn rod_that_slides_into_the_paradox_ends_with_a_status() {
     let model = Rod {
-        restitution: 0.0,
-        friction: 1.8,
-    }
-    .model();
+        mu: 1.8,
+        ..Rod::default()
+    };
     for tenth in 7..16 {
         let angle = f64::from(tenth) / 10.0;
         for sliding in [-6.0, -3.0, -1.0, 1.0, 3.0] {
@@ -202,10 +199,9 @@ fn rod_that_slides_into_the_paradox_ends_with_a_status() {
 fn ball_in_a_corner_with_friction_rests_on_both_surfaces() {
     let model = Room {
         gravity: GRAVITY,
-        restitution: 0.0,
-        friction: 0.5,
-    }
-    .model();
+        mu: 0.5,
+        ..Room::default()
+    };
     let simulation = run(&accurate(), &model, &start(&[0.5, 0.2], &[2.0, 0.0], 2.0));
     assert_eq!(simulation.status, SimulationStatus::Solved);
     let (q, v) = last(&simulation.trajectory);
@@ -233,7 +229,7 @@ proptest! {
         (along, up, spin) in (-3.0..3.0, -3.0..3.0, -3.0..3.0),
         stiffness in prop::sample::select(vec![0.0, 20.0]),
     ) {
-        let model = Table { height: feet, stiffness, belt: 0.0, restitution: 0.0, friction: mu }.model();
+        let model = Table { height: feet, stiffness, mu, ..Table::default() };
         let z = angle.sin().abs() + feet * angle.cos() + above;
         let problem = start(&[0.0, z, angle], &[along, up, spin], 2.0);
         let simulation = run(&EventDriven::default(), &model, &problem);
@@ -249,7 +245,7 @@ proptest! {
         angle in 0.2..1.5_f64,
         (above, along, up, spin) in (0.0..0.5, -3.0..3.0, -3.0..3.0, -3.0..3.0),
     ) {
-        let model = Rod { restitution: 0.0, friction: mu }.model();
+        let model = Rod { mu, ..Rod::default() };
         let problem = start(&[0.0, angle.sin() + above, angle], &[along, up, spin], 1.0);
         let simulation = run(&EventDriven::default(), &model, &problem);
         prop_assert_eq!(&simulation.status, &SimulationStatus::Solved);
@@ -261,7 +257,7 @@ proptest! {
         (e, mu) in (0.0..1.0_f64, 0.0..1.0_f64),
         (y, z, along, up) in (0.0..1.0, 0.0..1.0, -5.0..5.0, -5.0..5.0),
     ) {
-        let model = Room { gravity: GRAVITY, restitution: e, friction: mu }.model();
+        let model = Room { gravity: GRAVITY, e, mu, ..Room::default() };
         let simulation = run(&EventDriven::default(), &model, &start(&[y, z], &[along, up], 5.0));
         prop_assert_eq!(&simulation.status, &SimulationStatus::Solved);
         check_energy(&model, &simulation, 1e-9)?;

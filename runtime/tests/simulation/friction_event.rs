@@ -1,8 +1,9 @@
 //! Coulomb friction in the event-driven simulator, against closed forms.
 
+use crate::common::assembled::Assembled;
 use crate::common::event::{accurate, run, sequence};
 use crate::common::gold;
-use crate::common::laws::{Belt, Bowl, CrankBrake, Disc, Ground};
+use crate::common::laws::{Bowl, CrankBrake, Disc, Ground};
 use crate::common::scenes::GRAVITY;
 use crate::common::{distance, energies, index_at, last, start};
 use hangtime::simulation::{
@@ -19,10 +20,9 @@ fn block_on_an_incline_stops_and_stays_as_certified() {
                 mass,
                 slope,
                 scale,
-                friction: gold.mu,
+                mu: gold.mu,
                 ..Ground::default()
-            }
-            .model();
+            };
             let problem = start(&[0.0; 2], &[gold.speed * cos, -gold.speed * sin], 3.0);
             let simulator = EventDriven {
                 output_times: 6,
@@ -67,10 +67,9 @@ fn block_on_a_steep_incline_turns_round_and_slides_back() {
     let (sin, cos) = slope.sin_cos();
     let model = Ground {
         slope,
-        friction: mu,
+        mu,
         ..Ground::default()
-    }
-    .model();
+    };
     // Up the slope with 3 m/s: tan 0.6 = 0.68 > mu.
     let simulation = run(
         &accurate(),
@@ -94,11 +93,11 @@ fn block_on_a_steep_incline_turns_round_and_slides_back() {
 fn friction_of_zero_is_no_friction() {
     let with = |friction| {
         let model = Ground {
-            waves: (0.3, 2.0),
-            friction,
+            height: 0.3,
+            number: 2.0,
+            mu: friction,
             ..Ground::default()
-        }
-        .model();
+        };
         run(
             &EventDriven::default(),
             &model,
@@ -130,10 +129,9 @@ fn block_at_the_angle_of_friction_rests_or_keeps_its_speed() {
     let slope = 0.5_f64;
     let model = Ground {
         slope,
-        friction: slope.tan(),
+        mu: slope.tan(),
         ..Ground::default()
-    }
-    .model();
+    };
     for speed in [0.0, 1.0] {
         let v = [speed * slope.cos(), -speed * slope.sin()];
         let simulation = run(&accurate(), &model, &start(&[0.0; 2], &v, 5.0));
@@ -149,7 +147,10 @@ fn block_in_a_bowl_slides_turns_and_stops_as_in_the_closed_form() {
     // In a round bowl at the angle a from its bottom, with w = a'^2 and radius 1, sliding to growing a:
     // w' = -2 mu w - 2 g (sin a + mu cos a), linear in w.
     let mu = 0.08;
-    let model = Bowl { friction: mu }.model();
+    let model = Bowl {
+        mu,
+        ..Bowl::default()
+    };
     let after = |w: f64, from: f64, to: f64, sign: f64| {
         // Sliding to falling a is the mirror image.
         let (from, to) = (sign * from, sign * to);
@@ -209,10 +210,9 @@ fn control_jumps_make_a_sticking_block_slip_and_stop() {
     // mu g = 4.905: held below that, pushed with 7 from 0.5 s to 1 s, then braked.
     let mu = 0.5;
     let model = Ground {
-        friction: mu,
+        mu,
         ..Ground::default()
-    }
-    .model();
+    };
     let problem = InitialValueProblem {
         controls: ControlSignal::PiecewiseConstant {
             times: vec![0.0, 0.25, 0.5, 1.0],
@@ -250,12 +250,11 @@ fn control_jumps_make_a_sticking_block_slip_and_stop() {
 fn oscillator_with_dry_friction_loses_the_same_at_every_turn() {
     // y'' = -w^2 y -+ mu g: half swings of the time pi / w about +- mu g / w^2.
     let (stiffness, mu) = (25.0_f64, 0.2);
-    let model = Belt {
+    let model = Ground {
         stiffness,
-        belt: 0.0,
-        friction: mu,
-    }
-    .model();
+        mu,
+        ..Ground::default()
+    };
     let simulation = run(&accurate(), &model, &start(&[1.0, 0.0], &[0.0; 2], 6.0));
     assert_eq!(simulation.status, SimulationStatus::Solved);
     let centre = mu * GRAVITY / stiffness;
@@ -292,12 +291,14 @@ fn mass_on_a_belt_sticks_and_slips_as_in_the_closed_form() {
     let (stiffness, mu, belt) = (16.0_f64, 0.4, 0.5);
     let omega = stiffness.sqrt();
     let rest = mu * GRAVITY / stiffness;
-    let model = Belt {
-        stiffness,
+    let model = Assembled::on_belt(
+        &Ground {
+            stiffness,
+            mu,
+            ..Ground::default()
+        },
         belt,
-        friction: mu,
-    }
-    .model();
+    );
     let amplitude = 0.3;
     let simulation = run(
         &accurate(),
@@ -349,10 +350,10 @@ fn spinning_disc_slips_or_rolls_after_its_impact() {
             radius,
             shape,
             slope: 0.0,
-            restitution: e,
-            friction: mu,
-        }
-        .model();
+            e,
+            mu,
+            ..Disc::default()
+        };
         let problem = start(&[0.0, radius, 0.0], &[0.1, -2.0, spin], 0.1);
         let simulation = run(&accurate(), &model, &problem);
         assert_eq!(simulation.status, SimulationStatus::Solved);
@@ -380,10 +381,10 @@ fn sliding_disc_begins_to_roll_at_the_time_of_the_closed_form() {
         radius,
         shape,
         slope: 0.0,
-        restitution: 0.7,
-        friction: mu,
-    }
-    .model();
+        e: 0.7,
+        mu,
+        ..Disc::default()
+    };
     let simulation = run(
         &accurate(),
         &model,
@@ -410,10 +411,9 @@ fn disc_on_an_incline_rolls_or_slips_by_the_angle() {
             radius,
             shape,
             slope,
-            restitution: 0.0,
-            friction: mu,
-        }
-        .model();
+            mu,
+            ..Disc::default()
+        };
         let rolls = slope.tan() < mu * (1.0 + 1.0 / shape);
         let problem = start(&[0.0, radius / cos, 0.0], &[0.0; 3], 1.0);
         let simulation = run(&accurate(), &model, &problem);
@@ -437,7 +437,10 @@ fn disc_on_an_incline_rolls_or_slips_by_the_angle() {
 fn brake_turns_round_at_the_dead_points_of_its_crank() {
     // The brake's velocity vanishes with its lever arm: friction cannot hold it, and turns round with it.
     let mu = 0.1;
-    let model = CrankBrake { friction: mu }.model();
+    let model = CrankBrake {
+        mu,
+        ..CrankBrake::default()
+    };
     let simulation = run(&accurate(), &model, &start(&[0.0; 2], &[4.0, 0.0], 10.0));
     assert_eq!(simulation.status, SimulationStatus::Solved);
     // v^2 = 16 - 2 mu g int |cos y| dy: 1 to the first dead point, 2 from each to the next.

@@ -1,15 +1,13 @@
 //! Restitution and friction in Moreau-Jean time stepping, against closed forms and the event-driven simulator.
 
+use crate::common::assembled::Assembled;
 use crate::common::event::accurate;
 use crate::common::gold;
-use crate::common::laws::{Belt, Disc, Ground, Rod, Table};
+use crate::common::laws::{Disc, Ground, Rod, Table};
 use crate::common::scenes::GRAVITY;
 use crate::common::{distance, energies, index_at, last, start};
 use hangtime::model::Model;
-use hangtime::simulation::{
-    FixedStep, InitialValueProblem, InputError, Moreau, Simulation, SimulationStatus, Simulator,
-    Smooth,
-};
+use hangtime::simulation::{InitialValueProblem, Moreau, Simulation, SimulationStatus, Simulator};
 
 fn moreau(steps: usize) -> Moreau {
     Moreau {
@@ -40,10 +38,9 @@ fn block_on_an_incline_stops_and_stays_as_certified() {
         let model = Ground {
             mass: 2.0,
             slope,
-            friction: gold.mu,
+            mu: gold.mu,
             ..Ground::default()
-        }
-        .model();
+        };
         let problem = start(&[0.0; 2], &[gold.speed * cos, -gold.speed * sin], 3.0);
         let simulation = run(&moreau(3000), &model, &problem);
         let trajectory = &simulation.trajectory;
@@ -70,10 +67,9 @@ fn block_on_an_incline_stops_and_stays_as_certified() {
 fn bouncing_ball_has_the_heights_of_the_law_to_the_order_of_a_step() {
     for e in [0.5, 0.9, 1.0] {
         let model = Ground {
-            restitution: e,
+            e,
             ..Ground::default()
-        }
-        .model();
+        };
         let problem = start(&[0.0, 1.0], &[0.5, 0.0], 1.2);
         let reference = run(&accurate(), &model, &problem);
         let errors: Vec<f64> = [1000, 4000]
@@ -91,10 +87,9 @@ fn bouncing_ball_has_the_heights_of_the_law_to_the_order_of_a_step() {
 #[test]
 fn bouncing_ball_comes_to_rest() {
     let model = Ground {
-        restitution: 0.5,
+        e: 0.5,
         ..Ground::default()
-    }
-    .model();
+    };
     let simulation = run(&moreau(6000), &model, &start(&[0.0, 1.0], &[0.5, 0.0], 3.0));
     let (q, v) = last(&simulation.trajectory);
     // Bounces of the height g h^2 / 8 and the speed g h remain at most.
@@ -110,23 +105,19 @@ fn bouncing_ball_comes_to_rest() {
 
 #[test]
 fn impacts_of_a_disc_and_a_rod_agree_with_the_event_driven_simulator() {
-    let disc = |restitution, friction| {
-        Disc {
-            radius: 0.3,
-            shape: 0.5,
-            slope: 0.2,
-            restitution,
-            friction,
-        }
-        .model()
+    let disc = |restitution, friction| Disc {
+        radius: 0.3,
+        shape: 0.5,
+        slope: 0.2,
+        e: restitution,
+        mu: friction,
+        ..Disc::default()
     };
     let thrown = start(&[0.0, 0.8, 0.0], &[1.0, 0.0, 20.0], 0.6);
-    let rod = |restitution| {
-        Rod {
-            restitution,
-            friction: 0.4,
-        }
-        .model()
+    let rod = |restitution| Rod {
+        e: restitution,
+        mu: 0.4,
+        ..Rod::default()
     };
     let fall = start(&[0.0, 1.2, 1.1], &[0.5, -0.5, 0.4], 0.5);
     let cases: [(Box<dyn Model>, &InitialValueProblem); 5] = [
@@ -153,20 +144,23 @@ fn impacts_of_a_disc_and_a_rod_agree_with_the_event_driven_simulator() {
 
 #[test]
 fn stick_slip_on_a_belt_agrees_with_the_event_driven_simulator() {
-    let belt = Belt {
-        stiffness: 16.0,
-        belt: 0.5,
-        friction: 0.4,
-    }
-    .model();
-    let table = Table {
-        height: 0.5,
-        stiffness: 16.0,
-        belt: 0.5,
-        restitution: 0.0,
-        friction: 0.4,
-    }
-    .model();
+    let belt = Assembled::on_belt(
+        &Ground {
+            stiffness: 16.0,
+            mu: 0.4,
+            ..Ground::default()
+        },
+        0.5,
+    );
+    let table = Assembled::on_belt(
+        &Table {
+            height: 0.5,
+            stiffness: 16.0,
+            mu: 0.4,
+            ..Table::default()
+        },
+        0.5,
+    );
     let cases: [(&dyn Model, InitialValueProblem); 2] = [
         (&belt, start(&[-0.1, 0.0], &[0.0; 2], 1.4)),
         (&table, start(&[-0.1, 0.5, 0.0], &[0.0; 3], 1.4)),
@@ -187,10 +181,9 @@ fn rod_in_the_paradox_stops_its_tip_with_an_impulse() {
     // The inconsistent case that no sustained force can balance: an impulse without collision stops the tip.
     let angle = 2.0_f64.atan();
     let model = Rod {
-        restitution: 0.0,
-        friction: 1.8,
-    }
-    .model();
+        mu: 1.8,
+        ..Rod::default()
+    };
     let problem = start(&[0.0, angle.sin(), angle], &[-2.0, 0.0, 0.0], 1e-3);
     let simulation = run(&moreau(10), &model, &problem);
     let (q, v) = last(&simulation.trajectory);
@@ -205,21 +198,4 @@ fn rod_in_the_paradox_stops_its_tip_with_an_impulse() {
     // Delassus matrix [1.6, -1.2; -1.2, 3.4]: the tip's sliding energy v_t^2 D_nn / (2 det) is lost.
     let lost = 0.5 * 4.0 * 1.6 / (1.6 * 3.4 - 1.44);
     assert!((energies[0] - energies[energies.len() - 1] - lost).abs() < 1e-2 * lost);
-}
-
-#[test]
-fn methods_without_the_laws_refuse_them_by_name() {
-    let rough = Ground {
-        friction: 0.5,
-        ..Ground::default()
-    }
-    .model();
-    let problem = start(&[0.0, 1.0], &[0.0; 2], 1.0);
-    for simulator in [&FixedStep::default() as &dyn Simulator, &Smooth::default()] {
-        let error = simulator
-            .simulate(&rough, &problem, &mut |_| {})
-            .expect_err("friction is refused");
-        assert!(matches!(error, InputError::UnsupportedLaw { .. }));
-        assert!(error.to_string().contains(simulator.name()));
-    }
 }

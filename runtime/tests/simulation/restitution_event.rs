@@ -34,10 +34,9 @@ fn bouncing_ball_has_the_times_and_heights_of_the_closed_form() {
     );
     for e in [0.3, 0.5, 0.9, 1.0] {
         let model = Ground {
-            restitution: e,
+            e,
             ..Ground::default()
-        }
-        .model();
+        };
         let simulation = run(
             &accurate(),
             &model,
@@ -85,10 +84,9 @@ fn bouncing_ball_has_the_times_and_heights_of_the_closed_form() {
 #[test]
 fn ball_comes_to_rest_at_the_limit_of_the_geometric_series() {
     let model = Ground {
-        restitution: 0.5,
+        e: 0.5,
         ..Ground::default()
-    }
-    .model();
+    };
     let simulation = run(
         &EventDriven::default(),
         &model,
@@ -113,16 +111,15 @@ fn ball_comes_to_rest_at_the_limit_of_the_geometric_series() {
     assert!(note.contains("`ground` stops bouncing at 1.354"), "{note}");
     let height = (0.5 * event.v_before[1]).powi(2) / (2.0 * GRAVITY);
     assert!(height < 1e-11);
-    assert!(note.contains(&format!("{height:.1e} m high")), "{note}");
+    assert!(note.contains(&format!("{height:.1e} high")), "{note}");
 }
 
 #[test]
 fn rest_velocity_ends_the_bounces_at_that_speed() {
     let model = Ground {
-        restitution: 0.9,
+        e: 0.9,
         ..Ground::default()
-    }
-    .model();
+    };
     let simulator = EventDriven {
         rest_velocity: Some(0.5),
         ..accurate()
@@ -138,7 +135,7 @@ fn rest_velocity_ends_the_bounces_at_that_speed() {
     assert!(*end <= 0.5 && bounces.iter().all(|&speed| speed > 0.5));
     let height = (0.9 * end).powi(2) / (2.0 * GRAVITY);
     let note = &simulation.notes[0];
-    assert!(note.contains(&format!("{height:.1e} m high")), "{note}");
+    assert!(note.contains(&format!("{height:.1e} high")), "{note}");
     for velocity in [-1.0, f64::NAN, f64::INFINITY] {
         let refused = EventDriven {
             rest_velocity: Some(velocity),
@@ -152,10 +149,9 @@ fn rest_velocity_ends_the_bounces_at_that_speed() {
 #[test]
 fn resting_ball_with_restitution_stays() {
     let model = Ground {
-        restitution: 0.9,
+        e: 0.9,
         ..Ground::default()
-    }
-    .model();
+    };
     let simulation = run(&accurate(), &model, &start(&[0.0; 2], &[1.0, 0.0], 1.0));
     assert_eq!(simulation.status, SimulationStatus::Solved);
     assert!(simulation.events.is_empty() && simulation.notes.is_empty());
@@ -172,12 +168,12 @@ fn restitution_is_that_of_the_law_whatever_mass_offset_slope_scale_and_curvature
                             mass,
                             slope,
                             offset,
-                            waves,
+                            height: waves.0,
+                            number: waves.1,
                             scale,
-                            restitution: e,
-                            friction: 0.0,
-                        }
-                        .model();
+                            e,
+                            ..Ground::default()
+                        };
                         let problem = start(&[0.1, 1.2], &[0.8, -1.0], 1.0);
                         let simulation = run(&accurate(), &model, &problem);
                         assert_eq!(simulation.status, SimulationStatus::Solved);
@@ -196,10 +192,9 @@ fn restitution_is_that_of_the_law_whatever_mass_offset_slope_scale_and_curvature
 fn elastic_ball_in_a_room_keeps_its_energy_over_hundreds_of_impacts() {
     let model = Room {
         gravity: GRAVITY,
-        restitution: 1.0,
-        friction: 0.0,
-    }
-    .model();
+        e: 1.0,
+        ..Room::default()
+    };
     let simulation = run(&accurate(), &model, &start(&[0.3, 0.6], &[7.3, 4.1], 50.0));
     assert_eq!(simulation.status, SimulationStatus::Solved);
     assert!(simulation.events.len() > 400, "{}", simulation.events.len());
@@ -216,10 +211,9 @@ fn elastic_ball_that_hits_corners_returns_on_its_path() {
     // Without gravity along the diagonal: both walls of a corner at once, hundreds of times.
     let model = Room {
         gravity: 0.0,
-        restitution: 1.0,
-        friction: 0.0,
-    }
-    .model();
+        e: 1.0,
+        ..Room::default()
+    };
     let simulation = run(&accurate(), &model, &start(&[0.5, 0.5], &[1.0, 1.0], 200.0));
     assert_eq!(simulation.status, SimulationStatus::Solved);
     // Corners at 0.5, 1.5, ... 199.5 s: 200 of them, two impacts each.
@@ -240,10 +234,9 @@ fn elastic_ball_that_hits_corners_returns_on_its_path() {
 #[test]
 fn elastic_ball_never_ends_its_bounces_and_inelastic_numbers_stay_finite() {
     let model = Ground {
-        restitution: 1.0,
+        e: 1.0,
         ..Ground::default()
-    }
-    .model();
+    };
     let simulation = run(
         &EventDriven::default(),
         &model,
@@ -254,10 +247,9 @@ fn elastic_ball_never_ends_its_bounces_and_inelastic_numbers_stay_finite() {
     assert_eq!(simulation.events.len(), 554);
     // So many bounces that the limit on events ends the run: a status, not an endless loop.
     let model = Ground {
-        restitution: 0.9999,
+        e: 0.9999,
         ..Ground::default()
-    }
-    .model();
+    };
     let simulator = EventDriven {
         max_events: 500,
         ..EventDriven::default()
@@ -274,10 +266,10 @@ fn impact_that_gains_energy_by_newtons_law_with_friction_is_noted() {
     // A rod that sticks with its tip: v_n+ = -e v_n-, v_t+ = 0. In terms of the tip's velocity the energy is
     // v' D^-1 v / 2; at v_t- = 0.7, v_n- = -1, angle 1, that grows for e = 0.95.
     let model = Rod {
-        restitution: 0.95,
-        friction: 1.0,
-    }
-    .model();
+        e: 0.95,
+        mu: 1.0,
+        ..Rod::default()
+    };
     let angle: f64 = 1.0;
     let problem = start(&[0.0, angle.sin(), angle], &[0.7, -1.0, 0.0], 0.01);
     let simulation = run(&accurate(), &model, &problem);
@@ -321,7 +313,7 @@ proptest! {
         (slope, shape) in (-0.5..0.5_f64, 0.2..1.0),
         (height, along, up, spin) in (0.0..1.0, -4.0..4.0, -3.0..3.0, -20.0..20.0),
     ) {
-        let model = Disc { radius: 0.3, shape, slope, restitution: e, friction: mu }.model();
+        let model = Disc { radius: 0.3, shape, slope, e, mu, ..Disc::default() };
         let problem = start(&[0.0, 0.3 / slope.cos() + height, 0.0], &[along, up, spin], 2.0);
         let simulation = run(&EventDriven::default(), &model, &problem);
         prop_assert_eq!(&simulation.status, &SimulationStatus::Solved);
@@ -336,7 +328,7 @@ proptest! {
         (height, number) in (0.02..0.5, 0.3..5.0),
         (y, above, along, up) in (-3.0..3.0, 0.0..1.0, -4.0..4.0, -3.0..3.0),
     ) {
-        let model = Ground { restitution: e, waves: (height, number), ..Ground::default() }.model();
+        let model = Ground { e, height, number, ..Ground::default() };
         let z = height * f64::cos(number * y) + above;
         let simulation = run(&EventDriven::default(), &model, &start(&[y, z], &[along, up], 2.0));
         prop_assert_eq!(&simulation.status, &SimulationStatus::Solved);
@@ -349,7 +341,7 @@ proptest! {
         (angle, above) in (-0.5..0.5_f64, 0.0..0.5),
         (along, up, spin) in (-3.0..3.0, -3.0..3.0, -3.0..3.0),
     ) {
-        let model = Table { height: feet, stiffness: 0.0, belt: 0.0, restitution: e, friction: 0.0 }.model();
+        let model = Table { height: feet, e, ..Table::default() };
         let z = angle.sin().abs() + feet * angle.cos() + above;
         let problem = start(&[0.0, z, angle], &[along, up, spin], 2.0);
         let simulation = run(&EventDriven::default(), &model, &problem);
@@ -363,7 +355,7 @@ proptest! {
         angle in 0.1..1.5_f64,
         (along, down, spin) in (-3.0..3.0_f64, 0.1..3.0_f64, -3.0..3.0_f64),
     ) {
-        let model = Rod { restitution: e, friction: mu }.model();
+        let model = Rod { e, mu, ..Rod::default() };
         let (sin, cos) = angle.sin_cos();
         // Tip velocities; the rod must fall with its tip.
         let (v_n, v_t) = (-down - cos * spin, along + sin * spin);

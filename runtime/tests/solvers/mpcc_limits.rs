@@ -115,6 +115,4 @@ fn time_limit_ends_the_solve_and_not_only_a_run() {
     assert_eq!(solution.status, Status::Failed(nlp::Status::TimeLimit));
     // one run that stopped at its first look at the clock, none by the other rules
     assert!(solution.iterations <= 1, "{}", solution.iterations);
-    let parallel = mpcc::solve_parallel(&*PROBLEM, &settings).unwrap();
-    assert_eq!(parallel.status, Status::Failed(nlp::Status::TimeLimit));
 }

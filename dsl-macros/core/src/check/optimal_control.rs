@@ -2,7 +2,7 @@
 
 use super::rules::smooth;
 use super::{Checker, units};
-use crate::ast::{Condition, Expr, FreeStart, Kind, Name, Operator, Relation};
+use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::Role;
 use crate::graph::{self, Sym, Variable};
@@ -55,38 +55,35 @@ impl Checker<'_> {
         }
         match &expr.kind {
             Kind::Negate(inner) => self.split(inner, -weight, cost),
-            Kind::Binary {
-                operator: operator @ (Operator::Add | Operator::Subtract),
-                left,
-                right,
-                ..
-            } => {
-                let first = self.split(left, weight, cost);
-                let sign = if *operator == Operator::Add { 1.0 } else { -1.0 };
-                first.and(self.split(right, weight.scaled(sign), cost))
+            Kind::Chain(first, rest) if rest[0].operator.is_additive() => {
+                let mut result = self.split(first, weight, cost);
+                for link in rest {
+                    let sign = if link.operator == Operator::Add {
+                        1.0
+                    } else {
+                        -1.0
+                    };
+                    result = result.and(self.split(&link.operand, weight.scaled(sign), cost));
+                }
+                result
             }
-            Kind::Binary {
-                operator: Operator::Multiply,
-                left,
-                right,
-                ..
-            } if has_integral(left) != has_integral(right) => {
-                let (factor, integral) = if has_integral(left) {
-                    (right, left)
-                } else {
-                    (left, right)
-                };
-                let factor = self.weight(factor)?;
-                self.split(integral, weight * factor, cost)
-            }
-            Kind::Binary {
-                operator: Operator::Divide,
-                left,
-                right,
-                ..
-            } if !has_integral(right) => {
-                let divisor = self.weight(right)?;
-                self.split(left, weight / divisor, cost)
+            Kind::Chain(first, rest) if is_weighted_integral(expr, rest) => {
+                let (mut weight, mut integral) = (weight, &**first);
+                for link in rest.iter().rev() {
+                    if has_integral(&link.operand) {
+                        integral = &link.operand;
+                        continue;
+                    }
+                    let factor = self.weight(&link.operand)?;
+                    weight = match link.operator {
+                        Operator::Divide => weight / factor,
+                        _ => weight * factor,
+                    };
+                }
+                if !has_integral(first) {
+                    weight *= self.weight(first)?;
+                }
+                self.split(integral, weight, cost)
             }
             Kind::Call {
                 function,
@@ -151,10 +148,9 @@ impl Checker<'_> {
                     "the integral of the constant `{expr}` is that times the final time; write `{}`",
                     match &expr.kind {
                         Kind::Number { value, unit: None, .. } if *value == 1.0 => "time".to_owned(),
-                        Kind::Binary {
-                            operator: Operator::Add | Operator::Subtract,
-                            ..
-                        } if !expr.parenthesized => format!("({expr})*time"),
+                        Kind::Chain(_, rest) if rest[0].operator.is_additive() && !expr.parenthesized => {
+                            format!("({expr})*time")
+                        }
                         _ => format!("{expr}*time"),
                     }
                 ),
@@ -390,6 +386,15 @@ fn shown(condition: &Condition) -> String {
         Relation::AtMost => "<=",
     };
     format!("{} {relation} {}", condition.left, condition.right)
+}
+
+/// Whether a product holds one integral, which does not divide.
+fn is_weighted_integral(product: &Expr, rest: &[Link]) -> bool {
+    let integrals = product.children().into_iter().filter(|e| has_integral(e));
+    integrals.count() == 1
+        && !rest
+            .iter()
+            .any(|link| link.operator == Operator::Divide && has_integral(&link.operand))
 }
 
 /// Whether an expression contains an integral.

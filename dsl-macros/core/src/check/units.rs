@@ -8,7 +8,7 @@ mod matrix;
 mod statement;
 
 use super::values::is_bare;
-use crate::ast::{Expr, Kind, Name, Operator, Scene, Statement};
+use crate::ast::{Expr, Kind, Link, Name, Operator, Prefix, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::dimension::{Dimension, Unifier};
 use crate::evaluate::BUDGET;
@@ -230,12 +230,21 @@ impl Walk<'_> {
             })),
             Kind::Name(name) => Ok(self.name(name)),
             Kind::Negate(inner) => self.units(inner),
-            Kind::Binary {
-                operator,
-                place,
-                left,
-                right,
-            } => self.binary(*operator, *place, left, right),
+            Kind::Chain(first, rest) => self.chain(first, rest),
+            Kind::Power { base, exponent, .. } => {
+                let own = self.units(base);
+                self.pure(exponent, "an exponent")?;
+                let Units::Scalar(own) = own? else {
+                    return Err(Reported);
+                };
+                match constant(exponent).and_then(Ratio::from_f64) {
+                    Some(exponent) => Ok(Units::Scalar(own.power(exponent))),
+                    None => {
+                        let own = self.pure(base, "a power with a variable exponent")?;
+                        Ok(Units::Scalar(own))
+                    }
+                }
+            }
             Kind::Call {
                 function,
                 arguments,
@@ -250,23 +259,7 @@ impl Walk<'_> {
                 let divisor = at.power(Ratio::integer(i32::try_from(*order).unwrap_or(1)));
                 Ok(value.map(|own| own.over(&divisor)))
             }
-            Kind::Norm(inner) => {
-                let units = self.units(inner)?;
-                let components = units.components().to_vec();
-                let first = components.first().cloned().unwrap_or_else(Dimension::one);
-                for component in &components {
-                    if !self.unifier.unify(component, &first) {
-                        let message = format!(
-                            "units differ: the components of `{inner}` are in {} and {}, so they have \
-                             no common length",
-                            self.unifier.show(&first),
-                            self.unifier.show(component)
-                        );
-                        return Err(self.diagnostics.report("E03", inner.place, message));
-                    }
-                }
-                Ok(Units::Scalar(first))
-            }
+            Kind::Norm(inner) => self.norm(inner),
             Kind::Vector(items) => self.stacked(items),
             Kind::Component { vector, name } => {
                 let units = self.units(vector)?;
@@ -296,6 +289,24 @@ impl Walk<'_> {
         }
     }
 
+    fn norm(&mut self, inner: &Expr) -> Checked<Units> {
+        let units = self.units(inner)?;
+        let components = units.components().to_vec();
+        let first = components.first().cloned().unwrap_or_else(Dimension::one);
+        for component in &components {
+            if !self.unifier.unify(component, &first) {
+                let message = format!(
+                    "units differ: the components of `{inner}` are in {} and {}, so they have \
+                     no common length",
+                    self.unifier.show(&first),
+                    self.unifier.show(component)
+                );
+                return Err(self.diagnostics.report("E03", inner.place, message));
+            }
+        }
+        Ok(Units::Scalar(first))
+    }
+
     fn name(&mut self, name: &Name) -> Units {
         let local = self
             .frames
@@ -315,54 +326,57 @@ impl Walk<'_> {
         }
     }
 
-    fn binary(
-        &mut self,
-        operator: Operator,
-        place: Place,
-        left: &Expr,
-        right: &Expr,
-    ) -> Checked<Units> {
-        let (own, its) = (self.units(left), self.units(right));
-        let (own, its) = (own?, its?);
-        match operator {
+    fn chain(&mut self, first: &Expr, rest: &[Link]) -> Checked<Units> {
+        let mut total = self.units(first);
+        for (i, link) in rest.iter().enumerate() {
+            let its = self.units(&link.operand);
+            let left = Prefix {
+                first,
+                rest: &rest[..i],
+            };
+            total = match (total, its) {
+                (Ok(own), Ok(its)) => self.step(&left, own, link, &its),
+                _ => Err(Reported),
+            };
+        }
+        total
+    }
+
+    /// One step of a chain: what is on the left of an operator, and what stands on its right.
+    fn step(&mut self, left: &Prefix<'_>, own: Units, link: &Link, its: &Units) -> Checked<Units> {
+        match link.operator {
             Operator::Add | Operator::Subtract => {
                 for (a, b) in own.components().iter().zip(its.components()) {
-                    if !self.unifier.unify(a, b) {
-                        return Err(self.differ(
-                            place,
-                            (left, a),
-                            (right, b),
-                            &format!("both sides of `{}`", operator.symbol()),
-                        ));
+                    if self.unifier.unify(a, b) {
+                        continue;
                     }
+                    // A bare number on the left is a whole side only where it stands alone.
+                    let bare = left.rest.is_empty().then_some((left.first, b));
+                    let candidates: Vec<_> = bare.into_iter().chain([(&link.operand, a)]).collect();
+                    let message = format!(
+                        "units differ: `{left}` {}, `{}` {}; both sides of `{}` must agree{}",
+                        self.unifier.is_in(a),
+                        link.operand,
+                        self.unifier.is_in(b),
+                        link.operator.symbol(),
+                        self.hint(&candidates)
+                    );
+                    return Err(self.diagnostics.report("E03", link.place, message));
                 }
                 Ok(own)
             }
-            Operator::Multiply => Ok(match (&own, &its) {
+            Operator::Multiply => Ok(match (&own, its) {
                 (Units::Matrix(matrix), _) => {
-                    return self.matrix_product(place, (left, matrix), (right, &its));
+                    return self.matrix_product(left, matrix, link, its);
                 }
                 (Units::Scalar(a), _) => its.map(|b| a.times(b)),
                 (_, Units::Scalar(b)) => own.map(|a| a.times(b)),
                 _ => return Err(Reported),
             }),
-            Operator::Divide => match &its {
+            Operator::Divide => match its {
                 Units::Scalar(b) => Ok(own.map(|a| a.over(b))),
                 Units::Vector(_) | Units::Matrix(_) => Err(Reported),
             },
-            Operator::Power => {
-                self.pure(right, "an exponent")?;
-                let Units::Scalar(base) = own else {
-                    return Err(Reported);
-                };
-                match constant(right).and_then(Ratio::from_f64) {
-                    Some(exponent) => Ok(Units::Scalar(base.power(exponent))),
-                    None => {
-                        let own = self.pure(left, "a power with a variable exponent")?;
-                        Ok(Units::Scalar(own))
-                    }
-                }
-            }
         }
     }
 
@@ -476,21 +490,16 @@ fn constant(expr: &Expr) -> Option<f64> {
     match &expr.kind {
         Kind::Number { value, unit, .. } => unit.is_none().then_some(*value),
         Kind::Negate(inner) => Some(-constant(inner)?),
-        Kind::Binary {
-            operator,
-            left,
-            right,
-            ..
-        } => {
-            let (a, b) = (constant(left)?, constant(right)?);
-            Some(match operator {
+        Kind::Chain(first, rest) => rest.iter().try_fold(constant(first)?, |a, link| {
+            let b = constant(&link.operand)?;
+            Some(match link.operator {
                 Operator::Add => a + b,
                 Operator::Subtract => a - b,
                 Operator::Multiply => a * b,
                 Operator::Divide => a / b,
-                Operator::Power => a.powf(b),
             })
-        }
+        }),
+        Kind::Power { base, exponent, .. } => Some(constant(base)?.powf(constant(exponent)?)),
         _ => None,
     }
 }

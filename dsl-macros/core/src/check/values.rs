@@ -1,8 +1,9 @@
 //! Numbers of the declaration: defaults, bounds, start, horizon; and the formulas of the dynamics.
 
 use super::Checker;
-use crate::ast::{Assignment, Expr, Kind, Name, Operator, Quantity, WrittenUnit};
+use crate::ast::{Assignment, Expr, Kind, Name, Quantity, WrittenUnit};
 use crate::diagnostics::{Checked, Place, Reported, closest, list};
+use crate::evaluate::unrepresentable;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{self, Coordinate};
 
@@ -33,11 +34,14 @@ impl Checker<'_> {
     /// else is in SI units and converted.
     fn in_declared_unit(&mut self, expr: &Expr, unit: Option<&WrittenUnit>) -> Checked<Sym> {
         let value = self.scope.scalar(expr, self.diagnostics)?;
-        Ok(if is_bare(expr) {
-            value
-        } else {
-            value.scaled(1.0 / scene::scale(unit))
-        })
+        if is_bare(expr) {
+            return Ok(value);
+        }
+        let value = value.scaled(1.0 / scene::scale(unit));
+        match graph::take_fault() {
+            Some(fault) => Err(unrepresentable(fault, expr, self.diagnostics)),
+            None => Ok(value),
+        }
     }
 
     /// Bounds of coordinates or controls.
@@ -73,6 +77,9 @@ impl Checker<'_> {
         let what = format!("a bound of `{name}`");
         let mut bound = |expr: &Expr, factor: f64| {
             let sym = self.in_declared_unit(expr, unit)?.scaled(factor);
+            if let Some(fault) = graph::take_fault() {
+                return Err(unrepresentable(fault, expr, self.diagnostics));
+            }
             self.constant(sym, expr, &what)
         };
         let (low, high) = (bound(lower, shared), bound(upper, 1.0));
@@ -363,12 +370,7 @@ pub(crate) fn is_bare(expr: &Expr) -> bool {
         Kind::Number { unit, .. } => unit.is_none(),
         Kind::Name(name) => name.text == "pi",
         Kind::Negate(inner) => is_bare(inner),
-        Kind::Binary {
-            operator,
-            left,
-            right,
-            ..
-        } => *operator != Operator::Power && is_bare(left) && is_bare(right),
+        Kind::Chain(..) => expr.children().into_iter().all(is_bare),
         _ => false,
     }
 }

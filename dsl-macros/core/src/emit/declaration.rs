@@ -1,9 +1,9 @@
 //! The static description of a scene.
 
+use super::equations;
 use super::kernel::literal;
 use super::plan::{Pattern, Plan};
 use super::structure::text;
-use super::{Timing, equations};
 use crate::ast::WrittenUnit;
 use crate::derive::Equations;
 use crate::scene::{CheckedScene, Condition};
@@ -11,17 +11,7 @@ use hangtime_units::Unit;
 use std::fmt::Write;
 
 /// Writes `static DECLARATION`.
-pub(super) fn write(
-    scene: &CheckedScene,
-    derived: &Equations,
-    plan: &Plan,
-    timing: &Timing,
-    code: &mut String,
-) {
-    let expanded_at = timing
-        .expanded_at
-        .duration_since(std::time::UNIX_EPOCH)
-        .map_or(0.0, |since| since.as_secs_f64());
+pub(super) fn write(scene: &CheckedScene, derived: &Equations, plan: &Plan, code: &mut String) {
     let _ = write!(
         code,
         "static DECLARATION: ::hangtime::model::Declaration = ::hangtime::model::Declaration {{ name: \
@@ -57,34 +47,7 @@ pub(super) fn write(
         }
     }
     code.push_str("], contacts: &[");
-    for (contact, plan) in scene.contacts.iter().zip(&plan.contacts) {
-        let friction = match &plan.friction {
-            None => "None".to_owned(),
-            Some(friction) => format!(
-                "Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {} }})",
-                pattern(&friction.derivatives.jacobian_pattern),
-                pattern(&friction.derivatives.hessian_pattern)
-            ),
-        };
-        let _ = write!(
-            code,
-            "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
-             ::hangtime::model::ImpactLaw::{}, friction: {friction}, custom_direction: {}, held: &{:?}, \
-             jacobian: {}, hessian: {}, documentation: {:?} }},",
-            contact.name.text,
-            inferred(contact.unit),
-            if contact.restitution.is_some() {
-                "Restitution"
-            } else {
-                "Inelastic"
-            },
-            contact.along.is_some(),
-            contact.held,
-            pattern(&plan.derivatives.jacobian_pattern),
-            pattern(&plan.derivatives.hessian_pattern),
-            text(&contact.documentation)
-        );
-    }
+    contacts(scene, plan, code);
     let _ = write!(
         code,
         "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: {}, kernels: &[",
@@ -109,21 +72,47 @@ pub(super) fn write(
             "::hangtime::model::Equation {{ left: {left:?}, right: {right:?} }},"
         );
     }
-    let _ = write!(
-        code,
-        "], derivation_seconds: {}, expanded_at: {} }};",
-        literal(timing.derivation.as_secs_f64()),
-        literal(expanded_at)
-    );
+    code.push_str("] };");
+}
+
+fn contacts(scene: &CheckedScene, plan: &Plan, code: &mut String) {
+    for (contact, plan) in scene.contacts.iter().zip(&plan.contacts) {
+        let friction = match &plan.friction {
+            None => "__Option::None".to_owned(),
+            Some(friction) => format!(
+                "__Option::Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {} }})",
+                pattern(&friction.derivatives.jacobian_pattern),
+                pattern(&friction.derivatives.hessian_pattern)
+            ),
+        };
+        let _ = write!(
+            code,
+            "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
+             ::hangtime::model::ImpactLaw::{}, friction: {friction}, custom_direction: {}, held: &{:?}, \
+             jacobian: {}, hessian: {}, documentation: {:?} }},",
+            contact.name.text,
+            inferred(contact.unit),
+            if contact.restitution.is_some() {
+                "Restitution"
+            } else {
+                "Inelastic"
+            },
+            contact.along.is_some(),
+            contact.held,
+            pattern(&plan.derivatives.jacobian_pattern),
+            pattern(&plan.derivatives.hessian_pattern),
+            text(&contact.documentation)
+        );
+    }
 }
 
 fn optimal_control(scene: &CheckedScene, plan: &Plan) -> String {
     let (Some(task), Some(plan)) = (&scene.optimal_control, &plan.optimal_control) else {
-        return "None".to_owned();
+        return "__Option::None".to_owned();
     };
     let free_start: Vec<usize> = task.free_start.iter().map(|&(index, _)| index).collect();
     format!(
-        "Some(::hangtime::model::OptimalControlDeclaration {{ running_cost: {}, final_cost: {}, \
+        "__Option::Some(::hangtime::model::OptimalControlDeclaration {{ running_cost: {}, final_cost: {}, \
          constraints: &[{}], goals: &[{}], free_time: {}, free_start: &{free_start:?}, path_jacobian: {}, \
          path_hessian: {}, terminal_jacobian: {}, terminal_hessian: {} }})",
         task.running_cost.is_some(),

@@ -47,8 +47,8 @@ impl Kernel {
             .collect();
         let function = self.function();
         let signature = format!(
-            "p: &{}, x: &[f64], y: &[f64], out: &mut [f64]",
-            scene.name.text
+            "p: &{}, x: &[__f64], y: &[__f64], out: &mut [__f64]",
+            scene.name.rust()
         );
         // An arm for each output that is an input or a constant goes to the last chunk.
         let plain: Vec<(usize, u32)> = tape
@@ -78,7 +78,7 @@ impl Kernel {
         for (index, chunk) in chunks.iter().enumerate() {
             let _ = write!(
                 code,
-                "#[inline(never)] fn {function}_{index}({signature}, w: &mut [f64; {}]) {{ {}",
+                "#[inline(never)] fn {function}_{index}({signature}, w: &mut [__f64; {}]) {{ {}",
                 writer.crossing,
                 self.prologue(scene)
             );
@@ -197,10 +197,10 @@ impl<'a> Writer<'a> {
                 Op::Multiply(a, b) => format!("{} * {}", at(a), at(b)),
                 Op::Divide(a, b) => format!("{} / {}", at(a), at(b)),
                 Op::Negate(a) => format!("-{}", at(a)),
-                Op::Root(a) => format!("f64::sqrt({})", at(a)),
-                Op::Call(function, a) => format!("f64::{}({})", function.name(), at(a)),
+                Op::Root(a) => format!("__f64::sqrt({})", at(a)),
+                Op::Call(function, a) => format!("__f64::{}({})", function.name(), at(a)),
                 Op::Call2(function, a, b) => {
-                    format!("f64::{}({}, {})", function.name(), at(a), at(b))
+                    format!("__f64::{}({}, {})", function.name(), at(a), at(b))
                 }
             };
             let _ = write!(code, "let t{position} = {value};");
@@ -251,7 +251,7 @@ fn load(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> String {
         Input::Field(i) => scene
             .parameters
             .get(i)
-            .map_or_else(String::new, |known| format!("p.{}", known.name.text)),
+            .map_or_else(String::new, |known| format!("p.{}", known.name.rust())),
         Input::Vector(i) => format!("x[{i}]"),
         Input::Second(i) => format!("y[{i}]"),
     }
@@ -260,11 +260,11 @@ fn load(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> String {
 /// A constant as Rust source, exact to the last bit.
 pub(crate) fn literal(value: f64) -> String {
     if value.is_nan() {
-        "f64::NAN".to_owned()
+        "__f64::NAN".to_owned()
     } else if value == f64::INFINITY {
-        "f64::INFINITY".to_owned()
+        "__f64::INFINITY".to_owned()
     } else if value == f64::NEG_INFINITY {
-        "f64::NEG_INFINITY".to_owned()
+        "__f64::NEG_INFINITY".to_owned()
     } else if value < 0.0 {
         format!("({value:?}_f64)")
     } else {

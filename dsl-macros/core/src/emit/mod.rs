@@ -12,25 +12,23 @@ pub(crate) use structure::stub;
 
 use crate::ast::Scene;
 use crate::derive::Equations;
+use crate::graph;
 use crate::scene::CheckedScene;
 use plan::{ContactPlan, FrictionPlan, Plan};
 use proc_macro2::TokenStream;
 use std::fmt::Write;
-use std::time::{Duration, SystemTime};
-
-/// When the expansion began and how long the derivation took.
-pub(crate) struct Timing {
-    pub(crate) expanded_at: SystemTime,
-    pub(crate) derivation: Duration,
-}
 
 /// Most operations of one kernel: some seconds of compile time.
 pub(crate) const BUDGET: usize = 60_000;
 
-/// A kernel that is too large to be compiled in reasonable time.
-pub(crate) struct TooLarge {
-    pub(crate) kernel: String,
-    pub(crate) operations: usize,
+/// Why a scene is not emitted.
+pub(crate) enum Unfit {
+    /// A kernel has too many operations to be compiled in reasonable time.
+    Long { kernel: String, operations: usize },
+    /// Ordering the operations takes too much work.
+    Exhausted,
+    /// A constant in a kernel is not finite.
+    Constant,
 }
 
 /// Emits a scene.
@@ -38,16 +36,22 @@ pub(crate) fn scene(
     declared: &Scene,
     scene: &CheckedScene,
     equations: &Equations,
-    timing: &Timing,
-) -> Result<TokenStream, TooLarge> {
+) -> Result<TokenStream, Unfit> {
     let plan = Plan::of(scene, equations);
+    if graph::is_exhausted() {
+        return Err(Unfit::Exhausted);
+    }
     for kernel in &plan.kernels {
         let operations = kernel.tape.operations();
         if operations > BUDGET {
-            return Err(TooLarge {
+            return Err(Unfit::Long {
                 kernel: kernel.name.clone(),
                 operations,
             });
+        }
+        // Bounds, which are not listed, may be open.
+        if kernel.listed && !kernel.tape.is_finite() {
+            return Err(Unfit::Constant);
         }
     }
     let mut code = String::new();
@@ -55,14 +59,21 @@ pub(crate) fn scene(
         "#[allow(unused, non_snake_case, non_upper_case_globals, clippy::all, clippy::pedantic, \
          clippy::nursery, clippy::restriction)] const _: () = {",
     );
+    // Names that nothing around the scene can take: it may itself be called `Option`.
+    code.push_str(
+        "use ::core::primitive::{f64 as __f64, u32 as __u32, usize as __usize}; \
+         use ::core::option::Option as __Option;",
+    );
     for kernel in &plan.kernels {
         kernel.write(scene, &mut code);
     }
     code.push_str(&plan.helpers);
-    declaration::write(scene, equations, &plan, timing, &mut code);
+    declaration::write(scene, equations, &plan, &mut code);
     implementation(scene, &plan, &mut code);
-    if let Some((helpers, methods)) = oracle::write(declared, scene) {
-        let name = &scene.name.text;
+    if cfg!(feature = "oracle")
+        && let Some((helpers, methods)) = oracle::write(declared, scene)
+    {
+        let name = scene.name.rust();
         let _ = write!(code, "impl {name} {{ {helpers} {methods} }}");
     }
     code.push_str("};");
@@ -78,11 +89,11 @@ pub(crate) fn scene(
 }
 
 fn implementation(scene: &CheckedScene, plan: &Plan, code: &mut String) {
-    let name = &scene.name.text;
+    let name = scene.name.rust();
     let mut read = String::new();
     let mut write = String::new();
     for (i, parameter) in scene.parameters.iter().enumerate() {
-        let field = &parameter.name.text;
+        let field = parameter.name.rust();
         let _ = write!(read, "{i} => self.{field},");
         let _ = write!(write, "{i} => self.{field} = value,");
     }
@@ -98,24 +109,24 @@ fn implementation(scene: &CheckedScene, plan: &Plan, code: &mut String) {
         code,
         "#[automatically_derived] impl ::hangtime::model::Model for {name} {{
             fn declaration(&self) -> &'static ::hangtime::model::Declaration {{ &DECLARATION }}
-            fn parameter(&self, index: usize) -> f64 {{ match index {{ {read} _ => f64::NAN }} }}
-            fn set_parameter(&mut self, index: usize, value: f64) {{ match index {{ {write} _ => {{}} }} }}
-            fn start(&self, q: &mut [f64], v: &mut [f64]) {{ {}; {} }}
-            fn horizon(&self) -> Option<f64> {{ {} }}
-            fn bounds(&self, lower: &mut [f64], upper: &mut [f64]) {{ {}; {} }}
-            fn free_acceleration(&self, x: &[f64], a: &mut [f64]) {{ {} }}
-            fn free_jacobian(&self, x: &[f64], values: &mut [f64]) {{ {} }}
-            fn free_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {{ {} }}
-            fn mass_matrix(&self, x: &[f64], m: &mut [f64]) {{ {} }}
-            fn energy(&self, x: &[f64], energy: &mut [f64]) {{ {} }}
-            fn gap(&self, contact: usize, x: &[f64]) -> f64 {{ let mut out = [f64::NAN]; match contact {{ \
+            fn parameter(&self, index: __usize) -> __f64 {{ match index {{ {read} _ => __f64::NAN }} }}
+            fn set_parameter(&mut self, index: __usize, value: __f64) {{ match index {{ {write} _ => {{}} }} }}
+            fn start(&self, q: &mut [__f64], v: &mut [__f64]) {{ {}; {} }}
+            fn horizon(&self) -> __Option<__f64> {{ {} }}
+            fn bounds(&self, lower: &mut [__f64], upper: &mut [__f64]) {{ {}; {} }}
+            fn free_acceleration(&self, x: &[__f64], a: &mut [__f64]) {{ {} }}
+            fn free_jacobian(&self, x: &[__f64], values: &mut [__f64]) {{ {} }}
+            fn free_hessian(&self, x: &[__f64], multipliers: &[__f64], values: &mut [__f64]) {{ {} }}
+            fn mass_matrix(&self, x: &[__f64], m: &mut [__f64]) {{ {} }}
+            fn energy(&self, x: &[__f64], energy: &mut [__f64]) {{ {} }}
+            fn gap(&self, contact: __usize, x: &[__f64]) -> __f64 {{ let mut out = [__f64::NAN]; match contact {{ \
          {} _ => {{}} }} out[0] }}
-            fn contact(&self, contact: usize, x: &[f64], point: &mut [f64]) {{ match contact {{ {} _ => \
-         point.fill(f64::NAN) }} }}
-            fn contact_jacobian(&self, contact: usize, x: &[f64], values: &mut [f64]) {{ match contact \
-         {{ {} _ => values.fill(f64::NAN) }} }}
-            fn contact_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut \
-         [f64]) {{ match contact {{ {} _ => values.fill(f64::NAN) }} }}
+            fn contact(&self, contact: __usize, x: &[__f64], point: &mut [__f64]) {{ match contact {{ {} _ => \
+         point.fill(__f64::NAN) }} }}
+            fn contact_jacobian(&self, contact: __usize, x: &[__f64], values: &mut [__f64]) {{ match contact \
+         {{ {} _ => values.fill(__f64::NAN) }} }}
+            fn contact_hessian(&self, contact: __usize, x: &[__f64], multipliers: &[__f64], values: &mut \
+         [__f64]) {{ match contact {{ {} _ => values.fill(__f64::NAN) }} }}
             {further}
             fn boxed(&self) -> ::std::boxed::Box<dyn ::hangtime::model::Model> {{ \
          ::std::boxed::Box::new(::core::clone::Clone::clone(self)) }}
@@ -153,7 +164,7 @@ fn laws(plan: &Plan) -> String {
     if !restitution.is_empty() {
         let _ = write!(
             methods,
-            "fn restitution(&self, contact: usize) -> f64 {{ match contact {{ {restitution} _ => 0.0 }} }}"
+            "fn restitution(&self, contact: __usize) -> __f64 {{ match contact {{ {restitution} _ => 0.0 }} }}"
         );
     }
     let friction = |body: &dyn Fn(&FrictionPlan) -> &String| {
@@ -163,13 +174,13 @@ fn laws(plan: &Plan) -> String {
     if !coefficient.is_empty() {
         let _ = write!(
             methods,
-            "fn friction(&self, contact: usize) -> f64 {{ match contact {{ {coefficient} _ => 0.0 }} }}
-            fn tangent(&self, contact: usize, x: &[f64], point: &mut [f64]) {{ match contact {{ {} _ => \
-             point.fill(f64::NAN) }} }}
-            fn tangent_jacobian(&self, contact: usize, x: &[f64], values: &mut [f64]) {{ match contact {{ \
-             {} _ => values.fill(f64::NAN) }} }}
-            fn tangent_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut [f64]) \
-             {{ match contact {{ {} _ => values.fill(f64::NAN) }} }}",
+            "fn friction(&self, contact: __usize) -> __f64 {{ match contact {{ {coefficient} _ => 0.0 }} }}
+            fn tangent(&self, contact: __usize, x: &[__f64], point: &mut [__f64]) {{ match contact {{ {} _ => \
+             point.fill(__f64::NAN) }} }}
+            fn tangent_jacobian(&self, contact: __usize, x: &[__f64], values: &mut [__f64]) {{ match contact {{ \
+             {} _ => values.fill(__f64::NAN) }} }}
+            fn tangent_hessian(&self, contact: __usize, x: &[__f64], multipliers: &[__f64], values: &mut [__f64]) \
+             {{ match contact {{ {} _ => values.fill(__f64::NAN) }} }}",
             friction(&|friction| &friction.tangent),
             friction(&|friction| &friction.derivatives.jacobian),
             friction(&|friction| &friction.derivatives.hessian),
@@ -191,9 +202,9 @@ fn optimal_control(plan: &Plan) -> String {
         if let Some([values, jacobian, hessian]) = &plan.bodies {
             let _ = write!(
                 methods,
-                "fn {kind}_functions(&self, {input}: &[f64], values: &mut [f64]) {{ {values} }}
-                fn {kind}_jacobian(&self, {input}: &[f64], values: &mut [f64]) {{ {jacobian} }}
-                fn {kind}_hessian(&self, {input}: &[f64], multipliers: &[f64], values: &mut [f64]) {{ \
+                "fn {kind}_functions(&self, {input}: &[__f64], values: &mut [__f64]) {{ {values} }}
+                fn {kind}_jacobian(&self, {input}: &[__f64], values: &mut [__f64]) {{ {jacobian} }}
+                fn {kind}_hessian(&self, {input}: &[__f64], multipliers: &[__f64], values: &mut [__f64]) {{ \
                  {hessian} }}"
             );
         }
@@ -201,7 +212,7 @@ fn optimal_control(plan: &Plan) -> String {
     if let Some([lower, upper]) = &control.free_start_bounds {
         let _ = write!(
             methods,
-            "fn free_start_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {{ {lower}; {upper} }}"
+            "fn free_start_bounds(&self, lower: &mut [__f64], upper: &mut [__f64]) {{ {lower}; {upper} }}"
         );
     }
     methods

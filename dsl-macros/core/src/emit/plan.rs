@@ -105,10 +105,10 @@ impl Plan {
         };
         let horizon = match scene.horizon {
             Some(horizon) => format!(
-                "let mut out = [0.0_f64]; {}; Some(out[0])",
+                "let mut out = [0.0_f64]; {}; __Option::Some(out[0])",
                 builder.unlisted("horizon", &[horizon], "&mut out")
             ),
-            None => "None".to_owned(),
+            None => "__Option::None".to_owned(),
         };
         Self {
             start: [
@@ -230,7 +230,7 @@ impl Builder<'_> {
     /// Emits what a linear system and the derivatives of its solution need.
     fn system(&mut self, name: &str, implicit: &Implicit) -> System {
         let (size, inputs) = (implicit.size, self.inputs);
-        let scene = &self.scene.name.text;
+        let scene = self.scene.name.rust();
         let mut system = implicit.matrix.clone();
         system.extend(&implicit.right);
         let solve = self.call(
@@ -259,19 +259,19 @@ impl Builder<'_> {
         let (cross, cross_length, cross_pattern) = part("cross", &implicit.cross);
         let _ = write!(
             self.helpers,
-            "fn __{name}_solution(p: &{scene}, x: &[f64]) -> ({PRIVATE}::Lu<{size}>, [f64; {}]) {{
+            "fn __{name}_solution(p: &{scene}, x: &[__f64]) -> ({PRIVATE}::Lu<{size}>, [__f64; {}]) {{
                 let mut system = [0.0_f64; {}]; {};
                 let (lu, solution) = {PRIVATE}::solve_system::<{size}>(&system);
                 let mut y = [0.0_f64; {}]; y[{size}..].copy_from_slice(&solution);
                 (lu, y)
             }}
-            fn __{name}_sensitivity(p: &{scene}, x: &[f64], lu: &{PRIVATE}::Lu<{size}>, y: &[f64]) -> \
-             [[f64; {inputs}]; {size}] {{
+            fn __{name}_sensitivity(p: &{scene}, x: &[__f64], lu: &{PRIVATE}::Lu<{size}>, y: &[__f64]) -> \
+             [[__f64; {inputs}]; {size}] {{
                 let mut values = [0.0_f64; {first_length}]; {first};
                 {PRIVATE}::sensitivity::<{size}, {inputs}>(lu, {first_pattern}, &values)
             }}
-            fn __{name}_second(p: &{scene}, x: &[f64], lambda: &[f64; {size}], pattern: &[(u32, u32)], \
-             out: &mut [f64]) {{
+            fn __{name}_second(p: &{scene}, x: &[__f64], lambda: &[__f64; {size}], pattern: &[(__u32, __u32)], \
+             out: &mut [__f64]) {{
                 let (lu, mut y) = __{name}_solution(p, x);
                 let a = __{name}_sensitivity(p, x, &lu, &y);
                 y[..{size}].copy_from_slice(&lu.solve_transposed(lambda));

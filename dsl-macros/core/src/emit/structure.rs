@@ -10,25 +10,25 @@ use std::fmt::Write;
 
 /// The struct, its default, and its setters.
 pub(super) fn tokens(scene: &CheckedScene, plan: &Plan) -> TokenStream {
-    let (visibility, name) = (&scene.visibility, &scene.name.ident);
+    let (visibility, name) = (&scene.visibility, scene.name.rust_ident());
     let documentation = doc(&scene_documentation(scene, plan));
     let fields = scene.parameters.iter().map(|parameter| {
-        let ident = &parameter.name.ident;
+        let ident = parameter.name.rust_ident();
         let documentation = doc(&parameter_documentation(parameter));
-        quote!(#documentation pub #ident: f64,)
+        quote!(#documentation pub #ident: ::core::primitive::f64,)
     });
     let defaults = scene.parameters.iter().map(|parameter| {
-        let ident = &parameter.name.ident;
-        let value = Literal::f64_suffixed(finite(parameter.default));
+        let ident = parameter.name.rust_ident();
+        // A literal has no sign.
+        let value = Literal::f64_suffixed(parameter.default.abs());
         if parameter.default < 0.0 {
-            let value = Literal::f64_suffixed(-finite(parameter.default));
             quote!(#ident: -#value,)
         } else {
             quote!(#ident: #value,)
         }
     });
     let setters = scene.parameters.iter().map(|parameter| {
-        let ident = &parameter.name.ident;
+        let ident = parameter.name.rust_ident();
         let setter = format_ident!("with_{}", parameter.name.text, span = Span::call_site());
         let documentation = doc(&format!(
             "The same scene with another `{}`{}.",
@@ -38,7 +38,7 @@ pub(super) fn tokens(scene: &CheckedScene, plan: &Plan) -> TokenStream {
         quote! {
             #documentation
             #[must_use]
-            pub fn #setter(mut self, value: f64) -> Self {
+            pub fn #setter(mut self, value: ::core::primitive::f64) -> Self {
                 self.#ident = value;
                 self
             }
@@ -46,7 +46,7 @@ pub(super) fn tokens(scene: &CheckedScene, plan: &Plan) -> TokenStream {
     });
     quote! {
         #documentation
-        #[derive(Debug, Clone, PartialEq)]
+        #[derive(::core::fmt::Debug, ::core::clone::Clone, ::core::cmp::PartialEq)]
         #[allow(non_snake_case)]
         #visibility struct #name {
             #(#fields)*
@@ -69,40 +69,41 @@ pub(super) fn tokens(scene: &CheckedScene, plan: &Plan) -> TokenStream {
 
 /// What stands for a scene with mistakes: its name, its parameters and the trait, so that no use of the
 /// scene gives a second message.
-pub(crate) fn stub(visibility: &TokenStream, name: &Ident, parameters: &[Name]) -> TokenStream {
+pub(crate) fn stub(visibility: &TokenStream, name: &Name, parameters: &[Name]) -> TokenStream {
+    let name = name.rust_ident();
     let methods = [
         (
             "declaration",
             quote!((&self) -> &'static ::hangtime::model::Declaration),
         ),
-        ("parameter", quote!((&self, _: usize) -> f64)),
-        ("set_parameter", quote!((&mut self, _: usize, _: f64))),
-        ("start", quote!((&self, _: &mut [f64], _: &mut [f64]))),
-        ("horizon", quote!((&self) -> ::core::option::Option<f64>)),
-        ("bounds", quote!((&self, _: &mut [f64], _: &mut [f64]))),
+        ("parameter", quote!((&self, _: ::core::primitive::usize) -> ::core::primitive::f64)),
+        ("set_parameter", quote!((&mut self, _: ::core::primitive::usize, _: ::core::primitive::f64))),
+        ("start", quote!((&self, _: &mut [::core::primitive::f64], _: &mut [::core::primitive::f64]))),
+        ("horizon", quote!((&self) -> ::core::option::Option<::core::primitive::f64>)),
+        ("bounds", quote!((&self, _: &mut [::core::primitive::f64], _: &mut [::core::primitive::f64]))),
         (
             "free_acceleration",
-            quote!((&self, _: &[f64], _: &mut [f64])),
+            quote!((&self, _: &[::core::primitive::f64], _: &mut [::core::primitive::f64])),
         ),
-        ("free_jacobian", quote!((&self, _: &[f64], _: &mut [f64]))),
+        ("free_jacobian", quote!((&self, _: &[::core::primitive::f64], _: &mut [::core::primitive::f64]))),
         (
             "free_hessian",
-            quote!((&self, _: &[f64], _: &[f64], _: &mut [f64])),
+            quote!((&self, _: &[::core::primitive::f64], _: &[::core::primitive::f64], _: &mut [::core::primitive::f64])),
         ),
-        ("mass_matrix", quote!((&self, _: &[f64], _: &mut [f64]))),
-        ("energy", quote!((&self, _: &[f64], _: &mut [f64]))),
-        ("gap", quote!((&self, _: usize, _: &[f64]) -> f64)),
+        ("mass_matrix", quote!((&self, _: &[::core::primitive::f64], _: &mut [::core::primitive::f64]))),
+        ("energy", quote!((&self, _: &[::core::primitive::f64], _: &mut [::core::primitive::f64]))),
+        ("gap", quote!((&self, _: ::core::primitive::usize, _: &[::core::primitive::f64]) -> ::core::primitive::f64)),
         (
             "contact",
-            quote!((&self, _: usize, _: &[f64], _: &mut [f64])),
+            quote!((&self, _: ::core::primitive::usize, _: &[::core::primitive::f64], _: &mut [::core::primitive::f64])),
         ),
         (
             "contact_jacobian",
-            quote!((&self, _: usize, _: &[f64], _: &mut [f64])),
+            quote!((&self, _: ::core::primitive::usize, _: &[::core::primitive::f64], _: &mut [::core::primitive::f64])),
         ),
         (
             "contact_hessian",
-            quote!((&self, _: usize, _: &[f64], _: &[f64], _: &mut [f64])),
+            quote!((&self, _: ::core::primitive::usize, _: &[::core::primitive::f64], _: &[::core::primitive::f64], _: &mut [::core::primitive::f64])),
         ),
         (
             "boxed",
@@ -113,15 +114,15 @@ pub(crate) fn stub(visibility: &TokenStream, name: &Ident, parameters: &[Name]) 
         let method = Ident::new(method, Span::call_site());
         quote!(fn #method #signature { ::core::panic!("this scene has mistakes") })
     });
-    let fields = parameters.iter().map(|parameter| &parameter.ident);
+    let fields = parameters.iter().map(Name::rust_ident);
     let setters = parameters.iter().map(|parameter| {
         let setter = format_ident!("with_{}", parameter.text, span = Span::call_site());
-        quote!(pub fn #setter(self, _: f64) -> Self { self })
+        quote!(pub fn #setter(self, _: ::core::primitive::f64) -> Self { self })
     });
     quote! {
-        #[derive(Debug, Clone, PartialEq, Default)]
+        #[derive(::core::fmt::Debug, ::core::clone::Clone, ::core::cmp::PartialEq, ::core::default::Default)]
         #[allow(missing_docs, dead_code, non_snake_case)]
-        #visibility struct #name { #(pub #fields: f64,)* }
+        #visibility struct #name { #(pub #fields: ::core::primitive::f64,)* }
         #[allow(missing_docs, dead_code, non_snake_case)]
         impl #name { #(#setters)* }
         #[automatically_derived]
@@ -129,10 +130,6 @@ pub(crate) fn stub(visibility: &TokenStream, name: &Ident, parameters: &[Name]) 
             #(#methods)*
         }
     }
-}
-
-fn finite(value: f64) -> f64 {
-    if value.is_finite() { value } else { 0.0 }
 }
 
 fn doc(text: &str) -> TokenStream {

@@ -1,7 +1,7 @@
 //! Sums, products and quotients of numbers and vectors.
 
 use super::Value;
-use crate::ast::{Expr, Operator};
+use crate::ast::{Expr, Link, Operator, Prefix};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::graph::{self, Function2, Sym};
 
@@ -65,25 +65,74 @@ pub(super) fn cross_product(
     }
 }
 
-pub(super) fn binary(
-    operator: Operator,
-    (left, left_value): (&Expr, Value),
-    (right, right_value): (&Expr, Value),
+/// `base^exponent`.
+pub(super) fn power(
+    base: &Expr,
+    exponent: &Expr,
+    values: [Value; 2],
     place: Place,
     diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
-    match (operator, &left_value, &right_value) {
-        (Operator::Power, Value::Scalar(base), Value::Scalar(exponent)) => {
-            if *exponent == Sym::ZERO {
-                return Ok(Value::Scalar(Sym::ONE));
-            }
-            Ok(Value::Scalar(base.call2(Function2::Power, *exponent)))
+    let message = match &values {
+        [Value::Scalar(_), Value::Scalar(exponent)] if *exponent == Sym::ZERO => {
+            return Ok(Value::Scalar(Sym::ONE));
         }
-        (Operator::Power, Value::Vector(_), _) => Err(diagnostics.report(
-            "E02",
-            place,
-            format!("a vector has no power; the square of its length is `|{left}|^2`"),
-        )),
+        [Value::Scalar(base), Value::Scalar(exponent)] => {
+            return Ok(Value::Scalar(base.call2(Function2::Power, *exponent)));
+        }
+        [Value::Vector(_), _] => {
+            format!("a vector has no power; the square of its length is `|{base}|^2`")
+        }
+        [Value::Matrix(_), _] => {
+            format!("a matrix has no power here; write the product, as in `{base}*{base}`")
+        }
+        [Value::Scalar(_), other] => format!(
+            "`^` between a number (`{base}`) and {} (`{exponent}`); an exponent is a number",
+            other.describe()
+        ),
+    };
+    Err(diagnostics.report("E02", place, message))
+}
+
+/// All of a chain at once, if it is made of numbers: the normal form of the whole is built once, not
+/// after each operand again. `None` if it holds something else, or a division by zero.
+pub(super) fn of_numbers(values: &[Value], rest: &[Link]) -> Option<Sym> {
+    let mut numbers = Vec::with_capacity(values.len());
+    for value in values {
+        match value {
+            Value::Scalar(number) => numbers.push(*number),
+            _ => return None,
+        }
+    }
+    let operators = std::iter::once(None).chain(rest.iter().map(|link| Some(link.operator)));
+    let operands = numbers.into_iter().zip(operators);
+    if rest.iter().any(|link| link.operator.is_additive()) {
+        return Some(graph::sum(operands.map(|(number, operator)| {
+            let negative = operator == Some(Operator::Subtract);
+            (number, if negative { -1.0 } else { 1.0 })
+        })));
+    }
+    let mut factors = Vec::with_capacity(values.len());
+    for (number, operator) in operands {
+        let divides = operator == Some(Operator::Divide);
+        if divides && number.is_structural_zero() {
+            return None;
+        }
+        factors.push((number, if divides { -2 } else { 2 }));
+    }
+    Some(graph::product(factors))
+}
+
+/// One step of a chain: what is on the left of an operator, and what stands on its right.
+pub(super) fn step(
+    left: &Prefix<'_>,
+    left_value: &Value,
+    link: &Link,
+    right_value: &Value,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let (right, place) = (&link.operand, link.place);
+    match (link.operator, left_value, right_value) {
         (Operator::Divide, _, Value::Scalar(divisor)) if divisor.is_structural_zero() => {
             Err(diagnostics.syntax(right.place, format!("`{right}` is zero; it cannot divide")))
         }
@@ -92,15 +141,10 @@ pub(super) fn binary(
         (Operator::Multiply, Value::Scalar(a), Value::Scalar(b)) => Ok(Value::Scalar(*a * *b)),
         (Operator::Divide, _, Value::Scalar(b)) => {
             let inverse = b.power(-2);
-            Ok(map(&left_value, |component| component * inverse))
+            Ok(map(left_value, |component| component * inverse))
         }
-        (Operator::Power, Value::Matrix(_), _) => Err(diagnostics.report(
-            "E02",
-            place,
-            format!("a matrix has no power here; write the product, as in `{left}*{left}`"),
-        )),
         (Operator::Multiply, Value::Scalar(a), Value::Vector(_) | Value::Matrix(_)) => {
-            Ok(map(&right_value, |component| *a * component))
+            Ok(map(right_value, |component| *a * component))
         }
         (Operator::Multiply, Value::Matrix(m), Value::Vector(v)) if m.columns == v.len() => {
             Ok(Value::Vector(m.times_vector(v).into()))
@@ -109,17 +153,17 @@ pub(super) fn binary(
             Ok(Value::Matrix(a.times(b)))
         }
         (Operator::Multiply, Value::Vector(_) | Value::Matrix(_), Value::Scalar(b)) => {
-            Ok(map(&left_value, |component| component * *b))
+            Ok(map(left_value, |component| component * *b))
         }
         (Operator::Add | Operator::Subtract, Value::Vector(a), Value::Vector(b))
             if a.len() == b.len() =>
         {
-            Ok(left_value.with_components(sums(operator, a, b)))
+            Ok(left_value.with_components(sums(link.operator, a, b)))
         }
         (Operator::Add | Operator::Subtract, Value::Matrix(a), Value::Matrix(b))
             if (a.rows(), a.columns) == (b.rows(), b.columns) =>
         {
-            Ok(left_value.with_components(sums(operator, &a.entries, &b.entries)))
+            Ok(left_value.with_components(sums(link.operator, &a.entries, &b.entries)))
         }
         (Operator::Multiply, Value::Vector(_), Value::Vector(_)) => Err(diagnostics.report(
             "E02",

@@ -4,11 +4,11 @@ mod algebra;
 mod call;
 mod matrix;
 
-use crate::ast::{Expr, Kind, Name};
+use crate::ast::{Expr, Kind, Link, Name, Prefix};
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
-use crate::graph::{Sym, Variable};
+use crate::graph::{self, Fault, Sym, Variable};
 use crate::words;
-use algebra::{binary, inner_product, map, not_a_vector};
+use algebra::{inner_product, map, not_a_vector, of_numbers, power, step};
 pub(crate) use call::velocity_direction;
 pub(crate) use matrix::Matrix;
 use std::collections::{BTreeMap, HashSet};
@@ -18,8 +18,16 @@ use std::rc::Rc;
 /// any mechanism, and a second or so of compile time.
 pub(crate) const BUDGET: usize = 300_000;
 
-/// Deepest evaluation, functions inserted; within the stack of a thread of 2 MB.
-const DEPTH: usize = 800;
+/// Deepest evaluation, functions inserted; within the stack of a thread of 2 MB, without optimization as well.
+const DEPTH: usize = 300;
+
+/// Deepest expression, abbreviations and functions inserted; far above any mechanism.
+const DEEPEST: usize = 300;
+
+/// Why an expression is refused that takes more work than a compilation can wait for.
+pub(crate) const TOO_LARGE: &str = "the declaration grows too large to be derived: abbreviations or functions that use others twice, again and again, double each time; use fewer, or make an intermediate quantity a coordinate of its own";
+
+const TOO_DEEP: &str = "abbreviations or functions build on each other too many times; use fewer, or make an intermediate quantity a coordinate of its own";
 
 /// What an expression stands for.
 #[derive(Debug, Clone)]
@@ -104,9 +112,14 @@ pub(crate) struct Scope {
 impl Scope {
     /// Evaluates an expression.
     pub(crate) fn value(&mut self, expr: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
+        if self.depth == 0 {
+            // What happened to constants elsewhere is not this expression's fault.
+            graph::take_fault();
+        }
         self.depth += 1;
         let value = if self.depth > DEPTH {
-            Err(diagnostics.syntax(
+            Err(diagnostics.report(
+                "E22",
                 expr.place,
                 "the functions used here are nested too deeply; simplify them",
             ))
@@ -114,13 +127,27 @@ impl Scope {
             self.value_unguarded(expr, diagnostics)
         };
         self.depth -= 1;
-        value
+        let value = value?;
+        if graph::is_exhausted() {
+            return Err(diagnostics.report("E22", expr.place, TOO_LARGE));
+        }
+        if value.components().iter().any(|part| part.depth() > DEEPEST) {
+            return Err(diagnostics.report("E22", expr.place, TOO_DEEP));
+        }
+        // A derivative may cancel up to rounding; that is zero on paper.
+        match graph::take_fault() {
+            Some(fault) if fault.is_of_range() || !is_derivative(expr) => {
+                Err(unrepresentable(fault, expr, diagnostics))
+            }
+            _ => Ok(value),
+        }
     }
 
     fn value_unguarded(&mut self, expr: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
         self.evaluated += 1;
         if self.evaluated > BUDGET {
-            return Err(diagnostics.syntax(
+            return Err(diagnostics.report(
+                "E22",
                 expr.place,
                 "the declaration grows too large when its functions are inserted; simplify it",
             ));
@@ -128,28 +155,24 @@ impl Scope {
         match &expr.kind {
             Kind::Number { value, unit, .. } => {
                 let scale = unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
-                Ok(Value::Scalar(Sym::number(value * scale)))
+                // Checked as the product of two constants.
+                Ok(Value::Scalar(Sym::number(*value).scaled(scale)))
             }
             Kind::Name(name) => self.name(name, diagnostics),
             Kind::Negate(inner) => {
                 let inner = self.value(inner, diagnostics)?;
                 Ok(map(&inner, |component| -component))
             }
-            Kind::Binary {
-                operator,
+            Kind::Chain(first, rest) => self.chain(first, rest, diagnostics),
+            Kind::Power {
+                base,
                 place,
-                left,
-                right,
+                exponent,
             } => {
-                let left_value = self.value(left, diagnostics);
-                let right_value = self.value(right, diagnostics);
-                binary(
-                    *operator,
-                    (left, left_value?),
-                    (right, right_value?),
-                    *place,
-                    diagnostics,
-                )
+                let values = [base, exponent].map(|expr| self.value(expr, diagnostics));
+                let [base_value, exponent_value] = values;
+                let values = [base_value?, exponent_value?];
+                power(base, exponent, values, *place, diagnostics)
             }
             Kind::Call {
                 function,
@@ -161,56 +184,107 @@ impl Scope {
                 argument,
             } => self.derivative(function, *order, argument, diagnostics),
             Kind::Norm(inner) => self.norm(inner, diagnostics),
-            Kind::Vector(items) => {
-                let mut values: Vec<Value> = Vec::with_capacity(items.len());
-                let mut failed = false;
-                for item in items {
-                    // The first item decides between a vector and the rows of a matrix.
-                    let rows = matches!(values.first(), Some(Value::Vector(_)));
-                    let value = self.value(item, diagnostics).and_then(|value| {
-                        if rows || values.is_empty() && matches!(value, Value::Vector(_)) {
-                            return Ok(value);
-                        }
-                        Ok(Value::Scalar(number(item, &value, diagnostics)?))
-                    });
-                    match value {
-                        Ok(value) => values.push(value),
-                        Err(Reported) => failed = true,
-                    }
-                }
-                if failed {
-                    return Err(Reported);
-                }
-                matrix::stacked(items, values, diagnostics)
-            }
+            Kind::Vector(items) => self.vector(items, diagnostics),
             Kind::Component { vector, name } => self.component(vector, name, diagnostics),
-            Kind::Index { vector, index } => {
-                let value = self.value(vector, diagnostics)?;
-                let components = value.components();
-                match (&value, components.get(*index)) {
-                    (Value::Vector(_), Some(&component)) => Ok(Value::Scalar(component)),
-                    (Value::Vector(_), None) => Err(diagnostics.report(
-                        "E02",
-                        expr.place,
-                        format!(
-                            "`{vector}` has {} components, counted from 0; there is no [{index}]",
-                            components.len()
-                        ),
-                    )),
-                    (Value::Matrix(matrix), _) => matrix.row(*index).ok_or_else(|| {
-                        diagnostics.report(
-                            "E02",
-                            expr.place,
-                            format!(
-                                "`{vector}` has {} rows, counted from 0; there is no [{index}]",
-                                matrix.rows()
-                            ),
-                        )
-                    }),
-                    (Value::Scalar(_), _) => Err(not_a_vector(vector, &value, diagnostics)),
+            Kind::Index { vector, index } => self.index(expr, vector, *index, diagnostics),
+        }
+    }
+
+    fn vector(&mut self, items: &[Expr], diagnostics: &mut Diagnostics) -> Checked<Value> {
+        let mut values: Vec<Value> = Vec::with_capacity(items.len());
+        let mut failed = false;
+        for item in items {
+            // The first item decides between a vector and the rows of a matrix.
+            let rows = matches!(values.first(), Some(Value::Vector(_)));
+            let value = self.value(item, diagnostics).and_then(|value| {
+                if rows || values.is_empty() && matches!(value, Value::Vector(_)) {
+                    return Ok(value);
                 }
+                Ok(Value::Scalar(number(item, &value, diagnostics)?))
+            });
+            match value {
+                Ok(value) => values.push(value),
+                Err(Reported) => failed = true,
             }
         }
+        if failed {
+            return Err(Reported);
+        }
+        matrix::stacked(items, values, diagnostics)
+    }
+
+    fn index(
+        &mut self,
+        expr: &Expr,
+        vector: &Expr,
+        index: usize,
+        diagnostics: &mut Diagnostics,
+    ) -> Checked<Value> {
+        let value = self.value(vector, diagnostics)?;
+        let components = value.components();
+        match (&value, components.get(index)) {
+            (Value::Vector(_), Some(&component)) => Ok(Value::Scalar(component)),
+            (Value::Vector(_), None) => Err(diagnostics.report(
+                "E02",
+                expr.place,
+                format!(
+                    "`{vector}` has {} components, counted from 0; there is no [{index}]",
+                    components.len()
+                ),
+            )),
+            (Value::Matrix(matrix), _) => matrix.row(index).ok_or_else(|| {
+                diagnostics.report(
+                    "E02",
+                    expr.place,
+                    format!(
+                        "`{vector}` has {} rows, counted from 0; there is no [{index}]",
+                        matrix.rows()
+                    ),
+                )
+            }),
+            (Value::Scalar(_), _) => Err(not_a_vector(vector, &value, diagnostics)),
+        }
+    }
+
+    fn chain(
+        &mut self,
+        first: &Expr,
+        rest: &[Link],
+        diagnostics: &mut Diagnostics,
+    ) -> Checked<Value> {
+        let operands = std::iter::once(first).chain(rest.iter().map(|link| &link.operand));
+        let values: Vec<Checked<Value>> = operands
+            .map(|operand| self.value(operand, diagnostics))
+            .collect();
+        let values: Vec<Value> = values.into_iter().collect::<Checked<_>>()?;
+        if let Some(number) = of_numbers(&values, rest) {
+            let Some(fault) = graph::take_fault() else {
+                return Ok(Value::Scalar(number));
+            };
+            // Where it happens: with one operand more each time.
+            for (i, link) in rest.iter().enumerate() {
+                of_numbers(&values[..i + 2], &rest[..=i]);
+                if let Some(fault) = graph::take_fault() {
+                    return Err(unrepresentable(fault, &link.operand, diagnostics));
+                }
+            }
+            return Err(unrepresentable(fault, first, diagnostics));
+        }
+        let mut total = values[0].clone();
+        for (i, (link, value)) in rest.iter().zip(&values[1..]).enumerate() {
+            let left = Prefix {
+                first,
+                rest: &rest[..i],
+            };
+            total = step(&left, &total, link, value, diagnostics)?;
+            match graph::take_fault() {
+                Some(fault) if fault.is_of_range() || link.operator.is_additive() => {
+                    return Err(unrepresentable(fault, &link.operand, diagnostics));
+                }
+                _ => {}
+            }
+        }
+        Ok(total)
     }
 
     /// Evaluates an expression that must be a number.
@@ -262,10 +336,7 @@ impl Scope {
                 format!("`{text}` is declared further down; move its declaration up"),
             );
         }
-        if words::FUNCTIONS.contains(&text.as_str())
-            || words::SPECIAL_FUNCTIONS.contains(&text.as_str())
-            || words::MATRIX_FUNCTIONS.contains(&text.as_str())
-        {
+        if words::is_function(text) {
             return diagnostics.report(
                 "E02",
                 name.place(),
@@ -277,7 +348,20 @@ impl Scope {
             .map(|(name, _)| name.as_str())
             .chain(self.names.keys().map(String::as_str))
             .collect();
+        let of = text
+            .strip_suffix("_dot")
+            .filter(|stem| known.contains(stem));
+        if let Some(of) = of {
+            return diagnostics.report(
+                "E01",
+                name.place(),
+                format!("`{text}` is not declared; the velocity of `{of}` is `dot({of})`"),
+            );
+        }
         let message = match closest(text, known.iter().copied()) {
+            _ if text.eq_ignore_ascii_case("pi") => {
+                format!("`{text}` is not declared; the number is `pi`")
+            }
             _ if text == words::FINAL_TIME => {
                 "`time` is the final time, known to final costs in `minimize` and to `finally` only; the \
                  time at each instant is `t`"
@@ -303,6 +387,10 @@ impl Scope {
     ) -> Checked<Value> {
         let value = self.value(vector, diagnostics)?;
         let Value::Vector(components) = &value else {
+            if name.text == "dot" {
+                let message = format!("`{vector}.dot`: the velocity is `dot({vector})`");
+                return Err(diagnostics.report("E02", name.place(), message));
+            }
             return Err(not_a_vector(vector, &value, diagnostics));
         };
         let names: &[&str] = match components.len() {
@@ -360,15 +448,47 @@ impl Scope {
     }
 }
 
+/// Whether an expression is a derivative.
+fn is_derivative(expr: &Expr) -> bool {
+    match &expr.kind {
+        Kind::Derivative { .. } => true,
+        Kind::Call {
+            function,
+            arguments,
+        } => function.text == "dot" && arguments.len() == 1,
+        _ => false,
+    }
+}
+
+/// E21: a constant that double precision does not hold.
+pub(crate) fn unrepresentable(
+    fault: Fault,
+    expr: &Expr,
+    diagnostics: &mut Diagnostics,
+) -> Reported {
+    let message = match fault {
+        Fault::Overflow => format!(
+            "with `{expr}` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller"
+        ),
+        Fault::Underflow => format!(
+            "with `{expr}` a constant becomes smaller than double precision holds (2.2e-308), and its term would vanish; choose units in which the numbers are larger"
+        ),
+        Fault::Cancellation => format!(
+            "with `{expr}` constants cancel up to their rounding, so that no digit of the difference is right; write the difference itself, or leave the terms out if they cancel"
+        ),
+        Fault::Absorption => format!(
+            "with `{expr}` constants are added of which one is lost, as it is more than 1e16 times smaller; leave it out, or write the sum otherwise"
+        ),
+    };
+    diagnostics.report("E21", expr.place, message)
+}
+
 /// A value that must be a number.
 fn number(expr: &Expr, value: &Value, diagnostics: &mut Diagnostics) -> Checked<Sym> {
     match value {
         Value::Scalar(sym) => {
             if sym.as_number().is_some_and(|value| !value.is_finite()) {
-                return Err(diagnostics.syntax(
-                    expr.place,
-                    format!("`{expr}` has no finite value; check divisions by zero and roots"),
-                ));
+                return Err(unrepresentable(Fault::Overflow, expr, diagnostics));
             }
             Ok(*sym)
         }

@@ -3,6 +3,7 @@
 //! The derivative rules are the graph's own, because some textbook forms fail where mechanisms go:
 //! `sinh/cosh` overflows in `tanh`, `y/x` divides by zero in `atan2`.
 
+use super::limits::checked;
 use super::{Node, Sym, Variable, intern, passes, product};
 
 /// Functions of one number.
@@ -191,8 +192,9 @@ fn put(formula: Sym, arguments: [(Variable, Sym); 2]) -> Sym {
 }
 
 pub(super) fn call(function: Function, x: Sym) -> Sym {
-    if let Some(value) = x.as_number() {
-        return Sym::number(function.value(value));
+    if let Some(x) = x.as_number() {
+        let vanishes = function == Function::Exp;
+        return Sym::number(checked(function.value(x), vanishes, x.is_finite()));
     }
     if let Some(sign) = function.parity() {
         let opposite = -x;
@@ -221,7 +223,11 @@ fn sign_is_reversed(x: Sym) -> bool {
 
 pub(super) fn call2(function: Function2, first: Sym, second: Sym) -> Sym {
     match (function, first.as_number(), second.as_number()) {
-        (_, Some(first), Some(second)) => Sym::number(function.value(first, second)),
+        (_, Some(first), Some(second)) => {
+            let vanishes = function == Function2::Power && first != 0.0;
+            let finite = first.is_finite() && second.is_finite();
+            Sym::number(checked(function.value(first, second), vanishes, finite))
+        }
         (Function2::Power, _, Some(exponent)) if is_half(exponent) => {
             product([(first, (2.0 * exponent) as i32)])
         }

@@ -9,6 +9,7 @@
 
 mod expand;
 mod function;
+mod limits;
 mod normal;
 mod number;
 mod passes;
@@ -16,6 +17,7 @@ mod second_order;
 
 pub(crate) use expand::{expand, pythagoras};
 pub(crate) use function::{Function, Function2};
+pub(crate) use limits::{Fault, is_exhausted, spend, take_fault};
 pub(crate) use normal::{factors_of, product, sum};
 pub(crate) use passes::{
     depends_on, directional, gradient, is_longer_than, partial, reachable, substitute, variables,
@@ -76,6 +78,8 @@ pub(crate) enum Node {
 #[derive(Default)]
 struct Arena {
     nodes: Vec<Node>,
+    /// Longest path from each node to a leaf.
+    depths: Vec<u32>,
     table: HashMap<Node, Sym>,
 }
 
@@ -87,8 +91,10 @@ thread_local! {
 pub(crate) fn reset() {
     ARENA.with_borrow_mut(|arena| {
         arena.nodes.clear();
+        arena.depths.clear();
         arena.table.clear();
     });
+    limits::reset();
     // Fixed places of the two constants that `Sym::ZERO` and `Sym::ONE` name.
     intern(Node::Number(0.0_f64.to_bits()));
     intern(Node::Number(1.0_f64.to_bits()));
@@ -101,6 +107,10 @@ fn intern(node: Node) -> Sym {
             return known;
         }
         let sym = Sym::at(arena.nodes.len());
+        let below = children(&node).into_iter();
+        let below = below.filter_map(|part| arena.depths.get(part.index()));
+        let depth = below.max().map_or(0, |depth| depth + 1);
+        arena.depths.push(depth);
         arena.nodes.push(node.clone());
         arena.table.insert(node, sym);
         sym
@@ -133,6 +143,11 @@ impl Sym {
             // Before the first `reset` of a thread only the two constants are named.
             None => Node::Number(f64::from(self.index).to_bits()),
         })
+    }
+
+    /// Length of the longest path to a leaf.
+    pub(crate) fn depth(self) -> usize {
+        ARENA.with_borrow(|arena| arena.depths.get(self.index()).map_or(0, |&d| d as usize))
     }
 
     pub(crate) fn number(value: f64) -> Self {

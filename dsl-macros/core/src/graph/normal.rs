@@ -1,5 +1,6 @@
 //! Normal forms of sums and products. Everything that creates a node passes through here.
 
+use super::limits::{Fault, checked, note, spend, times};
 use super::{Node, Sym, intern};
 use std::rc::Rc;
 
@@ -13,27 +14,31 @@ pub(crate) fn sum(terms: impl IntoIterator<Item = (Sym, f64)>) -> Sym {
     for (term, coefficient) in terms {
         match term.node() {
             _ if coefficient == 0.0 => {}
-            Node::Number(bits) => flat.push((Sym::ONE, coefficient * f64::from_bits(bits))),
-            Node::Sum(inner) => flat.extend(
-                inner
-                    .iter()
-                    .map(|&(term, bits)| (term, coefficient * f64::from_bits(bits))),
-            ),
+            Node::Number(bits) => {
+                flat.push((Sym::ONE, times(coefficient, f64::from_bits(bits))));
+            }
+            Node::Sum(inner) => {
+                if !spend(inner.len()) {
+                    return Sym::ZERO;
+                }
+                flat.extend(
+                    inner
+                        .iter()
+                        .map(|&(term, bits)| (term, times(coefficient, f64::from_bits(bits)))),
+                );
+            }
             _ => flat.push((term, coefficient)),
         }
+    }
+    if !spend(flat.len()) {
+        return Sym::ZERO;
     }
     flat.sort_by_key(|&(term, _)| term);
     let mut merged: Vec<(Sym, f64)> = Vec::with_capacity(flat.len());
     for (term, coefficient) in flat {
         match merged.last_mut() {
             Some((last, total)) if *last == term => {
-                let added = *total + coefficient;
-                let scale = total.abs().max(coefficient.abs());
-                *total = if added.abs() <= CANCELLATION * scale {
-                    0.0
-                } else {
-                    added
-                };
+                *total = added(*total, coefficient);
             }
             _ => merged.push((term, coefficient)),
         }
@@ -52,6 +57,21 @@ pub(crate) fn sum(terms: impl IntoIterator<Item = (Sym, f64)>) -> Sym {
     }
 }
 
+/// The sum of two coefficients.
+fn added(a: f64, b: f64) -> f64 {
+    let sum = a + b;
+    if sum.abs() <= CANCELLATION * a.abs().max(b.abs()) {
+        if sum != 0.0 {
+            note(Fault::Cancellation);
+        }
+        return 0.0;
+    }
+    if (sum == a && b != 0.0) || (sum == b && a != 0.0) {
+        note(Fault::Absorption);
+    }
+    checked(sum, false, a.is_finite() && b.is_finite())
+}
+
 /// `product of factor^(halves / 2)` in normal form.
 pub(crate) fn product(factors: impl IntoIterator<Item = (Sym, i32)>) -> Sym {
     let mut coefficient = 1.0;
@@ -65,6 +85,9 @@ pub(crate) fn product(factors: impl IntoIterator<Item = (Sym, i32)>) -> Sym {
     // Merging can turn a root into a whole power, whose base then opens; hence the loop. It settles
     // after a few rounds; any round's result is correct.
     for _ in 0..16 {
+        if !spend(flat.len()) {
+            return Sym::ZERO;
+        }
         let mut opened = Vec::with_capacity(flat.len());
         for &(factor, halves) in &flat {
             open(factor, halves, &mut coefficient, &mut opened);
@@ -105,10 +128,12 @@ fn open(factor: Sym, halves: i32, coefficient: &mut f64, opened: &mut Vec<(Sym, 
         Node::Number(bits) => {
             let value = f64::from_bits(bits);
             if whole {
-                *coefficient *= power_of_number(value, halves / 2);
+                multiply(coefficient, value, halves / 2);
             } else if value >= 0.0 {
-                *coefficient *= power_of_number(value.sqrt(), halves);
+                multiply(coefficient, value.sqrt(), halves);
             } else {
+                // The root of a negative number is none.
+                note(Fault::Overflow);
                 opened.push((factor, halves));
             }
         }
@@ -123,18 +148,21 @@ fn open(factor: Sym, halves: i32, coefficient: &mut f64, opened: &mut Vec<(Sym, 
             [(term, bits)] => {
                 let value = f64::from_bits(*bits);
                 if whole {
-                    *coefficient *= power_of_number(value, halves / 2);
+                    multiply(coefficient, value, halves / 2);
                     open(*term, halves, coefficient, opened);
                 } else if value > 0.0 {
-                    *coefficient *= power_of_number(value.sqrt(), halves);
+                    multiply(coefficient, value.sqrt(), halves);
                     open(*term, halves, coefficient, opened);
                 } else {
                     opened.push((factor, halves));
                 }
             }
             terms if whole => {
+                if !spend(terms.len()) {
+                    return;
+                }
                 let (scale, common, rest) = content(terms);
-                *coefficient *= power_of_number(scale, halves / 2);
+                multiply(coefficient, scale, halves / 2);
                 for (base, own) in common {
                     opened.push((base, own * (halves / 2)));
                 }
@@ -144,6 +172,16 @@ fn open(factor: Sym, halves: i32, coefficient: &mut f64, opened: &mut Vec<(Sym, 
         },
         _ => opened.push((factor, halves)),
     }
+}
+
+/// A coefficient times a number to a power.
+fn multiply(coefficient: &mut f64, value: f64, exponent: i32) {
+    let power = checked(
+        power_of_number(value, exponent),
+        value != 0.0,
+        value.is_finite(),
+    );
+    *coefficient = times(*coefficient, power);
 }
 
 /// Repeated multiplication, as the emitted code would do.

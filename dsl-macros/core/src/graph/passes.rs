@@ -1,6 +1,6 @@
 //! Passes over the graph: dual numbers forward, adjoints backward, substitution, dependence.
 
-use super::{Node, Sym, Variable, children, product, sum};
+use super::{Node, Sym, Variable, children, product, spend, sum};
 use num_dual::Dual;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
@@ -10,7 +10,11 @@ pub(crate) fn reachable(roots: &[Sym]) -> Vec<Sym> {
     let mut stack: Vec<Sym> = roots.to_vec();
     while let Some(sym) = stack.pop() {
         if seen.insert(sym) {
-            stack.extend(children(&sym.node()));
+            let parts = children(&sym.node());
+            if !spend(1 + parts.len()) {
+                return Vec::new();
+            }
+            stack.extend(parts);
         }
     }
     // A node is created after its parts, so the order of creation is an order of evaluation.

@@ -3,25 +3,40 @@
 use crate::ast::Name;
 use crate::diagnostics::Place;
 use proc_macro2::{Delimiter, Group, Ident, Spacing, Span, TokenStream, TokenTree};
+use std::ops::Range;
+use std::rc::Rc;
 
-/// Nesting beyond which invisible groups are not looked into.
+/// Nesting beyond which invisible groups are left as they are.
 const FLATTEN_DEPTH: usize = 64;
 
 /// Position in a list of token trees.
+///
+/// Groups without delimiters, in which `macro_rules!` hands over what it has parsed, are not tokens here:
+/// names, units and lists read through them. Only expressions ask for them, since there they
+/// bind like parentheses.
 #[derive(Clone)]
 pub(crate) struct Cursor {
-    tokens: std::rc::Rc<Vec<TokenTree>>,
+    tokens: Rc<Vec<TokenTree>>,
+    /// Invisible groups of more than one token, outer ones before those inside.
+    groups: Rc<Vec<Range<usize>>>,
+    /// How many of the groups are behind or around the cursor.
+    passed: usize,
     position: usize,
+    /// Behind the last token to be read.
+    limit: usize,
     /// Where to point when the tokens have run out.
     end: Span,
 }
 
 impl Cursor {
     pub(crate) fn new(stream: TokenStream, end: Span) -> Self {
-        let mut tokens = Vec::new();
-        flatten(stream, &mut tokens, 0);
+        let mut flat = Flat::default();
+        flat.extend(stream, 0);
         Self {
-            tokens: tokens.into(),
+            limit: flat.tokens.len(),
+            tokens: flat.tokens.into(),
+            groups: flat.groups.into(),
+            passed: 0,
             position: 0,
             end,
         }
@@ -33,21 +48,74 @@ impl Cursor {
     }
 
     pub(crate) fn peek(&self) -> Option<&TokenTree> {
-        self.tokens.get(self.position)
+        self.peek_at(0)
     }
 
     pub(crate) fn peek_at(&self, offset: usize) -> Option<&TokenTree> {
-        self.tokens.get(self.position + offset)
+        self.tokens[..self.limit].get(self.position + offset)
+    }
+
+    /// Index of the outermost invisible group that begins `offset` tokens further.
+    fn group_at(&self, offset: usize) -> Option<usize> {
+        let begin = self.position + offset;
+        let first = self.passed + self.groups[self.passed..].partition_point(|g| g.start < begin);
+        let group = self.groups.get(first)?;
+        (group.start == begin && group.end <= self.limit).then_some(first)
+    }
+
+    /// Whether an invisible group begins `offset` tokens further.
+    pub(crate) fn at_invisible_group(&self, offset: usize) -> bool {
+        self.group_at(offset).is_some()
+    }
+
+    /// The tokens of the invisible group that begins here; the cursor moves behind it.
+    pub(crate) fn eat_invisible_group(&mut self) -> Option<Self> {
+        let index = self.group_at(0)?;
+        let group = self.groups[index].clone();
+        let mut inner = self.clone();
+        inner.passed = index + 1;
+        inner.limit = group.end;
+        inner.end = group
+            .clone()
+            .next_back()
+            .and_then(|last| self.tokens.get(last))
+            .map_or(self.end, TokenTree::span);
+        // `-2` was handed over, and the unit stands behind it.
+        let signed_number = group.len() == 2
+            && inner.at_symbol("-")
+            && matches!(inner.peek_at(1), Some(TokenTree::Literal(_)));
+        if signed_number
+            && matches!(self.peek_at(2), Some(TokenTree::Group(unit))
+                if unit.delimiter() == Delimiter::Bracket)
+        {
+            inner.limit += 1;
+        }
+        self.position = inner.limit;
+        Some(inner)
+    }
+
+    /// Forgets the invisible group that begins here if it holds more than an expression, such as
+    /// `z >= 0`: its parts are then read one by one.
+    pub(crate) fn open_comparison(&mut self) {
+        while let Some(index) = self.group_at(0) {
+            let compares = self.tokens[self.groups[index].clone()].iter().any(
+                |token| matches!(token, TokenTree::Punct(punct) if matches!(punct.as_char(), '<' | '>' | '=')),
+            );
+            if !compares {
+                return;
+            }
+            self.passed = index + 1;
+        }
     }
 
     pub(crate) fn advance(&mut self) -> Option<TokenTree> {
-        let token = self.tokens.get(self.position).cloned();
+        let token = self.peek().cloned();
         self.position += usize::from(token.is_some());
         token
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.position >= self.tokens.len()
+        self.position >= self.limit
     }
 
     /// Place of the next token, or of the end.
@@ -87,6 +155,19 @@ impl Cursor {
                 format!("`{text}`")
             }
         }
+    }
+
+    /// The number that was meant where a decimal comma stands before the cursor.
+    pub(crate) fn decimal_comma(&self) -> Option<String> {
+        let token = |back: usize| self.tokens.get(self.position.checked_sub(back)?);
+        let digits = |token: Option<&TokenTree>| match token {
+            Some(TokenTree::Literal(literal)) => Some(literal.to_string())
+                .filter(|text| text.bytes().all(|byte| byte.is_ascii_digit())),
+            _ => None,
+        };
+        let comma = matches!(token(1), Some(TokenTree::Punct(punct)) if punct.as_char() == ',');
+        let (whole, fraction) = (digits(token(2))?, digits(self.peek())?);
+        comma.then(|| format!("{whole}.{fraction}"))
     }
 
     /// Whether the next tokens are exactly these joint characters.
@@ -155,15 +236,31 @@ impl Cursor {
     }
 }
 
-fn flatten(stream: TokenStream, tokens: &mut Vec<TokenTree>, depth: usize) {
-    for token in stream {
-        match token {
-            TokenTree::Group(group)
-                if group.delimiter() == Delimiter::None && depth < FLATTEN_DEPTH =>
-            {
-                flatten(group.stream(), tokens, depth + 1);
+/// Tokens without their invisible groups, and where those were.
+#[derive(Default)]
+struct Flat {
+    tokens: Vec<TokenTree>,
+    groups: Vec<Range<usize>>,
+}
+
+impl Flat {
+    fn extend(&mut self, stream: TokenStream, depth: usize) {
+        for token in stream {
+            match token {
+                TokenTree::Group(group)
+                    if group.delimiter() == Delimiter::None && depth < FLATTEN_DEPTH =>
+                {
+                    let (index, begin) = (self.groups.len(), self.tokens.len());
+                    self.groups.push(begin..begin);
+                    self.extend(group.stream(), depth + 1);
+                    self.groups[index].end = self.tokens.len();
+                    // One token binds as it is; neither has it groups inside.
+                    if self.groups[index].len() < 2 {
+                        self.groups.truncate(index);
+                    }
+                }
+                token => self.tokens.push(token),
             }
-            token => tokens.push(token),
         }
     }
 }

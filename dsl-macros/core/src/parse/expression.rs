@@ -2,10 +2,10 @@
 
 use super::cursor::Cursor;
 use super::{unexpected, unit};
-use crate::ast::{Expr, Kind, Name, Operator};
+use crate::ast::{Expr, Kind, Link, Name, Operator};
 use crate::diagnostics::{Checked, Diagnostics, Place, closest};
 use crate::words;
-use proc_macro2::{Delimiter, Group, Ident, Literal, TokenTree};
+use proc_macro2::{Delimiter, Group, Ident, Literal, Spacing, TokenTree};
 
 /// Deepest tree; deeper ones are refused so that recursion over an expression is safe.
 const DEPTH: usize = 150;
@@ -21,6 +21,7 @@ pub(super) fn expression(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> 
         diagnostics,
         nesting: 0,
     };
+    cursor.open_comparison();
     let expr = parser.climb(cursor, 0)?;
     parser.juxtaposed(cursor, &expr)?;
     Ok(expr)
@@ -47,12 +48,14 @@ impl Parser<'_> {
         let mut left = self.prefix(cursor)?;
         loop {
             let (operator, own) = match cursor.peek() {
+                // What begins with a sign in a group of its own is no second operand.
+                _ if cursor.at_invisible_group(0) => return Ok(left),
                 Some(TokenTree::Punct(punct)) => match punct.as_char() {
-                    '+' => (Operator::Add, SUM),
-                    '-' => (Operator::Subtract, SUM),
-                    '*' => (Operator::Multiply, PRODUCT),
-                    '/' => (Operator::Divide, PRODUCT),
-                    '^' => (Operator::Power, POWER),
+                    '+' => (Some(Operator::Add), SUM),
+                    '-' => (Some(Operator::Subtract), SUM),
+                    '*' => (Some(Operator::Multiply), PRODUCT),
+                    '/' => (Some(Operator::Divide), PRODUCT),
+                    '^' => (None, POWER),
                     _ => return Ok(left),
                 },
                 _ => return Ok(left),
@@ -62,56 +65,69 @@ impl Parser<'_> {
             }
             let place = cursor.place();
             cursor.advance();
+            let Some(operator) = operator else {
+                left = self.power(cursor, place, left)?;
+                continue;
+            };
             if operator == Operator::Multiply && cursor.at_symbol("*") {
                 return Err(self
                     .diagnostics
                     .syntax(place, "`**` is no operator; write powers as `x^2`"));
             }
-            // The exponent may carry a sign: x^-2.
-            let right = self.climb(
-                cursor,
-                if operator == Operator::Power {
-                    SIGN
-                } else {
-                    own + 1
-                },
-            )?;
-            if operator == Operator::Power && stacked_power(&right) {
-                return Err(self.diagnostics.syntax(
-                    place,
-                    format!(
-                        "two powers in a row are easily misread; put the inner one in parentheses, as in \
-                         `{left}^({right})`"
-                    ),
-                ));
-            }
-            left = self.binary(operator, place, left, right)?;
+            let operand = self.climb(cursor, own + 1)?;
+            let link = Link {
+                operator,
+                place,
+                operand,
+            };
+            left = self.linked(left, link)?;
         }
     }
 
-    fn binary(
-        &mut self,
-        operator: Operator,
-        place: Place,
-        left: Expr,
-        right: Expr,
-    ) -> Checked<Expr> {
-        let whole = left.place.to(right.place);
-        let depth = left.depth.max(right.depth);
-        self.node(
-            Kind::Binary {
-                operator,
+    fn power(&mut self, cursor: &mut Cursor, place: Place, base: Expr) -> Checked<Expr> {
+        // The exponent may carry a sign: x^-2.
+        let exponent = self.climb(cursor, SIGN)?;
+        if stacked_power(&exponent) {
+            return Err(self.diagnostics.syntax(
                 place,
-                left: Box::new(left),
-                right: Box::new(right),
+                format!(
+                    "two powers in a row are easily misread; put the inner one in parentheses, as in \
+                     `{base}^({exponent})`"
+                ),
+            ));
+        }
+        let whole = base.place.to(exponent.place);
+        let depth = base.depth.max(exponent.depth);
+        self.node(
+            Kind::Power {
+                base: Box::new(base),
+                place,
+                exponent: Box::new(exponent),
             },
             whole,
             depth,
         )
     }
 
+    /// One more operand behind an expression: a sum of terms or a product of factors becomes longer, not
+    /// deeper.
+    fn linked(&mut self, mut left: Expr, link: Link) -> Checked<Expr> {
+        let whole = left.place.to(link.operand.place);
+        if let Kind::Chain(_, rest) = &mut left.kind
+            && !left.parenthesized
+            && rest[0].operator.is_additive() == link.operator.is_additive()
+        {
+            left.place = whole;
+            left.depth = left.depth.max(link.operand.depth + 1);
+            rest.push(link);
+            return Ok(left);
+        }
+        let depth = left.depth.max(link.operand.depth);
+        self.node(Kind::Chain(Box::new(left), vec![link]), whole, depth)
+    }
+
     fn node(&mut self, kind: Kind, place: Place, depth_below: usize) -> Checked<Expr> {
-        // Sums grow to the left, one level a term; they may be longer than nesting may be deep.
+        // Components and indices nest without brackets.
         if depth_below >= 4 * DEPTH {
             return Err(self.too_deep(place));
         }
@@ -124,7 +140,8 @@ impl Parser<'_> {
     }
 
     fn too_deep(&mut self, place: Place) -> crate::diagnostics::Reported {
-        self.diagnostics.syntax(
+        self.diagnostics.report(
+            "E22",
             place,
             "the expression is nested too deeply; split it with `let`",
         )
@@ -132,10 +149,11 @@ impl Parser<'_> {
 
     fn prefix(&mut self, cursor: &mut Cursor) -> Checked<Expr> {
         let start = cursor.place();
-        if cursor.eat_symbol("+") {
+        let group = cursor.at_invisible_group(0);
+        if !group && cursor.eat_symbol("+") {
             return self.climb(cursor, SIGN);
         }
-        if cursor.eat_symbol("-") {
+        if !group && cursor.eat_symbol("-") {
             let inner = self.climb(cursor, SIGN)?;
             let (place, depth) = (start.to(inner.place), inner.depth);
             return self.node(Kind::Negate(Box::new(inner)), place, depth);
@@ -146,11 +164,30 @@ impl Parser<'_> {
 
     fn postfix(&mut self, cursor: &mut Cursor, mut expr: Expr) -> Checked<Expr> {
         loop {
-            if cursor.at_symbol(".") && matches!(cursor.peek_at(1), Some(TokenTree::Ident(_))) {
+            let point = cursor.at_symbol(".");
+            if !point && cursor.at_invisible_group(0) {
+                return Ok(expr);
+            }
+            if point
+                && !cursor.at_invisible_group(1)
+                && matches!(cursor.peek_at(1), Some(TokenTree::Ident(_)))
+            {
                 cursor.advance();
                 let Some(name) = cursor.eat_name() else {
                     return Ok(expr);
                 };
+                if matches!(cursor.peek(), Some(TokenTree::Group(group))
+                    if group.delimiter() == Delimiter::Parenthesis)
+                    && !cursor.at_invisible_group(0)
+                {
+                    return Err(self.diagnostics.syntax(
+                        name.place(),
+                        format!(
+                            "`.{}(...)` is a call of Rust; write functions as `sin(x)`, powers as `x^2`",
+                            name.text
+                        ),
+                    ));
+                }
                 let (place, depth) = (expr.place.to(name.place()), expr.depth);
                 expr = self.node(
                     Kind::Component {
@@ -160,9 +197,10 @@ impl Parser<'_> {
                     place,
                     depth,
                 )?;
-            } else if cursor.at_symbol(".")
-                && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
-                    if group.delimiter() == Delimiter::Parenthesis)
+            } else if point
+                && (cursor.at_invisible_group(1)
+                    || matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
+                        if group.delimiter() == Delimiter::Parenthesis))
             {
                 // `a . (b + c)`: the inner product with any vector.
                 let place = cursor.place();
@@ -215,6 +253,15 @@ impl Parser<'_> {
 
     fn primary(&mut self, cursor: &mut Cursor) -> Checked<Expr> {
         let place = cursor.place();
+        if let Some(mut inner) = cursor.eat_invisible_group() {
+            let mut expr = self.climb(&mut inner, 0)?;
+            self.juxtaposed(&inner, &expr)?;
+            if !inner.is_empty() {
+                return Err(unexpected(&inner, self.diagnostics, "an operator"));
+            }
+            expr.parenthesized = true;
+            return Ok(expr);
+        }
         if let Some(TokenTree::Literal(literal)) = cursor.peek() {
             let literal = literal.clone();
             cursor.advance();
@@ -375,10 +422,28 @@ impl Parser<'_> {
     /// Two factors without an operator between them.
     fn juxtaposed(&mut self, cursor: &Cursor, left: &Expr) -> Checked<()> {
         let right = match cursor.peek() {
+            _ if cursor.at_invisible_group(0) => "...".to_owned(),
+            Some(TokenTree::Punct(punct)) if punct.as_char() == '\'' => {
+                return Err(self.apostrophe(cursor.place()));
+            }
+            Some(TokenTree::Literal(literal)) if literal.to_string().starts_with('\'') => {
+                return Err(self.apostrophe(cursor.place()));
+            }
             Some(TokenTree::Ident(ident)) => {
                 let text = ident.to_string();
                 if words::is_keyword(&text) || text == "in" {
                     return Ok(());
+                }
+                // `name:` and `name =` begin another entry of a list.
+                if matches!(cursor.peek_at(1), Some(TokenTree::Punct(punct))
+                    if punct.as_char() == ':'
+                        || punct.as_char() == '=' && punct.spacing() == Spacing::Alone)
+                {
+                    self.diagnostics.poison(&text);
+                    return Err(self.diagnostics.syntax(
+                        cursor.place(),
+                        format!("a comma is missing before `{text}`"),
+                    ));
                 }
                 match cursor.peek_at(1) {
                     // A name with a block behind it was meant to begin a statement.
@@ -407,24 +472,63 @@ impl Parser<'_> {
             }
             _ => return Ok(()),
         };
+        Err(self.missing_operator(cursor.place(), left, &right))
+    }
+
+    /// The remedy where `right` stands behind an expression without an operator.
+    fn missing_operator(
+        &mut self,
+        place: Place,
+        left: &Expr,
+        right: &str,
+    ) -> crate::diagnostics::Reported {
         // The last term is what the missing operator would multiply.
-        let mut last = left;
-        while let Kind::Binary {
-            operator: Operator::Add | Operator::Subtract,
-            right,
-            ..
-        } = &last.kind
+        let last = match &left.kind {
+            Kind::Chain(_, rest) if rest[0].operator.is_additive() => {
+                rest.last().map_or(left, |link| &link.operand)
+            }
+            _ => left,
+        };
+        let factor = match &last.kind {
+            Kind::Chain(_, rest) => rest.last().map_or(last, |link| &link.operand),
+            _ => last,
+        };
+        if let Kind::Name(function) = &factor.kind
+            && words::is_function(&function.text)
         {
-            last = right;
+            let message = format!(
+                "`{0}` is a function; its argument stands in parentheses, as in `{0}({right})`",
+                function.text
+            );
+            return self.diagnostics.syntax(function.place(), message);
+        }
+        if let Kind::Number {
+            text, unit: None, ..
+        } = &factor.kind
+            && hangtime_units::Unit::parse(right).is_ok()
+        {
+            let message = format!(
+                "an operator is missing before `{right}`; write a unit as `{text} [{right}]` and a product as \
+                 `{text}*{right}`"
+            );
+            return self.diagnostics.syntax(place, message);
         }
         let left = match last.to_string() {
             long if long.chars().count() > 24 => "...".to_owned(),
             short => short,
         };
-        Err(self.diagnostics.syntax(
-            cursor.place(),
+        self.diagnostics.syntax(
+            place,
             format!("an operator is missing before `{right}`; write a product as `{left}*{right}`"),
-        ))
+        )
+    }
+
+    fn apostrophe(&mut self, place: Place) -> crate::diagnostics::Reported {
+        self.diagnostics.syntax(
+            place,
+            "an apostrophe is no operator here, as it is a token of another kind in Rust; the velocity is `dot(y)`, \
+             the derivative of a function `diff(f)(y)`",
+        )
     }
 
     fn number(&mut self, cursor: &mut Cursor, literal: &Literal) -> Checked<Expr> {
@@ -432,13 +536,19 @@ impl Parser<'_> {
         let text = literal.to_string();
         let digits = text.replace('_', "");
         let value = match digits.parse::<f64>() {
-            Ok(value) if value.is_finite() => value,
-            Ok(_) => {
-                return Err(self.diagnostics.syntax(
-                    place,
-                    format!("the number {text} is too large for double precision"),
-                ));
+            Ok(value) if value.is_infinite() => {
+                let message = format!(
+                    "the number {text} is too large for double precision, which ends at 1.8e308"
+                );
+                return Err(self.diagnostics.report("E21", place, message));
             }
+            Ok(value) if value < f64::MIN_POSITIVE && has_digits(&digits) => {
+                let message = format!(
+                    "the number {text} is too small for double precision, which begins at 2.2e-308"
+                );
+                return Err(self.diagnostics.report("E21", place, message));
+            }
+            Ok(value) => value,
             Err(_) => return Err(self.bad_number(place, &digits)),
         };
         let unit = match cursor.eat_group(Delimiter::Bracket) {
@@ -456,6 +566,13 @@ impl Parser<'_> {
         let (number, suffix) = text.split_at(end);
         let message = if !text.starts_with(|c: char| c.is_ascii_digit()) {
             format!("{text} is not a number; expressions are made of numbers and names")
+        } else if matches!(
+            suffix,
+            "f64" | "f32" | "i32" | "u32" | "usize" | "i64" | "u64"
+        ) {
+            format!(
+                "`{number}` carries the type `{suffix}` of Rust; numbers here have no type, write `{number}`"
+            )
         } else if number.parse::<f64>().is_ok() && !suffix.is_empty() {
             format!(
                 "`{text}` is not a number; write a unit as `{number} [{suffix}]` and a product as \
@@ -468,12 +585,18 @@ impl Parser<'_> {
     }
 }
 
+/// Whether a decimal number is written with a digit other than 0 before its exponent.
+fn has_digits(text: &str) -> bool {
+    let mantissa = text.split(['e', 'E']).next().unwrap_or_default();
+    mantissa.contains(|c| matches!(c, '1'..='9'))
+}
+
 /// Whether an exponent is itself a power without parentheses around it.
 fn stacked_power(exponent: &Expr) -> bool {
     !exponent.parenthesized
         && match &exponent.kind {
             Kind::Negate(inner) => stacked_power(inner),
-            Kind::Binary { operator, .. } => *operator == Operator::Power,
+            Kind::Power { .. } => true,
             _ => false,
         }
 }

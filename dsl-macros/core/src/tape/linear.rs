@@ -39,68 +39,133 @@ impl Linear<'_> {
         position
     }
 
-    fn visit(&mut self, node: u32) -> u32 {
-        if let Some(known) = self.done[node as usize] {
-            return known;
+    /// Evaluates a node and what it is made of, without recursion: a sum of a thousand terms that are added
+    /// one by one is a thousand levels deep.
+    fn visit(&mut self, root: u32) -> u32 {
+        let mut stack = vec![Visit::new(root)];
+        let mut value = None;
+        while let Some(visit) = stack.last_mut() {
+            let node = visit.node;
+            if let Some(known) = self.done[node as usize] {
+                value = Some(known);
+                stack.pop();
+                continue;
+            }
+            let nodes = self.nodes;
+            match self.step(&nodes[node as usize], visit, value.take()) {
+                Step::Into(part) => stack.push(Visit::new(part)),
+                Step::Is(position) => self.done[node as usize] = Some(position),
+            }
         }
-        let nodes = self.nodes;
-        let position = match &nodes[node as usize] {
-            Nary::Load(variable) => self.push(Op::Load(*variable)),
-            Nary::Constant(bits) => self.push(Op::Constant(*bits)),
-            Nary::Sum(items) => self.add_up(items),
-            Nary::Product(factors) => {
-                let mut product = self.visit(factors[0]);
-                for &factor in &factors[1..] {
-                    let factor = self.visit(factor);
-                    product = self.push(Op::Multiply(product, factor));
-                }
-                product
-            }
-            Nary::Divide(above, below) => {
-                let (above, below) = (self.visit(*above), self.visit(*below));
-                self.push(Op::Divide(above, below))
-            }
-            Nary::Negate(inner) => {
-                let inner = self.visit(*inner);
-                self.push(Op::Negate(inner))
-            }
-            Nary::Root(inner) => {
-                let inner = self.visit(*inner);
-                self.push(Op::Root(inner))
-            }
-            Nary::Call(function, argument) => {
-                let argument = self.visit(*argument);
-                self.push(Op::Call(*function, argument))
-            }
-            Nary::Call2(function, first, second) => {
-                let (first, second) = (self.visit(*first), self.visit(*second));
-                self.push(Op::Call2(*function, first, second))
-            }
-        };
-        self.done[node as usize] = Some(position);
-        position
+        value.unwrap_or_default()
     }
 
-    fn add_up(&mut self, items: &[(u32, bool)]) -> u32 {
+    /// Goes on with a node: `part` is the value of the part that was asked for last.
+    fn step(&mut self, node: &Nary, visit: &mut Visit, part: Option<u32>) -> Step {
+        let known = |known: &mut Vec<u32>| known.extend(part);
+        match node {
+            Nary::Load(variable) => Step::Is(self.push(Op::Load(*variable))),
+            Nary::Constant(bits) => Step::Is(self.push(Op::Constant(*bits))),
+            Nary::Sum(items) => self.add_up(items, visit, part),
+            Nary::Product(factors) => {
+                if let Some(factor) = part {
+                    visit.total = Some(match visit.total {
+                        Some(product) => self.push(Op::Multiply(product, factor)),
+                        None => factor,
+                    });
+                    visit.next += 1;
+                }
+                match (factors.get(visit.next), visit.total) {
+                    (Some(&factor), _) => Step::Into(factor),
+                    (None, total) => Step::Is(total.unwrap_or_default()),
+                }
+            }
+            Nary::Divide(above, below) => {
+                known(&mut visit.parts);
+                match *visit.parts {
+                    [] => Step::Into(*above),
+                    [_] => Step::Into(*below),
+                    [above, below, ..] => Step::Is(self.push(Op::Divide(above, below))),
+                }
+            }
+            Nary::Negate(inner) => match part {
+                Some(inner) => Step::Is(self.push(Op::Negate(inner))),
+                None => Step::Into(*inner),
+            },
+            Nary::Root(inner) => match part {
+                Some(inner) => Step::Is(self.push(Op::Root(inner))),
+                None => Step::Into(*inner),
+            },
+            Nary::Call(function, argument) => match part {
+                Some(argument) => Step::Is(self.push(Op::Call(*function, argument))),
+                None => Step::Into(*argument),
+            },
+            Nary::Call2(function, first, second) => {
+                known(&mut visit.parts);
+                match *visit.parts {
+                    [] => Step::Into(*first),
+                    [_] => Step::Into(*second),
+                    [first, second, ..] => Step::Is(self.push(Op::Call2(*function, first, second))),
+                }
+            }
+        }
+    }
+
+    fn add_up(&mut self, items: &[(u32, bool)], visit: &mut Visit, part: Option<u32>) -> Step {
         // The sharing of pairs may leave a sum without a positive term.
         let first = items.iter().position(|&(_, negative)| !negative);
         let start = first.unwrap_or(0);
-        let mut total = self.visit(items[start].0);
-        for (i, &(item, negative)) in items.iter().enumerate() {
-            if i == start {
-                continue;
+        if let Some(item) = part {
+            match visit.total {
+                None => visit.total = Some(item),
+                Some(total) => {
+                    let op = if items[visit.next].1 && first.is_some() {
+                        Op::Subtract(total, item)
+                    } else {
+                        Op::Add(total, item)
+                    };
+                    visit.total = Some(self.push(op));
+                    visit.next += 1;
+                }
             }
-            let item = self.visit(item);
-            total = self.push(if negative && first.is_some() {
-                Op::Subtract(total, item)
-            } else {
-                Op::Add(total, item)
-            });
         }
-        if first.is_none() {
-            self.push(Op::Negate(total))
-        } else {
-            total
+        let Some(total) = visit.total else {
+            return Step::Into(items[start].0);
+        };
+        visit.next += usize::from(visit.next == start);
+        match items.get(visit.next) {
+            Some(&(item, _)) => Step::Into(item),
+            None if first.is_none() => Step::Is(self.push(Op::Negate(total))),
+            None => Step::Is(total),
         }
     }
+}
+
+/// A node on its way to be evaluated.
+struct Visit {
+    node: u32,
+    /// The part that comes next, of sums and products.
+    next: usize,
+    /// Sum or product of the parts so far.
+    total: Option<u32>,
+    /// Values of the parts, of nodes with two different ones.
+    parts: Vec<u32>,
+}
+
+impl Visit {
+    fn new(node: u32) -> Self {
+        Self {
+            node,
+            next: 0,
+            total: None,
+            parts: Vec::new(),
+        }
+    }
+}
+
+enum Step {
+    /// First this node has to be evaluated.
+    Into(u32),
+    /// The value stands here.
+    Is(u32),
 }

@@ -3,6 +3,11 @@
 use super::Nary;
 use crate::graph::{self, Node, Sym};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+/// Deepest expressions whose parts are lowered as they are met. In deeper ones what is one quantity comes
+/// first, in the order in which it was made, so that no recursion runs through all of it.
+const SHALLOW: usize = 600;
 
 /// Lowers a set of expressions.
 pub(super) struct Lowering {
@@ -25,12 +30,21 @@ impl Lowering {
             factor,
         };
         let order = graph::reachable(outputs);
+        let depth = outputs.iter().map(|output| output.depth()).max();
+        let deep = depth.unwrap_or_default() > SHALLOW;
         for sym in &order {
             if let Node::Product(factors) = sym.node() {
                 for &(base, halves) in factors.iter() {
                     if halves < 0 {
                         *lowering.divisions.entry(base).or_default() += 1;
                     }
+                }
+            }
+        }
+        if deep {
+            for &sym in &order {
+                if let Node::Kept(_) = sym.node() {
+                    lowering.lower(sym);
                 }
             }
         }
@@ -66,6 +80,9 @@ impl Lowering {
     fn lower(&mut self, sym: Sym) -> u32 {
         if let Some(&known) = self.done.get(&sym) {
             return known;
+        }
+        if graph::is_exhausted() {
+            return self.constant(0.0);
         }
         let position = match sym.node() {
             Node::Number(bits) => self.push(Nary::Constant(bits)),
@@ -104,18 +121,24 @@ impl Lowering {
 
     /// A sum as signed positions: equal coefficients are taken out, then common factors.
     fn items(&mut self, terms: &[(Sym, f64)]) -> Vec<(u32, bool)> {
+        if !graph::spend(terms.len()) {
+            return Vec::new();
+        }
         let mut groups: Vec<(f64, Vec<(Sym, bool)>)> = Vec::new();
+        let mut of_magnitude: HashMap<u64, Option<usize>> = HashMap::new();
         for &(term, coefficient) in terms {
             let (magnitude, negative) = (coefficient.abs(), coefficient < 0.0);
-            let constant = term == Sym::ONE;
-            match groups
-                .iter_mut()
-                .find(|(known, _)| *known == magnitude && !constant)
-            {
-                Some((_, group)) if group.iter().all(|&(term, _)| term != Sym::ONE) => {
-                    group.push((term, negative));
+            // A constant, which comes first, is a group of its own; so are terms with its magnitude.
+            let group = (term != Sym::ONE).then_some(groups.len());
+            match of_magnitude.entry(magnitude.to_bits()) {
+                Entry::Occupied(known) => match *known.get() {
+                    Some(known) => groups[known].1.push((term, negative)),
+                    None => groups.push((magnitude, vec![(term, negative)])),
+                },
+                Entry::Vacant(place) => {
+                    place.insert(group);
+                    groups.push((magnitude, vec![(term, negative)]));
                 }
-                _ => groups.push((magnitude, vec![(term, negative)])),
             }
         }
         let mut items = Vec::new();
@@ -164,6 +187,9 @@ impl Lowering {
     fn factored(&mut self, mut terms: Vec<(Sym, bool)>) -> Vec<(u32, bool)> {
         let mut items = Vec::new();
         loop {
+            if !graph::spend(terms.len()) {
+                return Vec::new();
+            }
             let mut counts: HashMap<Sym, usize> = HashMap::new();
             for &(term, _) in &terms {
                 if term == Sym::ONE {

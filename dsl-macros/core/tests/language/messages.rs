@@ -306,6 +306,69 @@ texts! {
     friction_far_from_its_law: beside "surface a: y >= 0 impact a: inelastic horizon 3 [s]; friction a: 0.3" =>
         "`friction` is part of an impact law; write `impact name: ..., friction ...`, with commas between the parts";
 
+    // E21
+    product_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*3e250*2e140" =>
+        "E21: with `2e140` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    quotient_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z/4e-170/1e-160" =>
+        "E21: with `1e-160` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    function_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*cosh(800)" =>
+        "E21: with `cosh(800)` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    power_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*7^500" =>
+        "E21: with `7^500` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    root_of_a_negative_number: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*sqrt(2 - 5)" =>
+        "E21: with `sqrt(2 - 5)` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    product_that_underflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*3e-250*2e-140" =>
+        "E21: with `2e-140` a constant becomes smaller than double precision holds (2.2e-308), and its term would vanish; choose units in which the numbers are larger";
+    function_that_underflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*exp(-900)" =>
+        "E21: with `exp(-900)` a constant becomes smaller than double precision holds (2.2e-308), and its term would vanish; choose units in which the numbers are larger";
+    constants_that_cancel: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*(0.7 + 0.1 - 0.8)*1e19" =>
+        "E21: with `0.8` constants cancel up to their rounding, so that no digit of the difference is right; write the difference itself, or leave the terms out if they cancel";
+    terms_that_cancel_in_a_vector: with "let p = (1.1*y, z) + (2.2*y, z) - (3.3*y, z) lagrangian m/2*|dot((y, z))|^2 - m*g*p.z" =>
+        "E21: with `(3.3*y, z)` constants cancel up to their rounding, so that no digit of the difference is right; write the difference itself, or leave the terms out if they cancel";
+    constant_that_is_lost: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*(1 + 3e18 - 3e18)" =>
+        "E21: with `3e18` constants are added of which one is lost, as it is more than 1e16 times smaller; leave it out, or write the sum otherwise";
+    constants_that_cancel_exactly_are_accepted: with "lagrangian m/2*|dot((y, z))|^2 - m*g*(z + 3e18 [m] - 3e18 [m])" =>
+        "accepted";
+    numbers_out_of_range: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*2e308 - m*g*y*3e-310" =>
+        "E21: the number 2e308 is too large for double precision, which ends at 1.8e308";
+    number_with_a_unit_out_of_range: messages "S { parameters { m: kg = 1e307 [t] } coordinates { y: m } lagrangian m/2*dot(y)^2 }" =>
+        "E21: with `1e307 [t]` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    default_out_of_range: messages "S { parameters { l: um = 4e303 [m] } coordinates { y: m } lagrangian l*dot(y)^2 }" =>
+        "E21: with `4e303 [m]` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller";
+    derivative_out_of_range: with "lagrangian m/2*|dot((y, z))|^2 - m*g*y - m*1.7e308 [m/s^2]*z^3/1 [m^2]" =>
+        "E21: a constant in the derivatives of the declaration has no finite value in double precision, or is too small for it; choose units in which the numbers are closer to 1";
+
+    // Slips of the pen
+    apostrophe_of_a_velocity: with "lagrangian m/2*y'a^2" =>
+        "an apostrophe is no operator here, as it is a token of another kind in Rust; the velocity is `dot(y)`, the derivative of a function `diff(f)(y)`";
+    function_without_parentheses: with "lagrangian m/2*|dot((y, z))|^2 - m*g*cos z" =>
+        "`cos` is a function; its argument stands in parentheses, as in `cos(z)`";
+    unit_without_brackets: beside "horizon 2 s" =>
+        "an operator is missing before `s`; write a unit as `2 [s]` and a product as `2*s`";
+    method_of_rust: with "lagrangian m/2*dot(y).powi(2)" =>
+        "`.powi(...)` is a call of Rust; write functions as `sin(x)`, powers as `x^2`";
+    velocity_as_a_component: with "lagrangian m/2*y.dot^2" =>
+        "E02: `y.dot`: the velocity is `dot(y)`";
+    velocity_as_a_name: with "lagrangian m/2*y_dot^2 + m/2*dot(z)^2" =>
+        "E01: `y_dot` is not declared; the velocity of `y` is `dot(y)`";
+    pi_in_capitals: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*PI" =>
+        "E01: `PI` is not declared; the number is `pi`";
+    number_with_a_type: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*2.5_f64" =>
+        "`2.5` carries the type `f64` of Rust; numbers here have no type, write `2.5`";
+    decimal_comma: messages "S { parameters { a = 9,81, b = 1 } coordinates { y } lagrangian a*b*dot(y)^2 }" =>
+        "a number has a decimal point, not a comma; write `9.81`";
+    comma_missing_between_entries: messages "S { parameters { a = 9 b = 1 } coordinates { y } lagrangian a*b*dot(y)^2 }" =>
+        "a comma is missing before `b`";
+    restitution_without_a_number: beside "surface wall: y >= 0 impact wall: restitution start { y: 1 }" =>
+        "`restitution` needs its coefficient, as in `restitution 0.5`";
+    unit_error_beside_other_mistakes: with "lagrangian m/2*|dot((y, z))|^2 - m*g surface a: z >= 0 surface b: 3*z >= 0 impact a, b: restitution 7" =>
+        "E03: units differ: `m/2*|dot((y, z))|^2` is in J, `m*g` is in N; both sides of `-` must agree",
+        "E10: coefficient of restitution 7 is outside [0, 1]: 0 keeps no normal velocity, 1 all of it",
+        "E18: surfaces `a` and `b` are the same, so they are always touched together and no rule says which of their laws holds; leave one out";
+    unused_name_beside_other_mistakes: beside "let a = y surface ground: z <= 0 impact ground: inelastic start { z: 2 }" =>
+        "E16: abbreviation `a` is never used; leave it out",
+        "E08: the start lies inside the ground: with the defaults of the parameters the gap of surface `ground` is -2 m < 0; start at a gap of 0 or more, or exchange `>=` and `<=` if the free side is the other one";
+
     // Functions
     function_of_itself: messages "S { coordinates { y } fn f(x) = 1 + f(x) lagrangian f(1)*dot(y)^2 }" =>
         "function `f` uses itself; functions are inserted where they are used and cannot do that";
@@ -366,8 +429,9 @@ fn long_chains_of_functions_are_refused_without_exhausting_the_stack() {
     }
     source += "lagrangian k*dot(y)^2 forces { y: f1999(y) } }";
     assert!(
-        messages(&source)
-            .contains(&"the functions used here are nested too deeply; simplify them".to_owned())
+        messages(&source).contains(
+            &"E22: the functions used here are nested too deeply; simplify them".to_owned()
+        )
     );
 }
 
@@ -394,6 +458,74 @@ fn functions_that_double_their_argument_are_refused_when_they_grow_too_large() {
     source += "lagrangian f39(dot(y)) }";
     assert_eq!(
         messages(&source),
-        ["the declaration grows too large when its functions are inserted; simplify it"]
+        ["E22: the declaration grows too large when its functions are inserted; simplify it"]
+    );
+}
+
+/// Repeats a statement with its number in the place of `#` and the one before it in the place of `@`.
+fn repeated(statement: &str, count: usize) -> String {
+    let one = |i: usize| statement.replace('#', &i.to_string());
+    (1..=count)
+        .map(|i| one(i).replace('@', &(i - 1).to_string()))
+        .collect()
+}
+
+#[test]
+fn declarations_that_grow_with_each_line_are_refused() {
+    for (begin, statement, count, end) in [
+        (
+            "fn f0(x) = cos(x) + x",
+            " fn f#(x) = f@(f@(x))",
+            14,
+            "f14(z)",
+        ),
+        ("let a0 = z", " let a# = a@*a@ - 2*z", 400, "a400"),
+        ("let r0 = rotation(z)", " let r# = r@*r@", 20, "r20[1][0]"),
+    ] {
+        let grown = repeated(statement, count);
+        let source =
+            format!("S {{ coordinates {{ z }} {begin}{grown} lagrangian dot(z)^2/2 + {end} }}");
+        let found = messages(&source);
+        assert!(
+            found.len() == 1 && found[0].starts_with("E22: "),
+            "{statement}: {found:?}"
+        );
+        // The same with few lines is a scene.
+        let grown = repeated(statement, 3);
+        let end = end.replace(&count.to_string(), "3");
+        let source =
+            format!("S {{ coordinates {{ z }} {begin}{grown} lagrangian dot(z)^2/2 + {end} }}");
+        assert_eq!(messages(&source), ["accepted"], "{statement}");
+    }
+}
+
+#[test]
+fn long_sums_and_products_are_accepted() {
+    let terms: Vec<String> = (1..=1200).map(|i| format!("{i}*sin({i}*z)")).collect();
+    let factors = vec!["(z + 1)"; 1200].join("*");
+    for value in [
+        terms.join(" + "),
+        terms.join(" - "),
+        format!("({factors})/({factors})"),
+    ] {
+        let source = format!("S {{ coordinates {{ z }} lagrangian dot(z)^2/2 - {value} }}");
+        assert_eq!(messages(&source), ["accepted"]);
+    }
+    // In a vector each step is one of its own.
+    let vectors = vec!["(z, 2*z)"; 1000].join(" + ");
+    let source = format!("S {{ coordinates {{ z }} lagrangian dot(z)^2/2 - ({vectors}).z }}");
+    assert_eq!(messages(&source), ["accepted"]);
+}
+
+#[test]
+fn messages_about_long_expressions_stay_short() {
+    let terms = vec!["y"; 5000].join(" + ");
+    let found = with(&format!(
+        "lagrangian m/2*|dot((y, z))|^2 - m*g*({terms} + m)"
+    ));
+    assert_eq!(found.len(), 1);
+    assert!(
+        found[0].starts_with("E03: units differ") && found[0].len() < 1000,
+        "{found:?}"
     );
 }

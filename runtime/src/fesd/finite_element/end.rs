@@ -47,7 +47,6 @@ impl FiniteElement<'_> {
         let mut matrix = vec![0.0; forces * forces];
         let mut pivots = vec![0; forces];
         let mut shift = vec![0.0; forces];
-        let scale = self.end.q.iter().fold(1.0_f64, |s, q| s.max(q.abs()));
         for iteration in 0..MAX_ITERATIONS {
             x[..n].copy_from_slice(&self.end.q);
             x[n..2 * n].copy_from_slice(&self.end.v);
@@ -63,7 +62,7 @@ impl FiniteElement<'_> {
                 }
             }
             dense::factorize(&mut matrix, &mut pivots).map_err(|_| ElementError::Singular)?;
-            if gap <= 4.0 * f64::EPSILON * scale || iteration + 1 == MAX_ITERATIONS {
+            if gap <= 4.0 * constraints.gap_rounding || iteration + 1 == MAX_ITERATIONS {
                 shift.copy_from_slice(&constraints.velocities);
                 dense::solve(&matrix, &pivots, &mut shift);
                 subtract(&constraints.directions, &shift, &mut self.end.v);

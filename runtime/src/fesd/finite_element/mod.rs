@@ -26,7 +26,10 @@
 
 mod assembly;
 mod end;
+mod motion_size;
 mod output;
+
+pub(crate) use motion_size::MotionSize;
 
 use super::active_contact::ActiveContact;
 use super::constraints::Constraints;
@@ -117,6 +120,8 @@ pub(crate) struct FiniteElement<'a> {
     pub(crate) end: State,
     /// Largest term that the stage accelerations sum up, the scale of their rounding error.
     acceleration_scale: f64,
+    /// Largest rounding error of a gap at the stages.
+    gap_rounding: f64,
     /// Largest stage residual seen before the last correction, in units of velocity.
     pub(crate) residual_norm: f64,
     pub(crate) counts: NewtonCounts,
@@ -156,6 +161,7 @@ impl<'a> FiniteElement<'a> {
                 v: vec![0.0; n],
             },
             acceleration_scale: 0.0,
+            gap_rounding: 0.0,
             residual_norm: 0.0,
             counts: NewtonCounts::default(),
         }
@@ -185,6 +191,12 @@ impl<'a> FiniteElement<'a> {
     pub(crate) fn stage_forces(&self, m: usize) -> &[f64] {
         let begin = m * self.block() + self.n;
         &self.unknowns[begin..begin + self.active().len()]
+    }
+
+    /// Forces of all constraints at stage `m`: normals, then the friction of contacts that stick.
+    pub(crate) fn stage_constraint_forces(&self, m: usize) -> &[f64] {
+        let begin = m * self.block() + self.n;
+        &self.unknowns[begin..begin + self.constraints.count()]
     }
 
     /// Input vector of stage `m` of the solved element.
@@ -217,6 +229,7 @@ impl<'a> FiniteElement<'a> {
             self.factorized = false;
         }
         self.length = h;
+        self.constraints.set_length(h);
         // What a much shorter element says of its rates is rounding error, multiplied.
         self.has_previous &= h <= MOST_GROWTH * self.previous_length;
         self.controls.clone_from(controls);
@@ -351,6 +364,7 @@ impl<'a> FiniteElement<'a> {
             if change <= CONVERGED
                 || (iteration > 0 && contraction < 1.0 && change * contraction <= 0.1 * CONVERGED)
                 || (change <= ROUNDING && contraction >= 0.3)
+                || change <= self.rounding_of_gaps()
             {
                 self.update_stages();
                 return Ok(());
@@ -405,6 +419,7 @@ impl<'a> FiniteElement<'a> {
         let (n, h, block, forces) = (self.n, self.length, self.block(), self.constraints.count());
         self.residual_norm = 0.0;
         self.acceleration_scale = 0.0;
+        self.gap_rounding = 0.0;
         for m in 0..self.tableau.stages() {
             let x = &self.inputs_of_stages[m * self.inputs..(m + 1) * self.inputs];
             self.model.free_acceleration(x, &mut self.acceleration);
@@ -416,6 +431,7 @@ impl<'a> FiniteElement<'a> {
                 self.acceleration_scale = self.acceleration_scale.max(self.acceleration[k].abs());
             }
             self.constraints.evaluate(x);
+            self.gap_rounding = self.gap_rounding.max(self.constraints.gap_rounding);
             for (i, direction) in self.constraints.directions.chunks_exact(n).enumerate() {
                 for k in 0..n {
                     let force = direction[k] * unknown[n + i];
@@ -440,6 +456,19 @@ impl<'a> FiniteElement<'a> {
         Ok(())
     }
 
+    /// Relative change of the stage states that the rounding errors of the gaps cause, where it hides the
+    /// convergence: far from the origin, and in short elements.
+    fn rounding_of_gaps(&self) -> f64 {
+        let rounding = 8.0 * self.gap_rounding / (self.length * self.speed());
+        if rounding > ROUNDING { rounding } else { 0.0 }
+    }
+
+    /// Largest velocity of the element, about.
+    fn speed(&self) -> f64 {
+        let start = largest(&self.start.v);
+        start.max(self.length * self.acceleration_scale) + f64::MIN_POSITIVE
+    }
+
     /// Relative change of the stage states by the last Newton step (in `residual`).
     fn relative_change(&self) -> f64 {
         let (n, h, block) = (self.n, self.length, self.block());
@@ -462,9 +491,8 @@ impl<'a> FiniteElement<'a> {
                 };
             }
         }
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let reach = largest(&self.corrections);
-        let speed = largest(&self.start.v).max(h * self.acceleration_scale) + f64::MIN_POSITIVE;
+        let speed = self.speed();
         let position = largest(&self.start.q).max(h * speed) + f64::MIN_POSITIVE;
         let by_velocity = h * step / speed;
         let by_position = h * h * (step + reach * correction) / position;
@@ -474,4 +502,9 @@ impl<'a> FiniteElement<'a> {
             by_position
         }
     }
+}
+
+/// The largest size in `values`.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0_f64, |m, v| m.max(v.abs()))
 }

@@ -1,30 +1,35 @@
 //! What a solved element tells: its error estimate and the state inside it.
 
 use super::FiniteElement;
+use super::motion_size::MotionSize;
 use crate::rk::ButcherTableau;
 
 impl FiniteElement<'_> {
     /// Embedded error estimate of order `s`: the defect of the collocation polynomials at the start of the
-    /// element, `h (k_0 - p(0)) / s^2`, relative to `tolerance` times one plus the size of the component.
+    /// element, `h (k_0 - p(0)) / s^2`, relative to the `motion` with the element.
     /// `acceleration` is the true acceleration at the start. Source: Hairer, Wanner, Solving ODEs II,
     /// section IV.8, for any number of stages.
-    pub(crate) fn error_ratio(&self, acceleration: &[f64], tolerance: f64) -> f64 {
-        let (n, stages, block) = (self.n, self.tableau.stages(), self.block());
+    pub(crate) fn relative_error(&self, acceleration: &[f64], motion: &MotionSize) -> f64 {
+        let (n, stages, block, h) = (self.n, self.tableau.stages(), self.block(), self.length);
         let mut values = [0.0; ButcherTableau::MAX_STAGES];
         self.tableau.lagrange_values(0.0, &mut values[..stages]);
-        let weight = self.length / (stages * stages) as f64;
-        let mut ratio = 0.0_f64;
+        let weight = h / (stages * stages) as f64;
+        let (mut velocity, mut position) = (0.0_f64, 0.0_f64);
         for (k, &start) in acceleration.iter().enumerate() {
             let (mut by_velocity, mut by_position) = (-start, -self.start.v[k]);
             for (j, value) in values[..stages].iter().enumerate() {
                 by_velocity += value * self.unknowns[j * block + k];
                 by_position += value * self.inputs_of_stages[j * self.inputs + n + k];
             }
-            ratio = ratio
-                .max(weight * by_velocity.abs() / (1.0 + self.start.v[k].abs()))
-                .max(weight * by_position.abs() / (1.0 + self.start.q[k].abs()));
+            velocity = velocity.max(weight * by_velocity.abs());
+            position = position.max(weight * by_position.abs());
         }
-        ratio / tolerance
+        // A start from rest is measured by what the element itself makes of it.
+        let speed = motion.speed.max(self.speed());
+        let distance = motion.distance.max(h * speed);
+        let rounding = motion.rounding;
+        let beyond = |error: f64, rounding: f64, size: f64| (error - rounding).max(0.0) / size;
+        beyond(velocity, rounding / h, speed).max(beyond(position, rounding, distance))
     }
 
     /// State inside the solved element by its collocation polynomials; `weights` are the dense output

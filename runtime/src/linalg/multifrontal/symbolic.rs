@@ -60,7 +60,7 @@ pub(crate) struct Symbolic {
 impl Symbolic {
     pub(crate) fn new(pattern: &SymmetricPattern) -> Result<Self, FactorizationError> {
         let n = pattern.dimension();
-        let failed = FactorizationError::Analysis(n);
+        let failed = FactorizationError::Analysis;
         let (order, place) = minimum_degree(pattern).ok_or(failed)?;
         let upper = upper_triangle(pattern, &place);
         let (parents, below) = elimination_tree(n, &upper).ok_or(failed)?;

@@ -16,8 +16,7 @@ use crate::time_freezing::TimeFreezingSystem;
 
 /// An optimal control problem on a [`Model`] as a mathematical program with complementarity constraints:
 /// the time-freezing system, transcribed by finite elements with switch detection in step form. Solve it
-/// with [`mpcc::solve`](crate::mpcc::solve), or with [`mpcc::solve_parallel`](crate::mpcc::solve_parallel), which gives
-/// each of its threads a copy.
+/// with [`mpcc::solve`](crate::mpcc::solve).
 ///
 /// Bounds of coordinates are imposed at the ends of the finite elements, bounds of controls everywhere.
 /// The starting point is made from the problem alone: coordinates with a goal move to it at constant speed,

@@ -111,17 +111,22 @@ impl Dop853 {
         system.derivative(t + NODES[index] * h, &self.stage, &mut new[..n]);
     }
 
-    /// Error estimate of the step just made, relative to `tolerance (1 + |y|)`; at most 1 is good
-    /// enough. NaN if a stage could not be evaluated.
-    pub(in crate::simulation) fn error(&self, y: &[f64], h: f64, tolerance: f64) -> f64 {
+    /// Error estimate of the step just made, each component relative to `scale(component, its value at the end)`; at
+    /// most 1 is good enough. NaN if a stage could not be evaluated.
+    pub(in crate::simulation) fn error(&self, h: f64, scale: impl Fn(usize, f64) -> f64) -> f64 {
         let n = self.dimension;
         let (mut fifth, mut third) = (0.0, 0.0);
-        for (component, y) in y.iter().enumerate().take(self.measured) {
-            let scale = tolerance * (1.0 + y.abs().max(self.end[component].abs()));
-            let e5 = weighted(&self.derivatives, n, ERROR_5, component) / scale;
-            let e3 = weighted(&self.derivatives, n, ERROR_3, component) / scale;
-            fifth += e5 * e5;
-            third += e3 * e3;
+        for component in 0..self.measured {
+            let share = |row| {
+                let error = weighted(&self.derivatives, n, row, component);
+                // What does not move has neither an error nor a size.
+                if error == 0.0 {
+                    return 0.0;
+                }
+                error / scale(component, self.end[component])
+            };
+            fifth += f64::powi(share(ERROR_5), 2);
+            third += f64::powi(share(ERROR_3), 2);
         }
         let both: f64 = (fifth + 0.01 * third) * self.measured as f64;
         // Squares of the smallest numbers vanish.

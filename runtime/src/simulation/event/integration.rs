@@ -3,11 +3,13 @@
 use cpu_time::ThreadTime;
 
 use super::EventDriven;
-use super::contact_mode;
+use super::audit::Audit;
+use super::contact_mode::{self, Outlook};
 use super::contact_problem;
 use super::contact_state::ContactState;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch};
+use super::error_scale::ErrorScale;
 use super::impact::{self, Impact, LowestBounce, Undetermined};
 use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
@@ -20,10 +22,16 @@ use crate::simulation::{
 const SHORTEST: f64 = 1e-15;
 /// Factor of the step size if events within the step cannot be found.
 const UNRESOLVED: f64 = 0.25;
+/// Share of the longest step after which accelerations are compared for the first step size.
+const GLANCE: f64 = 1e-6;
 /// Steps shorter than this share of the time reached stay at the same instant.
 const SAME_INSTANT: f64 = 1e-14;
 /// Steps at the same instant, for each contact, before the contact mode counts as undetermined.
 const REPEATS: usize = 20;
+/// Where inside a step the signs of forces and gaps are measured.
+const AUDITED: [f64; 3] = [0.25, 0.5, 0.75];
+/// Steps at the same instant after which a contact mode is chosen by what follows later.
+const PATIENCE: usize = 2;
 
 /// Gain of a sliding contact below which steps that shrink to nothing approach a pole of its force.
 const JAMMING: f64 = 1e-2;
@@ -36,6 +44,7 @@ pub(super) struct Integration<'a> {
     method: Dop853,
     probe: Dop853,
     search: EventSearch,
+    error_scale: ErrorScale,
     t: f64,
     y: Vec<f64>,
     h: f64,
@@ -53,6 +62,7 @@ pub(super) struct Integration<'a> {
     /// Sign of the determinant of the equations of the mode.
     orientation: f64,
     remarks: Remarks,
+    audit: Audit,
     result: Simulation,
 }
 
@@ -74,6 +84,7 @@ impl<'a> Integration<'a> {
             method: Dop853::new(dimension, 2 * n),
             probe: Dop853::new(dimension, 2 * n),
             search: EventSearch::new(dimension, functions),
+            error_scale: ErrorScale::new(model.declaration()),
             t: 0.0,
             y,
             h: 0.0,
@@ -89,6 +100,7 @@ impl<'a> Integration<'a> {
             repeats: 0,
             orientation: 1.0,
             remarks: Remarks::default(),
+            audit: Audit::new(settings.tolerance),
             result: dynamics.empty_result(),
             dynamics,
         }
@@ -96,7 +108,10 @@ impl<'a> Integration<'a> {
 
     pub(super) fn run(mut self, progress: &mut dyn FnMut(f64)) -> Simulation {
         let clock = ThreadTime::try_now();
-        if let Err(status) = self.integrate(progress) {
+        let ended = self.integrate(progress).err();
+        let residuals = &mut self.result.residuals;
+        residuals.dual = self.audit.largest;
+        if let Some(status) = ended.or_else(|| self.audit.verdict()) {
             self.result.status = status;
         }
         self.result.notes = self.remarks.notes(self.dynamics.model.declaration());
@@ -113,13 +128,7 @@ impl<'a> Integration<'a> {
         self.h = longest;
         self.dynamics.set_controls(&self.problem.controls, 0.0);
         self.enter_mode(None, true)?;
-        self.h = self.method.initial_size(
-            &mut self.dynamics,
-            self.t,
-            &self.y,
-            longest,
-            self.settings.tolerance,
-        );
+        self.h = self.first_step(longest);
         while self.t < horizon {
             let limit = self
                 .problem
@@ -137,6 +146,7 @@ impl<'a> Integration<'a> {
             let event = match self.find_event(h) {
                 Outcome::Nothing => None,
                 Outcome::Event(event) => Some(event),
+                Outcome::Pole(function) => return Err(self.pole(function)),
                 Outcome::Unresolved(function) => {
                     self.shorten(h, self.dynamics.switch(function).contact())?;
                     continue;
@@ -145,14 +155,18 @@ impl<'a> Integration<'a> {
             self.result.counts.elements += 1;
             let until = event.map_or(h, |event| event.h);
             let switch = event.map(|event| self.dynamics.switch(event.function));
-            self.guard_progress(switch.map(Switch::contact), until)?;
+            self.guard_progress(switch, until)?;
             self.write_outputs(h, until);
+            if event.is_some() || EventSearch::is_needed(&self.dynamics) {
+                self.audit_inside(h, until);
+            }
             match event {
                 Some(event) => {
                     self.t += event.h;
                     self.y.copy_from_slice(self.method.end());
                     self.method.finish(&mut self.dynamics, self.t, 0.0);
                     let measured = self.measure();
+                    self.audit_now();
                     self.keep(measured);
                     self.record();
                     self.enter_mode(switch, false)?;
@@ -162,8 +176,12 @@ impl<'a> Integration<'a> {
                     self.y.copy_from_slice(self.method.end());
                     self.method.advance();
                     self.keep(self.at_end);
+                    let step = self.result.counts.elements;
+                    self.audit
+                        .look(&self.dynamics, &self.end_values, self.t, step);
                     std::mem::swap(&mut self.start_values, &mut self.end_values);
                     self.record();
+                    self.observe();
                     if lands && limit < horizon {
                         self.dynamics.set_controls(&self.problem.controls, self.t);
                         self.enter_mode(None, false)?;
@@ -173,6 +191,36 @@ impl<'a> Integration<'a> {
             progress(self.t);
         }
         Ok(())
+    }
+
+    /// A first step size: a share of the shortest time in which velocities or accelerations change.
+    fn first_step(&mut self, longest: f64) -> f64 {
+        let n = self.dynamics.n;
+        let moment = GLANCE * longest;
+        let slope = self.method.slope();
+        for ((later, y), slope) in self.output.iter_mut().zip(&self.y).zip(slope) {
+            *later = y + moment * slope;
+        }
+        self.dynamics
+            .derivative(self.t + moment, &self.output, &mut self.slope);
+        let change: Vec<f64> = self.slope[n..2 * n]
+            .iter()
+            .zip(&slope[n..2 * n])
+            .map(|(later, now)| later - now)
+            .collect();
+        let mass = self.dynamics.mass(self.t, &self.y);
+        let time = self.error_scale.shortest_time(mass, &change, moment);
+        (self.settings.tolerance.powf(1.0 / 8.0) * time).min(longest)
+    }
+
+    /// Tells the measures of errors and zeros of the present state, whose derivative is known.
+    fn observe(&mut self) {
+        let n = self.dynamics.n;
+        self.dynamics.observe(self.t, &self.y, self.h);
+        let mass = self.dynamics.mass(self.t, &self.y);
+        let slope = self.method.slope();
+        self.error_scale
+            .observe(mass, &self.y[n..2 * n], &slope[n..2 * n]);
     }
 
     /// Tries a step of length `h`; `false` if it was rejected and `self.h` reduced.
@@ -189,7 +237,13 @@ impl<'a> Integration<'a> {
         self.steps += 1;
         self.dynamics.sample_from(&self.start_values);
         self.method.step(&mut self.dynamics, self.t, &self.y, h);
-        let mut error = self.method.error(&self.y, h, self.settings.tolerance);
+        let n = self.dynamics.n;
+        let mass = self.dynamics.mass(self.t, &self.y);
+        self.error_scale.try_end(mass, &self.method.end()[n..2 * n]);
+        let (tolerance, scale) = (self.settings.tolerance, &self.error_scale);
+        let mut error = self
+            .method
+            .error(h, |component, _| tolerance * scale.of(component, h));
         if error <= 1.0 {
             if self.dynamics.project(self.t + h, self.method.end_mut()) {
                 self.method.finish(&mut self.dynamics, self.t, h);
@@ -201,7 +255,7 @@ impl<'a> Integration<'a> {
                 error = f64::NAN;
             }
             let mut numbers = self.method.end_slope().iter().chain(&self.dynamics.values);
-            if numbers.any(|number| !number.is_finite()) {
+            if self.dynamics.undefined.is_some() || numbers.any(|number| !number.is_finite()) {
                 error = f64::NAN;
             }
         }
@@ -256,7 +310,7 @@ impl<'a> Integration<'a> {
     /// Refuses endless switching at one instant.
     fn guard_progress(
         &mut self,
-        contact: Option<usize>,
+        switch: Option<Switch>,
         until: f64,
     ) -> Result<(), SimulationStatus> {
         if until > SAME_INSTANT * self.problem.horizon.max(self.t) {
@@ -270,10 +324,49 @@ impl<'a> Integration<'a> {
         if let Some(status) = self.jamming() {
             return Err(status);
         }
-        Err(SimulationStatus::AmbiguousContact(self.diagnosis(
-            contact,
-            format!("{} steps at one instant", self.repeats),
-        )))
+        let Some(switch) = switch else {
+            return Err(self.unbounded());
+        };
+        let contact = switch.contact();
+        let name = self.dynamics.model.declaration().contacts[contact].name;
+        let message = format!(
+            "{} events at one instant, the last where {} of `{name}` vanishes; start from a slightly different state",
+            self.repeats,
+            switch.words()
+        );
+        Err(SimulationStatus::AmbiguousContact(
+            self.diagnosis(Some(contact), message),
+        ))
+    }
+
+    /// The status where steps shrink to nothing without an event.
+    fn unbounded(&self) -> SimulationStatus {
+        let n = self.dynamics.n;
+        let slope = &self.method.slope()[n..2 * n];
+        let fastest = (0..n).max_by(|&a, &b| slope[a].abs().total_cmp(&slope[b].abs()));
+        let name = fastest.map_or("", |k| {
+            self.dynamics.model.declaration().coordinates[k].name
+        });
+        SimulationStatus::NotFinite(self.diagnosis(
+            None,
+            format!(
+                "the acceleration of `{name}` grows without bound; check divisions and poles of the scene"
+            ),
+        ))
+    }
+
+    /// The status where a switching function changes its sign through infinity.
+    fn pole(&self, function: usize) -> SimulationStatus {
+        let switch = self.dynamics.switch(function);
+        let contact = switch.contact();
+        let name = self.dynamics.model.declaration().contacts[contact].name;
+        SimulationStatus::NotFinite(self.diagnosis(
+            Some(contact),
+            format!(
+                "{} of `{name}` changes its sign through infinity; check divisions and poles of the scene",
+                switch.words()
+            ),
+        ))
     }
 
     /// Applies the impact law and finds the contact mode right after the present instant, records both
@@ -286,7 +379,11 @@ impl<'a> Integration<'a> {
         let n = self.dynamics.n;
         let before = self.y[n..2 * n].to_vec();
         let previously = self.dynamics.mode().to_vec();
-        let moment = self.h;
+        let outlook = Outlook {
+            moment: self.h,
+            skipped: self.repeats / PATIENCE,
+        };
+        self.dynamics.observe_rounding(self.t, &self.y, self.h);
         let impact = self.impact(vanished)?;
         if at_start && !impact.struck.is_empty() {
             let after = self.y[n..2 * n].to_vec();
@@ -303,7 +400,7 @@ impl<'a> Integration<'a> {
             &mut self.y,
             &impact.resting,
             vanished,
-            moment,
+            outlook,
         )
         .map_err(|problem| self.undetermined(problem))?;
         if at_start {
@@ -312,6 +409,7 @@ impl<'a> Integration<'a> {
         self.begin()?;
         self.dynamics.accept_forces();
         self.record();
+        self.observe();
         self.write_events(&before, &previously, &impact.struck, at_start)
     }
 
@@ -396,6 +494,7 @@ impl<'a> Integration<'a> {
         self.method.begin(&mut self.dynamics, self.t, &self.y);
         self.start_values.copy_from_slice(&self.dynamics.values);
         let measured = self.measure();
+        self.audit_now();
         self.keep(measured);
         if self.method.slope().iter().all(|slope| slope.is_finite()) {
             self.orientation = self.dynamics.orientation;
@@ -410,10 +509,7 @@ impl<'a> Integration<'a> {
         let dynamics = &self.dynamics;
         dynamics.forces(&mut self.forces);
         dynamics.friction_forces(&mut self.friction_forces);
-        let mut residuals = Residuals {
-            dual: dynamics.values.iter().fold(0.0, |s, value| s.max(-value)),
-            ..Residuals::default()
-        };
+        let mut residuals = Residuals::default();
         for &i in &dynamics.active {
             let point = dynamics.point(i);
             let gap = point[contact_point::GAP].abs();
@@ -430,10 +526,16 @@ impl<'a> Integration<'a> {
         residuals
     }
 
+    /// Looks at the signs of the functions last evaluated.
+    fn audit_now(&mut self) {
+        let step = self.result.counts.elements;
+        let values = &self.dynamics.values;
+        self.audit.look(&self.dynamics, values, self.t, step);
+    }
+
     fn keep(&mut self, measured: Residuals) {
         let residuals = &mut self.result.residuals;
         residuals.primal = residuals.primal.max(measured.primal);
-        residuals.dual = residuals.dual.max(measured.dual);
         residuals.complementarity = residuals.complementarity.max(measured.complementarity);
     }
 
@@ -451,6 +553,22 @@ impl<'a> Integration<'a> {
         );
         if self.dynamics.declares_friction {
             trajectory.friction_force.push(self.friction_forces.clone());
+        }
+    }
+
+    /// Looks at forces and gaps inside the first `until` of the step of length `h`, whose continuous extension is
+    /// ready.
+    fn audit_inside(&mut self, h: f64, until: f64) {
+        for share in AUDITED {
+            let time = self.t + share * until;
+            self.method.interpolate(share * until / h, &mut self.output);
+            if self.dynamics.project(time, &mut self.output) {
+                self.dynamics
+                    .derivative(time, &self.output, &mut self.slope);
+                let step = self.result.counts.elements;
+                let values = &self.dynamics.values;
+                self.audit.look(&self.dynamics, values, time, step);
+            }
         }
     }
 
@@ -542,7 +660,7 @@ impl<'a> Integration<'a> {
     fn not_finite(&self) -> SimulationStatus {
         let n = self.dynamics.n;
         let declaration = self.dynamics.model.declaration();
-        let contact = (0..self.dynamics.contacts).find(|&i| !self.dynamics.values[i].is_finite());
+        let contact = self.dynamics.undefined;
         let slope = self.method.slope();
         let what = match (0..n).find(|&k| !slope[n + k].is_finite()) {
             Some(k) => format!("the acceleration of `{}`", declaration.coordinates[k].name),

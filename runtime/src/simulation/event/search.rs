@@ -2,8 +2,9 @@
 //! true steps of the method.
 
 use super::dop853::Dop853;
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, Switch};
 use super::locate::{self, Sample};
+use crate::model::contact_point;
 
 /// Crossings of one switching function on the continuous extension that true steps may refute before the step
 /// counts as too long.
@@ -29,6 +30,8 @@ pub(super) struct EventSearch {
     zero: Vec<f64>,
     false_alarms: Vec<usize>,
     from: Vec<Option<Sample>>,
+    /// Value of the function at the last root.
+    root_value: f64,
 }
 
 /// The step that was just made, from `(t, y)` with length `h`.
@@ -40,6 +43,22 @@ pub(super) struct Step<'a> {
     /// Values of the switching functions at its start and its end.
     pub(super) start_values: &'a [f64],
     pub(super) end_values: &'a [f64],
+}
+
+impl Step<'_> {
+    /// Shortest time that can be told from none.
+    fn resolution(&self) -> f64 {
+        f64::EPSILON * (self.t.abs() + self.h)
+    }
+}
+
+/// Lengths of steps between which a function changes its sign, a guess of where, and its slope there.
+#[derive(Debug, Clone, Copy)]
+struct Bracket {
+    low: f64,
+    high: f64,
+    guess: f64,
+    slope: f64,
 }
 
 /// An event: which switching function vanishes, and the length of the step that ends there.
@@ -67,6 +86,8 @@ pub(super) enum Outcome {
     Nothing,
     /// The earliest event.
     Event(Found),
+    /// This function changes its sign through infinity.
+    Pole(usize),
     /// The continuous extension is too far from the solution to find the zeros of this function: the step
     /// is too long.
     Unresolved(usize),
@@ -81,6 +102,7 @@ impl EventSearch {
             zero: vec![0.0; functions],
             false_alarms: vec![0; functions],
             from: vec![None; functions],
+            root_value: 0.0,
         }
     }
 
@@ -111,7 +133,16 @@ impl EventSearch {
         while let Some(crossing) = self.first_crossing(dynamics, method, step) {
             let function = crossing.function;
             match self.polish(dynamics, method, step, crossing) {
-                Ok(h) => return Outcome::Event(Found { function, h }),
+                Ok(h) => {
+                    // A function changes its sign at a pole as well.
+                    let Crossing { left, right, .. } = crossing;
+                    let largest = left.value.abs().max(right.value.abs());
+                    return if self.root_value.abs() > largest.max(self.zero[function]) {
+                        Outcome::Pole(function)
+                    } else {
+                        Outcome::Event(Found { function, h })
+                    };
+                }
                 Err(value) => {
                     let Sample { at, value: wrong } = crossing.right;
                     self.false_alarms[function] += 1;
@@ -136,7 +167,7 @@ impl EventSearch {
     /// What counts as zero for the value of a switching function if the continuous extension is exact: one that
     /// starts below zero and grows is no crossing.
     fn least_zero(&self, dynamics: &Dynamics<'_>, step: Step<'_>, function: usize) -> f64 {
-        let zero = dynamics.zero_value(function, step.y);
+        let zero = dynamics.zero_value(function);
         zero.max(-2.0 * step.start_values[function])
     }
 
@@ -153,7 +184,7 @@ impl EventSearch {
                 continue;
             };
             let zero = self.zero[function];
-            let rounding = ROUNDING * dynamics.zero_value(function, step.y);
+            let rounding = ROUNDING * dynamics.zero_value(function);
             let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
             let to = match earliest {
                 None => Sample {
@@ -197,6 +228,19 @@ impl EventSearch {
         dynamics.switching_value(function, t, &self.state, &mut self.slope)
     }
 
+    /// Normal velocity of a contact at the end of the last true step.
+    fn normal_velocity(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &Dop853,
+        t: f64,
+        contact: usize,
+    ) -> f64 {
+        dynamics.load(t, method.end());
+        dynamics.evaluate_contact(contact);
+        dynamics.point(contact)[contact_point::NORMAL_VELOCITY]
+    }
+
     /// Value of a switching function after a true step of length `h`, which ends in `method.end()`.
     fn stepped(
         &mut self,
@@ -225,14 +269,14 @@ impl EventSearch {
         let Crossing {
             function,
             mut from,
-            mut left,
-            mut right,
-            root: mut theta,
+            left,
+            right,
+            root: theta,
         } = crossing;
         let zero = self.least_zero(dynamics, step, function);
         let range = dynamics.highest[function] - dynamics.lowest[function];
-        let resolution = f64::EPSILON * (step.t.abs() + step.h);
-        let rounding = ROUNDING * dynamics.zero_value(function, step.y);
+        let resolution = step.resolution();
+        let rounding = ROUNDING * dynamics.zero_value(function);
         let sinks = left.value <= rounding || (theta - left.at) * step.h <= resolution;
         if right.at < 1.0 && (sinks || -right.value < SHALLOW * range) {
             let value = self.stepped(dynamics, method, step, function, right.at * step.h);
@@ -240,33 +284,13 @@ impl EventSearch {
                 return Err(value);
             }
         }
-        let mut slope;
         if sinks {
-            // The continuous extension is positive nowhere; the true solution may be, for a while.
-            let mut width = right.at - left.at;
-            let positive = (0..HALVINGS).find_map(|_| {
-                width *= 0.5;
-                let at = left.at + width;
-                let value = self.stepped(dynamics, method, step, function, at * step.h);
-                if value <= 0.0 {
-                    right = Sample { at, value };
-                }
-                (value > rounding).then_some(Sample { at, value })
-            });
-            match positive {
-                Some(sample) => left = sample,
-                None => right = left,
-            }
-            from = left;
-            theta = left.at;
-            slope = (right.value - left.value) / ((right.at - left.at) * step.h);
-        } else {
-            let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
-            let around = 1e-3 * (right.at - left.at);
-            let (before, after) = ((theta - around).max(0.0), (theta + around).min(1.0));
-            slope = (value(after) - value(before)) / ((after - before) * step.h);
+            return self.sink(dynamics, method, step, crossing);
         }
-
+        let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
+        let around = 1e-3 * (right.at - left.at);
+        let (before, after) = ((theta - around).max(0.0), (theta + around).min(1.0));
+        let slope = (value(after) - value(before)) / ((after - before) * step.h);
         // A function that starts at zero has any sign there: the way back ends where it is positive.
         if from.value <= rounding && left.at > from.at {
             let value = self.stepped(dynamics, method, step, function, left.at * step.h);
@@ -274,23 +298,141 @@ impl EventSearch {
                 from = left;
             }
         }
-        let (mut low, mut high) = (from.at * step.h, right.at * step.h);
-        let mut h = theta * step.h;
+        let bracket = Bracket {
+            low: from.at * step.h,
+            high: right.at * step.h,
+            guess: theta * step.h,
+            slope,
+        };
+        self.refine(dynamics, method, step, function, bracket)
+    }
+
+    /// The same where the continuous extension is positive nowhere before it falls; the true solution may be, for a
+    /// while. A flight too low to be seen in the gap ends where it begins to fall.
+    fn sink(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &mut Dop853,
+        step: Step<'_>,
+        crossing: Crossing,
+    ) -> Result<f64, f64> {
+        let Crossing {
+            function,
+            mut left,
+            mut right,
+            ..
+        } = crossing;
+        let rounding = ROUNDING * dynamics.zero_value(function);
+        let mut width = right.at - left.at;
+        let (mut rises, mut falls) = (None, right.at);
+        let positive = (0..HALVINGS).find_map(|_| {
+            width *= 0.5;
+            let at = left.at + width;
+            let value = self.stepped(dynamics, method, step, function, at * step.h);
+            if value <= 0.0 {
+                right = Sample { at, value };
+            }
+            if let Switch::Gap(contact) = dynamics.switch(function)
+                && rises.is_none()
+            {
+                let t = step.t + at * step.h;
+                let velocity = self.normal_velocity(dynamics, method, t, contact);
+                if velocity > ROUNDING * dynamics.zero_normal_velocity(contact) {
+                    rises = Some((contact, at));
+                } else {
+                    falls = at;
+                }
+            }
+            (value > rounding).then_some(Sample { at, value })
+        });
+        match (positive, rises) {
+            (Some(sample), _) => left = sample,
+            (None, Some((contact, at))) => {
+                let flight = (at * step.h, falls * step.h);
+                return Ok(self.end_of_rise(dynamics, method, step, contact, flight));
+            }
+            (None, None) => right = left,
+        }
+        let bracket = Bracket {
+            low: left.at * step.h,
+            high: right.at * step.h,
+            guess: left.at * step.h,
+            slope: (right.value - left.value) / ((right.at - left.at) * step.h),
+        };
+        self.refine(dynamics, method, step, function, bracket)
+    }
+
+    /// Length of the true step at whose end a contact that rises at the first end of the bracket and falls at the
+    /// second one begins to fall, by bisection.
+    fn end_of_rise(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &mut Dop853,
+        step: Step<'_>,
+        contact: usize,
+        (mut rises, mut falls): (f64, f64),
+    ) -> f64 {
+        for _ in 0..POLISHING {
+            let middle = 0.5 * (rises + falls);
+            if falls - rises <= step.resolution() {
+                break;
+            }
+            self.stepped(dynamics, method, step, contact, middle);
+            if self.normal_velocity(dynamics, method, step.t + middle, contact) > 0.0 {
+                rises = middle;
+            } else {
+                falls = middle;
+            }
+        }
+        self.root_value = self.stepped(dynamics, method, step, contact, falls);
+        falls
+    }
+
+    /// Length of the true step in the bracket at whose end the function vanishes, to the resolution of time; if it
+    /// is positive throughout, its value at the right end.
+    ///
+    /// A root is where the sign of the function changes, whatever its size: a force that vanishes has no terms left
+    /// that could tell how small it is.
+    fn refine(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &mut Dop853,
+        step: Step<'_>,
+        function: usize,
+        bracket: Bracket,
+    ) -> Result<f64, f64> {
+        let zero = self.least_zero(dynamics, step, function);
+        let resolution = step.resolution();
+        let Bracket {
+            mut low,
+            mut high,
+            guess: mut h,
+            mut slope,
+        } = bracket;
         let mut f = self.stepped(dynamics, method, step, function, h);
+        let mut beyond = resolution;
         for iteration in 0..POLISHING {
             if f > 0.0 {
                 low = h;
             } else {
                 high = h;
             }
+            if f == 0.0 || h >= high && f > 0.0 {
+                break;
+            }
             let newton = h - f / slope;
-            let next = if iteration < SECANTS && newton >= low && newton <= high {
+            let mut next = if iteration < SECANTS && newton >= low && newton <= high {
                 newton
             } else {
                 0.5 * (low + high)
             };
-            if f == 0.0 || (next - h).abs() <= resolution || high - low <= resolution {
-                break;
+            if (next - h).abs() <= resolution || high - low <= resolution {
+                if f <= zero {
+                    break;
+                }
+                // Positive at the root to working accuracy: the change of sign is just behind it.
+                next = (h + beyond).min(high);
+                beyond *= 4.0;
             }
             let f_next = self.stepped(dynamics, method, step, function, next);
             let secant = (f_next - f) / (next - h);
@@ -299,6 +441,7 @@ impl EventSearch {
             }
             (h, f) = (next, f_next);
         }
+        self.root_value = f;
         if f <= zero { Ok(h) } else { Err(f) }
     }
 }

@@ -1,9 +1,10 @@
 //! Why a run stopped, in words.
 
-use super::driver::{Driver, Stop};
+use super::driver::{Driver, MAX_SWITCHES, Stop};
+use crate::fesd::active_contact::find;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
-use crate::simulation::{Diagnosis, SimulationStatus};
+use crate::simulation::{Diagnosis, EventKind, SimulationStatus};
 
 /// Normal acceleration for a unit force of a sliding contact, 1 without friction, below which the failure of
 /// short elements is that of the contact law.
@@ -44,6 +45,9 @@ impl Driver<'_> {
         if self.nearly_jams() {
             return self.stopped(step, &Stop::Mode(ModeError::Jammed));
         }
+        if self.not_finite {
+            return self.stopped(step, &Stop::Mode(ModeError::NotFinite));
+        }
         SimulationStatus::StepLimit(self.diagnosis(
             step,
             self.active.first().map(|held| held.contact),
@@ -55,59 +59,116 @@ impl Driver<'_> {
         ))
     }
 
-    /// Why no force satisfies the contact law: friction that presses more than the contact force lifts, or
-    /// else the directions.
-    fn jamming(&self) -> String {
-        let gap = self.touching().gap;
+    /// The status of a run that takes more elements than allowed.
+    pub(super) fn too_many(&self, step: usize) -> SimulationStatus {
+        SimulationStatus::StepLimit(self.diagnosis(
+            step,
+            None,
+            format!(
+                "{} elements do not reach the horizon; shorten it, raise the tolerance, or raise \
+                 `most_elements`",
+                self.settings.most_elements
+            ),
+        ))
+    }
+
+    /// The status of a run whose contact mode switches without end.
+    pub(super) fn unsettled(&self, step: usize) -> SimulationStatus {
+        let last = self.events.last();
+        let contact = last.map(|event| event.contact);
+        let why = match last {
+            Some(event)
+                if event.kind == EventKind::Impact && self.restitution[event.contact] > 0.0 =>
+            {
+                format!(
+                    "`{}` bounces too often before it rests: raise the rest velocity, {:.1e} now, or \
+                     lower the restitution",
+                    self.model.declaration().contacts[event.contact].name,
+                    self.rest_velocity(event.contact)
+                )
+            }
+            _ => "the contact mode does not settle: look at the surfaces that meet here, or take more steps"
+                .into(),
+        };
+        SimulationStatus::AmbiguousContact(self.diagnosis(
+            step,
+            contact,
+            format!(
+                "more than {MAX_SWITCHES} switches within {} s; {why}",
+                0.01 * self.horizon
+            ),
+        ))
+    }
+
+    /// Contacts that touch at the present state.
+    fn touching(&self) -> impl Iterator<Item = usize> {
+        self.all_contacts.iter().copied().filter(|&i| {
+            find(&self.active, i).is_some()
+                || self.contacts.gap(i) <= self.contacts.size(i, self.state.time).touching_gap()
+        })
+    }
+
+    /// Why no force satisfies the contact law, and the contact to blame: friction that presses more than the
+    /// contact force lifts, or else the directions.
+    fn jamming(&self) -> (Option<usize>, String) {
         let pressed = self
-            .all_contacts
-            .iter()
-            .filter(|&&i| self.contacts.friction(i) > 0.0 && self.contacts.gap(i).abs() <= gap)
-            .flat_map(|&i| [(i, 1.0), (i, -1.0)])
+            .touching()
+            .filter(|&i| self.contacts.friction(i) > 0.0)
+            .flat_map(|i| [(i, 1.0), (i, -1.0)])
             .map(|(i, sense)| (i, sense, self.contacts.lift_in_slip(i, sense)))
             .min_by(|a, b| a.2.total_cmp(&b.2));
+        let first = self.touching().next();
         match pressed {
-            Some((i, sense, lift)) if lift < NEARLY_JAMMED => format!(
-                "no impulse or force satisfies the contact law (jamming): when `{}` slides {} its friction \
-                 presses as much as the contact force lifts, or more (1 -+ mu n'e = {lift:.1e}, Painleve's \
-                 paradox); lower the friction or keep away from this position",
-                self.model.declaration().contacts[i].name,
-                if sense > 0.0 { "forward" } else { "backward" },
+            Some((i, sense, lift)) if lift < NEARLY_JAMMED => (
+                Some(i),
+                format!(
+                    "no impulse or force satisfies the contact law (jamming): when `{}` slides {} its \
+                     friction presses as much as the contact force lifts, or more (1 -+ mu n'e = {lift:.1e}, \
+                     Painleve's paradox); lower the friction or keep away from this position",
+                    self.model.declaration().contacts[i].name,
+                    if sense > 0.0 { "forward" } else { "backward" },
+                ),
             ),
-            _ if self.several_bounce(gap) => {
+            _ if self.several_bounce() => (
+                first,
                 "no impulse satisfies the contact law: restitution sends several \
                  contacts back at once, and their friction does not let them go; lower either"
-                    .into()
-            }
-            _ => "no impulse or force satisfies the contact law (jamming); look at the impulse \
-                  direction of the contacts that touch"
-                .into(),
+                    .into(),
+            ),
+            _ => (
+                first,
+                "no impulse or force satisfies the contact law (jamming): the forces of the contacts \
+                 that touch push each other into the ground; look at their surfaces and impact laws"
+                    .into(),
+            ),
         }
     }
 
     /// Whether several contacts with friction and restitution touch and close.
-    fn several_bounce(&self, gap: f64) -> bool {
-        let bounces = |i: &&usize| {
-            self.contacts.friction(**i) > 0.0
-                && self.restitution[**i] > 0.0
-                && self.contacts.gap(**i).abs() <= gap
-                && self.contacts.normal_velocity(**i) < 0.0
+    fn several_bounce(&self) -> bool {
+        let bounces = |&i: &usize| {
+            self.contacts.friction(i) > 0.0
+                && self.restitution[i] > 0.0
+                && self.contacts.normal_velocity(i) < 0.0
         };
-        self.all_contacts.iter().filter(bounces).count() > 1
+        self.touching().filter(bounces).count() > 1
     }
 
     pub(super) fn stopped(&self, step: usize, stop: &Stop) -> SimulationStatus {
-        let names: Vec<&str> = self
-            .active
-            .iter()
-            .map(|held| self.model.declaration().contacts[held.contact].name)
-            .collect();
-        let mode = if names.is_empty() {
-            "in free motion".to_string()
-        } else {
-            format!("in contact with {}", names.join(", "))
+        let names = |contacts: &mut dyn Iterator<Item = usize>| {
+            let declared = self.model.declaration().contacts;
+            let names: Vec<&str> = contacts.map(|i| declared[i].name).collect();
+            names.join(", ")
+        };
+        let held = names(&mut self.active.iter().map(|held| held.contact));
+        let touched = names(&mut self.touching());
+        let mode = match (held.as_str(), touched.as_str()) {
+            ("", "") => "in free motion".to_string(),
+            ("", touched) => format!("touching {touched}"),
+            (held, _) => format!("in contact with {held}"),
         };
         let contact = self.active.first().map(|held| held.contact);
+        let contact = contact.or_else(|| self.touching().next());
         let describe =
             |what: &str| format!("step {step} at t = {} s {mode}: {what}", self.state.time);
         match stop {
@@ -121,11 +182,10 @@ impl Driver<'_> {
                     ),
                 ))
             }
-            Stop::Mode(ModeError::Jammed) => SimulationStatus::AmbiguousContact(self.diagnosis(
-                step,
-                contact,
-                describe(&self.jamming()),
-            )),
+            Stop::Mode(ModeError::Jammed) => {
+                let (contact, why) = self.jamming();
+                SimulationStatus::AmbiguousContact(self.diagnosis(step, contact, describe(&why)))
+            }
             Stop::Mode(ModeError::Dependent) => SimulationStatus::AmbiguousContact(self.diagnosis(
                 step,
                 contact,

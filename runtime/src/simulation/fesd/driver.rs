@@ -4,8 +4,8 @@ use super::mode_change::EnergyGains;
 use super::switch::Detector;
 use super::{Fesd, StepFormulation};
 use crate::fesd::active_contact::{ActiveContact, force_count};
-use crate::fesd::contacts::{Contacts, ModeError, Touching};
-use crate::fesd::finite_element::{ElementError, FiniteElement, State};
+use crate::fesd::contacts::{Contacts, ModeError, dot};
+use crate::fesd::finite_element::{ElementError, FiniteElement, MotionSize, State};
 use crate::model::{ControlPiece, ImpactLaw, Model};
 use crate::rk::ButcherTableau;
 use crate::simulation::{
@@ -15,29 +15,24 @@ use crate::simulation::{
 use crate::time_freezing::clock;
 use cpu_time::ThreadTime;
 
-/// Gap within which a contact takes part in an impact or a mode, relative to the largest coordinate.
-pub(super) const TOUCHING_GAP: f64 = 1e-9;
-/// Normal velocity that counts as zero, relative to the largest velocity.
-const TOUCHING_VELOCITY: f64 = 1e-9;
-/// Sliding velocity that counts as zero, relative to the largest velocity: where it vanishes is located to
-/// rounding error.
-const AT_REST: f64 = 1e-12;
 /// Halvings of the elements of a step before it counts as failed.
 const MAX_HALVINGS: usize = 8;
 /// The same under error control, where each halves the length that lasts.
 const MAX_CONTROLLED_HALVINGS: usize = 24;
-/// Switches within a hundredth of the horizon before the contact mode counts as ambiguous.
-const MAX_SWITCHES: usize = 200;
+/// Switches within a hundredth of the horizon before the contact mode counts as ambiguous. A ball that keeps
+/// all but a hundredth of its speed takes about 1,400 bounces to rest.
+pub(super) const MAX_SWITCHES: usize = 5_000;
 
 /// Attempts at a segment within a hundredth of the horizon: of them some are rejected, some lead to a switch.
-const MAX_ATTEMPTS: usize = 10_000;
+const MAX_ATTEMPTS: usize = 20_000;
 
 /// Largest share of the horizon that an element may take under error control: a flight has no error, but
 /// passes over ground.
 const LONGEST: f64 = 0.1;
-/// Relative error estimate of an element above which a run without error control says so. The estimate has
-/// order `s`, the result about twice that.
-const SUSPECT_ESTIMATE: f64 = 1e-1;
+/// Largest share of the horizon that the first element may take, for a tolerance of one.
+const FIRST: f64 = 0.25;
+/// Error estimate of a run without error control above which it says so: what a curve in a figure shows.
+const SUSPECT_ESTIMATE: f64 = 1e-3;
 /// Largest and smallest change of the element length by the error control.
 const LENGTH_CHANGE: (f64, f64) = (0.2, 4.0);
 
@@ -125,8 +120,18 @@ pub(super) struct Driver<'a> {
     pub(super) forces: Vec<f64>,
     /// Acceleration with contact forces at the present state.
     pub(super) acceleration: Vec<f64>,
-    /// Largest error estimate of an element without error control, relative.
-    pub(super) largest_estimate: f64,
+    /// Acceleration at the start of the segment.
+    pub(super) segment_acceleration: Vec<f64>,
+    /// Largest values of the motion so far.
+    pub(super) motion: MotionSize,
+    /// Sum of the errors of the elements, estimated, relative to the motion.
+    pub(super) error_estimate: f64,
+    /// Error estimate that an element may have; none: elements of equal length.
+    pub(super) local_tolerance: Option<f64>,
+    /// Whether the trajectory is kept, or its end only.
+    pub(super) keeps_trajectory: bool,
+    /// Why the last attempt at a segment failed for the model's sake.
+    pub(super) not_finite: bool,
     /// Element length that the error control proposes.
     pub(super) proposed_length: f64,
     pub(super) force_row: Vec<f64>,
@@ -134,6 +139,8 @@ pub(super) struct Driver<'a> {
     pub(super) rough: bool,
     /// Coefficients of restitution.
     pub(super) restitution: Vec<f64>,
+    /// Time of the last impact of each contact [s].
+    pub(super) struck: Vec<f64>,
     /// Ends of bounce cascades, one entry a contact.
     pub(super) cascades: Vec<Cascades>,
     pub(super) energy_gains: Option<EnergyGains>,
@@ -185,11 +192,17 @@ impl<'a> Driver<'a> {
             sliding: vec![0.0; contacts],
             forces: Vec::with_capacity(contacts),
             acceleration: vec![0.0; declaration.coordinates.len()],
-            largest_estimate: 0.0,
-            proposed_length: 0.05 * problem.horizon,
+            segment_acceleration: vec![0.0; declaration.coordinates.len()],
+            motion: MotionSize::new(&problem.q, &problem.v),
+            error_estimate: 0.0,
+            local_tolerance: None,
+            keeps_trajectory: true,
+            not_finite: false,
+            proposed_length: problem.horizon,
             force_row: vec![0.0; contacts],
             rough: declaration.contacts.iter().any(|c| c.friction.is_some()),
             restitution: (0..contacts).map(|i| restitution(model, i)).collect(),
+            struck: vec![f64::NEG_INFINITY; contacts],
             cascades: vec![Cascades::default(); contacts],
             energy_gains: None,
             initial_modes: Vec::new(),
@@ -202,14 +215,32 @@ impl<'a> Driver<'a> {
         }
     }
 
-    pub(super) fn run(mut self, progress: &mut dyn FnMut(f64)) -> Simulation {
+    /// The same run with element lengths that keep the error estimate of each element below `local_tolerance`.
+    pub(super) fn controlled(mut self, local_tolerance: f64) -> Self {
+        self.local_tolerance = Some(local_tolerance);
+        self
+    }
+
+    /// The same run without a trajectory but its end.
+    pub(super) fn forgetful(mut self) -> Self {
+        self.keeps_trajectory = false;
+        self
+    }
+
+    /// Runs to the horizon, or until it fails; returns the result and the size of its motion.
+    pub(super) fn run(mut self, progress: &mut dyn FnMut(f64)) -> (Simulation, MotionSize) {
         let clock = ThreadTime::now();
         let status = self.steps(progress);
-        if self.largest_estimate > SUSPECT_ESTIMATE {
+        if !self.keeps_trajectory {
+            self.keeps_trajectory = true;
+            self.record();
+        }
+        let controlled = self.local_tolerance.is_some();
+        if !controlled && self.error_estimate > SUSPECT_ESTIMATE {
             self.note(&format!(
-                "the error estimate of an element reached {:.0e} (relative): take more steps or give a \
-                 tolerance",
-                self.largest_estimate
+                "the error is estimated at {:.0e} of the largest values: take more steps, or leave the number \
+                 of steps to the error control",
+                self.error_estimate
             ));
         }
         self.note_cascades();
@@ -220,9 +251,10 @@ impl<'a> Driver<'a> {
         self.counts.factorizations = newton.factorizations + other.factorizations;
         self.counts.evaluations =
             newton.evaluations + other.evaluations + self.contacts.evaluations;
-        Simulation {
+        let simulation = Simulation {
             declaration: self.model.declaration(),
             status,
+            error_estimate: (!controlled).then_some(self.error_estimate),
             initial_modes: self.initial_modes,
             events: self.events,
             trajectory: self.trajectory,
@@ -234,6 +266,15 @@ impl<'a> Driver<'a> {
                 ..Seconds::default()
             },
             notes: self.notes,
+        };
+        (simulation, self.motion)
+    }
+
+    /// Steps over the horizon.
+    fn step_count(&self) -> usize {
+        match self.local_tolerance {
+            None => self.settings.steps.unwrap_or(Fesd::DEFAULT_STEPS),
+            Some(_) => self.settings.steps.unwrap_or(1),
         }
     }
 
@@ -241,15 +282,18 @@ impl<'a> Driver<'a> {
         self.take_piece(0.0);
         self.active.clear();
         if let Err(error) = self.settle(&[]) {
+            self.record();
             return self.stopped(0, &Stop::Mode(error));
         }
         self.initial_modes = self.modes();
         self.record();
-        for step in 0..self.settings.steps {
-            let end = if step + 1 == self.settings.steps {
+        self.propose_first_length();
+        let steps = self.step_count();
+        for step in 0..steps {
+            let end = if step + 1 == steps {
                 self.horizon
             } else {
-                self.horizon * (step + 1) as f64 / self.settings.steps as f64
+                self.horizon * (step + 1) as f64 / steps as f64
             };
             if let Err(status) = self.step(step, end) {
                 return status;
@@ -257,6 +301,22 @@ impl<'a> Driver<'a> {
             progress(self.state.time);
         }
         SimulationStatus::Solved
+    }
+
+    /// First element length: a share of the horizon and of the time in which the velocity changes, which falls
+    /// with the tolerance, so that two runs do not share their first elements.
+    fn propose_first_length(&mut self) {
+        let Some(tolerance) = self.local_tolerance else {
+            return;
+        };
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let share = tolerance.powf(1.0 / (self.tableau.stages() as f64 + 1.0));
+        let mut length = FIRST * self.horizon;
+        let (speed, acceleration) = (largest(&self.state.v), largest(&self.acceleration));
+        if speed > 0.0 && acceleration > 0.0 {
+            length = length.min(speed / acceleration);
+        }
+        self.proposed_length = share * length;
     }
 
     /// Advances to `end`, with as many segments as there are switches and pieces of the controls.
@@ -285,35 +345,36 @@ impl<'a> Driver<'a> {
                 counted_from = self.state.time;
             }
             attempts += 1;
-            let vanishes = self.settings.tolerance.is_some() && self.proposed_length <= shortest;
+            if self.counts.elements >= self.settings.most_elements {
+                return Err(self.too_many(step));
+            }
+            let vanishes = self.local_tolerance.is_some() && self.proposed_length <= shortest;
             if attempts > MAX_ATTEMPTS || vanishes {
                 return Err(self.too_short(step, segment_end));
             }
             match self.segment(segment_end, elements, shortest, &mut size) {
                 Ok(Segment::Rejected) => {}
-                Ok(Segment::Completed) if self.settings.tolerance.is_some() => halvings = 0,
+                Ok(Segment::Completed) if self.local_tolerance.is_some() => halvings = 0,
                 Ok(Segment::Completed) => halvings = halvings.saturating_sub(1),
                 Ok(Segment::Switched) => {
+                    self.not_finite = false;
                     switches += 1;
                     if switches > MAX_SWITCHES {
-                        return Err(SimulationStatus::AmbiguousContact(self.diagnosis(
-                            step,
-                            None,
-                            format!(
-                                "more than {MAX_SWITCHES} switches within {} s; the contact \
-                                 mode does not settle: take more steps, or look at the \
-                                 surfaces that meet here",
-                                0.01 * self.horizon
-                            ),
-                        )));
+                        return Err(self.unsettled(step));
                     }
+                }
+                Err(Stop::Mode(ModeError::NotFinite))
+                | Err(Stop::Element(ElementError::NotFinite))
+                    if halvings < self.most_halvings() =>
+                {
+                    halvings += 1;
+                    self.not_finite = true;
+                    self.shorten(segment_end);
                 }
                 Err(stop @ Stop::Mode(_)) => return Err(self.stopped(step, &stop)),
                 Err(_) if halvings < self.most_halvings() => {
                     halvings += 1;
-                    if self.settings.tolerance.is_some() {
-                        self.proposed_length = 0.5 * (segment_end - self.segment_start.time);
-                    }
+                    self.shorten(segment_end);
                 }
                 Err(_) if self.nearly_jams() => {
                     return Err(self.stopped(step, &Stop::Mode(ModeError::Jammed)));
@@ -339,9 +400,16 @@ impl<'a> Driver<'a> {
         Ok(())
     }
 
+    /// Halves the proposed length after a failed segment that ended at `end`.
+    fn shorten(&mut self, end: f64) {
+        if self.local_tolerance.is_some() {
+            self.proposed_length = 0.5 * (end - self.segment_start.time);
+        }
+    }
+
     /// Halvings before a segment counts as failed.
     fn most_halvings(&self) -> usize {
-        match self.settings.tolerance {
+        match self.local_tolerance {
             None => MAX_HALVINGS,
             Some(_) => MAX_CONTROLLED_HALVINGS,
         }
@@ -351,7 +419,7 @@ impl<'a> Driver<'a> {
     /// that the error control proposes.
     fn plan(&self, begin: f64, segment_end: f64, end: f64, halvings: usize) -> (f64, usize) {
         let remaining = segment_end - self.state.time;
-        if self.settings.tolerance.is_none() {
+        if self.local_tolerance.is_none() {
             let share = remaining / (end - begin);
             let elements = (self.settings.elements as f64 * share).round() as usize;
             return (segment_end, elements.max(1) << halvings);
@@ -366,17 +434,17 @@ impl<'a> Driver<'a> {
     }
 
     /// Updates the proposed element length from the error estimate of the solved element; true if the
-    /// element must be shorter. The tolerance of the estimate, which has order `s`, is raised to the power
-    /// `(s + 1) / (2 s)`, as in the code RADAU of Hairer and Wanner, since the result has about twice its
-    /// order.
+    /// element must be shorter.
     fn control_error(&mut self) -> bool {
-        let Some(tolerance) = self.settings.tolerance else {
+        let Some(tolerance) = self.local_tolerance else {
             return false;
         };
-        let stages = self.tableau.stages() as f64;
-        let estimated = 0.1 * tolerance.powf((stages + 1.0) / (2.0 * stages));
-        let ratio = self.element.error_ratio(&self.acceleration, estimated);
-        let factor = 0.9 * ratio.max(1e-12).powf(-1.0 / (stages + 1.0));
+        let error = self
+            .element
+            .relative_error(&self.acceleration, &self.motion);
+        let ratio = error / tolerance;
+        let order = self.tableau.stages() as f64 + 1.0;
+        let factor = 0.9 * ratio.max(1e-12).powf(-1.0 / order);
         let proposed = self.element.length() * factor.clamp(LENGTH_CHANGE.0, LENGTH_CHANGE.1);
         self.proposed_length = proposed.min(LONGEST * self.horizon);
         ratio > 1.0
@@ -417,6 +485,8 @@ impl<'a> Driver<'a> {
         size: &mut ProblemSize,
     ) -> Result<Segment, Stop> {
         self.segment_start.copy_from(&self.state);
+        self.segment_acceleration.clone_from(&self.acceleration);
+        let error_estimate = self.error_estimate;
         let recorded = self.trajectory.time.len();
         let start_numerical_time = self.numerical_time;
         let length = (end - self.state.time) / elements as f64;
@@ -438,7 +508,9 @@ impl<'a> Driver<'a> {
         };
         self.trajectory.truncate(recorded);
         self.numerical_time = start_numerical_time;
+        self.error_estimate = error_estimate;
         self.state.copy_from(&self.segment_start);
+        self.acceleration.clone_from(&self.segment_acceleration);
         let offset = (count - 1) as f64 + switch.theta;
         if offset * length <= shortest {
             self.carry_out(switch)?;
@@ -460,38 +532,32 @@ impl<'a> Driver<'a> {
         Ok(Segment::Switched)
     }
 
-    pub(super) fn touching(&self) -> Touching {
-        let largest = |values: &[f64]| values.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
-        let speed = largest(&self.state.v);
-        Touching {
-            gap: TOUCHING_GAP * largest(&self.state.q),
-            velocity: TOUCHING_VELOCITY * speed,
-            sliding: AT_REST * speed,
-        }
-    }
-
-    /// Remembers the largest error estimate where no tolerance controls it.
-    fn watch_error(&mut self) {
-        if self.settings.tolerance.is_none() {
-            let estimate = self.element.error_ratio(&self.acceleration, 1.0);
-            self.largest_estimate = self.largest_estimate.max(estimate);
+    /// Adds the error of the solved element where no tolerance controls it. Its estimate has order `s`, the
+    /// result about twice that, as in the code RADAU of Hairer and Wanner.
+    fn add_error(&mut self) {
+        if self.local_tolerance.is_none() {
+            let error = self
+                .element
+                .relative_error(&self.acceleration, &self.motion);
+            self.error_estimate += reached(error, self.tableau.stages());
         }
     }
 
     /// Makes the solved element part of the trajectory.
     pub(super) fn accept_element(&mut self) -> Result<(), Stop> {
-        let weights = self.tableau.b();
-        let mut numerical = 0.0;
-        for (m, weight) in weights.iter().enumerate() {
-            numerical += weight
-                * clock::rate(
-                    self.element.stage_forces(m),
-                    self.settings.auxiliary_acceleration,
-                );
+        let stages = self.tableau.stages();
+        let mut rates = [0.0; ButcherTableau::MAX_STAGES];
+        for (m, rate) in rates[..stages].iter_mut().enumerate() {
+            let forces = self.element.stage_forces(m);
+            *rate = clock::rate(forces, self.settings.auxiliary_acceleration);
         }
-        self.numerical_time += numerical * self.element.length();
-        self.watch_error();
+        if self.local_tolerance.is_some() && self.keeps_trajectory {
+            self.record_stages(&rates[..stages]);
+        }
+        self.numerical_time += dot(self.tableau.b(), &rates[..stages]) * self.element.length();
+        self.add_error();
         self.state.copy_from(&self.element.end);
+        self.motion.include(&self.state.q, &self.state.v);
         self.residuals.primal = self.residuals.primal.max(self.element.residual_norm);
         self.counts.elements += 1;
         self.evaluate_state()?;
@@ -503,17 +569,26 @@ impl<'a> Driver<'a> {
     pub(super) fn evaluate_state(&mut self) -> Result<(), ModeError> {
         self.write_input();
         self.contacts.evaluate(&self.x, 0..self.all_contacts.len());
+        self.contacts.remember_sizes(&self.x);
+        self.contacts.remember_scales();
         self.forces.resize(force_count(&self.active), 0.0);
         self.contacts
             .contact_forces(&self.active, &mut self.forces)?;
         self.contacts
             .constrained_acceleration(&self.active, &self.forces, &mut self.acceleration);
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        if !finite(&self.acceleration) || !finite(&self.forces) {
+            return Err(ModeError::NotFinite);
+        }
         for &i in &self.all_contacts {
             self.gaps[i] = self.contacts.gap(i);
             self.velocities[i] = self.contacts.normal_velocity(i);
             if self.contacts.friction(i) > 0.0 {
                 self.sliding[i] = self.contacts.sliding_velocity(i);
             }
+        }
+        if !finite(&self.gaps) || !finite(&self.velocities) {
+            return Err(ModeError::NotFinite);
         }
         let frictions = self.contacts.frictions(&self.active, &self.forces);
         for ((held, &r), s) in self.active.iter().zip(&self.forces).zip(frictions) {
@@ -553,23 +628,56 @@ impl<'a> Driver<'a> {
         }
     }
 
+    /// Records the inner stages of the solved element; `rates` are those of numerical time.
+    fn record_stages(&mut self, rates: &[f64]) {
+        let (start, length) = (self.state.time, self.element.length());
+        let present = self.numerical_time;
+        for m in 0..self.tableau.stages() {
+            let c = self.tableau.c()[m];
+            if c >= 1.0 {
+                break;
+            }
+            let past: f64 = (0..rates.len())
+                .map(|j| self.tableau.a(m, j) * rates[j])
+                .sum();
+            self.x.copy_from_slice(self.element.stage_input(m));
+            let held = self.active.iter().map(|held| held.contact);
+            self.contacts.evaluate_contacts(&self.x, held);
+            let forces = self.element.stage_constraint_forces(m).to_vec();
+            self.numerical_time = present + past * length;
+            self.push_instant(start + c * length, &forces);
+        }
+        self.numerical_time = present;
+    }
+
+    /// Records the present state.
     pub(super) fn record(&mut self) {
-        self.piece.write(self.state.time, &mut self.u);
+        if self.keeps_trajectory {
+            self.write_input();
+            let forces = std::mem::take(&mut self.forces);
+            self.push_instant(self.state.time, &forces);
+            self.forces = forces;
+        }
+    }
+
+    /// Appends the instant of the input vector, at which the active contacts carry `forces`.
+    fn push_instant(&mut self, time: f64, forces: &[f64]) {
+        let n = self.n;
         self.force_row.fill(0.0);
-        for (held, &r) in self.active.iter().zip(&self.forces) {
+        for (held, &r) in self.active.iter().zip(forces) {
             self.force_row[held.contact] = self.contacts.force(held.contact, r);
         }
         self.trajectory.push(
-            self.state.time,
+            time,
             self.numerical_time,
-            &self.state.q,
-            &self.state.v,
-            &self.u,
+            &self.x[..n],
+            &self.x[n..2 * n],
+            &self.x[2 * n..2 * n + self.u.len()],
             &self.force_row,
         );
         if self.rough {
             let mut row = vec![0.0; self.all_contacts.len()];
-            let frictions = self.contacts.frictions(&self.active, &self.forces);
+            let frictions = self.contacts.frictions(&self.active, forces);
             for (held, s) in self.active.iter().zip(frictions) {
                 row[held.contact] = self.contacts.force(held.contact, s);
             }
@@ -593,4 +701,11 @@ impl<'a> Driver<'a> {
         size.jacobian_nonzeros +=
             elements * stages * stages * block * block + elements + usize::from(switched);
     }
+}
+
+/// Error of an element with `stages` stages whose estimate, which has order `s`, is `estimate`: the tenth power
+/// of ten in hand, and the power `2 s / (s + 1)` since the result has about twice the order.
+pub(super) fn reached(estimate: f64, stages: usize) -> f64 {
+    let s = stages as f64;
+    (10.0 * estimate).powf(2.0 * s / (s + 1.0))
 }

@@ -94,7 +94,7 @@ impl Detector<'_> {
             if held.tangential.sense() == 0.0 {
                 continue;
             }
-            let rounding = start.rounding.sliding;
+            let rounding = self.sizes[i].sliding_rounding();
             let moved = row[..=k].iter().any(|speed| *speed > rounding);
             let found = if value < -rounding && moved {
                 let kind = SwitchKind::Stopping;
@@ -102,10 +102,21 @@ impl Detector<'_> {
             } else if value < -rounding {
                 let back = self.stop_after_start(element, contacts, i, k);
                 if back.is_none() && k + 1 == samples {
-                    // The slip does not start in the sense that the forces demand: the element is too long.
-                    return Err(Stop::Unresolved);
+                    if self.starts_in_sense(contacts, start, held) {
+                        // The element is too long to show the slip that the forces demand.
+                        return Err(Stop::Unresolved);
+                    }
+                    // The element starts where the slip ends.
+                    Some(Switch {
+                        kind: SwitchKind::Stopping,
+                        contact: i,
+                        theta: 0.0,
+                        violated: self.thetas[k],
+                        slope: (value - before) / element.length(),
+                    })
+                } else {
+                    back
                 }
-                back
             } else if k > 0
                 && before <= row[k - 1]
                 && before <= value
@@ -122,6 +133,18 @@ impl Detector<'_> {
         }
         self.interpolate(element, k);
         Ok(())
+    }
+
+    /// Whether the forces at the start of the element accelerate a contact in the sense of its slip.
+    fn starts_in_sense(
+        &self,
+        contacts: &mut Contacts<'_>,
+        start: &ElementStart<'_>,
+        held: ActiveContact,
+    ) -> bool {
+        contacts.evaluate_contacts(start.x, [held.contact]);
+        held.tangential.sense() * contacts.sliding_acceleration(held.contact, start.acceleration)
+            > -FORCE_TOLERANCE * contacts.tangential_scale(held.contact)
     }
 
     /// Sliding velocity in the sense of the slip at place `theta`.

@@ -1,40 +1,28 @@
 //! Location of a switch: the element lengths at whose end its condition holds.
 
-use super::driver::{Driver, Stop, TOUCHING_GAP};
+use super::driver::{Driver, Stop};
 use super::switch::{ElementStart, Switch, SwitchKind};
 use crate::fesd::active_contact::{ActiveContact, Tangential, find, force_count};
-use crate::fesd::contacts::Touching;
 
-/// Rounding error of a gap or a normal velocity, relative to the largest coordinate or velocity.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Force beyond its bound that another switch explains, relative to its terms; larger ones are switches of
+/// their own.
+const CROSSED: f64 = 1e-9;
 /// Evaluations of the switch condition that locate one switch.
 const MAX_LOCATIONS: usize = 60;
 
 impl Driver<'_> {
     pub(super) fn violation(&mut self) -> Result<Option<Switch>, Stop> {
-        let largest = |values: &[f64]| values.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
-        let speed = largest(&self.state.v);
         let start = ElementStart {
             x: &self.x,
             gaps: &self.gaps,
             velocities: &self.velocities,
             sliding: &self.sliding,
             forces: &self.forces,
-            rounding: Touching {
-                gap: self.gap_rounding(),
-                velocity: ROUNDING * speed,
-                sliding: ROUNDING * speed,
-            },
-            touching_gap: TOUCHING_GAP * largest(&self.state.q),
-            speed,
+            acceleration: &self.acceleration,
+            time: self.state.time,
         };
         self.detector
             .first_violation(&self.element, &mut self.contacts, &start)
-    }
-
-    /// Rounding error of a gap at the present state.
-    pub(super) fn gap_rounding(&self) -> f64 {
-        ROUNDING * self.state.q.iter().fold(1.0_f64, |s, q| s.max(q.abs()))
     }
 
     /// Finds the common length of `count` elements at whose end the switch condition holds, and makes
@@ -99,12 +87,12 @@ impl Driver<'_> {
                 slope,
             })
         };
-        let tolerance = self.touching();
+        let size = |i: usize| self.contacts.size(i, self.state.time);
         let closed = self
             .all_contacts
             .iter()
             .filter(|&&i| find(&self.active, i).is_none())
-            .find(|&&i| self.gaps[i] < -tolerance.gap)
+            .find(|&&i| self.gaps[i] < -size(i).touching_gap())
             .and_then(|&i| {
                 other(
                     SwitchKind::Entry,
@@ -117,17 +105,17 @@ impl Driver<'_> {
         }
         let frictions = self.contacts.frictions(&self.active, &self.forces);
         for ((held, &r), s) in self.active.iter().zip(&self.forces).zip(frictions) {
-            let (i, scale) = (held.contact, TOUCHING_GAP);
-            let found = if r < -scale * self.contacts.phi_scale(i) {
+            let i = held.contact;
+            let found = if r < -CROSSED * self.contacts.phi_scale(i) {
                 other(SwitchKind::Exit, i, located.slope)
             } else if held.sticks() {
                 let margin = self.contacts.friction(i) * r - s.abs();
-                (margin < -scale * self.contacts.tangential_scale(i))
+                (margin < -CROSSED * self.contacts.tangential_scale(i))
                     .then(|| other(SwitchKind::Slipping, i, located.slope))
                     .flatten()
             } else {
                 let speed = held.tangential.sense() * self.sliding[i];
-                (speed < -tolerance.velocity)
+                (speed < -size(i).crossed_rest())
                     .then(|| other(SwitchKind::Stopping, i, located.slope))
                     .flatten()
             };

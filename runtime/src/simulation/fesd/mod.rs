@@ -10,10 +10,13 @@
 //! - the friction of a sticking contact reaches its bound: `mu_i r_i - |s_i| = 0`, an exit condition as well;
 //! - a contact that slides comes to rest: `v_t,i = 0`.
 //!
+//! Without a named number of steps the run promises an accuracy and checks it ([`accuracy`]).
+//!
 //! Elements between two switches of one step have equal length (step equilibration, exact). Impacts follow
 //! Moreau's law for all touching contacts at once, with Newton's restitution and Coulomb friction between
 //! impulses; in the time-freezing system they take numerical time only.
 
+mod accuracy;
 mod diagnosis;
 mod driver;
 mod friction_switch;
@@ -47,15 +50,25 @@ pub enum StepFormulation {
 pub struct Fesd {
     /// Family of the collocation scheme. Default Radau IIA, which keeps its order in contact.
     pub scheme: Scheme,
-    /// Stages `n_s` of the scheme, 1 to 9. Default 3.
-    pub stages: usize,
-    /// Steps of equal physical length over the horizon. Default 60.
-    pub steps: usize,
-    /// Finite elements in a step without switches. Default 3, as in the paper.
+    /// Stages `n_s` of the scheme, 1 to 9. Default `None`: 6 under error control, 3 on a grid.
+    pub stages: Option<usize>,
+    /// Steps of equal physical length over the horizon, which choose a grid instead of error control; with a
+    /// tolerance as well, elements end where steps do. Default `None`: error control (60 steps where
+    /// `formulation` has none).
+    pub steps: Option<usize>,
+    /// Finite elements in a step of a grid without switches. Default 3, as in the paper.
     pub elements: usize,
-    /// Error control: elements take the length that an embedded error estimate allows for this tolerance
-    /// (relative and absolute), at least one a step; `elements` is ignored. Default `None`: equal elements.
+    /// Error that is promised, relative to the largest distance from the start and the largest velocity, at
+    /// the end and at every event. Default `None`: 1e-6, or no error control where `steps` are named.
+    ///
+    /// Elements take the lengths that an embedded error estimate allows. The run is compared with a looser
+    /// one; where they differ by more than is promised, tighter ones follow, and where these still differ the
+    /// status is [`Inaccurate`](crate::simulation::SimulationStatus::Inaccurate).
     pub tolerance: Option<f64>,
+    /// Elements of a run before it ends with
+    /// [`StepLimit`](crate::simulation::SimulationStatus::StepLimit): a bound on memory and time. Default
+    /// 300,000, which take some hundred megabytes.
+    pub most_elements: usize,
     /// How the equations of a step are solved. Default: active set.
     pub formulation: StepFormulation,
     /// Whether the end of a contact arc is pinned by a vanishing force. Default true; `false` gives the
@@ -65,9 +78,9 @@ pub struct Fesd {
     /// time, never the result in physical time. Default 981 (100 times gravity, as in the paper).
     pub auxiliary_acceleration: f64,
     /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
-    /// ends infinite sequences of bounces, with a note. Default none, which means `1e-6 max(1, |v|)`.
-    /// Where several contacts touch, bounces that stay within the gap of a closed contact, 1e-9 of the largest
-    /// coordinate, end as well.
+    /// ends infinite sequences of bounces, with a note. Default none, which means 1e-6 of the largest normal
+    /// velocity of the contact so far (the sum of its terms' sizes).
+    /// Where several contacts touch, bounces that stay within rounding error of the gap end as well.
     pub rest_velocity: Option<f64>,
 }
 
@@ -75,10 +88,11 @@ impl Default for Fesd {
     fn default() -> Self {
         Self {
             scheme: Scheme::RadauIia,
-            stages: 3,
-            steps: 60,
+            stages: None,
+            steps: None,
             elements: 3,
             tolerance: None,
+            most_elements: 300_000,
             formulation: StepFormulation::ActiveSet,
             exit_condition: true,
             auxiliary_acceleration: 981.0,
@@ -88,18 +102,40 @@ impl Default for Fesd {
 }
 
 impl Fesd {
+    /// Error that is promised where none is asked for.
+    pub(crate) const PROMISE: f64 = 1e-6;
+    /// Steps of a grid where none are named.
+    pub const DEFAULT_STEPS: usize = 60;
+
+    /// The error that is promised; none on a grid, nor with the formulation or the take-offs that are there to be
+    /// compared with.
+    #[must_use]
+    pub fn promise(&self) -> Option<f64> {
+        let grid = self.steps.is_some() && self.tolerance.is_none();
+        let published = self.formulation == StepFormulation::TimeFreezing || !self.exit_condition;
+        let controlled = !published && !grid;
+        controlled.then(|| self.tolerance.unwrap_or(Self::PROMISE))
+    }
+
+    /// Stages of the scheme, whether named or not.
+    #[must_use]
+    pub fn stage_count(&self) -> usize {
+        let default = if self.promise().is_some() { 6 } else { 3 };
+        self.stages.unwrap_or(default)
+    }
+
     /// The default settings with another scheme.
     #[must_use]
     pub fn with_scheme(mut self, scheme: Scheme, stages: usize) -> Self {
         self.scheme = scheme;
-        self.stages = stages;
+        self.stages = Some(stages);
         self
     }
 
-    /// The same settings with another grid: `steps` of `elements` elements each.
+    /// The same settings on a grid: `steps` of `elements` elements each.
     #[must_use]
     pub fn with_grid(mut self, steps: usize, elements: usize) -> Self {
-        self.steps = steps;
+        self.steps = Some(steps);
         self.elements = elements;
         self
     }
@@ -148,10 +184,18 @@ impl Fesd {
                 bound,
             })
         };
-        for (what, value) in [("steps", self.steps), ("elements", self.elements)] {
+        let steps = self.steps.unwrap_or(1);
+        for (what, value) in [("steps", steps), ("elements", self.elements)] {
             if value == 0 {
                 return refuse(what, 0.0, "at least 1".into());
             }
+        }
+        if steps.saturating_mul(self.elements) > self.most_elements {
+            return refuse(
+                "elements of all steps",
+                steps as f64 * self.elements as f64,
+                format!("at most {}, or raise `most_elements`", self.most_elements),
+            );
         }
         if let Some(tolerance) = self.tolerance
             && !(1e-14..=1e-1).contains(&tolerance)
@@ -174,11 +218,12 @@ impl Fesd {
                 "at least 0 and finite (m/s)".into(),
             );
         }
-        match ButcherTableau::new(self.scheme, self.stages) {
+        let stages = self.stage_count();
+        match ButcherTableau::new(self.scheme, stages) {
             Some(tableau) => Ok(tableau),
             None => refuse(
                 "stages",
-                self.stages as f64,
+                stages as f64,
                 format!("from 1 to {}", ButcherTableau::MAX_STAGES),
             ),
         }
@@ -198,6 +243,15 @@ impl Simulator for Fesd {
     ) -> Result<Simulation, InputError> {
         let tableau = self.tableau()?;
         problem.check(model)?;
-        Ok(driver::Driver::new(self, &tableau, model, problem).run(progress))
+        Ok(match self.promise() {
+            Some(promise) => {
+                accuracy::promised(self, promise, &tableau, (model, problem), progress)
+            }
+            None => {
+                driver::Driver::new(self, &tableau, model, problem)
+                    .run(progress)
+                    .0
+            }
+        })
     }
 }

@@ -7,7 +7,7 @@ use crate::fesd::contacts::{ModeError, dot};
 use crate::simulation::{ContactMode, Direction, Event, EventKind};
 use crate::time_freezing::clock;
 
-/// Rest velocity where none is set, relative to the largest velocity.
+/// Rest velocity where none is set, relative to the size of the normal velocity.
 const REST: f64 = 1e-6;
 
 /// Kinetic energies are compared to this relative accuracy.
@@ -85,43 +85,34 @@ impl Driver<'_> {
         self.write_input();
         self.contacts
             .evaluate_contacts(&self.x, 0..self.all_contacts.len());
-        let tolerance = self.touching();
+        self.contacts.remember_sizes(&self.x);
+        let time = self.state.time;
         let touching: Vec<usize> = self
             .all_contacts
             .iter()
             .copied()
-            .filter(|&i| self.contacts.gap(i).abs() <= tolerance.gap || switched.contains(&i))
+            .filter(|&i| {
+                self.contacts.gap(i) <= self.contacts.size(i, time).touching_gap()
+                    || switched.contains(&i)
+                    || find(&self.active, i).is_some()
+            })
             .collect();
         let closing: Vec<usize> = touching
             .iter()
             .copied()
-            .filter(|&i| self.contacts.normal_velocity(i) < -tolerance.velocity)
+            .filter(|&i| {
+                let limit = self.contacts.size(i, time).touching_velocity();
+                self.contacts.normal_velocity(i) < -limit
+            })
             .collect();
-        // A flight lower than the rounding error of its gap is none: impacts that follow each other ever
-        // faster end in contact.
-        let lowest = self.gap_rounding();
-        let scale = self.contacts.largest_scale(&touching);
-        let slow = (2.0 * scale * lowest).sqrt();
-        // Beside another contact a bounce that stays within the gap of a closed contact is none either: the
-        // next impact finds both closed.
-        let smallest_bounce = if touching.len() > 1 {
-            (2.0 * scale * tolerance.gap).sqrt()
-        } else {
-            slow
-        };
         let v_before = self.state.v.clone();
         let mut ended = Vec::new();
         if !closing.is_empty() {
-            ended = self.impact(&touching, &closing, smallest_bounce)?;
+            ended = self.impact(&touching, &closing)?;
         }
         let previous = self.active.clone();
         let mut active = std::mem::take(&mut self.active);
-        let selected = self.contacts.select(
-            &self.x,
-            &touching,
-            (tolerance.velocity.max(slow), tolerance.sliding),
-            &mut active,
-        );
+        let selected = self.contacts.select(&self.x, &touching, time, &mut active);
         self.active = active;
         selected?;
         self.end_cascades(&ended);
@@ -154,31 +145,58 @@ impl Driver<'_> {
         self.evaluate_state()
     }
 
-    /// Rest velocity at the present state.
-    pub(super) fn rest_velocity(&self) -> f64 {
-        let largest = self.state.v.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
+    /// Normal velocity below which a contact with restitution no longer bounces.
+    pub(super) fn rest_velocity(&self, contact: usize) -> f64 {
+        let largest = self.contacts.size(contact, self.state.time).speed();
         self.settings.rest_velocity.unwrap_or(REST * largest)
     }
 
+    /// Whether a contact that comes with `speed` and touches, `alone` or beside others, bounces: not where its
+    /// bounce stays within what counts as touching.
+    fn bounces(&self, contact: usize, speed: f64, alone: bool) -> bool {
+        let size = self.contacts.size(contact, self.state.time);
+        let lowest = if alone {
+            size.gap_rounding()
+        } else {
+            size.touching_gap()
+        };
+        let slowest = (2.0 * self.contacts.phi_scale(contact) * lowest).sqrt();
+        speed > self.rest_velocity(contact) && self.restitution[contact] * speed > slowest
+    }
+
+    /// Whether the flight of one of the `closing` contacts since its last impact stayed within what counts as
+    /// touching: several contacts that strike that fast one after the other are at the limit of infinitely
+    /// many impacts, in which they come to rest on each other.
+    fn collapses(&self, closing: &[usize]) -> bool {
+        closing.iter().any(|&i| {
+            let speed = -self.contacts.normal_velocity(i);
+            let flight = speed * (self.state.time - self.struck[i]);
+            let lowest = self.contacts.size(i, self.state.time).touching_gap();
+            speed > self.rest_velocity(i) && flight <= lowest
+        })
+    }
+
     /// The velocity jump of an impact of the `closing` contacts in which all `touching` ones take part.
-    /// Contacts slower than the rest velocity, or at most `smallest_bounce` afterwards, do not bounce; returns
-    /// those with restitution among them, with their speed.
+    /// Returns those with restitution among them that do not bounce, with their speed.
     fn impact(
         &mut self,
         touching: &[usize],
         closing: &[usize],
-        smallest_bounce: f64,
     ) -> Result<Vec<(usize, f64)>, ModeError> {
-        let rest = self.rest_velocity();
+        let alone = touching.len() == 1;
+        let collapsed = !alone && self.collapses(closing);
         let mut ended = Vec::new();
         let mut restitution = vec![0.0; touching.len()];
         for (e, &i) in restitution.iter_mut().zip(touching) {
             let speed = -self.contacts.normal_velocity(i);
-            if speed > rest && self.restitution[i] * speed > smallest_bounce {
+            if !collapsed && self.bounces(i, speed, alone) {
                 *e = self.restitution[i];
             } else if self.restitution[i] > 0.0 && closing.contains(&i) {
                 ended.push((i, speed));
             }
+        }
+        for &i in closing {
+            self.struck[i] = self.state.time;
         }
         let elastic = restitution.iter().any(|e| *e > 0.0);
         let before = if elastic { self.kinetic_energy() } else { 0.0 };

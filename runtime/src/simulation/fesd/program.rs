@@ -2,7 +2,7 @@
 //! the interior point method. The last resort where Newton's method in a fixed mode fails.
 //!
 //! Its limit is that of the step form: a jump may share an element with the contact after it, so that an
-//! impact is known to the length of an element.
+//! switch is known to the length of an element.
 
 use super::driver::{Driver, Stop};
 use super::mode_change::sliding_event;
@@ -163,9 +163,14 @@ impl Driver<'_> {
                 continue;
             }
             let ended = self.bounces_left_out(&program, &solution.x, resting);
-            let rest = self.rest_velocity();
-            if ended.iter().all(|&(_, speed)| speed <= rest) {
+            let slow = |&(i, speed): &(usize, f64)| speed <= self.rest_velocity(i);
+            if ended.iter().all(slow) {
+                let (start, events) = (self.state.time, self.events.len());
                 self.take(&program, &solution)?;
+                if self.events.len() > events {
+                    let length = (end - start) / elements as f64;
+                    self.error_estimate += length * self.motion.speed / self.motion.distance;
+                }
                 // The clock of the program ends there up to its residual.
                 self.state.time = end;
                 self.end_cascades(&ended);
@@ -185,7 +190,7 @@ impl Driver<'_> {
             .max(residuals.complementarity);
         self.follow(program, &solution.x)?;
         self.note(
-            "steps solved as complementarity problems know the time of an impact to the length of an \
+            "steps solved as complementarity problems know the time of a switch to the length of an \
              element only",
         );
         Ok(())

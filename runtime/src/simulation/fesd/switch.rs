@@ -7,7 +7,8 @@
 
 use super::driver::Stop;
 use crate::fesd::active_contact::{find, force_count};
-use crate::fesd::contacts::{Contacts, ModeError, Touching};
+use crate::fesd::contact_size::ContactSize;
+use crate::fesd::contacts::{Contacts, ModeError};
 use crate::fesd::finite_element::{ElementError, FiniteElement};
 use crate::model::Model;
 use crate::rk::ButcherTableau;
@@ -60,12 +61,10 @@ pub(super) struct ElementStart<'a> {
     pub(super) sliding: &'a [f64],
     /// Forces of the active contacts: `r` of each, then `s` of those that stick.
     pub(super) forces: &'a [f64],
-    /// Rounding errors of a gap and of velocities.
-    pub(super) rounding: Touching,
-    /// Gap within which a contact touches.
-    pub(super) touching_gap: f64,
-    /// Largest velocity.
-    pub(super) speed: f64,
+    /// Acceleration with contact forces.
+    pub(super) acceleration: &'a [f64],
+    /// Time [s].
+    pub(super) time: f64,
 }
 
 /// Checks the sign conditions on a fixed grid of the element's dense output.
@@ -83,6 +82,8 @@ pub(super) struct Detector<'a> {
     /// Gaps at the start and all samples, one row a contact.
     gaps: Vec<f64>,
     open: Vec<usize>,
+    /// Sizes of gaps and velocities of all contacts at the start.
+    pub(super) sizes: Vec<ContactSize>,
     /// Of active contacts with friction at the start and all samples, one row a contact: what the friction of
     /// a sticking one lacks to its bound, or the sliding velocity in the sense of the slip.
     pub(super) frictions: Vec<f64>,
@@ -110,6 +111,7 @@ impl<'a> Detector<'a> {
             previous_forces: vec![0.0; 2 * contacts],
             gaps: vec![0.0; contacts * (samples + 1)],
             open: Vec::with_capacity(contacts),
+            sizes: vec![ContactSize::default(); contacts],
             frictions: vec![0.0; contacts * (samples + 1)],
         }
     }
@@ -133,18 +135,21 @@ impl<'a> Detector<'a> {
         if self.open.is_empty() && active.is_empty() {
             return Ok(None);
         }
+        for (i, size) in self.sizes.iter_mut().enumerate() {
+            *size = contacts.size(i, start.time);
+        }
         self.previous_forces[..start.forces.len()].copy_from_slice(start.forces);
         self.start_frictions(active, contacts, start);
         for k in 0..self.thetas.len() {
             self.interpolate(element, k);
-            let mut first = self.first_entry(element, contacts, start, k);
+            let mut first = self.first_entry(element, contacts, start, k)?;
             self.first_exit(element, contacts, k, &mut first)
                 .map_err(beyond)?;
             self.first_friction(element, contacts, start, k, &mut first)?;
             if first.is_some() {
                 return Ok(first);
             }
-            if self.hides_a_crossing(element, contacts, start, k) {
+            if self.hides_a_crossing(element, contacts, k) {
                 return Err(Stop::Unresolved);
             }
         }
@@ -158,7 +163,6 @@ impl<'a> Detector<'a> {
         &mut self,
         element: &FiniteElement<'_>,
         contacts: &mut Contacts<'_>,
-        start: &ElementStart<'_>,
         k: usize,
     ) -> bool {
         if k == 0 {
@@ -170,7 +174,9 @@ impl<'a> Detector<'a> {
             let row = &self.gaps[i * (samples + 1)..(i + 1) * (samples + 1)];
             let (a, b, c) = (row[k - 1], row[k], row[k + 1]);
             let least = a.min(b).min(c);
-            let released = row[..k].iter().all(|gap| *gap <= start.touching_gap);
+            let released = row[..k]
+                .iter()
+                .all(|gap| *gap <= self.sizes[i].touching_gap());
             if !released && least > 0.0 && (a - 2.0 * b + c).abs() > least {
                 suspects.push((i, a, b, c, least));
             }
@@ -214,23 +220,27 @@ impl<'a> Detector<'a> {
         contacts: &mut Contacts<'_>,
         start: &ElementStart<'_>,
         k: usize,
-    ) -> Option<Switch> {
+    ) -> Result<Option<Switch>, Stop> {
         let samples = self.thetas.len();
         let mut first = None;
         for index in 0..self.open.len() {
             let i = self.open[index];
+            let size = self.sizes[i];
             let row = &mut self.gaps[i * (samples + 1)..(i + 1) * (samples + 1)];
             let gap = self.model.gap(i, &self.x);
+            if !gap.is_finite() {
+                return Err(beyond(ModeError::NotFinite));
+            }
             row[k + 1] = gap;
             let before = row[k];
             // A contact that was just released separates more slowly than the element's local error at
             // first: until it has, only the end of the element tells.
-            let released = row[..=k].iter().all(|gap| *gap <= start.touching_gap);
-            if released && gap < -start.rounding.gap {
-                let depth = DEEP * element.length() * start.speed;
-                if (start.velocities[i] > start.rounding.velocity || gap < -depth)
+            let released = row[..=k].iter().all(|gap| *gap <= size.touching_gap());
+            if released && gap < -size.gap_rounding() {
+                let depth = DEEP * element.length() * size.speed();
+                if (start.velocities[i] > size.velocity_rounding() || gap < -depth)
                     && let Some(switch) =
-                        self.return_after_release(element, i, k, start.rounding.gap)
+                        self.return_after_release(element, i, k, size.gap_rounding())
                 {
                     keep_first(&mut first, switch);
                     self.interpolate(element, k);
@@ -241,12 +251,12 @@ impl<'a> Detector<'a> {
             if released && k + 1 < samples {
                 continue;
             }
-            if gap < -start.rounding.gap {
+            if gap < -size.gap_rounding() {
                 contacts.evaluate_contacts(&self.x, [i]);
                 let velocity = contacts.normal_velocity(i);
                 let kind = if !released && before > 0.0 {
                     SwitchKind::Entry
-                } else if velocity < -start.rounding.velocity {
+                } else if velocity < -size.velocity_rounding() {
                     SwitchKind::Reentry
                 } else {
                     continue;
@@ -263,13 +273,13 @@ impl<'a> Detector<'a> {
             } else if !released
                 && let Some((lower, upper)) = self.possible_dip(element, contacts, start, i, k)
             {
-                if let Some(switch) = self.dip(element, i, lower, upper, start.rounding.gap) {
+                if let Some(switch) = self.dip(element, i, lower, upper, size.gap_rounding()) {
                     keep_first(&mut first, switch);
                 }
                 self.interpolate(element, k);
             }
         }
-        first
+        Ok(first)
     }
 
     /// The entry of a contact that was released at the start of the element and is closed at sample `k`: if

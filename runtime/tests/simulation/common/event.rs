@@ -6,14 +6,14 @@ use hangtime::simulation::{
     EventDriven, EventKind, InitialValueProblem, Simulation, SimulationStatus, Simulator,
 };
 
-pub fn accurate() -> EventDriven {
+pub(crate) fn accurate() -> EventDriven {
     EventDriven {
         tolerance: 1e-13,
         ..EventDriven::default()
     }
 }
 
-pub fn run(
+pub(crate) fn run(
     simulator: &EventDriven,
     model: &dyn Model,
     problem: &InitialValueProblem,
@@ -24,7 +24,7 @@ pub fn run(
 }
 
 /// Kinds and contacts of the events, in order.
-pub fn sequence(simulation: &Simulation) -> Vec<(EventKind, usize)> {
+pub(crate) fn sequence(simulation: &Simulation) -> Vec<(EventKind, usize)> {
     simulation
         .events
         .iter()
@@ -33,7 +33,7 @@ pub fn sequence(simulation: &Simulation) -> Vec<(EventKind, usize)> {
 }
 
 /// What holds after every run that reached the horizon.
-pub fn check_consistency(model: &dyn Model, simulation: &Simulation) {
+pub(crate) fn check_consistency(model: &dyn Model, simulation: &Simulation) {
     assert_eq!(simulation.status, SimulationStatus::Solved);
     let trajectory = &simulation.trajectory;
     for pair in trajectory.time.windows(2) {

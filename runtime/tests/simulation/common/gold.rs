@@ -2,21 +2,21 @@
 //! precision. Model: point mass, g = 9.81 m/s^2, table and slope as in [`super::scenes::SkiJump`].
 
 /// One run of the ski jump, SI units.
-pub struct SkiJumpGold {
+pub(crate) struct SkiJumpGold {
     /// Start `(y, z)`, at rest.
-    pub start: [f64; 2],
+    pub(crate) start: [f64; 2],
     /// Time of the touch-down on the table, if the run starts above it.
-    pub touch: Option<f64>,
+    pub(crate) touch: Option<f64>,
     /// Take-off: time and state `(y, z, v_y, v_z)`.
-    pub take_off: (f64, [f64; 4]),
+    pub(crate) take_off: (f64, [f64; 4]),
     /// Landing: time, `(y, z)`, velocity before, velocity after.
-    pub landing: (f64, [f64; 2], [f64; 2], [f64; 2]),
+    pub(crate) landing: (f64, [f64; 2], [f64; 2], [f64; 2]),
     /// States `(y, z, v_y, v_z)` at 1, 3 and 5 s.
-    pub states: [(f64, [f64; 4]); 3],
+    pub(crate) states: [(f64, [f64; 4]); 3],
 }
 
 /// The figure's 45 m start, on the table.
-pub const SURFACE_START: SkiJumpGold = SkiJumpGold {
+pub(crate) const SURFACE_START: SkiJumpGold = SkiJumpGold {
     start: [10.2759, 45.00158107329569],
     touch: None,
     take_off: (
@@ -66,7 +66,7 @@ pub const SURFACE_START: SkiJumpGold = SkiJumpGold {
 };
 
 /// The same, 1 mm above the table.
-pub const DROP: SkiJumpGold = SkiJumpGold {
+pub(crate) const DROP: SkiJumpGold = SkiJumpGold {
     start: [10.2759, 45.002581073295694],
     touch: Some(0.014278431229270645),
     take_off: (
@@ -116,7 +116,7 @@ pub const DROP: SkiJumpGold = SkiJumpGold {
 };
 
 /// Start at y = 10 m, on the table.
-pub const CODE_START: SkiJumpGold = SkiJumpGold {
+pub(crate) const CODE_START: SkiJumpGold = SkiJumpGold {
     start: [10.0, 45.557],
     touch: None,
     take_off: (
@@ -166,7 +166,7 @@ pub const CODE_START: SkiJumpGold = SkiJumpGold {
 };
 
 /// The same, 1 mm above the table.
-pub const CODE_DROP: SkiJumpGold = SkiJumpGold {
+pub(crate) const CODE_DROP: SkiJumpGold = SkiJumpGold {
     start: [10.0, 45.558],
     touch: Some(0.014278431229270645),
     take_off: (
@@ -219,7 +219,7 @@ pub const CODE_DROP: SkiJumpGold = SkiJumpGold {
 /// the take-off is the root of `g + h'' v_y^2`, times are quadratures of `dy / v_y` with `y = y_0 + s^2`
 /// (Gauss-Legendre, 30 and 40 digits agree to 29); flight and slide are closed forms. The same computation
 /// for the 45 m start reproduces all 20 digits of its certified solution.
-pub const FIFTY_METRES: SkiJumpGold = SkiJumpGold {
+pub(crate) const FIFTY_METRES: SkiJumpGold = SkiJumpGold {
     start: [8.264, 50.00153157486106],
     touch: None,
     take_off: (
@@ -269,20 +269,20 @@ pub const FIFTY_METRES: SkiJumpGold = SkiJumpGold {
 };
 
 /// A block on an incline in the certified solution `friction_block` (closed form, 20 digits).
-pub struct BlockGold {
-    pub slope_degrees: f64,
-    pub mu: f64,
-    pub speed: f64,
-    pub stop: (f64, f64),
-    pub stop_position: [f64; 2],
+pub(crate) struct BlockGold {
+    pub(crate) slope_degrees: f64,
+    pub(crate) mu: f64,
+    pub(crate) speed: f64,
+    pub(crate) stop: (f64, f64),
+    pub(crate) stop_position: [f64; 2],
     /// Friction force per mass along the slope while it slides, and while it sticks.
-    pub force: (f64, f64),
-    pub dissipated: f64,
+    pub(crate) force: (f64, f64),
+    pub(crate) dissipated: f64,
     /// Time, way, speed.
-    pub states: [(f64, f64, f64); 4],
+    pub(crate) states: [(f64, f64, f64); 4],
 }
 
-pub const BLOCKS: [BlockGold; 3] = [
+pub(crate) const BLOCKS: [BlockGold; 3] = [
     BlockGold {
         slope_degrees: 15.0,
         mu: 0.5,

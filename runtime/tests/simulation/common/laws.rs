@@ -1,461 +1,207 @@
-//! Scenes whose contacts bounce and rub.
+//! Scenes whose contacts bounce, stick and slip. `e` is the coefficient of restitution, `mu` that of friction.
 
-use super::scene::{HandWritten, Number, Scene};
-use super::scenes::GRAVITY;
+use super::assembled::Assembled;
+use super::scenes::CORNERS;
+use hangtime::model::Model;
 
-fn diagonal<D: Number, const N: usize>(entries: [f64; N]) -> [[D; N]; N] {
-    std::array::from_fn(|row| {
-        std::array::from_fn(|column| D::from(if row == column { entries[row] } else { 0.0 }))
-    })
-}
-
-/// A point mass on the side of `scale ((z - height(y)) cos slope + y sin slope) = 0` where gravity does not
-/// pull it: a plane that falls by `slope` for growing `y`, or waves.
-#[derive(Debug, Clone)]
-pub struct Ground {
-    pub mass: f64,
-    /// Angle by which the ground falls [rad].
-    pub slope: f64,
-    /// Height of the plane at `y = 0`.
-    pub offset: f64,
-    /// Height and wave number of a cosine on the plane.
-    pub waves: (f64, f64),
-    /// Length of the gradient of the gap, on a plane.
-    pub scale: f64,
-    pub restitution: f64,
-    pub friction: f64,
-}
-
-impl Default for Ground {
-    fn default() -> Self {
-        Self {
-            mass: 1.0,
-            slope: 0.0,
-            offset: 0.0,
-            waves: (0.0, 1.0),
-            scale: 1.0,
-            restitution: 0.0,
-            friction: 0.0,
+hangtime::model! {
+    /// A point mass that a spring holds and a control pushes along `y`, on the side of the ground where gravity does not
+    /// pull it: a plane that falls by `slope` for growing `y`, with waves and a bowl on it. The gap is `scale` times
+    /// the distance from the plane.
+    pub(crate) Ground {
+        parameters {
+            mass: kg = 1, g: m/s^2 = 9.81, stiffness: N/m = 0,
+            slope = 0, offset: m = 0, height: m = 0, number: 1/m = 1, curvature: 1/m = 0, scale: 1 = 1,
+            e = 0, mu = 0,
         }
+        coordinates { y: m, z: m }
+        controls { u: N }
+        let relief = offset + height*cos(number*y) + curvature/2*y^2
+        lagrangian mass/2*|dot((y, z))|^2 - mass*g*z - stiffness/2*y^2
+        forces { y: u }
+        surface ground: scale*((z - relief)*cos(slope) + y*sin(slope)) >= 0
+        impact ground: restitution e, friction mu
     }
 }
 
 impl Ground {
-    pub fn model(self) -> HandWritten<Self, 2, 1> {
-        HandWritten::new(self)
+    /// Height of the surface above `y`.
+    pub(crate) fn height_at(&self, y: f64) -> f64 {
+        let relief =
+            self.offset + self.height * f64::cos(self.number * y) + 0.5 * self.curvature * y * y;
+        relief - y * self.slope.tan()
     }
 }
 
-impl Scene<2, 1> for Ground {
-    fn coordinates(&self) -> [&'static str; 2] {
-        ["y", "z"]
-    }
-
-    fn contacts(&self) -> &'static [&'static str] {
-        &["ground"]
-    }
-
-    fn mass<D: Number>(&self, _q: &[D; 2]) -> [[D; 2]; 2] {
-        diagonal([self.mass; 2])
-    }
-
-    /// The control pushes along `y`.
-    fn force<D: Number>(&self, _q: &[D; 2], _v: &[D; 2], u: &[D; 1]) -> [D; 2] {
-        [u[0], D::from(-self.mass * GRAVITY)]
-    }
-
-    fn potential(&self, q: &[f64; 2]) -> f64 {
-        self.mass * GRAVITY * q[1]
-    }
-
-    fn gap<D: Number>(&self, _contact: usize, q: &[D; 2]) -> D {
-        let (sin, cos) = self.slope.sin_cos();
-        let height = (q[0] * self.waves.1).cos() * self.waves.0 + self.offset;
-        ((q[1] - height) * cos + q[0] * sin) * self.scale
-    }
-
-    fn restitution(&self, _contact: usize) -> f64 {
-        self.restitution
-    }
-
-    fn friction(&self, _contact: usize) -> f64 {
-        self.friction
-    }
-
-    /// Along the ground; where there are waves, along the plane below them.
-    fn sliding<D: Number>(&self, _contact: usize, _q: &[D; 2], v: &[D; 2]) -> Option<D> {
-        let (sin, cos) = self.slope.sin_cos();
-        Some((v[0] * cos - v[1] * sin) * self.scale)
+hangtime::model! {
+    /// A point mass in a square room of unit side.
+    pub(crate) Room {
+        parameters { mass: kg = 2, gravity: m/s^2 = 9.81, e = 0, mu = 0 }
+        coordinates { y: m, z: m }
+        lagrangian mass/2*|dot((y, z))|^2 - mass*gravity*z
+        surface floor: z >= 0
+        surface left: y >= 0
+        surface right: y <= 1[m]
+        surface ceiling: z <= 1[m]
+        impact floor, ceiling: restitution e, friction mu, sliding dot(y)
+        impact left, right: restitution e, friction mu, sliding dot(z)
     }
 }
 
-/// A point mass in a square room of unit side.
-#[derive(Debug, Clone)]
-pub struct Room {
-    pub gravity: f64,
-    pub restitution: f64,
-    pub friction: f64,
-}
-
-impl Room {
-    pub fn model(self) -> HandWritten<Self, 2, 0> {
-        HandWritten::new(self)
+hangtime::model! {
+    /// The room without friction.
+    pub(crate) SmoothRoom {
+        parameters { mass: kg = 2, gravity: m/s^2 = 0, e = 1 }
+        coordinates { y: m, z: m }
+        lagrangian mass/2*|dot((y, z))|^2 - mass*gravity*z
+        surface floor: z >= 0
+        surface ceiling: z <= 1[m]
+        surface left: y >= 0
+        surface right: y <= 1[m]
+        impact floor, ceiling, left, right: restitution e
     }
 }
 
-impl Scene<2, 0> for Room {
-    fn coordinates(&self) -> [&'static str; 2] {
-        ["y", "z"]
+hangtime::model! {
+    /// A round body of unit mass on ground that falls by `slope`; the angle grows such that the lowest point moves with
+    /// `v_y + radius angle'`. Its moment of inertia is `shape` times mass and radius squared.
+    pub(crate) Disc {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, radius: m = 1, shape = 0.5, slope = 0, e = 0, mu = 0 }
+        coordinates { y: m, z: m, angle }
+        lagrangian m/2*|dot((y, z))|^2 + shape*m*radius^2/2*dot(angle)^2 - m*g*z
+        surface ground: z*cos(slope) + y*sin(slope) >= radius
+        impact ground: restitution e, friction mu, sliding dot(y)*cos(slope) - dot(z)*sin(slope) + radius*dot(angle)
+        start { z: radius/cos(slope) }
     }
+}
 
-    fn contacts(&self) -> &'static [&'static str] {
-        &["floor", "left", "right", "ceiling"]
+hangtime::model! {
+    /// A rod of unit mass that touches the ground with its tip at `(y + arm cos angle, z + arm sin angle)`. By default
+    /// slender and of length 2, the tip at the other end: `D_nn = 1 + 3 cos^2`, `D_nt = -3 sin cos`,
+    /// `D_tt = 1 + 3 sin^2`.
+    pub(crate) Rod {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, inertia: kg m^2 = 0.3333333333333333, arm: m = -1, e = 0, mu = 0 }
+        coordinates { y: m, z: m, angle }
+        lagrangian m/2*|dot((y, z))|^2 + inertia/2*dot(angle)^2 - m*g*z
+        surface tip: z + arm*sin(angle) >= 0
+        impact tip: restitution e, friction mu, sliding dot(y + arm*cos(angle))
     }
+}
 
-    fn mass<D: Number>(&self, _q: &[D; 2]) -> [[D; 2]; 2] {
-        diagonal([2.0; 2])
+hangtime::model! {
+    /// A bar of unit mass with tips at distances `front` and `rear` from its centre.
+    pub(crate) Feet {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, front: m = 1, rear: m = 1, gyration: m = 1, e = 0, mu = 0 }
+        coordinates { y: m, z: m, angle }
+        lagrangian m/2*|dot((y, z))|^2 + m*gyration^2/2*dot(angle)^2 - m*g*z
+        surface front_tip: z + front*sin(angle) >= 0
+        surface rear_tip: z - rear*sin(angle) >= 0
+        impact front_tip: restitution e, friction mu, sliding dot(y + front*cos(angle))
+        impact rear_tip: restitution e, friction mu, sliding dot(y - rear*cos(angle))
     }
+}
 
-    fn force<D: Number>(&self, _q: &[D; 2], _v: &[D; 2], _u: &[D; 0]) -> [D; 2] {
-        [D::from(0.0), D::from(-2.0 * self.gravity)]
-    }
-
-    fn potential(&self, q: &[f64; 2]) -> f64 {
-        2.0 * self.gravity * q[1]
-    }
-
-    fn gap<D: Number>(&self, contact: usize, q: &[D; 2]) -> D {
-        match contact {
-            0 => q[1],
-            1 => q[0],
-            2 => -q[0] + 1.0,
-            _ => -q[1] + 1.0,
+hangtime::model! {
+    /// A table of unit mass, its centre `height` above two feet at `y - 1` and `y + 1`, held by a spring at
+    /// the centre's height.
+    pub(crate) Table {
+        parameters {
+            m: kg = 1, inertia: kg m^2 = 0.5, g: m/s^2 = 9.81, half: m = 1, height: m = 1, stiffness: N/m = 0,
+            e = 0, mu = 0,
         }
+        coordinates { y: m, z: m, angle }
+        let rear = (y - half*cos(angle) + height*sin(angle), z - half*sin(angle) - height*cos(angle))
+        let front = (y + half*cos(angle) + height*sin(angle), z + half*sin(angle) - height*cos(angle))
+        lagrangian m/2*|dot((y, z))|^2 + inertia/2*dot(angle)^2 - m*g*z - stiffness/2*y^2
+        surface rear_foot: rear.z >= 0
+        surface front_foot: front.z >= 0
+        impact rear_foot: restitution e, friction mu, sliding dot(rear.y)
+        impact front_foot: restitution e, friction mu, sliding dot(front.y)
+        start { z: height }
     }
+}
 
-    fn restitution(&self, _contact: usize) -> f64 {
-        self.restitution
+hangtime::model! {
+    /// A point mass in a round bowl of unit radius.
+    pub(crate) Bowl {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, radius: m = 1, mu = 0 }
+        coordinates { y: m, z: m }
+        let r = |(y, z)|
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        surface bowl: r <= radius
+        impact bowl: inelastic, friction mu, sliding (y*dot(z) - z*dot(y))/r
+        start { z: -radius }
     }
+}
 
-    fn friction(&self, _contact: usize) -> f64 {
-        self.friction
+hangtime::model! {
+    /// A carriage of unit mass, pressed onto its rail by its weight, that drags a brake by a crank: the brake's velocity
+    /// is `y' cos(k y)`, zero at the dead points of the crank.
+    pub(crate) CrankBrake {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, k: 1/m = 1, mu = 0 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        surface brake: z >= 0
+        impact brake: inelastic, friction mu, sliding cos(k*y)*dot(y)
     }
+}
 
-    fn sliding<D: Number>(&self, contact: usize, _q: &[D; 2], v: &[D; 2]) -> Option<D> {
-        Some(if contact == 0 || contact == 3 {
-            v[0]
-        } else {
-            v[1]
+hangtime::model! {
+    /// A mass on the floor, pulled by a hardening spring whose other end `p` moves freely.
+    pub(crate) Pulled {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, stiffness: N/m = 1, hardening: N/m^3 = 0, mu = 0 }
+        coordinates { y: m, z: m, p: m }
+        let stretch = p - y
+        lagrangian m/2*|dot((y, z, p))|^2 - m*g*z
+        forces { y: stiffness*stretch + hardening*stretch^3 }
+        surface ground: z >= 0
+        impact ground: inelastic, friction mu, sliding dot(y)
+    }
+}
+
+hangtime::model! {
+    /// One corner of a rectangular crate of unit mass, against floor, left wall and right wall, all with friction.
+    pub(crate) RoughCorner {
+        parameters {
+            m: kg = 1, g: m/s^2 = 9.81, half_width: m = 0.3, half_height: m = 0.2, half_room: m = 1,
+            across: m = -0.3, up: m = -0.2, mu = 0,
+        }
+        coordinates { y: m, z: m, angle }
+        let corner = (y + cos(angle)*across - sin(angle)*up, z + sin(angle)*across + cos(angle)*up)
+        lagrangian m/2*|dot((y, z))|^2 + m*(half_width^2 + half_height^2)/6*dot(angle)^2 - m*g*z
+        surface floor: corner.z >= 0
+        surface left: corner.y >= -half_room
+        surface right: corner.y <= half_room
+        impact floor: inelastic, friction mu, sliding dot(corner.y)
+        impact left, right: inelastic, friction mu, sliding dot(corner.z)
+        start { z: half_height }
+    }
+}
+
+/// A crate with friction at each of its four corners against floor and walls two metres apart.
+pub(crate) fn rough_crate(half_width: f64, half_height: f64, mu: f64) -> Assembled {
+    let corner = |(side, end): (f64, f64)| -> Box<dyn Model> {
+        Box::new(RoughCorner {
+            half_width,
+            half_height,
+            across: side * half_width,
+            up: end * half_height,
+            mu,
+            ..RoughCorner::default()
         })
-    }
+    };
+    Assembled::joining(CORNERS.map(corner).into())
 }
 
-/// A round body `(y, z, angle)` of unit mass on ground that falls by `slope`; the angle grows such that the
-/// lowest point moves with `v_y + radius angle'`.
-#[derive(Debug, Clone)]
-pub struct Disc {
-    pub radius: f64,
-    /// Moment of inertia over mass and radius squared.
-    pub shape: f64,
-    pub slope: f64,
-    pub restitution: f64,
-    pub friction: f64,
-}
-
-impl Disc {
-    pub fn model(self) -> HandWritten<Self, 3, 0> {
-        HandWritten::new(self)
-    }
-}
-
-impl Scene<3, 0> for Disc {
-    fn coordinates(&self) -> [&'static str; 3] {
-        ["y", "z", "angle"]
-    }
-
-    fn contacts(&self) -> &'static [&'static str] {
-        &["ground"]
-    }
-
-    fn mass<D: Number>(&self, _q: &[D; 3]) -> [[D; 3]; 3] {
-        diagonal([1.0, 1.0, self.shape * self.radius * self.radius])
-    }
-
-    fn force<D: Number>(&self, _q: &[D; 3], _v: &[D; 3], _u: &[D; 0]) -> [D; 3] {
-        [D::from(0.0), D::from(-GRAVITY), D::from(0.0)]
-    }
-
-    fn potential(&self, q: &[f64; 3]) -> f64 {
-        GRAVITY * q[1]
-    }
-
-    fn gap<D: Number>(&self, _contact: usize, q: &[D; 3]) -> D {
-        let (sin, cos) = self.slope.sin_cos();
-        q[1] * cos + q[0] * sin - self.radius
-    }
-
-    fn restitution(&self, _contact: usize) -> f64 {
-        self.restitution
-    }
-
-    fn friction(&self, _contact: usize) -> f64 {
-        self.friction
-    }
-
-    fn sliding<D: Number>(&self, _contact: usize, _q: &[D; 3], v: &[D; 3]) -> Option<D> {
-        let (sin, cos) = self.slope.sin_cos();
-        Some(v[0] * cos - v[1] * sin + v[2] * self.radius)
-    }
-}
-
-/// A slender rod `(y, z, angle)` of unit mass and length 2 whose lower tip is at
-/// `(y - cos angle, z - sin angle)`: `D_nn = 1 + 3 cos^2`, `D_nt = -3 sin cos`, `D_tt = 1 + 3 sin^2`.
-#[derive(Debug, Clone)]
-pub struct Rod {
-    pub restitution: f64,
-    pub friction: f64,
-}
-
-impl Rod {
-    pub fn model(self) -> HandWritten<Self, 3, 0> {
-        HandWritten::new(self)
-    }
-}
-
-impl Scene<3, 0> for Rod {
-    fn coordinates(&self) -> [&'static str; 3] {
-        ["y", "z", "angle"]
-    }
-
-    fn contacts(&self) -> &'static [&'static str] {
-        &["tip"]
-    }
-
-    fn mass<D: Number>(&self, _q: &[D; 3]) -> [[D; 3]; 3] {
-        diagonal([1.0, 1.0, 1.0 / 3.0])
-    }
-
-    fn force<D: Number>(&self, _q: &[D; 3], _v: &[D; 3], _u: &[D; 0]) -> [D; 3] {
-        [D::from(0.0), D::from(-GRAVITY), D::from(0.0)]
-    }
-
-    fn potential(&self, q: &[f64; 3]) -> f64 {
-        GRAVITY * q[1]
-    }
-
-    fn gap<D: Number>(&self, _contact: usize, q: &[D; 3]) -> D {
-        q[1] - q[2].sin()
-    }
-
-    fn restitution(&self, _contact: usize) -> f64 {
-        self.restitution
-    }
-
-    fn friction(&self, _contact: usize) -> f64 {
-        self.friction
-    }
-
-    fn sliding<D: Number>(&self, _contact: usize, q: &[D; 3], v: &[D; 3]) -> Option<D> {
-        Some(v[0] + q[2].sin() * v[2])
-    }
-}
-
-/// A table `(y, z, angle)` of unit mass, its centre `height` above two feet at `y - 1` and `y + 1`, on a belt
-/// that moves with the speed `belt`, held by a spring of stiffness `stiffness` at the centre's height.
-#[derive(Debug, Clone)]
-pub struct Table {
-    pub height: f64,
-    pub stiffness: f64,
-    pub belt: f64,
-    pub restitution: f64,
-    pub friction: f64,
-}
-
-impl Table {
-    pub fn model(self) -> HandWritten<Self, 3, 0> {
-        HandWritten::new(self)
-    }
-}
-
-impl Scene<3, 0> for Table {
-    fn coordinates(&self) -> [&'static str; 3] {
-        ["y", "z", "angle"]
-    }
-
-    fn contacts(&self) -> &'static [&'static str] {
-        &["rear foot", "front foot"]
-    }
-
-    fn mass<D: Number>(&self, _q: &[D; 3]) -> [[D; 3]; 3] {
-        diagonal([1.0, 1.0, 0.5])
-    }
-
-    fn force<D: Number>(&self, q: &[D; 3], _v: &[D; 3], _u: &[D; 0]) -> [D; 3] {
-        [q[0] * -self.stiffness, D::from(-GRAVITY), D::from(0.0)]
-    }
-
-    fn potential(&self, q: &[f64; 3]) -> f64 {
-        GRAVITY * q[1] + 0.5 * self.stiffness * q[0] * q[0]
-    }
-
-    fn gap<D: Number>(&self, contact: usize, q: &[D; 3]) -> D {
-        let side = if contact == 0 { -1.0 } else { 1.0 };
-        q[1] + q[2].sin() * side - q[2].cos() * self.height
-    }
-
-    fn restitution(&self, _contact: usize) -> f64 {
-        self.restitution
-    }
-
-    fn friction(&self, _contact: usize) -> f64 {
-        self.friction
-    }
-
-    /// Velocity of the foot at `(y + side cos + height sin, z + side sin - height cos)` along the belt.
-    fn sliding<D: Number>(&self, contact: usize, q: &[D; 3], v: &[D; 3]) -> Option<D> {
-        let side = if contact == 0 { -1.0 } else { 1.0 };
-        let (sin, cos) = q[2].sin_cos();
-        Some(v[0] + (-sin * side + cos * self.height) * v[2] - self.belt)
-    }
-}
-
-/// A mass `m = 1` on a belt that moves with the speed `belt`, held by a spring.
-#[derive(Debug, Clone)]
-pub struct Belt {
-    pub stiffness: f64,
-    pub belt: f64,
-    pub friction: f64,
-}
-
-impl Belt {
-    pub fn model(self) -> HandWritten<Self, 2, 0> {
-        HandWritten::new(self)
-    }
-}
-
-impl Scene<2, 0> for Belt {
-    fn coordinates(&self) -> [&'static str; 2] {
-        ["y", "z"]
-    }
-
-    fn contacts(&self) -> &'static [&'static str] {
-        &["belt"]
-    }
-
-    fn mass<D: Number>(&self, _q: &[D; 2]) -> [[D; 2]; 2] {
-        diagonal([1.0; 2])
-    }
-
-    fn force<D: Number>(&self, q: &[D; 2], _v: &[D; 2], _u: &[D; 0]) -> [D; 2] {
-        [q[0] * -self.stiffness, D::from(-GRAVITY)]
-    }
-
-    fn potential(&self, q: &[f64; 2]) -> f64 {
-        GRAVITY * q[1] + 0.5 * self.stiffness * q[0] * q[0]
-    }
-
-    fn gap<D: Number>(&self, _contact: usize, q: &[D; 2]) -> D {
-        q[1]
-    }
-
-    fn friction(&self, _contact: usize) -> f64 {
-        self.friction
-    }
-
-    fn sliding<D: Number>(&self, _contact: usize, _q: &[D; 2], v: &[D; 2]) -> Option<D> {
-        Some(v[0] - self.belt)
-    }
-}
-
-/// A point mass of 1 kg in a round bowl of unit radius.
-#[derive(Debug, Clone)]
-pub struct Bowl {
-    pub friction: f64,
-}
-
-impl Bowl {
-    pub fn model(self) -> HandWritten<Self, 2, 0> {
-        HandWritten::new(self)
-    }
-}
-
-impl Scene<2, 0> for Bowl {
-    fn coordinates(&self) -> [&'static str; 2] {
-        ["y", "z"]
-    }
-
-    fn contacts(&self) -> &'static [&'static str] {
-        &["bowl"]
-    }
-
-    fn mass<D: Number>(&self, _q: &[D; 2]) -> [[D; 2]; 2] {
-        diagonal([1.0; 2])
-    }
-
-    fn force<D: Number>(&self, _q: &[D; 2], _v: &[D; 2], _u: &[D; 0]) -> [D; 2] {
-        [D::from(0.0), D::from(-GRAVITY)]
-    }
-
-    fn potential(&self, q: &[f64; 2]) -> f64 {
-        GRAVITY * q[1]
-    }
-
-    fn gap<D: Number>(&self, _contact: usize, q: &[D; 2]) -> D {
-        -(q[0] * q[0] + q[1] * q[1]).sqrt() + 1.0
-    }
-
-    fn friction(&self, _contact: usize) -> f64 {
-        self.friction
-    }
-
-    fn sliding<D: Number>(&self, _contact: usize, q: &[D; 2], v: &[D; 2]) -> Option<D> {
-        Some((q[0] * v[1] - q[1] * v[0]) / (q[0] * q[0] + q[1] * q[1]).sqrt())
-    }
-}
-
-/// A carriage `y` of unit mass, pressed onto its rail by its weight, that drags a brake by a crank: the brake's
-/// velocity is `y' cos y`, zero at the dead points of the crank.
-#[derive(Debug, Clone)]
-pub struct CrankBrake {
-    pub friction: f64,
-}
-
-impl CrankBrake {
-    pub fn model(self) -> HandWritten<Self, 2, 0> {
-        HandWritten::new(self)
-    }
-}
-
-impl Scene<2, 0> for CrankBrake {
-    fn coordinates(&self) -> [&'static str; 2] {
-        ["y", "z"]
-    }
-
-    fn contacts(&self) -> &'static [&'static str] {
-        &["brake"]
-    }
-
-    fn mass<D: Number>(&self, _q: &[D; 2]) -> [[D; 2]; 2] {
-        diagonal([1.0; 2])
-    }
-
-    fn force<D: Number>(&self, _q: &[D; 2], _v: &[D; 2], _u: &[D; 0]) -> [D; 2] {
-        [D::from(0.0), D::from(-GRAVITY)]
-    }
-
-    fn potential(&self, q: &[f64; 2]) -> f64 {
-        GRAVITY * q[1]
-    }
-
-    fn gap<D: Number>(&self, _contact: usize, q: &[D; 2]) -> D {
-        q[1]
-    }
-
-    fn friction(&self, _contact: usize) -> f64 {
-        self.friction
-    }
-
-    fn sliding<D: Number>(&self, _contact: usize, q: &[D; 2], v: &[D; 2]) -> Option<D> {
-        Some(q[0].cos() * v[0])
+hangtime::model! {
+    /// A unit mass between the surfaces `z + y >= 0` and `z - 2 y >= 0`.
+    pub(crate) Wedge {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, e = 0, mu = 0 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        surface left: z + y >= 0
+        surface right: z >= 2*y
+        impact left: restitution e, friction mu, sliding dot(y) - dot(z)
+        impact right: restitution e, friction mu, sliding dot(y) + 2*dot(z)
     }
 }

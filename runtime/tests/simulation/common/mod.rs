@@ -1,18 +1,10 @@
-//! Scenes written by hand for the tests of the simulators, with derivatives by run-time dual numbers.
+//! What the tests of the simulators share: scenes, certified values, measures.
 
-#![allow(
-    dead_code,
-    missing_docs,
-    unreachable_pub,
-    reason = "shared by several test programs, each of which uses a part"
-)]
-
-pub mod event;
-pub mod gold;
-pub mod laws;
-pub mod scene;
-pub mod scenes;
-pub mod shapes;
+pub(crate) mod assembled;
+pub(crate) mod event;
+pub(crate) mod gold;
+pub(crate) mod laws;
+pub(crate) mod scenes;
 
 use hangtime::model::Model;
 use hangtime::simulation::{ControlSignal, InitialValueProblem, Simulation, Trajectory};
@@ -20,7 +12,7 @@ use proptest::prelude::prop_assert;
 use proptest::test_runner::TestCaseError;
 
 /// The problem that starts at `(q, v)` and has no controls.
-pub fn start(q: &[f64], v: &[f64], horizon: f64) -> InitialValueProblem {
+pub(crate) fn start(q: &[f64], v: &[f64], horizon: f64) -> InitialValueProblem {
     InitialValueProblem {
         q: q.to_vec(),
         v: v.to_vec(),
@@ -30,7 +22,7 @@ pub fn start(q: &[f64], v: &[f64], horizon: f64) -> InitialValueProblem {
 }
 
 /// Position and velocity at the end.
-pub fn last(trajectory: &Trajectory) -> (&[f64], &[f64]) {
+pub(crate) fn last(trajectory: &Trajectory) -> (&[f64], &[f64]) {
     (
         trajectory.q.last().expect("a trajectory has a start"),
         trajectory.v.last().expect("a trajectory has a start"),
@@ -38,7 +30,7 @@ pub fn last(trajectory: &Trajectory) -> (&[f64], &[f64]) {
 }
 
 /// Index of the point of the trajectory that is closest to `time`.
-pub fn index_at(trajectory: &Trajectory, time: f64) -> usize {
+pub(crate) fn index_at(trajectory: &Trajectory, time: f64) -> usize {
     (0..trajectory.time.len())
         .min_by(|&a, &b| {
             let distance = |k: usize| (trajectory.time[k] - time).abs();
@@ -48,13 +40,13 @@ pub fn index_at(trajectory: &Trajectory, time: f64) -> usize {
 }
 
 /// Largest distance between two vectors' components.
-pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).fold(0.0, |s, (a, b)| s.max((a - b).abs()))
 }
 
 /// Kinetic plus potential energy at every point of the trajectory.
-pub fn energies(model: &dyn Model, simulation: &Simulation) -> Vec<f64> {
+pub(crate) fn energies(model: &dyn Model, simulation: &Simulation) -> Vec<f64> {
     let trajectory = &simulation.trajectory;
     (0..trajectory.time.len())
         .map(|k| {
@@ -69,7 +61,7 @@ pub fn energies(model: &dyn Model, simulation: &Simulation) -> Vec<f64> {
 }
 
 /// Normal velocity of a contact at point `k` of the trajectory.
-pub fn gap_at(model: &dyn Model, trajectory: &Trajectory, contact: usize, k: usize) -> f64 {
+pub(crate) fn gap_at(model: &dyn Model, trajectory: &Trajectory, contact: usize, k: usize) -> f64 {
     let mut x = trajectory.q[k].clone();
     x.extend_from_slice(&trajectory.v[k]);
     x.extend_from_slice(&trajectory.u[k]);
@@ -78,7 +70,7 @@ pub fn gap_at(model: &dyn Model, trajectory: &Trajectory, contact: usize, k: usi
 
 /// Energy may only fall, up to the error of one step: the tolerance times the energy's rate of change
 /// with the state, at most some 1e3.
-pub fn check_energy(
+pub(crate) fn check_energy(
     model: &dyn Model,
     simulation: &Simulation,
     tolerance: f64,

@@ -1,8 +1,8 @@
 //! Units of matrices: entry by entry, as those of moments of inertia and of rotations differ.
 
 use super::{Units, Walk};
-use crate::ast::{Expr, Name};
-use crate::diagnostics::{Checked, Place, Reported};
+use crate::ast::{Expr, Link, Name, Prefix};
+use crate::diagnostics::{Checked, Reported};
 use crate::dimension::Dimension;
 
 /// Units of the entries, row by row.
@@ -47,9 +47,10 @@ impl Walk<'_> {
     /// Units of a product in which a matrix stands on the left.
     pub(super) fn matrix_product(
         &mut self,
-        place: Place,
-        (left, own): (&Expr, &Matrix),
-        (right, its): (&Expr, &Units),
+        left: &Prefix<'_>,
+        own: &Matrix,
+        link: &Link,
+        its: &Units,
     ) -> Checked<Units> {
         let (columns, width) = match its {
             Units::Vector(vector) => (vec![vector.clone()], None),
@@ -74,11 +75,12 @@ impl Walk<'_> {
                 for product in &products {
                     if !self.unifier.unify(product, &first) {
                         let message = format!(
-                            "units differ: the terms of the product `{left}*{right}` are in {} and {}",
+                            "units differ: the terms of the product `{left}*{}` are in {} and {}",
+                            link.operand,
                             self.unifier.show(&first),
                             self.unifier.show(product)
                         );
-                        return Err(self.diagnostics.report("E03", place, message));
+                        return Err(self.diagnostics.report("E03", link.place, message));
                     }
                 }
                 entries.push(first);

@@ -2,6 +2,7 @@
 //! numerical time, projection onto the surfaces in contact.
 
 mod motion;
+mod scales;
 mod switch;
 
 pub(in crate::simulation) use switch::Switch;
@@ -12,6 +13,7 @@ use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
     SimulationStatus, Trajectory,
 };
+use scales::{ContactScale, Instant};
 
 /// Dynamics of a model with a set of active contacts `I`, of which `J` stick:
 ///
@@ -43,6 +45,8 @@ pub(in crate::simulation) struct Dynamics<'a> {
     pub(in crate::simulation) lowest: Vec<f64>,
     /// Largest of `values` since [`sample_from`](Self::sample_from).
     pub(in crate::simulation) highest: Vec<f64>,
+    /// A contact one of whose functions could not be evaluated since [`sample_from`](Self::sample_from).
+    pub(in crate::simulation) undefined: Option<usize>,
     /// Whether a contact declares friction, if only with the coefficient 0.
     pub(in crate::simulation) declares_friction: bool,
     /// Coefficients of restitution.
@@ -69,6 +73,10 @@ pub(in crate::simulation) struct Dynamics<'a> {
     /// Accelerations that are nothing to a contact: `sqrt(D_i a'M a)`, the largest normal acceleration that
     /// forces of the size of those present could give, at the last change of the mode.
     force_floor: Vec<f64>,
+    /// Forces that pull no more than this are zero: so much was accepted with the mode.
+    accepted_pull: Vec<f64>,
+    /// What counts as zero at each contact.
+    scales: Vec<ContactScale>,
     auxiliary_acceleration: f64,
     explicit_time: bool,
     x: Vec<f64>,
@@ -107,6 +115,7 @@ impl<'a> Dynamics<'a> {
             values: vec![0.0; functions],
             lowest: vec![0.0; functions],
             highest: vec![0.0; functions],
+            undefined: None,
             declares_friction: declaration.contacts.iter().any(|c| c.friction.is_some()),
             restitution: (0..contacts).map(|i| model.restitution(i)).collect(),
             friction,
@@ -119,6 +128,8 @@ impl<'a> Dynamics<'a> {
             s: vec![0.0; contacts],
             force_scale: vec![0.0; functions],
             force_floor: vec![0.0; functions],
+            accepted_pull: vec![0.0; functions],
+            scales: vec![ContactScale::default(); contacts],
             auxiliary_acceleration,
             explicit_time: declaration.explicit_time,
             x: vec![0.0; declaration.inputs()],
@@ -140,6 +151,7 @@ impl<'a> Dynamics<'a> {
             initial_modes: Vec::new(),
             events: Vec::new(),
             trajectory: Trajectory::default(),
+            error_estimate: None,
             residuals: Residuals::default(),
             size: ProblemSize {
                 variables: 2 * self.n,
@@ -370,6 +382,49 @@ impl<'a> Dynamics<'a> {
                     .sum();
                 sum + component.abs() * (self.acceleration[k].abs() + forces)
             })
+    }
+
+    /// Takes note of the sizes of the functions of all contacts at a state, by which is measured what counts as zero.
+    /// `moment` is a time over which the motion is smooth, such as a step size.
+    pub(in crate::simulation) fn observe(&mut self, t: f64, y: &[f64], moment: f64) {
+        self.load(t, y);
+        self.model
+            .free_acceleration(&self.x, &mut self.acceleration);
+        let n = self.n;
+        for i in 0..self.contacts {
+            self.evaluate_sides(i);
+            let tangent = self.has_friction(i).then(|| {
+                &self.tangents[i * tangent_point::length(n)..][tangent_point::TANGENT..][..n]
+            });
+            let length = contact_point::length(n);
+            let point = &self.points[i * length..(i + 1) * length];
+            let instant = Instant::new(&y[..2 * n], &self.acceleration, moment);
+            self.scales[i].observe(point, tangent, instant);
+        }
+    }
+
+    /// Measures the rounding errors of all gaps around a state.
+    pub(in crate::simulation) fn observe_rounding(&mut self, t: f64, y: &[f64], moment: f64) {
+        self.observe(t, y, moment);
+        let n = self.n;
+        for i in 0..self.contacts {
+            let gaps = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|multiple| {
+                let instant = Instant::new(&y[..2 * n], &self.acceleration, moment);
+                for k in 0..n {
+                    self.x[k] = instant.moved(k, multiple);
+                }
+                self.gap(i)
+            });
+            self.scales[i].observe_rounding(gaps);
+        }
+        self.load(t, y);
+    }
+
+    /// Mass matrix at a state, row-major.
+    pub(in crate::simulation) fn mass(&mut self, t: f64, y: &[f64]) -> &[f64] {
+        self.load(t, y);
+        self.model.mass_matrix(&self.x, &mut self.mass);
+        &self.mass
     }
 
     /// Kinetic energy of the velocities in `y`, `v' M v / 2`, with the mass matrix at the state last loaded.

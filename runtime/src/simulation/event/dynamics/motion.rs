@@ -82,23 +82,23 @@ impl Dynamics<'_> {
         }
         let n = self.n;
         let normals = self.active.len();
-        // A polynomial surface is evaluated to some 1e-15 of the coordinates; closer is luck.
-        let rounding = 2e-3 * self.closed_gap(y);
         let mut previous = f64::INFINITY;
         for _ in 0..PROJECTIONS {
             self.load(t, y);
+            // Largest gap in units of what rounding leaves of it.
             let mut worst = 0.0_f64;
             for slot in 0..normals {
                 let i = self.active[slot];
                 self.evaluate_contact(i);
                 let gap = self.point(i)[contact_point::GAP];
                 self.right[slot] = -gap;
-                worst = worst.max(gap.abs());
                 if gap.is_nan() {
                     return false;
                 }
+                let rounding = self.gap_rounding(i).max(f64::MIN_POSITIVE);
+                worst = worst.max(gap.abs() / rounding);
             }
-            if worst <= rounding || worst >= previous {
+            if worst <= 1.0 || worst >= previous {
                 break;
             }
             previous = worst;
@@ -231,6 +231,9 @@ impl System for Dynamics<'_> {
             dy[2 * n] = self.speed_of_numerical_time();
         }
         self.evaluate_switches(rows);
+        if let Some(function) = self.values.iter().position(|value| value.is_nan()) {
+            self.undefined = Some(self.switch(function).contact());
+        }
         for ((value, lowest), highest) in self
             .values
             .iter()

@@ -1,20 +1,15 @@
 //! Switching functions: what they are in a contact mode, their values, and what counts as zero.
 
-use super::{Dynamics, dot, largest};
+use super::{Dynamics, dot};
 use crate::model::contact_point;
 use crate::simulation::event::contact_state::{ContactState, Direction};
 use crate::simulation::event::dop853::System;
 
-/// Gaps below this times `max(1, |q|)` are closed: a gap is a difference of numbers of the size of the
-/// coordinates, so rounding alone leaves some `1e-15` of them, polynomial surfaces some `1e-14`.
-const CLOSED_GAP: f64 = 1e-12;
-/// Normal velocities below this times `max(1, |v|)` are zero.
-const ZERO_VELOCITY: f64 = 1e-12;
 /// Normal contact accelerations below this times the accelerations they balance are zero.
 const ZERO_FORCE: f64 = 1e-12;
-/// Sliding velocities up to this are those of a contact that others hold: it is held by rounding error where the
-/// geometry keeps it, and slides where that was so at one instant only.
-const HELD_VELOCITY: f64 = 1e-9;
+/// Sliding velocities up to this multiple of what counts as zero are those of a contact that others hold: it is held
+/// by rounding error where the geometry keeps it, and slides where that was so at one instant only.
+const HELD: f64 = 1e3;
 /// Value of a switching function that is none.
 const CONSTANT: f64 = 1.0;
 /// A function of time whose zero ends the contact mode; all are positive within it.
@@ -43,6 +38,17 @@ impl Switch {
             | Self::SlidingVelocity(i, _)
             | Self::HeldVelocity(i)
             | Self::Constant(i) => i,
+        }
+    }
+
+    /// What it is, in words.
+    pub(in crate::simulation) fn words(self) -> &'static str {
+        match self {
+            Self::Gap(_) => "the gap",
+            Self::NormalForce(_) => "the normal force",
+            Self::FrictionLimit(..) => "the reserve of friction",
+            Self::SlidingVelocity(..) | Self::HeldVelocity(_) => "the sliding velocity",
+            Self::Constant(_) => "nothing",
         }
     }
 
@@ -90,11 +96,16 @@ impl Dynamics<'_> {
             .sum();
         for &i in contacts {
             let inverse_inertia = self.point(i)[contact_point::INVERSE_INERTIA];
-            let floor = (inverse_inertia * square).max(0.0).sqrt();
+            let floor = f64::max(
+                (inverse_inertia * square).max(0.0).sqrt(),
+                self.scales[i].acceleration(),
+            );
             self.force_floor[i] = floor;
+            self.accepted_pull[i] = 0.0;
             if let Some(slot) = self.frictional.iter().position(|&other| other == i) {
                 let first = self.contacts + 2 * slot;
                 self.force_floor[first..first + 2].fill((1.0 + self.friction[i]) * floor);
+                self.accepted_pull[first..first + 2].fill(0.0);
             }
         }
     }
@@ -104,14 +115,14 @@ impl Dynamics<'_> {
         self.force_floor[contact]
     }
 
-    /// Accepts the contact forces of a new mode: one that is negative by rounding error is no reason to leave
-    /// the mode again.
+    /// Accepts the contact forces last evaluated: one that is negative by rounding error, or for an instant only, is
+    /// no reason to leave a new mode again.
     pub(in crate::simulation) fn accept_forces(&mut self) {
         for function in 0..self.functions() {
             if self.switch(function).is_force() {
                 let pull = -self.values[function];
-                let floor = &mut self.force_floor[function];
-                *floor = floor.max(2.0 * pull / ZERO_FORCE);
+                let accepted = &mut self.accepted_pull[function];
+                *accepted = accepted.max(2.0 * pull);
             }
         }
     }
@@ -120,27 +131,67 @@ impl Dynamics<'_> {
     pub(in crate::simulation) fn sample_from(&mut self, values: &[f64]) {
         self.lowest.copy_from_slice(values);
         self.highest.copy_from_slice(values);
+        self.undefined = None;
     }
 
     /// Below this gap a contact is closed.
-    pub(in crate::simulation) fn closed_gap(&self, y: &[f64]) -> f64 {
-        CLOSED_GAP * largest(&y[..self.n]).max(1.0)
+    pub(in crate::simulation) fn closed_gap(&self, contact: usize) -> f64 {
+        self.scales[contact].closed_gap()
+    }
+
+    /// Rounding error of a gap.
+    pub(super) fn gap_rounding(&self, contact: usize) -> f64 {
+        self.scales[contact].rounding()
+    }
+
+    /// Range of the values of a gap so far.
+    pub(in crate::simulation) fn gap_range(&self, contact: usize) -> f64 {
+        self.scales[contact].range()
+    }
+
+    /// Flights lower than this are none.
+    pub(in crate::simulation) fn lowest_flight(&self, contact: usize) -> f64 {
+        self.scales[contact].lowest_flight()
     }
 
     /// Below this normal velocity a contact is at rest.
-    pub(in crate::simulation) fn zero_velocity(&self, y: &[f64]) -> f64 {
-        ZERO_VELOCITY * largest(&y[self.n..2 * self.n]).max(1.0)
+    pub(in crate::simulation) fn zero_normal_velocity(&self, contact: usize) -> f64 {
+        self.scales[contact].zero_normal_velocity()
+    }
+
+    /// Below this sliding velocity a contact does not slide.
+    pub(in crate::simulation) fn zero_sliding_velocity(&self, contact: usize) -> f64 {
+        self.scales[contact].zero_sliding_velocity()
+    }
+
+    /// Up to this a sliding velocity is that of a contact that others hold.
+    fn held_velocity(&self, contact: usize) -> f64 {
+        HELD * self.zero_sliding_velocity(contact)
     }
 
     /// What counts as zero for a switching function.
-    pub(in crate::simulation) fn zero_value(&self, function: usize, y: &[f64]) -> f64 {
+    pub(in crate::simulation) fn zero_value(&self, function: usize) -> f64 {
         match self.switch(function) {
-            Switch::Gap(_) => self.closed_gap(y),
-            Switch::SlidingVelocity(..) => self.zero_velocity(y),
+            Switch::Gap(i) => self.closed_gap(i),
+            Switch::SlidingVelocity(i, _) => self.zero_sliding_velocity(i),
             Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
-                ZERO_FORCE * self.force_scale[function].max(self.force_floor[function])
+                (ZERO_FORCE * self.size(function)).max(self.accepted_pull[function])
             }
             Switch::HeldVelocity(_) | Switch::Constant(_) => 0.0,
+        }
+    }
+
+    /// Size of a switching function: the range of a gap, the terms of forces, the largest sliding velocity.
+    pub(in crate::simulation) fn size(&self, function: usize) -> f64 {
+        match self.switch(function) {
+            Switch::Gap(i) => self.gap_range(i),
+            Switch::SlidingVelocity(i, _) | Switch::HeldVelocity(i) => {
+                self.scales[i].sliding_velocity()
+            }
+            Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
+                self.force_scale[function].max(self.force_floor[function])
+            }
+            Switch::Constant(_) => CONSTANT,
         }
     }
 
@@ -165,7 +216,7 @@ impl Dynamics<'_> {
             Switch::HeldVelocity(i) => {
                 self.load(t, y);
                 self.evaluate_tangent(i);
-                HELD_VELOCITY - self.sliding_velocity(i).abs()
+                self.held_velocity(i) - self.sliding_velocity(i).abs()
             }
             Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
                 self.derivative(t, y, slope);
@@ -196,7 +247,7 @@ impl Dynamics<'_> {
                 Switch::SlidingVelocity(i, direction) => {
                     direction.sign() * self.sliding_velocity(i)
                 }
-                Switch::HeldVelocity(i) => HELD_VELOCITY - self.sliding_velocity(i).abs(),
+                Switch::HeldVelocity(i) => self.held_velocity(i) - self.sliding_velocity(i).abs(),
                 _ => CONSTANT,
             };
         }

@@ -1,0 +1,84 @@
+//! How large the gap and the velocities of a contact are, which says what is zero of them.
+//!
+//! A gap `g(q)` sums up terms of about the sizes `|dg/dq_k q_k|`, and rounding leaves an error relative to
+//! them, whatever the other coordinates are, the unit of the gap, and a factor in it. Velocities likewise.
+//! The largest sizes so far count, since all terms may vanish together.
+
+/// Rounding error of a gap or a velocity, relative to its size.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Gap that cannot be told from contact, relative to its size: the rounding errors of a run.
+const TOUCHING_GAP: f64 = 1024.0 * f64::EPSILON;
+/// Velocity that counts as zero beside a force or an impulse, relative to its size.
+const TOUCHING_VELOCITY: f64 = 1e-9;
+/// Sliding velocity that counts as zero, relative to its size: where it vanishes is located to rounding
+/// error.
+const AT_REST: f64 = 1e-12;
+
+/// Sizes of gap and velocities of a contact.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct ContactSize {
+    /// Of the gap [unit of the gap].
+    pub(super) gap: f64,
+    /// Of the normal velocity [unit of the gap / s].
+    pub(super) velocity: f64,
+    /// Of the sliding velocity.
+    pub(super) sliding: f64,
+}
+
+impl ContactSize {
+    /// Grows to sizes seen elsewhere.
+    pub(super) fn include(&mut self, other: Self) {
+        let larger = |a: f64, b: f64| if b.is_finite() { a.max(b) } else { a };
+        self.gap = larger(self.gap, other.gap);
+        self.velocity = larger(self.velocity, other.velocity);
+        self.sliding = larger(self.sliding, other.sliding);
+    }
+
+    /// The sizes at `time`, whose own rounding error moves the gap as well.
+    pub(super) fn at(self, time: f64) -> Self {
+        Self {
+            gap: self.gap + self.velocity * time,
+            ..self
+        }
+    }
+
+    /// Rounding error of the gap.
+    pub(crate) fn gap_rounding(self) -> f64 {
+        ROUNDING * self.gap
+    }
+
+    /// Gap up to which the contact touches.
+    pub(crate) fn touching_gap(self) -> f64 {
+        TOUCHING_GAP * self.gap
+    }
+
+    /// Size of the normal velocity.
+    pub(crate) fn speed(self) -> f64 {
+        self.velocity
+    }
+
+    /// Rounding error of the normal velocity.
+    pub(crate) fn velocity_rounding(self) -> f64 {
+        ROUNDING * self.velocity
+    }
+
+    /// Normal velocity up to which the contact touches.
+    pub(crate) fn touching_velocity(self) -> f64 {
+        TOUCHING_VELOCITY * self.velocity
+    }
+
+    /// Rounding error of the sliding velocity.
+    pub(crate) fn sliding_rounding(self) -> f64 {
+        ROUNDING * self.sliding
+    }
+
+    /// Sliding velocity beyond rest that another switch explains; larger ones are switches of their own.
+    pub(crate) fn crossed_rest(self) -> f64 {
+        TOUCHING_VELOCITY * self.sliding
+    }
+
+    /// Sliding velocity that counts as rest.
+    pub(crate) fn at_rest(self) -> f64 {
+        AT_REST * self.sliding
+    }
+}

@@ -1,0 +1,55 @@
+//! How large a motion has been, which errors are measured by.
+
+/// Rounding error that a state collects, relative to the largest coordinate.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Rounding error at the end of a run relative to that of an element.
+const COLLECTED: f64 = 16.0;
+
+/// Largest values of a motion so far. Distances are measured from its start, so that a translation of the
+/// scene changes nothing.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct MotionSize {
+    start: Vec<f64>,
+    /// Largest distance of a coordinate from its start.
+    pub(crate) distance: f64,
+    /// Largest velocity.
+    pub(crate) speed: f64,
+    /// Rounding error of the coordinates.
+    pub(crate) rounding: f64,
+}
+
+impl MotionSize {
+    /// Of a motion that starts at `(q, v)`.
+    pub(crate) fn new(q: &[f64], v: &[f64]) -> Self {
+        let mut size = Self {
+            start: q.to_vec(),
+            ..Self::default()
+        };
+        size.include(q, v);
+        size
+    }
+
+    /// Grows to the state `(q, v)`.
+    pub(crate) fn include(&mut self, q: &[f64], v: &[f64]) {
+        for (k, start) in self.start.iter().enumerate() {
+            self.distance = self.distance.max((q[k] - start).abs());
+            self.speed = self.speed.max(v[k].abs());
+            self.rounding = self.rounding.max(ROUNDING * q[k].abs());
+        }
+    }
+
+    /// The larger of a distance and a velocity relative to the motion, beyond the rounding errors that
+    /// elements of `length` leave.
+    pub(crate) fn relative(&self, distance: f64, velocity: f64, length: f64) -> f64 {
+        let rounding = COLLECTED * self.rounding;
+        let ratio = |error: f64, rounding: f64, size: f64| {
+            if error <= rounding {
+                0.0
+            } else {
+                (error - rounding) / size
+            }
+        };
+        ratio(distance, rounding, self.distance).max(ratio(velocity, rounding / length, self.speed))
+    }
+}

@@ -1,0 +1,46 @@
+//! The Newton direction.
+
+use super::state::State;
+use crate::linalg::norms::is_finite;
+
+/// Newton direction with the right inertia and a small residual.
+pub(super) fn find_direction(state: &mut State<'_, '_, '_, '_>) -> bool {
+    let core = &mut *state.core;
+    core.kkt
+        .evaluate_hessian(&mut core.formulation, &state.problem, &state.point.iterate);
+    if !core.kkt.is_finite() {
+        return false;
+    }
+    let mut floor = state.shifts.floor;
+    let mut dual_shift = core.settings.permanent_dual_shift;
+    for _ in 0..4 {
+        let core = &mut *state.core;
+        core.kkt
+            .assemble(&state.problem, &state.point.iterate, state.mu, false);
+        if !state.shifts.inertia.factorize(
+            &mut core.kkt,
+            &state.problem,
+            &state.point.iterate,
+            state.mu,
+            floor,
+            dual_shift,
+        ) {
+            return false;
+        }
+        let residual = core.kkt.direction(
+            &state.problem,
+            &state.point.iterate,
+            &state.point.lagrangian,
+            &state.point.values.residual,
+            state.mu,
+            &mut state.work.direction,
+        );
+        if residual <= 1e-5 && is_finite(&state.work.direction.v) {
+            return true;
+        }
+        // as good as singular: shift both blocks
+        dual_shift = dual_shift.max(1e-8) * if dual_shift >= 1e-8 { 100.0 } else { 1.0 };
+        floor = (100.0 * state.shifts.inertia.delta_w).max(1e-8);
+    }
+    false
+}

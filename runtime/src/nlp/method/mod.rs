@@ -1,0 +1,69 @@
+//! The method: Newton's method on barrier problems, with a filter line search and a restoration phase.
+//!
+//! [`State`] holds the point and the memory of all parts; each part is a function of it, in a file of its own:
+//!
+//! ```text
+//!     main_loop -> parameters -> direction -> line_search -> step      where no step is found: rescue, restoration
+//!                  (barrier)                  (second_order_correction, trial, acceptance, filter)
+//! ```
+
+mod acceptance;
+pub(crate) mod barrier;
+mod direction;
+mod filter;
+mod line_search;
+mod main_loop;
+mod parameters;
+mod rescue;
+mod restoration;
+mod safeguard;
+mod second_order_correction;
+mod start;
+mod state;
+mod step;
+mod stop;
+mod trial;
+
+pub(super) use state::{Core, Outcome};
+
+use super::program::barrier_problem::BarrierProblem;
+use super::program::iterate::Iterate;
+use super::{Fault, InputError, Products, WarmStart};
+use barrier::BarrierPath;
+use state::State;
+
+/// Where a run ended.
+pub(super) struct End {
+    pub(super) outcome: Outcome,
+    pub(super) iterate: Iterate,
+    pub(super) mu: f64,
+    pub(super) sigma: f64,
+}
+
+/// Runs the method from the start of the formulation, or with the multipliers of `start`.
+///
+/// # Errors
+/// [`InputError`] names a function that has no value at the start.
+pub(super) fn run(
+    core: &mut Core<'_, '_>,
+    path: &mut dyn BarrierPath,
+    start: Option<&WarmStart>,
+    products: &Products,
+) -> Result<End, InputError> {
+    let main = BarrierProblem::main(&core.formulation);
+    let mut state = State::new(core, main, path, false);
+    start::first_point(&mut state);
+    if !state.evaluate_iterate() {
+        let what = start::not_finite(&state);
+        return Err(InputError::from(Fault::NotFiniteAtStart { what }));
+    }
+    start::first_multipliers(&mut state, start, products);
+    state.start_filter();
+    let outcome = main_loop::run(&mut state, None);
+    Ok(End {
+        outcome,
+        iterate: state.point.iterate,
+        mu: state.mu,
+        sigma: state.sigma,
+    })
+}

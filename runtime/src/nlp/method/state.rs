@@ -1,0 +1,315 @@
+//! The state of the method: the point, what was evaluated there, and the memory of its parts.
+
+use std::time::Instant;
+
+use super::barrier::BarrierPath;
+use super::filter::Filter;
+use crate::nlp::kkt::{InertiaCorrection, KktSystem};
+use crate::nlp::program::barrier_problem::{BarrierProblem, Values};
+use crate::nlp::program::formulation::Formulation;
+use crate::nlp::program::iterate::{Iterate, longest_dual_step, longest_primal_step};
+use crate::nlp::program::residuals::{Optimality, OptimalityError, lagrangian_gradient};
+use crate::nlp::{InputError, IterationInfo, Observer, Settings, Status};
+
+/// What main loop and restoration phase share.
+pub(crate) struct Core<'a, 'o> {
+    pub(crate) formulation: Formulation<'a>,
+    pub(crate) kkt: KktSystem,
+    pub(crate) settings: Settings,
+    pub(crate) history: Vec<IterationInfo>,
+    pub(crate) iterations: usize,
+    pub(crate) restoration_iterations: usize,
+    pub(crate) observer: Option<&'o mut Observer<'o>>,
+    start: Instant,
+}
+
+impl<'a, 'o> Core<'a, 'o> {
+    pub(crate) fn new(
+        formulation: Formulation<'a>,
+        settings: &Settings,
+        observer: Option<&'o mut Observer<'o>>,
+    ) -> Result<Self, InputError> {
+        let kkt = KktSystem::new(&formulation)?;
+        Ok(Self {
+            formulation,
+            kkt,
+            settings: settings.clone(),
+            history: Vec::with_capacity(settings.maximum_iterations.min(1000) + 1),
+            iterations: 0,
+            restoration_iterations: 0,
+            observer,
+            start: Instant::now(),
+        })
+    }
+
+    pub(crate) fn seconds(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+}
+
+/// How a loop ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Outcome {
+    pub(crate) status: Status,
+    pub(crate) error: f64,
+    /// Whether the test for leaving the restoration phase succeeded.
+    pub(crate) left: bool,
+}
+
+/// The current point and what was evaluated there.
+pub(super) struct Point {
+    pub(super) iterate: Iterate,
+    pub(super) values: Values,
+    pub(super) gradient: Vec<f64>,
+    pub(super) lagrangian: Vec<f64>,
+    /// Measures of the point that belongs to `lagrangian`.
+    optimality: Optimality,
+}
+
+/// Directions and trial points.
+pub(super) struct Work {
+    pub(super) direction: Iterate,
+    pub(super) correction: Iterate,
+    pub(super) trial: Vec<f64>,
+    pub(super) trial_values: Values,
+    pub(super) corrected_residual: Vec<f64>,
+}
+
+/// What decides which points are acceptable.
+pub(super) struct Globalization {
+    pub(super) filter: Filter,
+    /// Violation below which the objective may decide alone.
+    pub(super) theta_min: f64,
+    /// Steps in a row that the filter shortened, and how often it was emptied for that.
+    pub(super) rejections: usize,
+    pub(super) resets: usize,
+    /// Iteration of the last restoration phase, and the least violation that one reached.
+    pub(super) last_restoration: Option<usize>,
+    pub(super) restored_theta: f64,
+}
+
+/// Shifts of the Newton matrix.
+#[derive(Default)]
+pub(super) struct Shifts {
+    pub(super) inertia: InertiaCorrection,
+    /// Extra shift of the Hessian while the line search cuts steps of product problems.
+    pub(super) floor: f64,
+}
+
+/// What happened since the parameters changed.
+pub(super) struct LevelProgress {
+    /// Point kept by [`PathStep::Advance`](super::barrier::PathStep::Advance).
+    pub(super) kept: Iterate,
+    pub(super) iterations: usize,
+    /// Short steps in a row at infeasible points.
+    pub(super) jams: usize,
+    pub(super) tiny_steps: usize,
+}
+
+/// Counters of iterations in a row without progress of some kind.
+pub(super) struct Progress {
+    /// Iterations without a step.
+    pub(super) stalls: usize,
+    /// Steps far out that left the violation as it is, and that violation.
+    pub(super) drift_steps: usize,
+    pub(super) drift_theta: f64,
+    /// Iterations within the acceptable tolerance.
+    pub(super) acceptable: usize,
+    /// Iterations within the tolerance only by the size of the multipliers.
+    pub(super) degenerate: usize,
+}
+
+/// A run of the method on one barrier problem.
+pub(super) struct State<'c, 'a, 'o, 'p> {
+    pub(super) core: &'c mut Core<'a, 'o>,
+    pub(super) problem: BarrierProblem,
+    pub(super) path: &'p mut dyn BarrierPath,
+    pub(super) is_restoration: bool,
+    pub(super) point: Point,
+    pub(super) work: Work,
+    pub(super) mu: f64,
+    pub(super) sigma: f64,
+    pub(super) globalization: Globalization,
+    pub(super) shifts: Shifts,
+    pub(super) level: LevelProgress,
+    pub(super) progress: Progress,
+    pub(super) info: IterationInfo,
+}
+
+impl<'c, 'a, 'o, 'p> State<'c, 'a, 'o, 'p> {
+    pub(super) fn new(
+        core: &'c mut Core<'a, 'o>,
+        problem: BarrierProblem,
+        path: &'p mut dyn BarrierPath,
+        is_restoration: bool,
+    ) -> Self {
+        let n = problem.variables();
+        let rows = problem.rows();
+        let (mu, sigma) = path.first();
+        let zeros = Iterate::zeros(&problem);
+        Self {
+            core,
+            path,
+            is_restoration,
+            point: Point {
+                iterate: zeros.clone(),
+                values: Values::zeros(rows),
+                gradient: vec![0.0; n],
+                lagrangian: vec![0.0; n],
+                optimality: Optimality::default(),
+            },
+            work: Work {
+                direction: zeros.clone(),
+                correction: zeros.clone(),
+                trial: vec![0.0; n],
+                trial_values: Values::zeros(rows),
+                corrected_residual: vec![0.0; rows],
+            },
+            mu,
+            sigma,
+            globalization: Globalization {
+                filter: Filter::new(f64::INFINITY),
+                theta_min: 0.0,
+                rejections: 0,
+                resets: 0,
+                last_restoration: None,
+                restored_theta: f64::INFINITY,
+            },
+            shifts: Shifts::default(),
+            level: LevelProgress {
+                kept: zeros,
+                iterations: 0,
+                jams: 0,
+                tiny_steps: 0,
+            },
+            progress: Progress {
+                stalls: 0,
+                drift_steps: 0,
+                drift_theta: f64::INFINITY,
+                acceptable: 0,
+                degenerate: 0,
+            },
+            info: IterationInfo {
+                acceptance: ' ',
+                ..IterationInfo::default()
+            },
+            problem,
+        }
+    }
+
+    /// Evaluates objective and residuals at the iterate.
+    pub(super) fn evaluate_iterate(&mut self) -> bool {
+        self.problem.evaluate(
+            &mut self.core.formulation,
+            &self.point.iterate.v,
+            self.sigma,
+            self.mu,
+            &mut self.point.values,
+        )
+    }
+
+    /// Evaluates gradient and Jacobian at the iterate.
+    pub(super) fn evaluate_first_derivatives(&mut self) {
+        self.core
+            .kkt
+            .evaluate_jacobian(&mut self.core.formulation, &self.point.iterate.v);
+        self.problem.gradient(
+            &mut self.core.formulation,
+            &self.point.iterate.v,
+            self.mu,
+            &mut self.point.gradient,
+        );
+    }
+
+    /// Multipliers of the rows that fit the gradient best, zeros if they exceed 1000.
+    pub(super) fn estimate_multipliers(&mut self) {
+        self.core.kkt.least_squares_multipliers(
+            &self.problem,
+            &mut self.point.iterate,
+            &self.point.gradient,
+            1e3,
+            &mut self.work.correction,
+        );
+    }
+
+    /// Updates the gradient of the Lagrangian, and what the optimality error follows from.
+    pub(super) fn update_lagrangian(&mut self) {
+        let values = self.core.kkt.jacobian_values.iter().copied();
+        lagrangian_gradient(
+            &self.problem,
+            &self.point.iterate,
+            &self.point.gradient,
+            self.core.formulation.jacobian_entries().zip(values),
+            &mut self.point.lagrangian,
+        );
+        self.point.optimality = Optimality::new(
+            &self.problem,
+            &self.point.iterate,
+            &self.point.values.residual,
+            &self.point.lagrangian,
+        );
+    }
+
+    /// Error of the optimality conditions of the barrier problem with parameter `mu`.
+    pub(super) fn error(&self, mu: f64) -> OptimalityError {
+        self.point.optimality.error(mu)
+    }
+
+    /// Largest violation of the explicit rows in the user's units.
+    pub(super) fn unscaled_infeasibility(&self) -> f64 {
+        self.point.values.residual[..self.problem.m]
+            .iter()
+            .zip(&self.core.formulation.row_scales)
+            .fold(0.0, |a: f64, (r, scale)| a.max(r.abs() / scale))
+    }
+
+    /// Sets the greatest and the switching violation of the filter from the current point.
+    pub(super) fn start_filter(&mut self) {
+        let theta = self.point.values.theta.max(1.0);
+        self.globalization.filter = Filter::new(1e4 * theta);
+        self.globalization.theta_min = 1e-4 * theta;
+    }
+
+    pub(super) fn outcome(&self, status: Status) -> Outcome {
+        Outcome {
+            status,
+            error: self.error(0.0).scaled(),
+            left: false,
+        }
+    }
+
+    /// Barrier function at the iterate.
+    pub(super) fn barrier_function(&mut self) -> f64 {
+        self.problem
+            .barrier_function(&self.point.iterate.v, &mut self.point.values, self.mu)
+    }
+
+    /// Largest primal step along `direction`.
+    pub(super) fn longest_step(&self, direction: &Iterate) -> f64 {
+        longest_primal_step(
+            &self.problem,
+            &self.point.iterate.v,
+            &direction.v,
+            fraction_to_boundary(self.mu),
+        )
+    }
+
+    /// Largest step of the bound multipliers along `direction`.
+    pub(super) fn longest_dual_step(&self, direction: &Iterate) -> f64 {
+        longest_dual_step(
+            &self.point.iterate.z_lower,
+            &direction.z_lower,
+            fraction_to_boundary(self.mu),
+        )
+        .min(longest_dual_step(
+            &self.point.iterate.z_upper,
+            &direction.z_upper,
+            fraction_to_boundary(self.mu),
+        ))
+    }
+}
+
+/// Fraction to the boundary `tau = max(0.99, 1 - mu)`.
+pub(crate) fn fraction_to_boundary(mu: f64) -> f64 {
+    (1.0 - mu).max(0.99)
+}

@@ -1,0 +1,125 @@
+//! From an accepted step to the next iterate.
+
+use super::acceptance::{Acceptance, Search};
+use super::safeguard::safeguard;
+use super::state::State;
+use crate::linalg::norms::norm_inf;
+
+/// Takes over the trial point and updates multipliers, filter and shift.
+pub(super) fn accept(state: &mut State<'_, '_, '_, '_>, search: &Search) {
+    let alpha = search.alpha;
+    let direction = if search.corrected {
+        &state.work.correction
+    } else {
+        &state.work.direction
+    };
+    state.info.step_norm = norm_inf(&direction.v);
+    let alpha_dual = state.longest_dual_step(direction);
+    std::mem::swap(&mut state.point.iterate.v, &mut state.work.trial);
+    std::mem::swap(&mut state.point.values, &mut state.work.trial_values);
+    let m = state.problem.m;
+    let (explicit, products) = state.point.iterate.y.split_at_mut(m);
+    let (d_explicit, d_products) = direction.y.split_at(m);
+    for (y, d) in explicit.iter_mut().zip(d_explicit) {
+        *y += alpha * d;
+    }
+    for (y, d) in products.iter_mut().zip(d_products) {
+        *y += alpha_dual * d;
+    }
+    for (z, d) in state
+        .point
+        .iterate
+        .z_lower
+        .iter_mut()
+        .zip(&direction.z_lower)
+    {
+        *z += alpha_dual * d;
+    }
+    for (z, d) in state
+        .point
+        .iterate
+        .z_upper
+        .iter_mut()
+        .zip(&direction.z_upper)
+    {
+        *z += alpha_dual * d;
+    }
+    safeguard(state);
+    state.info.hessian_shift = state.shifts.inertia.delta_w;
+    state.info.step_length_primal = alpha;
+    state.info.step_length_dual = alpha_dual;
+    state.info.trials = search.trials;
+    state.info.acceptance = search.acceptance.letter(search.corrected);
+    state.progress.stalls = 0;
+    if search.acceptance == Acceptance::Tiny {
+        state.level.tiny_steps += 1;
+    } else {
+        state.level.tiny_steps = 0;
+    }
+    if search.filter_rejected {
+        state.globalization.rejections += 1;
+        if state.globalization.rejections >= 5 && state.globalization.resets < 5 {
+            state.globalization.filter.clear();
+            state.globalization.rejections = 0;
+            state.globalization.resets += 1;
+        }
+    } else {
+        state.globalization.rejections = 0;
+    }
+    adapt_shift_floor(state, search);
+}
+
+/// Products make flat, curved valleys in which the line search would cut every step; a shift in
+/// proportion turns the direction instead.
+fn adapt_shift_floor(state: &mut State<'_, '_, '_, '_>, search: &Search) {
+    if state.problem.products.is_empty() {
+        return;
+    }
+    if search.alpha < 0.3 * search.alpha_max {
+        let shift = state.shifts.floor.max(state.shifts.inertia.delta_w);
+        state.shifts.floor = (8.0 * shift).clamp(1e-4, 1e10);
+    } else if search.alpha >= search.alpha_max {
+        state.shifts.floor /= 3.0;
+        if state.shifts.floor < 1e-7 {
+            state.shifts.floor = 0.0;
+        }
+    }
+}
+
+/// Six short steps in a row at an infeasible point: the iterates jam at their bounds, and Newton's method
+/// for the optimality conditions has lost its way. Product problems jam more easily.
+pub(super) fn is_jammed(state: &mut State<'_, '_, '_, '_>, search: &Search) -> bool {
+    let short = if state.problem.products.is_empty() {
+        0.01
+    } else {
+        0.05
+    };
+    if search.alpha < short && state.point.values.theta > 1e-6 {
+        state.level.jams += 1;
+    } else {
+        state.level.jams = 0;
+    }
+    if state.is_restoration || state.level.jams < 6 {
+        return false;
+    }
+    state.level.jams = 0;
+    true
+}
+
+/// Fifteen steps at infeasible points far out that lowered the objective only: it is unbounded below
+/// along directions that leave the violation as it is, and the violation has to be looked at alone.
+pub(super) fn is_drifting(state: &mut State<'_, '_, '_, '_>) -> bool {
+    let theta = state.point.values.theta;
+    let far = norm_inf(&state.point.iterate.v) > 1e8;
+    if !far || theta <= 0.9 * state.progress.drift_theta || theta <= state.core.settings.tolerance {
+        state.progress.drift_theta = theta;
+        state.progress.drift_steps = 0;
+        return false;
+    }
+    state.progress.drift_steps += 1;
+    if state.is_restoration || state.progress.drift_steps < 15 {
+        return false;
+    }
+    state.progress.drift_steps = 0;
+    true
+}

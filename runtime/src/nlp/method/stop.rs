@@ -1,0 +1,76 @@
+//! When a run ends, and the log.
+
+use super::state::State;
+use crate::linalg::norms::norm_inf;
+use crate::nlp::Status;
+use crate::nlp::program::residuals::OptimalityError;
+
+/// Multipliers of the scaled problem, whose gradients are at most 100, beyond which none seem to exist.
+const LARGEST_MULTIPLIER: f64 = 1e8;
+
+/// Writes the line of the log; `false` if the observer asks to stop.
+pub(super) fn record(state: &mut State<'_, '_, '_, '_>, error: &OptimalityError) -> bool {
+    state.info.iteration = state.core.iterations;
+    state.info.restoration = state.is_restoration;
+    state.info.objective = if state.is_restoration {
+        state.point.values.objective
+    } else {
+        state.point.values.objective / state.core.formulation.objective_scale
+    };
+    state.info.primal_infeasibility = error.primal;
+    state.info.dual_infeasibility = error.dual;
+    state.info.complementarity = error.complementarity;
+    state.info.barrier_parameter = state.mu;
+    state.info.relaxation_parameter = state.sigma;
+    state.core.history.push(state.info);
+    match state.core.observer.as_mut() {
+        Some(observer) => observer(&state.info),
+        None => true,
+    }
+}
+
+/// The status that a point with this error ends the run with, if it does.
+pub(super) fn stop_test(
+    state: &mut State<'_, '_, '_, '_>,
+    error: &OptimalityError,
+) -> Option<Status> {
+    let settings = &state.core.settings;
+    let scaled = error.scaled();
+    let at_end = state.sigma <= state.path.final_sigma();
+    let feasible =
+        || state.is_restoration || state.unscaled_infeasibility() <= settings.constraint_tolerance;
+    if scaled <= settings.tolerance && at_end && feasible() {
+        // huge multipliers scale any residual away; then the test says nothing
+        let absolute = 100.0 * settings.tolerance;
+        let largest = norm_inf(&state.point.iterate.y);
+        let exist = largest <= LARGEST_MULTIPLIER || !state.problem.products.is_empty();
+        let small = error.dual <= absolute && error.complementarity <= absolute;
+        if state.is_restoration || (exist && small) {
+            return Some(Status::Solved);
+        }
+        state.progress.degenerate += 1;
+        if state.progress.degenerate > 10 {
+            return Some(Status::Degenerate);
+        }
+    }
+    if scaled <= settings.acceptable_tolerance && at_end {
+        state.progress.acceptable += 1;
+    } else {
+        state.progress.acceptable = 0;
+    }
+    if settings.acceptable_iterations > 0
+        && state.progress.acceptable >= settings.acceptable_iterations
+    {
+        return Some(Status::Acceptable);
+    }
+    if norm_inf(&state.point.iterate.v) > 1e20 {
+        return Some(Status::Diverging);
+    }
+    if state.core.iterations >= settings.maximum_iterations {
+        return Some(Status::IterationLimit);
+    }
+    if state.core.seconds() > settings.maximum_seconds {
+        return Some(Status::TimeLimit);
+    }
+    None
+}

@@ -1,0 +1,108 @@
+//! What errors of a step are compared with: the fastest motion so far, so that a tolerance means the same wherever a
+//! scene is and whatever units it is written in.
+
+use super::dynamics::dot;
+use crate::model::Declaration;
+
+/// Coordinates whose kinetic energy is below the square of this share of the whole one are measured by this share:
+/// an angle that only rounding error turns has no size of its own.
+const IDLE: f64 = 1e-3;
+
+/// Sizes of velocities, one for all coordinates of the same unit.
+#[derive(Debug, Clone)]
+pub(super) struct ErrorScale {
+    /// Group of each coordinate.
+    group: Vec<usize>,
+    /// Largest size of the velocities of each group so far.
+    fastest: Vec<f64>,
+    /// Size of the present accelerations of each group.
+    acceleration: Vec<f64>,
+    /// Size of the velocities of each group at the end of the step tried.
+    end: Vec<f64>,
+}
+
+impl ErrorScale {
+    pub(super) fn new(declaration: &Declaration) -> Self {
+        let coordinates = declaration.coordinates;
+        let mut units: Vec<&str> = Vec::new();
+        let group = coordinates
+            .iter()
+            .map(|coordinate| {
+                let known = units.iter().position(|&unit| unit == coordinate.unit);
+                known.unwrap_or_else(|| {
+                    units.push(coordinate.unit);
+                    units.len() - 1
+                })
+            })
+            .collect();
+        Self {
+            group,
+            fastest: vec![0.0; units.len()],
+            acceleration: vec![0.0; units.len()],
+            end: vec![0.0; units.len()],
+        }
+    }
+
+    /// Takes note of velocities and accelerations where the mass matrix is `mass`.
+    pub(super) fn observe(&mut self, mass: &[f64], v: &[f64], a: &[f64]) {
+        for group in 0..self.fastest.len() {
+            let speed = self.size(group, mass, v);
+            self.fastest[group] = self.fastest[group].max(speed);
+            self.acceleration[group] = self.size(group, mass, a);
+        }
+    }
+
+    /// Takes note of the velocities at the end of a step that is only tried.
+    pub(super) fn try_end(&mut self, mass: &[f64], v: &[f64]) {
+        for group in 0..self.end.len() {
+            self.end[group] = self.size(group, mass, v);
+        }
+    }
+
+    /// Euclidean norm of the components of a group, at least [`IDLE`] of what the energy norm of all of them would be
+    /// in the heaviest of the group.
+    fn size(&self, group: usize, mass: &[f64], vector: &[f64]) -> f64 {
+        let n = vector.len();
+        let (mut square, mut heaviest) = (0.0, 0.0_f64);
+        for (k, component) in vector.iter().enumerate() {
+            if self.group[k] == group {
+                square += component * component;
+                heaviest = heaviest.max(mass[k * n + k]);
+            }
+        }
+        let rows = mass.chunks_exact(n.max(1)).zip(vector);
+        let energy: f64 = rows.map(|(row, x)| x * dot(row, vector)).sum();
+        let others = IDLE * (energy / heaviest).max(0.0).sqrt();
+        f64::max(square.sqrt(), others)
+    }
+
+    /// Size with which the error of a component of the state `(q, v)` is compared after a step of length `h`: the
+    /// fastest velocity, and the way covered with it in the step.
+    pub(super) fn of(&self, component: usize, h: f64) -> f64 {
+        let n = self.group.len();
+        let group = self.group[component % n];
+        let speed = self.fastest[group].max(self.end[group]);
+        if component < n { h * speed } else { speed }
+    }
+
+    /// The shortest time in which the velocities of a group change by as much as they are, or their accelerations
+    /// given their `change` over the time `moment`; infinite if nothing changes.
+    pub(super) fn shortest_time(&self, mass: &[f64], change: &[f64], moment: f64) -> f64 {
+        let ratio = |size: f64, rate: f64| {
+            if size > 0.0 && rate > 0.0 {
+                size / rate
+            } else {
+                f64::INFINITY
+            }
+        };
+        (0..self.fastest.len())
+            .map(|group| {
+                let (speed, acceleration) = (self.fastest[group], self.acceleration[group]);
+                let jerk = self.size(group, mass, change) / moment;
+                ratio(speed, acceleration)
+                    .min(ratio(acceleration, jerk))
+                    .min(ratio(speed, jerk).sqrt())
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+}

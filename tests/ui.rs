@@ -1,7 +1,0 @@
-//! What a user sees when a declaration has mistakes: every message, at the user's token, and nothing
-//! else. `TRYBUILD=overwrite cargo test --test ui` records changed messages.
-
-#[test]
-fn mistakes_are_reported_at_the_users_token() {
-    trybuild::TestCases::new().compile_fail("tests/ui/*/*.rs");
-}
