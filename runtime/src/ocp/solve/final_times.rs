@@ -12,8 +12,11 @@ use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Stationarity, Status};
 use crate::simulation::InputError;
 
-/// How often the range is moved, each time by a factor of 20.
-const MOVES: usize = 4;
+/// How often the range is moved, each time by a factor of 20 at most.
+const MOVES: usize = 5;
+/// Factor from the centre of a moved range within which a plan is measured in units of its own size: one that is
+/// further away may be no more than flat in those of its program.
+const NEAR: f64 = 1.5;
 
 /// Solves on the grid of the problem, around the final times that its plans ask for.
 pub(super) fn solve_grid<'s>(
@@ -50,6 +53,11 @@ pub(super) fn solve_grid<'s>(
         let all = range.with(looked_at.unwrap_or(range));
         looked_at = Some(all);
         solution.final_times = (all.shortest, all.longest);
+        let off_centre = centre.is_some_and(|centre| {
+            let factor = solution.horizon / centre;
+            solution.motion.is_some() && !(1.0 / NEAR..=NEAR).contains(&factor)
+        });
+        let next = next.or_else(|| off_centre.then_some(solution.horizon));
         let next = next.filter(|_| solution.status != Status::Interrupted && moves < MOVES);
         if let Some(next) = next {
             start = Start {
@@ -72,7 +80,7 @@ pub(super) fn solve_grid<'s>(
         // What was found at an end, and is not found any more beyond it, has no optimum there either.
         let solution = match at_the_end.filter(|_| !found) {
             Some(plan) => unbounded(plan, status),
-            None if found && range.end_at(solution.horizon).is_some() => {
+            None if found && (off_centre || range.end_at(solution.horizon).is_some()) => {
                 unbounded(solution, status)
             }
             None if found || status == Status::Interrupted => solution,
