@@ -1,11 +1,11 @@
 //! The default simulation and the event-driven one agree on random scenes: a small part of the program
 //! `cargo bench --bench agreement`, with fixed seeds.
 
-#[path = "../benches/agreement/draw.rs"]
+#[path = "../../benches/agreement/draw.rs"]
 mod draw;
-#[path = "../benches/agreement/judge.rs"]
+#[path = "../../benches/agreement/judge.rs"]
 mod judge;
-#[path = "../benches/agreement/scenes.rs"]
+#[path = "../../benches/agreement/scenes.rs"]
 mod scenes;
 
 use judge::{Verdict, judge};
