@@ -63,7 +63,7 @@ mod named {
 macro_rules! falling {
     ($name:ident, $force:expr, $power:expr, $unit:ty, $least:literal) => {
         hangtime::model! {
-            pub $name {
+            pub(crate) $name {
                 parameters { m: $unit = 1, w: N = 1 }
                 coordinates { z: m in $least..=9 }
                 lagrangian m/2*dot(z)^2 - 3*$force*w*z - $power^2*w*z

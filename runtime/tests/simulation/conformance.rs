@@ -260,9 +260,10 @@ fn run(method: &Method, steps: usize, case: &Case) -> Simulation {
     let simulator = (method.with)(steps);
     let mut reached = 0.0;
     let simulation = simulator
-        .simulate(&*case.model, &case.problem, &mut |time| {
-            assert!(time >= reached, "time runs back");
-            reached = time;
+        .simulate(&*case.model, &case.problem, &mut |progress| {
+            assert!(progress.time >= reached, "time runs back");
+            reached = progress.time;
+            true
         })
         .expect("the problem is accepted");
     let name = format!("{} on {}", simulator.name(), case.name);
@@ -400,7 +401,7 @@ fn every_method_refuses_what_it_cannot_treat_by_the_same_words() {
     for problem in bad {
         let refused = methods.each_ref().map(|simulator| {
             simulator
-                .simulate(&ball, &problem, &mut |_| {})
+                .simulate(&ball, &problem, &mut |_| true)
                 .expect_err("the problem is refused")
                 .to_string()
         });
@@ -420,7 +421,7 @@ fn every_method_refuses_what_it_cannot_treat_by_the_same_words() {
         },
     ] {
         for (method, simulator) in METHODS.iter().zip(&methods) {
-            let result = simulator.simulate(&law, &good, &mut |_| {});
+            let result = simulator.simulate(&law, &good, &mut |_| true);
             if method.laws {
                 assert_eq!(result.expect("a result").status, SimulationStatus::Solved);
                 continue;
@@ -439,7 +440,7 @@ fn every_method_names_a_field_that_ends() {
     for method in &METHODS {
         let simulator = (method.with)(STEPS[0]);
         let simulation = simulator
-            .simulate(&scenes::edge(), &problem, &mut |_| {})
+            .simulate(&scenes::edge(), &problem, &mut |_| true)
             .expect("the problem is accepted");
         let diagnosis = simulation.status.diagnosis().expect("it cannot go on");
         assert!(diagnosis.time <= 1.0, "{}: {diagnosis:?}", simulator.name());

@@ -198,11 +198,11 @@ mod tests {
         let signal = ramp.signal_of(1, 0.5);
         let mut u = [0.0];
         for (time, expected) in [(0.0, 3.0), (0.25, 2.5), (0.5, 2.0)] {
-            signal.write(time, &mut u);
+            signal.write(time, &mut u).expect("a full signal");
             assert_eq!(u, [expected], "{time}");
         }
         let steps = grid(ControlShape::Constant, &[1.0, 3.0]);
-        steps.signal_of(1, 0.5).write(0.1, &mut u);
+        steps.signal_of(1, 0.5).write(0.1, &mut u).expect("a full signal");
         assert_eq!(u, [3.0]);
     }
 
