@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::Scene;
 use hangtime::model::{
     ConstraintDeclaration, ConstraintRelation, Declaration, ImpactLaw, Model,
-    OptimalControlDeclaration, SparsityPattern, explanation, mistake_codes,
+    OptimalControlDeclaration, SparsityPattern,
 };
 
 use crate::arguments::ExplainArguments;
@@ -78,12 +78,10 @@ fn page(code: &str) -> Result<Option<&'static str>, BadInput> {
     if number.is_none_or(|digits| digits.is_empty() || digits.parse::<u32>().is_err()) {
         return Ok(None);
     }
-    // `E7` means `E07`.
-    let number = number.and_then(|digits| digits.parse::<u32>().ok());
-    match explanation(&format!("E{:02}", number.unwrap_or_default())) {
+    match hangtime_dsl::explanation(code) {
         Some(page) => Ok(Some(page)),
         None => {
-            let codes: Vec<&str> = mistake_codes().collect();
+            let codes: Vec<&str> = hangtime_dsl::mistake_codes().collect();
             Err(BadInput::new(format!(
                 "there is no mistake `{code}`; the codes are {} to {}",
                 codes.first().copied().unwrap_or_default(),

@@ -26,4 +26,5 @@ pub mod rk;
 pub mod simulation;
 mod time_freezing;
 
+#[doc = include_str!("model_macro.md")]
 pub use hangtime_macros::model;

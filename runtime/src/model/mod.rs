@@ -35,7 +35,6 @@
 
 mod control_piece;
 mod declaration;
-mod mistakes;
 
 pub(crate) use control_piece::ControlPiece;
 
@@ -44,7 +43,6 @@ pub use declaration::{
     CoordinateDeclaration, Declaration, Equation, FrictionDeclaration, ImpactLaw, Kernel,
     OptimalControlDeclaration, ParameterDeclaration, SparsityPattern,
 };
-pub use mistakes::{explanation, mistake_codes};
 
 /// A Lagrangian system with unilateral contacts: the interface between scenes and solvers.
 ///

@@ -174,7 +174,7 @@ impl Settings {
     ///
     /// # Errors
     /// [`InputError::OutOfRange`] names the first field outside its range.
-    pub fn check(&self) -> Result<(), InputError> {
+    pub(in crate::ocp) fn check(&self) -> Result<(), InputError> {
         if !(2..=ButcherTableau::MAX_STAGES).contains(&self.stages) {
             return Err(self.refuse_stages());
         }

@@ -13,7 +13,7 @@ pub enum Status {
     /// A certified local optimum that an independent simulation confirms.
     Solved,
     /// Confirmed by simulation, but the limit of programs was reached before all neighbouring contact
-    /// sequences were compared.
+    /// sequences were compared, or a distance that the method keeps holds the plan back, see [`Solution::margins`].
     Uncertified,
     /// The independent simulation does not follow the plan: other events, or another end.
     Unconfirmed,
@@ -177,6 +177,18 @@ pub struct Excess {
     pub time: f64,
 }
 
+/// A distance that a plan keeps for the sake of the method, and that costs it something.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Margin {
+    /// What is kept, and where.
+    pub name: String,
+    /// What the objective would gain without it, to first order.
+    pub cost: f64,
+    /// Whether it is [`Settings::gap_margin`](super::Settings::gap_margin). Others that cost more than a millionth of
+    /// the objective leave the result [`Uncertified`](Status::Uncertified).
+    pub chosen: bool,
+}
+
 /// Result of a run.
 #[derive(Debug, Clone)]
 pub struct Solution {
@@ -203,6 +215,8 @@ pub struct Solution {
     /// Largest violation of a bound of a coordinate or of a path constraint along the whole plan, if there is any;
     /// of the order of the tolerance unless bounds are asked for at the nodes only.
     pub excess: Option<Excess>,
+    /// Distances that hold the plan back, the dearest first.
+    pub margins: Vec<Margin>,
     /// Controls of each interval, all of equal length, or at each node where they are linear in between.
     pub controls: Vec<Vec<f64>>,
     /// What the controls are on an interval.
@@ -249,6 +263,7 @@ impl Solution {
                 complementarity: f64::NAN,
             },
             planned_events: Vec::new(),
+            margins: Vec::new(),
             excess: None,
             controls: Vec::new(),
             shape: ControlShape::default(),
@@ -282,6 +297,13 @@ impl Solution {
         );
         match self.status {
             Status::Solved => None,
+            Status::Uncertified if self.margins.iter().any(|margin| !margin.chosen) => {
+                let margin = self.margins.iter().find(|margin| !margin.chosen);
+                let (name, cost) = margin.map_or(("", 0.0), |m| (&m.name[..], m.cost));
+                Some(format!(
+                    "the {name} holds the plan back by about {cost:.1e}; choose another number of intervals"
+                ))
+            }
             Status::Uncertified => Some(format!(
                 "{} programs solved before all neighbouring contact sequences were compared; raise the \
                  limit on programs",

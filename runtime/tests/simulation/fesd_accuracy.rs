@@ -108,7 +108,7 @@ hangtime::model! {
         parameters { m: kg = 1, g: m/s^2 = 9.81, v: m/s = 1.7 }
         coordinates { x: m, z: m }
         lagrangian m/2*|dot((x, z))|^2 - m*g*z
-        surface ground: z + sqrt(1[m] - x)*1[m^0.5] >= 0
+        surface ground: z + sqrt((1[m] - x)*1[m]) >= 0
         impact ground: inelastic
         start { z: 9 [m], dot(x): v }
         horizon 1.2 [s]

@@ -1,6 +1,7 @@
 //! Simulators against closed forms, certified values, and each other.
 
 mod common;
+mod conformance;
 mod event_contact_modes;
 mod event_driven;
 mod event_properties;

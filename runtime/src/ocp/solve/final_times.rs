@@ -26,6 +26,8 @@ pub(super) fn solve_grid<'s>(
     let mut centre: Option<f64> = None;
     // The last plan that lies at an end of its range.
     let mut at_the_end: Option<Solution> = None;
+    // Why there was none where the scene itself suggests to look.
+    let mut failed: Option<Solution> = None;
     let mut looked_at = None;
     let mut moves = 0;
     loop {
@@ -37,7 +39,8 @@ pub(super) fn solve_grid<'s>(
             ..problem.clone()
         };
         let coarser = start.coarser.clone();
-        let round = solve_round(model, &moved, settings, start, centre)?;
+        let known = at_the_end.as_ref().map_or(&[][..], |plan| &plan.controls);
+        let round = solve_round(model, &moved, settings, start, centre, known)?;
         let Round {
             mut solution,
             watch,
@@ -56,24 +59,29 @@ pub(super) fn solve_grid<'s>(
             };
             if solution.motion.is_some() {
                 at_the_end = Some(solution);
+            } else {
+                failed.get_or_insert(solution);
             }
             centre = Some(next);
             moves += 1;
             continue;
         }
+        let (counts, final_times, status) =
+            (solution.counts, solution.final_times, solution.status);
+        let found = solution.motion.is_some();
         // What was found at an end, and is not found any more beyond it, has no optimum there either.
-        let counts = solution.counts;
-        let solution = match at_the_end {
-            Some(found) if solution.motion.is_none() => Solution {
-                counts,
-                final_times: solution.final_times,
-                ..unbounded(found, solution.status)
-            },
-            _ if solution.motion.is_some() && range.end_at(solution.horizon).is_some() => {
-                let status = solution.status;
+        let solution = match at_the_end.filter(|_| !found) {
+            Some(plan) => unbounded(plan, status),
+            None if found && range.end_at(solution.horizon).is_some() => {
                 unbounded(solution, status)
             }
-            _ => solution,
+            None if found || status == Status::Interrupted => solution,
+            None => failed.unwrap_or(solution),
+        };
+        let solution = Solution {
+            counts,
+            final_times,
+            ..solution
         };
         return Ok((solution, watch));
     }

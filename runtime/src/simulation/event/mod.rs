@@ -1,8 +1,8 @@
 //! Event-driven simulation; see [`EventDriven`].
 //!
 //! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
-//! mode, `dop853` integrates it, `search` and `locate` find where the mode ends, `impact` and `contact_mode`
-//! (with `contact_problem` and `coulomb`) what follows.
+//! mode, `dop853` integrates it (`error_scale` says how accurately), `search` and `locate` find where the mode ends,
+//! `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `audit` measures the signs.
 
 mod audit;
 pub(super) mod contact_mode;
@@ -58,8 +58,13 @@ const TOLERANCES: (f64, f64) = (1e-14, 1e-2);
 /// beyond all bounds. An impact that raises the kinetic energy, as Newton's law does where friction or several
 /// contacts couple, is noted.
 ///
-/// Gaps below `1e-12 max(1, |q|)` are closed, dips below zero of a few times that are no impacts, and a flight
-/// lower than `1e-14 max(1, |q|)` is none, which ends geometric sequences of impacts. Up to twelve contacts can
+/// What counts as zero is a share of what the scene itself has shown, so that results depend neither on where it is
+/// nor on its units: gaps below `1e-12` of the range of that gap so far, or below some roundings of it, are closed,
+/// dips below zero of a few times that are no impacts, and a flight lower than `1e-14` of the range is none, which ends
+/// geometric sequences of impacts; velocities and forces below `1e-12` of their terms are zero. The root of a switching
+/// function is where its sign changes. After the events have been found, the signs of forces and gaps are measured on
+/// the continuous extension as well: a run that missed an event by more than errors of integration ends as
+/// [`StepFailed`](super::SimulationStatus::StepFailed), and the largest violation is `residuals.dual`. Up to twelve contacts can
 /// close at one instant; one with friction that may stick counts twice.
 ///
 /// It shares nothing with the finite element simulation but the model, so that each can check the other.
@@ -71,16 +76,17 @@ const TOLERANCES: (f64, f64) = (1e-14, 1e-2);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventDriven {
-    /// Error per step, absolute and relative, in `1e-14..=1e-2`; default `1e-9`. A tenth of it costs
-    /// about a third more evaluations.
+    /// Error per step as a share of the fastest velocity so far (among the coordinates of one unit), and of the way
+    /// covered with it in the step; in `1e-14..=1e-2`, default `1e-9`. A tenth of it costs about a third more
+    /// evaluations.
     pub tolerance: f64,
     /// Longest step \[s\]; default none, which means a sixteenth of the horizon. Lower it if the ground
     /// has features that are passed faster than that.
     pub max_step: Option<f64>,
     /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
     /// ends infinite sequences of bounces, with a note; default none, which means `sqrt(2 a h)` where the
-    /// contact is pressed with the acceleration `a`: bounces lower than `h = max(tolerance^2, 1e-11)` times
-    /// `max(1, |q|)` are left out.
+    /// contact is pressed with the acceleration `a`: bounces lower than `h`, `max(tolerance^2, 1e-11)` times
+    /// the range of the gap so far, are left out.
     pub rest_velocity: Option<f64>,
     /// Largest number of events before the run ends as
     /// [`AmbiguousContact`](super::SimulationStatus::AmbiguousContact); default 10 000.

@@ -73,6 +73,8 @@ pub(in crate::simulation) struct Dynamics<'a> {
     /// Accelerations that are nothing to a contact: `sqrt(D_i a'M a)`, the largest normal acceleration that
     /// forces of the size of those present could give, at the last change of the mode.
     force_floor: Vec<f64>,
+    /// Forces that pull no more than this are zero: so much was accepted with the mode.
+    accepted_pull: Vec<f64>,
     /// What counts as zero at each contact.
     scales: Vec<ContactScale>,
     auxiliary_acceleration: f64,
@@ -126,6 +128,7 @@ impl<'a> Dynamics<'a> {
             s: vec![0.0; contacts],
             force_scale: vec![0.0; functions],
             force_floor: vec![0.0; functions],
+            accepted_pull: vec![0.0; functions],
             scales: vec![ContactScale::default(); contacts],
             auxiliary_acceleration,
             explicit_time: declaration.explicit_time,

@@ -10,6 +10,8 @@ const CLOSED_GAP: f64 = 1e-12;
 const ROUNDINGS: f64 = 64.0;
 /// Velocities below this share of the largest terms they have been sums of are zero.
 const ZERO_VELOCITY: f64 = 1e-12;
+/// Normal velocities below this multiple of what rounding of the place leaves of them are zero.
+const TURNS: f64 = 4.0;
 /// A flight lower than this share of the range of the gap is none. It ends the geometric sequence of impacts of,
 /// for example, a rocking block.
 const LOWEST_FLIGHT: f64 = 1e-14;
@@ -31,6 +33,8 @@ pub(super) struct ContactScale {
     normal_velocity: f64,
     /// The same for the sliding velocity.
     sliding_velocity: f64,
+    /// Rounding error that the place leaves in the normal velocity.
+    turn: f64,
     /// Longest moment so far.
     longest: f64,
 }
@@ -76,6 +80,7 @@ impl Default for ContactScale {
             highest: f64::NEG_INFINITY,
             normal_velocity: 0.0,
             sliding_velocity: 0.0,
+            turn: 0.0,
             longest: 0.0,
         }
     }
@@ -89,9 +94,9 @@ impl ContactScale {
         self.lowest = self.lowest.min(gap);
         self.highest = self.highest.max(gap);
         let normal = &point[contact_point::NORMAL..][..instant.q.len()];
-        let curvature = instant.moment * point[contact_point::CURVATURE].abs();
-        let terms = instant.velocity_terms(normal);
-        self.normal_velocity = self.normal_velocity.max(terms + curvature);
+        let curvature = point[contact_point::CURVATURE].abs();
+        let terms = instant.velocity_terms(normal) + instant.moment * curvature;
+        self.normal_velocity = self.normal_velocity.max(terms);
         if let Some(tangent) = tangent {
             let terms = instant.velocity_terms(tangent);
             self.sliding_velocity = self.sliding_velocity.max(terms);
@@ -103,6 +108,12 @@ impl ContactScale {
             .sum();
         let way = instant.moment * self.normal_velocity;
         self.rounding = f64::EPSILON * (position + way);
+        // The normal turns while the motion covers the rounding error of the coordinates.
+        self.turn = if terms > 0.0 {
+            curvature * f64::EPSILON * position / terms
+        } else {
+            0.0
+        };
     }
 
     /// Takes note of gaps at five points at equal distances along the motion: what is left of their fourth
@@ -136,7 +147,7 @@ impl ContactScale {
 
     /// Below this normal velocity the contact is at rest.
     pub(super) fn zero_normal_velocity(&self) -> f64 {
-        ZERO_VELOCITY * self.normal_velocity
+        (ZERO_VELOCITY * self.normal_velocity).max(TURNS * self.turn)
     }
 
     /// Accelerations with which those of the contact are compared however small their terms are: they would give its

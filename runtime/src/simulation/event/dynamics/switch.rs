@@ -101,9 +101,11 @@ impl Dynamics<'_> {
                 self.scales[i].acceleration(),
             );
             self.force_floor[i] = floor;
+            self.accepted_pull[i] = 0.0;
             if let Some(slot) = self.frictional.iter().position(|&other| other == i) {
                 let first = self.contacts + 2 * slot;
                 self.force_floor[first..first + 2].fill((1.0 + self.friction[i]) * floor);
+                self.accepted_pull[first..first + 2].fill(0.0);
             }
         }
     }
@@ -119,8 +121,8 @@ impl Dynamics<'_> {
         for function in 0..self.functions() {
             if self.switch(function).is_force() {
                 let pull = -self.values[function];
-                let floor = &mut self.force_floor[function];
-                *floor = floor.max(2.0 * pull / ZERO_FORCE);
+                let accepted = &mut self.accepted_pull[function];
+                *accepted = accepted.max(2.0 * pull);
             }
         }
     }
@@ -172,7 +174,9 @@ impl Dynamics<'_> {
         match self.switch(function) {
             Switch::Gap(i) => self.closed_gap(i),
             Switch::SlidingVelocity(i, _) => self.zero_sliding_velocity(i),
-            Switch::NormalForce(_) | Switch::FrictionLimit(..) => ZERO_FORCE * self.size(function),
+            Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
+                (ZERO_FORCE * self.size(function)).max(self.accepted_pull[function])
+            }
             Switch::HeldVelocity(_) | Switch::Constant(_) => 0.0,
         }
     }
