@@ -60,15 +60,16 @@ impl OutputDirectory {
         if path.as_os_str().is_empty() {
             return Err(refused(io::Error::other("the name is empty")));
         }
-        if path.exists() && !path.is_dir() {
-            return Err(refused(io::Error::from(io::ErrorKind::NotADirectory)));
-        }
+        // The nearest directory above that exists; a file in the way shows itself here.
         let mut parent = path;
-        while !parent.is_dir() {
+        while !parent.exists() {
             parent = match parent.parent() {
                 Some(above) if !above.as_os_str().is_empty() => above,
                 _ => Path::new("."),
             };
+        }
+        if !parent.is_dir() {
+            return Err(refused(io::Error::from(io::ErrorKind::NotADirectory)));
         }
         let stage = Stage::make(parent).map_err(refused)?;
         put_in_order(parent, &stage).map_err(refused)?;

@@ -79,7 +79,10 @@ fn bad_input_is_refused_in_one_line_and_leaves_no_file() {
         ("from 1 to", &["simulate", "ski-jump", "--elements", "0"]),
         ("from 1 to 9", &["simulate", "ski-jump", "--stages", "10"]),
         ("above 0", &["simulate", "ski-jump", "--horizon", "-1"]),
-        ("above 0", &["simulate", "ski-jump", "--horizon", "nan"]),
+        (
+            "begin with a number",
+            &["simulate", "ski-jump", "--horizon", "nan"],
+        ),
         (
             "'--horizon <TIME[UNIT]>'",
             &["simulate", "ski-jump", "--horizon", "soon"],
