@@ -1,9 +1,6 @@
 //! A ball falls onto a slope, slides down, and stops at a wall.
 
-use std::error::Error;
-
-use hangtime::model::Model;
-use hangtime::simulation::{Fesd, InitialValueProblem, Simulation, Simulator};
+use hangtime::prelude::*;
 
 hangtime::model! {
     /// A ball on a slope with a wall.
@@ -20,23 +17,11 @@ hangtime::model! {
     }
 }
 
-/// Simulates over the declared horizon.
-pub fn simulate(model: &BallOnSlope) -> Result<Simulation, Box<dyn Error>> {
-    let problem = InitialValueProblem::of(model, None)?;
-    Ok(Fesd::default().simulate(model, &problem, &mut |_| {})?)
-}
-
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), InputError> {
     let model = BallOnSlope {
         tilt: 0.4,
         ..BallOnSlope::default()
     };
-    let simulation = simulate(&model)?;
-    for event in &simulation.events {
-        let contact = model.declaration().contacts[event.contact].name;
-        let kind = event.kind.name();
-        println!("{:.6} s: {kind} on the {contact}", event.time);
-    }
-    println!("{}", simulation.status.name());
+    println!("{}", simulate(&model).run()?);
     Ok(())
 }

@@ -1,9 +1,6 @@
 //! A block slides down a rough incline, stops, and sticks.
 
-use std::error::Error;
-
-use hangtime::model::Model;
-use hangtime::simulation::{Fesd, InitialValueProblem, Simulation, Simulator};
+use hangtime::prelude::*;
 
 hangtime::model! {
     /// A block on an incline with Coulomb friction.
@@ -18,24 +15,15 @@ hangtime::model! {
     }
 }
 
-/// Simulates over the declared horizon.
-pub fn simulate(model: &BlockOnIncline) -> Result<Simulation, Box<dyn Error>> {
-    let problem = InitialValueProblem::of(model, None)?;
-    Ok(Fesd::default().simulate(model, &problem, &mut |_| {})?)
-}
-
-fn main() -> Result<(), Box<dyn Error>> {
-    let model = BlockOnIncline::default();
-    let simulation = simulate(&model)?;
-    for event in &simulation.events {
-        let contact = model.declaration().contacts[event.contact].name;
+fn main() -> Result<(), InputError> {
+    let run = simulate(&BlockOnIncline::default()).run()?;
+    println!("{run}");
+    for event in &run.events {
         let distance = event.q[0].hypot(event.q[1]);
         println!(
-            "{:.9} s: {} on the {contact} after {distance:.9} m",
-            event.time,
-            event.kind.name()
+            "{} after {distance:.9} m: {}",
+            event.kind, event.modes[event.contact]
         );
     }
-    println!("{}", simulation.status.name());
     Ok(())
 }

@@ -1,8 +1,6 @@
 //! A ball bounces on the floor and comes to rest after infinitely many bounces in finite time.
 
-use std::error::Error;
-
-use hangtime::simulation::{EventDriven, EventKind, InitialValueProblem, Simulation, Simulator};
+use hangtime::prelude::*;
 
 hangtime::model! {
     /// A ball above a floor.
@@ -17,29 +15,13 @@ hangtime::model! {
     }
 }
 
-/// Simulates over the declared horizon, from impact to impact.
-pub fn simulate(model: &BouncingBall) -> Result<Simulation, Box<dyn Error>> {
-    let problem = InitialValueProblem::of(model, None)?;
-    Ok(EventDriven::default().simulate(model, &problem, &mut |_| {})?)
-}
-
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), InputError> {
     let model = BouncingBall::default();
-    let simulation = simulate(&model)?;
-    let mut impacts = simulation
-        .events
-        .iter()
-        .filter(|event| event.kind == EventKind::Impact);
-    for (bounce, event) in impacts.clone().take(10).enumerate() {
-        println!(
-            "bounce {:2} at {:.9} s, {:7.4} m/s down, {:.4} m/s up",
-            bounce + 1,
-            event.time,
-            event.v_before[0],
-            event.v_after[0]
-        );
-    }
-    if let Some(last) = impacts.next_back() {
+    // From impact to impact.
+    let run = simulate(&model).method(EventDriven::default()).run()?;
+    println!("{run}");
+    let mut impacts = run.events.iter();
+    if let Some(last) = impacts.rfind(|event| event.kind == EventKind::Impact) {
         let fall = (2.0 * model.height / model.g).sqrt();
         let rest = fall * (1.0 + model.e) / (1.0 - model.e);
         println!(
@@ -47,9 +29,5 @@ fn main() -> Result<(), Box<dyn Error>> {
             last.time
         );
     }
-    for note in &simulation.notes {
-        println!("note: {note}");
-    }
-    println!("{}", simulation.status.name());
     Ok(())
 }

@@ -1,9 +1,6 @@
 //! A double pendulum whose joint has a stop, like a knee.
 
-use std::error::Error;
-
-use hangtime::model::Model;
-use hangtime::simulation::{Fesd, InitialValueProblem, Simulation, Simulator};
+use hangtime::prelude::*;
 
 hangtime::model! {
     /// Thigh and shank: two point masses, angles from below, and a knee that does not bend forwards.
@@ -24,25 +21,18 @@ hangtime::model! {
     }
 }
 
-/// Simulates over the declared horizon.
-pub fn simulate(model: &Knee) -> Result<Simulation, Box<dyn Error>> {
-    let problem = InitialValueProblem::of(model, None)?;
-    Ok(Fesd::default().simulate(model, &problem, &mut |_| {})?)
-}
-
-fn main() -> Result<(), Box<dyn Error>> {
-    let model = Knee::default();
-    let simulation = simulate(&model)?;
-    for event in &simulation.events {
-        let contact = model.declaration().contacts[event.contact].name;
+fn main() -> Result<(), InputError> {
+    let run = simulate(&Knee::default()).run()?;
+    println!("{run}");
+    for event in &run.events {
         let bend = (event.q[0] - event.q[1]).to_degrees();
         println!(
-            "{:.9} s: {} at the {contact}, thigh at {:6.2} degrees, knee bent by {bend:.2} degrees",
+            "{:.9} s: {} at the {}, thigh at {:6.2} degrees, knee bent by {bend:.2} degrees",
             event.time,
-            event.kind.name(),
+            event.kind,
+            event.contact_name,
             event.q[0].to_degrees()
         );
     }
-    println!("{}", simulation.status.name());
     Ok(())
 }

@@ -1,9 +1,6 @@
 //! A ball bounces in a box without losing energy.
 
-use std::error::Error;
-
-use hangtime::model::Model;
-use hangtime::simulation::{EventDriven, EventKind, InitialValueProblem, Simulation, Simulator};
+use hangtime::prelude::*;
 
 hangtime::model! {
     /// A ball between a floor, a ceiling and two walls.
@@ -21,40 +18,31 @@ hangtime::model! {
     }
 }
 
-/// Simulates over the declared horizon, from impact to impact.
-pub fn simulate(model: &ElasticBallInBox) -> Result<Simulation, Box<dyn Error>> {
-    let problem = InitialValueProblem::of(model, None)?;
-    Ok(EventDriven::default().simulate(model, &problem, &mut |_| {})?)
-}
-
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), InputError> {
     let model = ElasticBallInBox::default();
-    let simulation = simulate(&model)?;
-    for (index, contact) in model.declaration().contacts.iter().enumerate() {
-        let hits = simulation
+    // From impact to impact.
+    let run = simulate(&model).method(EventDriven::default()).run()?;
+    println!("{run}");
+    for contact in model.declaration().contacts {
+        let hits = run
             .events
             .iter()
-            .filter(|event| event.kind == EventKind::Impact && event.contact == index);
+            .filter(|event| event.kind == EventKind::Impact && event.contact_name == contact.name);
         println!("{:3} impacts on the {}", hits.count(), contact.name);
     }
-    let energy = |q: &[f64], v: &[f64]| {
-        let mut energy = [0.0; 2];
-        model.energy(&[q[0], q[1], v[0], v[1]], &mut energy);
-        energy[0] + energy[1]
-    };
-    let trajectory = &simulation.trajectory;
-    let energies: Vec<f64> = trajectory
-        .q
-        .iter()
-        .zip(&trajectory.v)
-        .map(|(q, v)| energy(q, v))
-        .collect();
+    let energies: Vec<f64> = (0..=3000)
+        .map(|k| {
+            let state = run.at(f64::from(k) / 100.0)?;
+            let mut energy = [0.0; 2];
+            model.energy(&[state.q, state.v].concat(), &mut energy);
+            Ok(energy[0] + energy[1])
+        })
+        .collect::<Result<_, InputError>>()?;
     let largest = energies.iter().map(|e| (e - energies[0]).abs());
     println!(
         "energy {:.6} J, largest change {:.1e} J",
         energies[0],
         largest.fold(0.0, f64::max)
     );
-    println!("{}", simulation.status.name());
     Ok(())
 }

@@ -1,8 +1,6 @@
 //! A pendulum swings against a wall below its pivot.
 
-use std::error::Error;
-
-use hangtime::simulation::{EventKind, Fesd, InitialValueProblem, Simulation, Simulator};
+use hangtime::prelude::*;
 
 hangtime::model! {
     /// A mathematical pendulum with a wall on one side.
@@ -24,16 +22,10 @@ hangtime::model! {
     }
 }
 
-/// Simulates over the declared horizon.
-pub fn simulate(model: &PendulumAgainstWall) -> Result<Simulation, Box<dyn Error>> {
-    let problem = InitialValueProblem::of(model, None)?;
-    Ok(Fesd::default().simulate(model, &problem, &mut |_| {})?)
-}
-
-fn main() -> Result<(), Box<dyn Error>> {
-    let model = PendulumAgainstWall::default();
-    let simulation = simulate(&model)?;
-    for event in simulation
+fn main() -> Result<(), InputError> {
+    let run = simulate(&PendulumAgainstWall::default()).run()?;
+    println!("{run}");
+    for event in run
         .events
         .iter()
         .filter(|event| event.kind == EventKind::Impact)
@@ -43,6 +35,5 @@ fn main() -> Result<(), Box<dyn Error>> {
             event.time, event.v_before[0], event.v_after[0]
         );
     }
-    println!("{}", simulation.status.name());
     Ok(())
 }

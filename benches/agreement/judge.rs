@@ -7,9 +7,11 @@ use hangtime::simulation::{EventDriven, Fesd, InitialValueProblem, Simulation, S
 
 /// Two runs agree if they differ by less than this share of the largest value.
 const AGREE: f64 = 1e-5;
-/// Two runs of tighter tolerances that differ by more than this share show that the answer is not determined:
-/// the motion then amplifies errors more than ten thousand times.
+/// Two runs of tighter tolerances whose ends or events differ by more than this share show that the answer is not
+/// determined: the motion then amplifies errors more than ten thousand times.
 const DETERMINED: f64 = 1e-7;
+/// Share of a coordinate that is rounding error.
+const ROUNDING: f64 = 1e-12;
 /// Tolerances of those two runs.
 const TIGHT: [f64; 2] = [1e-11, 1e-13];
 /// How often the horizon is halved until the answer is determined.
@@ -84,7 +86,7 @@ pub(crate) fn judge(model: &dyn Model) -> Verdict {
         }
         let [tight, tightest] = TIGHT.map(|tolerance| run(&event_driven(tolerance), model, share));
         if let (Ok(tight), Ok(tightest)) = (tight, tightest)
-            && distance(model, &tight, &tightest) <= DETERMINED
+            && determined(model, &tight, &tightest)
         {
             return Verdict::Disagree(Difference {
                 apart,
@@ -114,7 +116,7 @@ fn run(simulator: &dyn Simulator, model: &dyn Model, share: f64) -> Result<Simul
         Err(error) => return Err(ended("refused", error.to_string())),
     };
     problem.horizon *= share;
-    let simulate = || simulator.simulate(model, &problem, &mut |_| {});
+    let simulate = || simulator.simulate(model, &problem, &mut |_| true);
     match catch_unwind(AssertUnwindSafe(simulate)) {
         Err(_) => Err(ended("panicked", String::new())),
         Ok(Err(error)) => Err(ended("refused", error.to_string())),
@@ -138,6 +140,18 @@ fn ended(run: &Result<Simulation, Ended>) -> Ended {
     }
 }
 
+/// Whether two runs of tight tolerances have the same events at the same times, and the same end.
+fn determined(model: &dyn Model, tight: &Simulation, tightest: &Simulation) -> bool {
+    let horizon = tight.trajectory.time.last().copied().unwrap_or_default();
+    let same_events = tight.events.len() == tightest.events.len()
+        && tight.events.iter().zip(&tightest.events).all(|(a, b)| {
+            a.kind == b.kind
+                && a.contact == b.contact
+                && (a.time - b.time).abs() <= DETERMINED * horizon
+        });
+    same_events && distance(model, tight, tightest) <= DETERMINED
+}
+
 /// Distance of the final states as a share of the largest value: of the way from the start for coordinates, of the
 /// velocity for velocities, each among the coordinates of one unit. So it does not depend on where the scene is.
 fn distance(model: &dyn Model, a: &Simulation, b: &Simulation) -> f64 {
@@ -150,7 +164,10 @@ fn distance(model: &dyn Model, a: &Simulation, b: &Simulation) -> f64 {
         return f64::INFINITY;
     };
     let n = coordinates.len();
-    let (mut way, mut speed) = (vec![0.0_f64; n], vec![0.0_f64; n]);
+    let horizon = a.time.last().copied().unwrap_or_default();
+    // What does not move has rounding errors only.
+    let mut way: Vec<f64> = q_a.iter().map(|q| ROUNDING * q.abs()).collect();
+    let mut speed: Vec<f64> = way.iter().map(|way| way / horizon).collect();
     for trajectory in [a, b] {
         for (q, v) in trajectory.q.iter().zip(&trajectory.v) {
             for k in 0..n {

@@ -3,7 +3,7 @@
 use hangtime::model::Model;
 use hangtime_models::scenes;
 
-use crate::draw::Draw;
+use super::draw::Draw;
 
 /// Range of a parameter of a shipped scene around its default: six decades.
 const FACTOR: f64 = 1e3;

@@ -3,12 +3,15 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use hangtime_units::Quantity;
 
 /// Simulation and optimal control of mechanical systems with impacts.
 #[derive(Debug, Parser)]
 #[command(name = "hangtime", version, propagate_version = true)]
-#[command(after_help = "Without a command, `hangtime reproduce` runs.\n\
-    Exit status: 0 solved, 2 bad input (one line on the standard error stream), 3 not converged.")]
+#[command(
+    after_help = "Exit status: 0 solved, 2 bad input or files that could not be written, 3 not converged or ended at a \
+        limit; one line on the standard error stream says why."
+)]
 pub(crate) struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -18,7 +21,7 @@ pub(crate) struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// List the scenes with their parameters.
+    /// List the scenes with their parameters, and what can be done with them.
     List(ListArguments),
     /// Simulate a scene over its horizon.
     Simulate(SimulateArguments),
@@ -27,14 +30,23 @@ pub(crate) enum Command {
     /// Measure the error of every method against its step size and its CPU time.
     Chart(ChartArguments),
     /// Show what was derived from a scene: equations, sparsity patterns, operation counts. Given the code
-    /// of a mistake, as in `hangtime explain E07`, show its page.
+    /// of a mistake, as in `explain E07`, show its page.
     Explain(ExplainArguments),
     /// Reproduce the published results and write figures, data and a page.
     Reproduce(ReproduceArguments),
+    /// Print the script that completes commands, options and their choices in a shell.
+    Completions(CompletionsArguments),
+    /// Print the manual page of the program, or of one of its commands, to be read by `man -l`.
+    Man(ManArguments),
+}
+
+impl Command {
+    /// Name of the command that reproduces published results.
+    pub(crate) const REPRODUCE: &str = "reproduce";
 }
 
 /// Arguments of `list`.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(crate) struct ListArguments {
     /// Print one JSON object.
     #[arg(long)]
@@ -52,6 +64,37 @@ pub(crate) struct SceneArguments {
     pub(crate) settings: Vec<String>,
 }
 
+/// Where the files of a result go, and how it is printed.
+#[derive(Debug, Args)]
+pub(crate) struct ResultArguments {
+    /// Directory for data, figures and a page; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Most instants of a trajectory in JSON and CSV; of a longer one every second, third, ... is written, with all
+    /// events, and the notes say so.
+    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = rows, allow_negative_numbers = true)]
+    pub(crate) rows: usize,
+}
+
+/// Default of `--memory-limit` [GB].
+const MEMORY_LIMIT: f64 = 1.5;
+/// Default of `--out` for commands that always write.
+const OUT: &str = "out";
+
+/// What a run may take. At a limit it ends with the best result so far and status 3.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct LimitArguments {
+    /// End after this time on the clock; without it, a run takes the time that it takes.
+    #[arg(long, value_name = "TIME[UNIT]", value_parser = duration, allow_negative_numbers = true)]
+    pub(crate) time_limit: Option<f64>,
+    /// End when the program takes this much memory [GB].
+    #[arg(long, value_name = "GB", default_value_t = MEMORY_LIMIT, value_parser = above_zero, allow_negative_numbers = true)]
+    pub(crate) memory_limit: f64,
+}
+
 /// Arguments of `simulate`.
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArguments {
@@ -59,15 +102,14 @@ pub(crate) struct SimulateArguments {
     pub(crate) scene: SceneArguments,
     #[command(flatten)]
     pub(crate) method: MethodArguments,
-    /// Length of the simulation [s]; default: what the scene declares.
-    #[arg(long, value_name = "SECONDS", value_parser = above_zero, allow_negative_numbers = true)]
+    /// Length of the simulation, in seconds or in the unit given: `--horizon 200ms` [default: what the scene
+    /// declares].
+    #[arg(long, value_name = "TIME[UNIT]", value_parser = duration, allow_negative_numbers = true)]
     pub(crate) horizon: Option<f64>,
-    /// Directory for data and figures; made if it does not exist.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Print one JSON object.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+    #[command(flatten)]
+    pub(crate) limits: LimitArguments,
 }
 
 /// The simulation method and its settings. A setting that the method does not have is refused.
@@ -79,23 +121,25 @@ pub(crate) struct MethodArguments {
     /// Runge-Kutta scheme (fesd) [default: radau-iia].
     #[arg(long, value_enum)]
     pub(crate) scheme: Option<SchemeName>,
-    /// Runge-Kutta stages of a finite element, 1 to 9 (fesd).
-    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    /// Runge-Kutta stages of a finite element, 1 to 9 (fesd) [default: 6, 3 with steps or
+    /// elements].
+    #[arg(long, value_name = "N", value_parser = stages, allow_negative_numbers = true)]
     pub(crate) stages: Option<usize>,
-    /// Steps over the horizon (moreau, fixed; fesd: instead of error control).
-    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    /// Steps over the horizon (moreau, fixed; fesd: instead of error control) [default: 1000 with moreau and fixed].
+    #[arg(long, value_name = "N", value_parser = steps, allow_negative_numbers = true)]
     pub(crate) steps: Option<usize>,
-    /// Finite elements of a step (fesd).
-    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    /// Finite elements of a step (fesd) [default: 3].
+    #[arg(long, value_name = "N", value_parser = elements, allow_negative_numbers = true)]
     pub(crate) elements: Option<usize>,
     /// How the equations of a step are solved (fesd) [default: active-set].
     #[arg(long, value_enum)]
     pub(crate) formulation: Option<FormulationName>,
     /// Relative and absolute error tolerance of a step (event, smooth); error relative to the largest values
-    /// that is promised and checked (fesd) [default: 1e-6, unless steps or elements are named].
+    /// that is promised and checked (fesd) [default: 1e-9 with event, 1e-6 with smooth, 1e-6 with fesd unless steps
+    /// or elements are named].
     #[arg(long, value_name = "TOLERANCE", value_parser = above_zero, allow_negative_numbers = true)]
     pub(crate) tolerance: Option<f64>,
-    /// Width of the smoothed step functions (smooth).
+    /// Width of the smoothed step functions (smooth) [default: 0.001].
     #[arg(long, value_name = "WIDTH", value_parser = above_zero, allow_negative_numbers = true)]
     pub(crate) width: Option<f64>,
     /// Leave out the condition that ends a contact where its force vanishes, as published (fesd).
@@ -144,7 +188,7 @@ pub(crate) struct SolveArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
     /// Control intervals of equal physical length [default: 30].
-    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = intervals, allow_negative_numbers = true)]
     pub(crate) intervals: Option<usize>,
     /// Controls on each interval.
     #[arg(long, value_enum, default_value_t)]
@@ -157,22 +201,20 @@ pub(crate) struct SolveArguments {
     pub(crate) scheme: Option<SchemeName>,
     /// Runge-Kutta stages: of a phase, 2 to 9, more where the re-simulation asks for them [default: 4]; of a finite
     /// element with time-freezing, 1 to 9 [default: 2].
-    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = stages, allow_negative_numbers = true)]
     pub(crate) stages: Option<usize>,
     /// Finite elements: of a phase between two switches [default: 1], of an interval with time-freezing
     /// [default: 3].
-    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = elements, allow_negative_numbers = true)]
     pub(crate) elements: Option<usize>,
     /// Guesses and discretizations that are solved side by side; the best is returned, and the distinct
     /// local optima are listed [default: 1].
-    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = starts, allow_negative_numbers = true)]
     pub(crate) starts: Option<usize>,
-    /// Directory for data and figures; made if it does not exist.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Print one JSON object.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+    #[command(flatten)]
+    pub(crate) limits: LimitArguments,
 }
 
 /// What the controls of `solve` are on an interval.
@@ -205,8 +247,10 @@ pub(crate) struct ChartArguments {
     #[arg(long = "set", value_name = "NAME=VALUE[UNIT]", requires = "scene")]
     pub(crate) settings: Vec<String>,
     /// Directory for data and figures; made if it does not exist.
-    #[arg(long, value_name = "DIR", default_value = "out")]
+    #[arg(long, value_name = "DIR", default_value = OUT)]
     pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) limits: LimitArguments,
 }
 
 /// Arguments of `explain`.
@@ -220,23 +264,233 @@ pub(crate) struct ExplainArguments {
 #[derive(Debug, Args)]
 pub(crate) struct ReproduceArguments {
     /// Directory for data and figures; made if it does not exist.
-    #[arg(long, value_name = "DIR", default_value = "out")]
+    #[arg(long, value_name = "DIR", default_value = OUT)]
     pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) limits: LimitArguments,
 }
 
-/// Largest number of steps, elements or stages: a trajectory is kept in memory.
-const MANY: usize = 10_000_000;
-
-fn count(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(number) if (1..=MANY).contains(&number) => Ok(number),
-        _ => Err(format!("give a whole number from 1 to {MANY}")),
+impl Default for LimitArguments {
+    fn default() -> Self {
+        Self {
+            time_limit: None,
+            memory_limit: MEMORY_LIMIT,
+        }
     }
+}
+
+impl Default for ReproduceArguments {
+    fn default() -> Self {
+        Self {
+            out: OUT.into(),
+            limits: LimitArguments::default(),
+        }
+    }
+}
+
+/// Arguments of `completions`.
+#[derive(Debug, Args)]
+pub(crate) struct CompletionsArguments {
+    /// The shell that reads the script.
+    #[arg(value_name = "SHELL")]
+    pub(crate) shell: clap_complete::Shell,
+}
+
+/// Arguments of `man`.
+#[derive(Debug, Args)]
+pub(crate) struct ManArguments {
+    /// A command; without one, the page is that of the program.
+    #[arg(value_name = "COMMAND")]
+    pub(crate) command: Option<String>,
+}
+
+/// Most steps of a simulation: their states stay in memory until the end, about a kilobyte each.
+pub(crate) const MOST_STEPS: usize = 1_000_000;
+/// Most rows of a trajectory in files.
+const MOST_ROWS: usize = 200_000;
+/// Most finite elements of a step, of an interval or of a phase.
+const MOST_ELEMENTS: usize = 1_000;
+/// Most control intervals: one program holds the variables of all of them.
+const MOST_INTERVALS: usize = 10_000;
+/// Most starts; they are solved side by side.
+const MOST_STARTS: usize = 1_000;
+
+fn steps(text: &str) -> Result<usize, String> {
+    count(
+        text,
+        MOST_STEPS,
+        "the states of all steps stay in memory; simulate a part of the horizon, or give a tolerance",
+    )
+}
+
+fn elements(text: &str) -> Result<usize, String> {
+    count(
+        text,
+        MOST_ELEMENTS,
+        "the elements of a step are solved together; take more steps or intervals instead",
+    )
+}
+
+fn intervals(text: &str) -> Result<usize, String> {
+    count(
+        text,
+        MOST_INTERVALS,
+        "one program holds the variables of all intervals; more stages are a cheaper way to accuracy",
+    )
+}
+
+fn starts(text: &str) -> Result<usize, String> {
+    count(
+        text,
+        MOST_STARTS,
+        "run again with more intervals for other local optima",
+    )
+}
+
+fn stages(text: &str) -> Result<usize, String> {
+    // Each method has bounds of its own, which its refusal names.
+    count(text, 1_000, "methods have 9 stages at most")
+}
+
+fn rows(text: &str) -> Result<usize, String> {
+    count(
+        text,
+        MOST_ROWS,
+        "files and page hold them several times; use the library for more",
+    )
+}
+
+/// A whole number from 1 to `most`; `beyond` tells why there are no more.
+fn count(text: &str, most: usize, beyond: &str) -> Result<usize, String> {
+    if let Ok(number) = text.parse()
+        && (1..=most).contains(&number)
+    {
+        return Ok(number);
+    }
+    let too_many = text.bytes().all(|byte| byte.is_ascii_digit()) && text.contains(|c| c != '0');
+    Err(if too_many {
+        format!("give at most {most}: {beyond}")
+    } else {
+        format!("give a whole number from 1 to {most}")
+    })
 }
 
 fn above_zero(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
         _ => Err("give a finite number above 0".into()),
+    }
+}
+
+/// A time above zero [s], in seconds or in the unit given.
+fn duration(text: &str) -> Result<f64, String> {
+    let time = Quantity::parse(text)
+        .and_then(|time| time.in_unit("s"))
+        .map_err(|error| format!("{error}; give a time such as 5, 5s or 200ms"))?;
+    if time.is_finite() && time > 0.0 {
+        Ok(time)
+    } else {
+        Err("give a finite time above 0, such as 5, 5s or 200ms".into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+    use hangtime::ocp::{Settings, TimeFreezingSettings};
+    use hangtime::simulation::{EventDriven, Fesd, FixedStep, Moreau, Smooth};
+
+    use super::{Arguments, duration};
+    use crate::solve::INTERVALS;
+
+    fn help(command: &str) -> String {
+        let mut arguments = Arguments::command();
+        let command = arguments.find_subcommand_mut(command).unwrap();
+        command.render_long_help().to_string()
+    }
+
+    #[test]
+    fn help_states_the_defaults_of_the_library() {
+        let (fesd, smooth) = (Fesd::default(), Smooth::default());
+        let mut grid = Fesd::default();
+        grid.steps = Some(1);
+        assert_eq!(Moreau::default().steps, FixedStep::default().steps);
+        let (settings, freezing) = (Settings::default(), TimeFreezingSettings::default());
+        let texts = [("simulate", help("simulate")), ("solve", help("solve"))];
+        for (command, words) in [
+            (
+                0,
+                format!(
+                    "[default: {:e} with event",
+                    EventDriven::default().tolerance
+                ),
+            ),
+            (0, format!("{:e} with smooth", smooth.tolerance)),
+            (0, format!("(smooth) [default: {}]", smooth.width)),
+            (
+                0,
+                format!(
+                    "[default: {} with moreau and fixed]",
+                    Moreau::default().steps
+                ),
+            ),
+            (
+                0,
+                format!(
+                    "1 to 9 (fesd) [default: {}, {} with steps or elements]",
+                    fesd.stage_count(),
+                    grid.stage_count()
+                ),
+            ),
+            (
+                0,
+                format!(
+                    "Finite elements of a step (fesd) [default: {}]",
+                    fesd.elements
+                ),
+            ),
+            (1, format!("equal physical length [default: {INTERVALS}]")),
+            (
+                1,
+                format!(
+                    "where the re-simulation asks for them [default: {}]",
+                    settings.stages
+                ),
+            ),
+            (
+                1,
+                format!("time-freezing, 1 to 9 [default: {}]", freezing.stages),
+            ),
+            (
+                1,
+                format!("between two switches [default: {}]", settings.elements),
+            ),
+            (
+                1,
+                format!(
+                    "interval with time-freezing [default: {}]",
+                    freezing.elements
+                ),
+            ),
+            (
+                1,
+                format!("optima are listed [default: {}]", settings.starts),
+            ),
+        ] {
+            let (name, text) = &texts[command];
+            assert!(
+                text.contains(&words),
+                "`{words}` is missing in {name}:\n{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn duration_reads_units_and_refuses_what_is_no_time() {
+        assert_eq!(duration("5"), Ok(5.0));
+        assert_eq!(duration("3min"), Ok(180.0));
+        for text in ["0", "-1s", "5kg", "inf", "nan", "soon", ""] {
+            assert!(duration(text).is_err(), "{text}");
+        }
     }
 }

@@ -1,15 +1,17 @@
 //! Arguments in, one report and an exit status out.
 
 use std::ffi::OsString;
+use std::panic::{self, AssertUnwindSafe};
+use std::path::Path;
 use std::process::ExitCode;
 
-use clap::Parser as _;
+use clap::{CommandFactory as _, FromArgMatches as _};
 
 use crate::Scene;
-use crate::arguments::{Arguments, Command};
+use crate::arguments::{Arguments, Command, ListArguments, ReproduceArguments};
 use crate::failure::BadInput;
-use crate::report::{BAD_INPUT, Report, complain};
-use crate::{chart, explain, list, reproduce, simulate, solve};
+use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain};
+use crate::{chart, explain, list, reproduce, scene, shell, simulate, solve};
 
 /// The command line over a list of scenes.
 ///
@@ -57,29 +59,77 @@ impl CommandLine {
     }
 
     /// Runs one command; `arguments` begin with the name of the program. Prints the report, or one line that says what
-    /// was refused and how to mend it.
+    /// was refused and how to mend it. Without a command, published results are reproduced, if a scene has some;
+    /// otherwise the scenes are listed.
     ///
-    /// The exit status is 0 for a solved problem, 2 for bad input, 3 for a result that did not converge.
+    /// The exit status is 0 for a solved problem, 2 for bad input and for files that could not be written, 3 for a
+    /// result that did not converge or that a limit ended.
     pub fn run(&self, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-        let outcome = match Arguments::try_parse_from(arguments) {
-            Ok(arguments) => self.dispatch(arguments.command),
+        let arguments: Vec<OsString> = arguments.into_iter().collect();
+        let mut command = self.command(arguments.first());
+        let outcome = match command
+            .try_get_matches_from_mut(arguments)
+            .and_then(|matches| Arguments::from_arg_matches(&matches))
+        {
+            // A mistake in this program must not end it by a panic: its message is on the screen by then.
+            Ok(arguments) => panic::catch_unwind(AssertUnwindSafe(|| {
+                scene::check(self.scenes)?;
+                self.dispatch(command, arguments.command)
+            })),
             Err(error) if !error.use_stderr() => {
                 // Help and version; a reader that went away needs neither.
                 let _ = error.print();
                 return ExitCode::SUCCESS;
             }
-            Err(error) => Err(BadInput::from(error)),
+            Err(error) => Ok(Err(BadInput::from(error))),
         };
         match outcome {
-            Ok(report) => report.print(),
-            Err(refusal) => {
+            Ok(Ok(report)) => report.print(),
+            Ok(Err(refusal)) => {
                 complain(&refusal.to_string());
                 ExitCode::from(BAD_INPUT)
+            }
+            Err(_) => {
+                complain(
+                    "internal_error: a mistake in this program, at the place above; please report it",
+                );
+                ExitCode::from(NOT_CONVERGED)
             }
         }
     }
 
-    fn dispatch(&self, command: Option<Command>) -> Result<Report, BadInput> {
+    /// The commands, their options and defaults, under the name by which the program was called.
+    fn command(&self, program: Option<&OsString>) -> clap::Command {
+        let command = Arguments::command();
+        let stem = program.and_then(|path| Path::new(path).file_stem());
+        let command = match stem.and_then(|stem| stem.to_str()) {
+            // The parser keeps names for as long as the program runs.
+            Some(stem) => command.name(&*stem.to_owned().leak()),
+            None => command,
+        };
+        let default = if self.has_published() {
+            Command::REPRODUCE
+        } else {
+            "list"
+        };
+        let after = command.get_after_help().map(ToString::to_string);
+        let after = after.unwrap_or_default();
+        command
+            .mut_subcommand(Command::REPRODUCE, |reproduce| {
+                reproduce.hide(!self.has_published())
+            })
+            .after_help(format!("Without a command, `{default}` runs.\n{after}"))
+    }
+
+    fn has_published(&self) -> bool {
+        self.scenes.iter().any(|scene| !scene.published.is_empty())
+    }
+
+    fn dispatch(
+        &self,
+        parser: clap::Command,
+        command: Option<Command>,
+    ) -> Result<Report, BadInput> {
         let scenes = self.scenes;
         match command {
             Some(Command::List(arguments)) => Ok(list::run(scenes, &arguments)),
@@ -87,8 +137,11 @@ impl CommandLine {
             Some(Command::Solve(arguments)) => solve::run(scenes, &arguments),
             Some(Command::Chart(arguments)) => chart::run(scenes, &arguments),
             Some(Command::Explain(arguments)) => explain::run(scenes, &arguments),
-            Some(Command::Reproduce(arguments)) => reproduce::run(scenes, &arguments.out),
-            None => reproduce::run(scenes, "out".as_ref()),
+            Some(Command::Reproduce(arguments)) => reproduce::run(scenes, &arguments),
+            Some(Command::Completions(arguments)) => Ok(shell::completions(parser, &arguments)),
+            Some(Command::Man(arguments)) => shell::manual(parser, &arguments),
+            None if self.has_published() => reproduce::run(scenes, &ReproduceArguments::default()),
+            None => Ok(list::run(scenes, &ListArguments::default())),
         }
     }
 }

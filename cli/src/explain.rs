@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::Scene;
 use hangtime::model::{
     ConstraintDeclaration, ConstraintRelation, Declaration, ImpactLaw, Model,
-    OptimalControlDeclaration, SparsityPattern, explanation, mistake_codes,
+    OptimalControlDeclaration, SparsityPattern,
 };
 
 use crate::arguments::ExplainArguments;
@@ -19,10 +19,7 @@ pub(crate) fn run(
     arguments: &ExplainArguments,
 ) -> Result<Report, BadInput> {
     if let Some(page) = page(&arguments.scene.scene)? {
-        return Ok(Report {
-            text: page.to_owned(),
-            diagnoses: Vec::new(),
-        });
+        return Ok(Report::of(page));
     }
     let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
     let declaration = chosen.model.declaration();
@@ -72,10 +69,7 @@ pub(crate) fn run(
         .map(|kernel| kernel.operations)
         .sum();
     let _ = writeln!(text, "  {total} operations in all");
-    Ok(Report {
-        text,
-        diagnoses: Vec::new(),
-    })
+    Ok(Report::of(text))
 }
 
 /// The page of a mistake, if its code was given.
@@ -84,10 +78,10 @@ fn page(code: &str) -> Result<Option<&'static str>, BadInput> {
     if number.is_none_or(|digits| digits.is_empty() || digits.parse::<u32>().is_err()) {
         return Ok(None);
     }
-    match explanation(code) {
+    match hangtime_dsl::explanation(code) {
         Some(page) => Ok(Some(page)),
         None => {
-            let codes: Vec<&str> = mistake_codes().collect();
+            let codes: Vec<&str> = hangtime_dsl::mistake_codes().collect();
             Err(BadInput::new(format!(
                 "there is no mistake `{code}`; the codes are {} to {}",
                 codes.first().copied().unwrap_or_default(),

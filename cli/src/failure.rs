@@ -8,11 +8,58 @@ use hangtime::simulation::InputError;
 pub(crate) struct BadInput(String);
 
 impl BadInput {
-    /// A refusal; line breaks become spaces.
+    /// A refusal in one short line.
     pub(crate) fn new(message: impl AsRef<str>) -> Self {
-        let words: Vec<&str> = message.as_ref().split_whitespace().collect();
-        Self(words.join(" "))
+        Self(one_line(message.as_ref()))
     }
+}
+
+/// Longer words of a message are cut: what the user typed may be of any length.
+const LONGEST_WORD: usize = 100;
+/// Of a longer message the middle is left out.
+const LONGEST_LINE: usize = 800;
+
+/// The message in one line: white space becomes single spaces, what a terminal would obey becomes visible, and what is
+/// too long is cut.
+pub(crate) fn one_line(message: &str) -> String {
+    let words = message.split_whitespace();
+    let words: Vec<String> = words
+        .map(|word| cut(&visible(word), LONGEST_WORD))
+        .collect();
+    cut(&words.join(" "), LONGEST_LINE)
+}
+
+/// The text with control characters, other than line ends and tabs, in visible form.
+pub(crate) fn visible(text: &str) -> String {
+    let steers = |c: char| {
+        (c.is_control() && c != '\n' && c != '\t')
+            // Marks that turn the direction of writing.
+            || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    if !text.contains(steers) {
+        return text.to_owned();
+    }
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if steers(c) {
+            shown.extend(c.escape_unicode());
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
+}
+
+/// The text without its middle, if it has more than `most` characters.
+fn cut(text: &str, most: usize) -> String {
+    let length = text.chars().count();
+    if length <= most {
+        return text.to_owned();
+    }
+    let (head, tail) = (most / 2, most / 4);
+    let start: String = text.chars().take(head).collect();
+    let end: String = text.chars().skip(length - tail).collect();
+    format!("{start}[... {} characters ...]{end}", length - head - tail)
 }
 
 impl From<InputError> for BadInput {
@@ -32,7 +79,7 @@ impl From<clap::Error> for BadInput {
             .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
             .filter(|line| !line.is_empty())
             .map(|line| line.trim_start_matches("error: "));
-        let parts: Vec<&str> = lines.chain(["see `hangtime --help`"]).collect();
+        let parts: Vec<&str> = lines.chain(["see --help"]).collect();
         Self::new(parts.join("; ").replace(":;", ":"))
     }
 }
@@ -73,17 +120,41 @@ mod tests {
         assert_eq!(
             refused(&["hangtime", "simulate", "ski-jump", "--steps", "0"]),
             "invalid value '0' for '--steps <N>': give a whole number from 1 to \
-             10000000; see `hangtime --help`"
+             1000000; see --help"
         );
         assert_eq!(
             refused(&["hangtime", "simulate", "ski-jump", "--step", "3"]),
             "unexpected argument '--step' found; tip: a similar argument exists: '--steps'; see \
-             `hangtime --help`"
+             --help"
         );
         assert_eq!(
             refused(&["hangtime", "simulate"]),
-            "the following required arguments were not provided: <SCENE>; see `hangtime --help`"
+            "the following required arguments were not provided: <SCENE>; see --help"
         );
+    }
+
+    #[test]
+    fn message_with_long_or_steering_text_is_short_and_visible() {
+        let long = "7".repeat(4000);
+        for text in [
+            BadInput::new(format!("parameter `{long}`: give a number")).to_string(),
+            refused(&["hangtime", "simulate", "a", "--steps", &long]),
+            BadInput::new("x ".repeat(4000) + "give a number").to_string(),
+        ] {
+            assert!(text.chars().count() < 900, "{}", text.len());
+            assert!(text.contains("characters ..."), "{text}");
+            assert!(text.contains("give a"), "{text}");
+        }
+        let steering = BadInput::new("scene `a\u{1b}[2Jb\u{7}\u{202e}c`\r\nd").to_string();
+        assert_eq!(steering, "scene `a\\u{1b}[2Jb\\u{7}\\u{202e}c` d");
+    }
+
+    #[test]
+    fn count_beyond_its_bound_says_why_there_is_one() {
+        let refusal = refused(&["hangtime", "simulate", "a", "--steps", "1000001"]);
+        assert!(refusal.contains("at most 1000000: the states"), "{refusal}");
+        let refusal = refused(&["hangtime", "solve", "a", "--elements", "-3"]);
+        assert!(refusal.contains("whole number from 1 to 1000"), "{refusal}");
     }
 
     #[test]

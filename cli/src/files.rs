@@ -24,6 +24,8 @@ pub(crate) struct ResultFiles<'a> {
     pub(crate) json: &'a str,
     /// Published data to show beside the motion.
     pub(crate) published: &'a PublishedData,
+    /// Most rows of the trajectory.
+    pub(crate) rows: usize,
     /// What to tell about the result, as (name, value).
     pub(crate) facts: Vec<[String; 2]>,
 }
@@ -38,6 +40,7 @@ impl ResultFiles<'_> {
             simulation,
             json,
             published,
+            rows,
             facts,
         } = self;
         let model = chosen.model.as_ref();
@@ -46,7 +49,7 @@ impl ResultFiles<'_> {
             (format!("{stem}.json"), json.to_owned()),
             (
                 format!("{stem}-trajectory.csv"),
-                trajectory_csv(declaration, &simulation.trajectory),
+                trajectory_csv(declaration, &simulation.trajectory, rows),
             ),
             (
                 format!("{stem}-events.csv"),

@@ -5,13 +5,14 @@
 
 mod animation;
 mod arguments;
+mod bounds;
 mod chart;
 mod command_line;
 mod explain;
 mod failure;
 mod figure;
 mod files;
-mod interrupt;
+
 mod json;
 mod list;
 mod method;
@@ -26,12 +27,14 @@ mod reproduce;
 mod sampling;
 mod scene;
 mod settings;
+mod shell;
 mod simulate;
 mod solve;
 mod spreadsheet;
 mod table;
 #[cfg(test)]
 mod testing;
+mod thinning;
 mod timing;
 
 pub use command_line::CommandLine;

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::Scene;
+use hangtime::model::Declaration;
 use serde::Serialize;
 
 use crate::arguments::ListArguments;
@@ -22,6 +23,8 @@ struct SceneEntry {
     title: &'static str,
     parameters: Vec<ParameterEntry>,
     variants: Vec<Vec<VariantEntry>>,
+    /// The commands that work on the scene.
+    commands: Vec<&'static str>,
 }
 
 #[derive(Serialize)]
@@ -39,13 +42,14 @@ struct VariantEntry {
 }
 
 impl SceneEntry {
-    fn of(scene: &Scene) -> Self {
-        let model = scene.model();
-        Self {
+    /// `None` for a scene without a variant.
+    fn of(scene: &Scene) -> Option<Self> {
+        let model = (scene.variants.first()?.model)();
+        let declaration = model.declaration();
+        Some(Self {
             name: scene.name,
             title: scene.title,
-            parameters: model
-                .declaration()
+            parameters: declaration
                 .parameters
                 .iter()
                 .map(|parameter| ParameterEntry {
@@ -67,12 +71,27 @@ impl SceneEntry {
                         .collect()
                 })
                 .collect(),
-        }
+            commands: commands(scene, declaration),
+        })
     }
 }
 
+/// What can be done with a scene.
+fn commands(scene: &Scene, declaration: &Declaration) -> Vec<&'static str> {
+    [
+        ("simulate", true),
+        ("solve", declaration.optimal_control.is_some()),
+        ("chart", true),
+        ("explain", true),
+        ("reproduce", !scene.published.is_empty()),
+    ]
+    .into_iter()
+    .filter_map(|(command, possible)| possible.then_some(command))
+    .collect()
+}
+
 pub(crate) fn run(scenes: &[Scene], arguments: &ListArguments) -> Report {
-    let scenes: Vec<SceneEntry> = scenes.iter().map(SceneEntry::of).collect();
+    let scenes: Vec<SceneEntry> = scenes.iter().filter_map(SceneEntry::of).collect();
     let text = if arguments.json {
         to_line(&Document {
             schema: SCHEMA,
@@ -82,18 +101,16 @@ pub(crate) fn run(scenes: &[Scene], arguments: &ListArguments) -> Report {
         scenes.iter().fold(String::new(), |mut text, scene| {
             let _ = writeln!(
                 text,
-                "{}\n  {}\n\n{}",
+                "{}\n  {}\n  for {}\n\n{}",
                 scene.name,
                 scene.title,
+                scene.commands.join(", "),
                 parameters(scene)
             );
             text
         })
     };
-    Report {
-        text,
-        diagnoses: Vec::new(),
-    }
+    Report::of(text)
 }
 
 fn parameters(scene: &SceneEntry) -> String {

@@ -4,6 +4,7 @@ use std::fmt;
 
 use clap::ValueEnum;
 use cpu_time::ProcessTime;
+use hangtime::Observer;
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -12,7 +13,7 @@ use hangtime::simulation::{
 };
 use serde::Serialize;
 
-use crate::arguments::{FormulationName, Method, MethodArguments, SchemeName};
+use crate::arguments::{FormulationName, MOST_STEPS, Method, MethodArguments, SchemeName};
 use crate::failure::BadInput;
 use crate::table::counted;
 
@@ -63,6 +64,21 @@ impl MethodSettings {
         self.width
     }
 
+    /// Refuses more elements in all than states fit into memory.
+    fn refuse_too_many_elements(&self) -> Result<(), BadInput> {
+        let (Some(steps), Some(elements)) = (self.steps, self.elements) else {
+            return Ok(());
+        };
+        if steps.saturating_mul(elements) <= MOST_STEPS {
+            return Ok(());
+        }
+        Err(BadInput::new(format!(
+            "--steps {steps} of --elements {elements} are {} elements, more than {MOST_STEPS}, whose states stay in memory; \
+             lower one of them, simulate a part of the horizon, or give a tolerance",
+            steps.saturating_mul(elements)
+        )))
+    }
+
     /// Error tolerance of a step, for methods that have one.
     pub(crate) fn tolerance(&self) -> Option<f64> {
         self.tolerance
@@ -104,22 +120,14 @@ impl fmt::Display for MethodSettings {
 pub(crate) struct ChosenMethod {
     /// Its settings.
     pub(crate) settings: MethodSettings,
-    /// Settings that were given and have no effect, for the notes of the result.
-    idle: Vec<&'static str>,
     simulator: Box<dyn Simulator>,
 }
 
 impl ChosenMethod {
     /// Makes the simulator; settings left out take the method's defaults.
     pub(crate) fn from_arguments(arguments: &MethodArguments) -> Result<Self, BadInput> {
-        arguments.refuse_foreign_settings()?;
-        let mut chosen = Self::of(arguments);
-        chosen.idle = arguments.idle_settings();
-        Ok(chosen)
-    }
-
-    fn of(arguments: &MethodArguments) -> Self {
-        match arguments.method {
+        refuse_foreign_settings(arguments)?;
+        let chosen = match arguments.method {
             Method::Fesd => fesd(arguments),
             Method::Event => {
                 let mut event = EventDriven::default();
@@ -151,7 +159,9 @@ impl ChosenMethod {
                 fixed.steps = arguments.steps.unwrap_or(fixed.steps);
                 Self::new(stepping(fixed.steps), fixed)
             }
-        }
+        };
+        chosen.settings.refuse_too_many_elements()?;
+        Ok(chosen)
     }
 
     fn new(settings: MethodSettings, simulator: impl Simulator + 'static) -> Self {
@@ -160,7 +170,6 @@ impl ChosenMethod {
                 name: simulator.name(),
                 ..settings
             },
-            idle: Vec::new(),
             simulator: Box::new(simulator),
         }
     }
@@ -170,18 +179,12 @@ impl ChosenMethod {
         &self,
         model: &dyn Model,
         problem: &InitialValueProblem,
-        progress: &mut dyn FnMut(f64),
+        observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         let start = ProcessTime::try_now();
-        let mut simulation = self.simulator.simulate(model, problem, progress)?;
+        let mut simulation = self.simulator.simulate(model, problem, observer)?;
         if let Ok(elapsed) = start.and_then(|start| start.try_elapsed()) {
             simulation.seconds.total = elapsed.as_secs_f64();
-        }
-        for option in &self.idle {
-            simulation.notes.push(format!(
-                "{option} has no effect with --method {}",
-                self.settings.name
-            ));
         }
         Ok(simulation)
     }
@@ -228,60 +231,45 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
     ChosenMethod::new(settings, fesd)
 }
 
-impl MethodArguments {
-    /// The settings of a discretization that were given but that the method does not have.
-    fn idle_settings(&self) -> Vec<&'static str> {
-        use Method::{Fesd, Fixed, Moreau};
-        let given: [(&str, bool, &[Method]); 4] = [
-            ("--scheme", self.scheme.is_some(), &[Fesd]),
-            ("--stages", self.stages.is_some(), &[Fesd]),
-            ("--steps", self.steps.is_some(), &[Fesd, Moreau, Fixed]),
-            ("--elements", self.elements.is_some(), &[Fesd]),
-        ];
-        given
-            .iter()
-            .filter(|(_, given, methods)| *given && !methods.contains(&self.method))
-            .map(|&(option, _, _)| option)
-            .collect()
+/// Refuses a setting that the method does not have.
+fn refuse_foreign_settings(arguments: &MethodArguments) -> Result<(), BadInput> {
+    use Method::{Event, Fesd, Fixed, Moreau, Smooth};
+    let given: [(&str, bool, &[Method]); 8] = [
+        ("--scheme", arguments.scheme.is_some(), &[Fesd]),
+        ("--stages", arguments.stages.is_some(), &[Fesd]),
+        ("--steps", arguments.steps.is_some(), &[Fesd, Moreau, Fixed]),
+        ("--elements", arguments.elements.is_some(), &[Fesd]),
+        ("--formulation", arguments.formulation.is_some(), &[Fesd]),
+        (
+            "--tolerance",
+            arguments.tolerance.is_some(),
+            &[Fesd, Event, Smooth],
+        ),
+        ("--width", arguments.width.is_some(), &[Smooth]),
+        ("--no-exit-condition", arguments.no_exit_condition, &[Fesd]),
+    ];
+    if arguments.elements.is_some() && arguments.tolerance.is_some() {
+        return Err(BadInput::new(
+            "--elements and --tolerance exclude each other: the tolerance sets the length of \
+             the elements; leave one of them out",
+        ));
     }
-
-    /// Refuses a setting of another method. The settings of a discretization are common to `simulate`, so
-    /// that methods can be compared by changing `--method` alone; the result notes which had no effect.
-    fn refuse_foreign_settings(&self) -> Result<(), BadInput> {
-        use Method::{Event, Fesd, Smooth};
-        let given: [(&str, bool, &[Method]); 4] = [
-            ("--formulation", self.formulation.is_some(), &[Fesd]),
-            (
-                "--tolerance",
-                self.tolerance.is_some(),
-                &[Fesd, Event, Smooth],
-            ),
-            ("--width", self.width.is_some(), &[Smooth]),
-            ("--no-exit-condition", self.no_exit_condition, &[Fesd]),
-        ];
-        if self.elements.is_some() && self.tolerance.is_some() {
-            return Err(BadInput::new(
-                "--elements and --tolerance exclude each other: the tolerance sets the length of \
-                 the elements; leave one of them out",
-            ));
-        }
-        let foreign = given
-            .iter()
-            .find(|(_, given, methods)| *given && !methods.contains(&self.method));
-        let Some((option, _, methods)) = foreign else {
-            return Ok(());
-        };
-        let methods: Vec<String> = methods.iter().map(|method| name_of(*method)).collect();
-        let method = name_of(self.method);
-        Err(BadInput::new(format!(
-            "{option} has no meaning for --method {method}; leave it out, or choose the method: {}",
-            methods.join(", ")
-        )))
-    }
+    let foreign = given
+        .iter()
+        .find(|(_, given, methods)| *given && !methods.contains(&arguments.method));
+    let Some((option, _, methods)) = foreign else {
+        return Ok(());
+    };
+    let methods: Vec<String> = methods.iter().map(|method| name_of(*method)).collect();
+    let method = name_of(arguments.method);
+    Err(BadInput::new(format!(
+        "{option} has no meaning for --method {method}; leave it out, or choose the method: {}",
+        methods.join(", ")
+    )))
 }
 
 /// Name of a choice on the command line; none of them is hidden.
-fn name_of(choice: impl ValueEnum) -> String {
+pub(crate) fn name_of(choice: impl ValueEnum) -> String {
     choice
         .to_possible_value()
         .map(|value| value.get_name().to_owned())

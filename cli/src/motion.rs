@@ -10,6 +10,8 @@ use crate::sampling::{State, dense, state_at};
 
 /// Ground drawn on either side of the motion, as a share of its horizontal extent.
 const GROUND_AROUND: f64 = 0.25;
+/// Most impacts that are marked.
+const MOST_MARKS: usize = 1_000;
 /// About how many instants a time lapse shows where none is published.
 const LAPSES: f64 = 12.0;
 
@@ -22,7 +24,7 @@ pub(crate) fn picture(
     published: &PublishedData,
 ) -> Motion {
     let trajectory = &simulation.trajectory;
-    let positions = |q: &[f64]| (plane.positions)(model, q);
+    let positions = |q: &[f64]| plane.bodies_at(model, q);
     let end = trajectory.time.last().copied().unwrap_or_default();
     let (times, lapse) = lapses(end, published);
     let time_lapse: Vec<Vec<[f64; 2]>> = times
@@ -37,6 +39,7 @@ pub(crate) fn picture(
     let body = |rows: &[Vec<[f64; 2]>], body: usize| rows.iter().map(|row| row[body]).collect();
     let shown = published.points.iter().flat_map(|point| &point.positions);
     let seen = path.iter().flatten().chain(shown);
+    let seen = seen.filter(|[y, _]| y.is_finite());
     let (from, to) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), [y, _]| {
         (from.min(*y), to.max(*y))
     });
@@ -70,6 +73,7 @@ pub(crate) fn picture(
             .events
             .iter()
             .filter(|event| event.kind == EventKind::Impact)
+            .take(MOST_MARKS)
             .flat_map(|event| positions(&event.q))
             .collect(),
         published: published.points.clone(),
@@ -90,6 +94,10 @@ fn lapses(end: f64, published: &PublishedData) -> (Vec<f64>, String) {
         return (vec![0.0], " at the start".to_owned());
     }
     let interval = round(end / LAPSES);
+    if !interval.is_normal() {
+        // So short that the numbers between its ends have lost their digits.
+        return (vec![0.0, end], " at start and end".to_owned());
+    }
     // A quotient that rounding put just below a whole number still counts as that number.
     let count = (end / interval + 1e-9) as usize;
     let times = (0..=count).map(|k| k as f64 * interval).collect();
@@ -189,7 +197,17 @@ fn middles(starts: &[[f64; 2]]) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::round;
+    use super::{lapses, round};
+    use crate::published::PublishedData;
+
+    #[test]
+    fn lapses_of_any_horizon_are_few_and_end_within_it() {
+        for end in [5e-324, 1e-300, 3e-5, 5.0, 1e300, f64::MAX] {
+            let (times, _) = lapses(end, &PublishedData::default());
+            assert!((2..30).contains(&times.len()), "{end:e}: {}", times.len());
+            assert!(times.iter().all(|&t| t <= end * (1.0 + 1e-9)), "{end:e}");
+        }
+    }
 
     #[test]
     fn round_takes_the_nearest_simple_number() {

@@ -2,10 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use hangtime::ocp;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::interrupt::Interrupt;
+use crate::bounds::Stop;
 
 /// Runs shorter than this show no bar, and a bar is redrawn no more often.
 const PATIENCE: Duration = Duration::from_millis(150);
@@ -61,14 +60,13 @@ impl Drop for Progress {
 pub(crate) struct SolveProgress {
     bar: ProgressBar,
     next: Instant,
-    interrupt: Interrupt,
     /// Best objective of all programs, whichever start they belong to.
     best: Option<f64>,
 }
 
 impl SolveProgress {
-    /// A line that begins with `title`, for a solve that `interrupt` can stop.
-    pub(crate) fn new(title: &str, interrupt: Interrupt) -> Self {
+    /// A line that begins with `title`.
+    pub(crate) fn new(title: &str) -> Self {
         let bar = ProgressBar::new_spinner().with_prefix(title.to_owned());
         if let Ok(style) = ProgressStyle::with_template("{prefix} {spinner} {elapsed} {msg}") {
             bar.set_style(style);
@@ -77,15 +75,14 @@ impl SolveProgress {
         Self {
             bar,
             next: Instant::now(),
-            interrupt,
             best: None,
         }
     }
 
-    /// Shows the progress; `false` once the user has asked to stop.
-    pub(crate) fn report(&mut self, progress: &ocp::Progress) -> bool {
+    /// Shows the progress; `false` once there is a reason to stop.
+    pub(crate) fn report(&mut self, progress: &hangtime::Progress, stop: Option<Stop>) -> bool {
         let now = Instant::now();
-        if self.interrupt.asked() {
+        if stop.is_some() {
             self.bar.set_message("stopping");
             return false;
         }
@@ -107,7 +104,7 @@ impl Drop for SolveProgress {
 }
 
 /// One iteration in words.
-fn line(progress: &ocp::Progress, best: Option<f64>) -> String {
+fn line(progress: &hangtime::Progress, best: Option<f64>) -> String {
     let best = best.map_or_else(String::new, |best| format!(", best objective {best:.7}"));
     format!(
         "{}: program {}, iteration {}, residuals primal {:.0e} dual {:.0e} complementarity {:.0e}{best}",

@@ -100,6 +100,8 @@ pub enum Measure {
     FinalTime,
     /// A quantity at the end.
     Final(Quantity),
+    /// How much more a quantity is at the end than at the start.
+    Gain(Quantity),
     /// A quantity at a time \[s\].
     At(f64, Quantity),
     /// Time of the first event of a kind.
@@ -159,9 +161,14 @@ impl PublishedData {
     #[must_use]
     pub fn value(&self, measure: Measure) -> Option<f64> {
         let last = |curve: &PublishedCurve| curve.points.last().copied();
+        let first = |curve: &PublishedCurve| curve.points.first().copied();
         match measure {
             Measure::FinalTime => self.curves.first().and_then(last).map(|[time, _]| time),
             Measure::Final(quantity) => self.curve(quantity).and_then(last).map(|point| point[1]),
+            Measure::Gain(quantity) => {
+                let curve = self.curve(quantity)?;
+                Some(last(curve)?[1] - first(curve)?[1])
+            }
             Measure::At(time, quantity) => self
                 .curve(quantity)?
                 .points

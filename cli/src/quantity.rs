@@ -21,6 +21,16 @@ pub(crate) fn all(declaration: &Declaration) -> Vec<Quantity> {
         .collect()
 }
 
+/// Name of a quantity in a table of its kind: that of its coordinate, control or contact; `dy/dt` for a velocity.
+pub(crate) fn name(declaration: &Declaration, quantity: Quantity) -> String {
+    match quantity {
+        Quantity::ContactForce(i) | Quantity::FrictionForce(i) => {
+            declaration.contacts[i].name.to_owned()
+        }
+        _ => symbol(declaration, quantity),
+    }
+}
+
 /// Symbol of a quantity: `y`, `dy/dt`, `u`.
 pub(crate) fn symbol(declaration: &Declaration, quantity: Quantity) -> String {
     match quantity {

@@ -3,9 +3,12 @@
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
+use crate::failure::visible;
+use crate::output::OutputDirectory;
+
 /// Exit status of a result that did not converge.
-const NOT_CONVERGED: u8 = 3;
-/// Exit status of bad input.
+pub(crate) const NOT_CONVERGED: u8 = 3;
+/// Exit status of bad input, and of files that could not be written.
 pub(crate) const BAD_INPUT: u8 = 2;
 
 /// What a command prints.
@@ -15,17 +18,49 @@ pub(crate) struct Report {
     pub(crate) text: String,
     /// Why the result did not converge, one line each, for the standard error stream.
     pub(crate) diagnoses: Vec<String>,
+    /// Why files were not written, one line each, for the standard error stream.
+    pub(crate) refusals: Vec<String>,
 }
 
 impl Report {
+    /// A report that is all said in its text.
+    pub(crate) fn of(text: impl Into<String>) -> Self {
+        Self {
+            text: text.into(),
+            ..Self::default()
+        }
+    }
+
+    /// Writes files, given as (name, content), and returns a line about each. Where that fails, the report tells why,
+    /// and everything else in it stays.
+    pub(crate) fn deliver(
+        &mut self,
+        directory: OutputDirectory,
+        files: &[(String, String)],
+    ) -> String {
+        match directory.write(files) {
+            Ok(written) => written
+                .iter()
+                .map(|file| {
+                    let what = if file.replaced { "replaced" } else { "wrote" };
+                    format!("{what} {}\n", file.path.display())
+                })
+                .collect(),
+            Err(refusal) => {
+                self.refusals.push(refusal.to_string());
+                String::new()
+            }
+        }
+    }
+
     /// Prints it.
     pub(crate) fn print(&self) -> ExitCode {
         let mut stdout = io::stdout().lock();
         let written = stdout
-            .write_all(self.text.as_bytes())
+            .write_all(visible(&self.text).as_bytes())
             .and_then(|()| stdout.flush());
-        for diagnosis in &self.diagnoses {
-            complain(diagnosis);
+        for line in self.diagnoses.iter().chain(&self.refusals) {
+            complain(line);
         }
         match written {
             // Whoever reads the other end of a pipe may stop whenever they like.
@@ -33,6 +68,7 @@ impl Report {
                 complain(&format!("standard output: {error}; check where it leads"));
                 ExitCode::from(BAD_INPUT)
             }
+            _ if !self.refusals.is_empty() => ExitCode::from(BAD_INPUT),
             _ if self.diagnoses.is_empty() => ExitCode::SUCCESS,
             _ => ExitCode::from(NOT_CONVERGED),
         }

@@ -3,8 +3,12 @@
 use crate::Quantity;
 use hangtime::simulation::Trajectory;
 
+use crate::thinning::kept;
+
 /// About how many states a line is drawn through.
 const POINTS: usize = 600;
+/// Most instants of the trajectory that a line is drawn through: no screen shows more.
+const MOST_DRAWN: usize = 5_000;
 /// Most states drawn between two instants of the trajectory.
 const MOST_BETWEEN: usize = 40;
 
@@ -111,12 +115,16 @@ pub(crate) fn state_at(trajectory: &Trajectory, t: f64) -> Option<State> {
     Some(State::between(trajectory, last, s))
 }
 
-/// The states of the trajectory and some between them, enough for a smooth line. Where the motion jumps, the states
-/// before and after the jump follow each other.
+/// The states of the trajectory and some between them, enough for a smooth line, or a part of them, if there are very
+/// many. Where the motion jumps, the states before and after the jump follow each other.
 pub(crate) fn dense(trajectory: &Trajectory) -> Vec<State> {
     let instants = trajectory.time.len();
     if instants == 0 {
         return Vec::new();
+    }
+    if instants > MOST_DRAWN {
+        let kept = kept(&trajectory.time, MOST_DRAWN);
+        return kept.into_iter().map(|k| State::of(trajectory, k)).collect();
     }
     let between = POINTS.div_ceil(instants).clamp(1, MOST_BETWEEN);
     let mut states = Vec::with_capacity(instants * (between + 1));

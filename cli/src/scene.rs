@@ -2,6 +2,7 @@
 
 use hangtime::model::Model;
 
+use crate::failure::BadInput;
 use crate::published::PublishedCase;
 
 /// A scene as the command line knows it.
@@ -40,7 +41,7 @@ pub struct Plane {
     pub bodies: &'static [&'static str],
     /// Pairs of bodies that are joined by a line.
     pub links: &'static [[usize; 2]],
-    /// Positions of the bodies for coordinates `q`.
+    /// Positions of the bodies for coordinates `q`, one for each body; what is not finite is not drawn.
     pub positions: fn(model: &dyn Model, q: &[f64]) -> Vec<[f64; 2]>,
     /// The ground lines between two horizontal positions.
     pub ground: fn(model: &dyn Model, from: f64, to: f64) -> Vec<GroundLine>,
@@ -76,9 +77,39 @@ impl Plane {
             unit: "m",
             bodies: body,
             links: &[],
-            positions: |_, q| vec![[q[0], q[1]]],
+            positions: |_, q| match q {
+                [y, z, ..] => vec![[*y, *z]],
+                _ => Vec::new(),
+            },
             ground: heights,
         }
+    }
+
+    /// The position of every body, however many the scene gives.
+    pub(crate) fn bodies_at(&self, model: &dyn Model, q: &[f64]) -> Vec<[f64; 2]> {
+        let mut positions = (self.positions)(model, q);
+        positions.resize(self.bodies.len(), [f64::NAN; 2]);
+        positions
+    }
+
+    /// Whether bodies, links and positions of the scene `name` fit together; positions are tried at `q`.
+    pub(crate) fn check(&self, name: &str, model: &dyn Model, q: &[f64]) -> Result<(), BadInput> {
+        let bodies = self.bodies.len();
+        let beyond = self.links.iter().flatten().find(|&&body| body >= bodies);
+        if let Some(body) = beyond {
+            return Err(BadInput::new(format!(
+                "scene `{name}`: a link of its plane joins body {body}, but there are {bodies} bodies, counted from 0; \
+                 mend `links` or `bodies`"
+            )));
+        }
+        let positions = (self.positions)(model, q).len();
+        if bodies == 0 || positions != bodies {
+            return Err(BadInput::new(format!(
+                "scene `{name}`: its plane names {bodies} bodies and gives {positions} positions; give one for each, \
+                 of at least one body (`Plane::of_one_body` needs a scene with two coordinates)"
+            )));
+        }
+        Ok(())
     }
 }
 
@@ -107,12 +138,48 @@ impl Scene {
             ..self
         }
     }
+}
 
-    /// The default form with default parameters.
-    #[must_use]
-    pub fn model(&self) -> Box<dyn Model> {
-        (self.variants[0].model)()
+/// Whether a list of scenes can be told apart by their names, and each scene made.
+pub(crate) fn check(scenes: &[Scene]) -> Result<(), BadInput> {
+    let refuse = |name: &str, what: &str| Err(BadInput::new(format!("scene `{name}`: {what}")));
+    for (index, scene) in scenes.iter().enumerate() {
+        // The name becomes a part of file names.
+        let fits = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        let starts = scene.name.starts_with(|c: char| c.is_ascii_alphanumeric());
+        if !starts || !scene.name.chars().all(fits) {
+            return refuse(
+                scene.name,
+                "name it with ASCII letters, digits, `-` and `_`, a letter or digit first",
+            );
+        }
+        if scenes[..index].iter().any(|other| other.name == scene.name) {
+            return refuse(
+                scene.name,
+                "another scene has this name; rename one of them",
+            );
+        }
+        if scene.variants.is_empty() {
+            return refuse(scene.name, "it has no variant; give it at least one model");
+        }
+        for variant in scene.variants {
+            let parameters = (variant.model)().declaration().parameters;
+            for (place, (setting, _)) in variant.settings.iter().enumerate() {
+                let twice = variant.settings[..place]
+                    .iter()
+                    .any(|(earlier, _)| earlier == setting);
+                if twice || parameters.iter().any(|known| known.name == *setting) {
+                    return refuse(
+                        scene.name,
+                        &format!(
+                            "the name `{setting}` stands for two things in --set; rename one of them"
+                        ),
+                    );
+                }
+            }
+        }
     }
+    Ok(())
 }
 
 /// Points of a ground line.
@@ -150,4 +217,73 @@ pub fn heights(model: &dyn Model, from: f64, to: f64) -> Vec<GroundLine> {
                 .collect(),
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{Slide, Wave};
+    use crate::{GroundLine, Plane, Scene, Variant};
+
+    use super::check;
+
+    const SLIDE: &[Variant] = &[Variant::new(|| Box::new(Slide::default()))];
+
+    fn refusal(scenes: &[Scene]) -> String {
+        check(scenes).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn list_of_scenes_that_cannot_be_told_apart_is_refused() {
+        let scene = Scene::new("one", "", SLIDE);
+        assert_eq!(check(&[scene]), Ok(()));
+        assert!(refusal(&[scene, scene]).contains("another scene has this name"));
+        for name in ["", "-x", "../x", "a b", "a/b", "\u{e4}"] {
+            let refusal = refusal(&[Scene::new(name, "", SLIDE)]);
+            assert!(refusal.contains("ASCII letters"), "{refusal}");
+        }
+        assert!(refusal(&[Scene::new("none", "", &[])]).contains("no variant"));
+        for settings in [&[("g", "x")][..], &[("law", "x"), ("law", "y")]] {
+            let variants = Box::new([Variant {
+                settings,
+                model: || Box::new(Wave::default()),
+            }]);
+            let refusal = refusal(&[Scene::new("two", "", Box::leak(variants))]);
+            assert!(refusal.contains("stands for two things"), "{refusal}");
+        }
+    }
+
+    #[test]
+    fn plane_that_does_not_fit_its_scene_is_refused() {
+        let plane = Plane {
+            axes: ["y [m]", "z [m]"],
+            unit: "m",
+            bodies: &["a", "b"],
+            links: &[[0, 1]],
+            positions: |_, q| vec![[q[0], 0.0]; 2],
+            ground: |_, _, _| Vec::<GroundLine>::new(),
+        };
+        let model = Slide::default();
+        let check = |plane: Plane, q: &[f64]| {
+            let outcome = plane.check("slide", &model, q);
+            outcome.map_err(|refusal| refusal.to_string())
+        };
+        assert_eq!(check(plane, &[1.0, 2.0]), Ok(()));
+        let far = Plane {
+            links: &[[0, 2]],
+            ..plane
+        };
+        assert!(check(far, &[1.0]).unwrap_err().contains("joins body 2"));
+        let few = Plane {
+            positions: |_, _| vec![[0.0; 2]],
+            ..plane
+        };
+        assert!(
+            check(few, &[1.0])
+                .unwrap_err()
+                .contains("gives 1 positions")
+        );
+        let one = Plane::of_one_body(&["mass"], ["y [m]", "z [m]"]);
+        assert!(check(one, &[1.0]).unwrap_err().contains("two coordinates"));
+        assert_eq!(check(one, &[1.0, 2.0]), Ok(()));
+    }
 }

@@ -3,18 +3,23 @@
 use std::fmt::Write as _;
 
 use crate::{PublishedData, Scene};
-use hangtime::simulation::{InitialValueProblem, Simulation};
+use hangtime::model::Declaration;
+use hangtime::simulation::{Event, InitialValueProblem, Simulation};
 
-use crate::arguments::SimulateArguments;
-use crate::failure::BadInput;
+use crate::arguments::{Method, SimulateArguments};
+use crate::bounds::Bounds;
+use crate::failure::{BadInput, one_line};
 use crate::files::ResultFiles;
 use crate::json::Document;
-use crate::method::ChosenMethod;
+use crate::method::{ChosenMethod, name_of};
 use crate::output::OutputDirectory;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::settings::ChosenScene;
 use crate::table::{counted, headed, per_second, seconds, table};
+
+/// Most events that are printed.
+const MOST_EVENTS: usize = 1_000;
 
 pub(crate) fn run(
     scenes: &'static [Scene],
@@ -25,39 +30,60 @@ pub(crate) fn run(
     let problem = InitialValueProblem::of(chosen.model.as_ref(), arguments.horizon)
         .and_then(|problem| problem.check(chosen.model.as_ref()).map(|()| problem))
         .map_err(|error| chosen.refuse(&error))?;
-    let directory = arguments
-        .out
-        .as_deref()
-        .map(OutputDirectory::open)
-        .transpose()?;
+    let (out, rows) = (arguments.result.out.as_deref(), arguments.result.rows);
+    let directory = out.map(OutputDirectory::open).transpose()?;
+    let bounds = Bounds::watch(chosen.scene.name, &arguments.limits);
     let mut progress = Progress::new(chosen.scene.name, problem.horizon);
     let simulation = method
-        .simulate(chosen.model.as_ref(), &problem, &mut |t| progress.reach(t))
+        .simulate(chosen.model.as_ref(), &problem, &mut |now| {
+            progress.reach(now.time);
+            true
+        })
         .map_err(|error| chosen.refuse(&error))?;
     drop(progress);
-    let json = Document::new(&chosen, problem.horizon, &method.settings, &simulation).text();
+    drop(bounds);
+    let json = Document::new(
+        &chosen,
+        problem.horizon,
+        &method.settings,
+        &simulation,
+        rows,
+    )
+    .text();
+    let mut report = Report::default();
+    report
+        .diagnoses
+        .extend(diagnosis_line(&chosen, &simulation));
     let mut written = String::new();
     if let Some(directory) = directory {
         let files = ResultFiles {
-            stem: chosen.scene.name.to_owned(),
+            stem: stem(&chosen, arguments.method.method),
             title: format!("{}, {}", chosen.scene.name, method.settings.name()),
             chosen: &chosen,
             simulation: &simulation,
             json: &json,
             published: &PublishedData::default(),
+            rows,
             facts: facts(&method, &simulation),
         };
-        for path in directory.write(&files.contents())? {
-            let _ = writeln!(written, "wrote {}", path.display());
-        }
+        written = report.deliver(directory, &files.contents());
     }
-    let diagnoses = diagnosis_line(&chosen, &simulation).into_iter().collect();
-    let text = if arguments.json {
+    report.text = if arguments.result.json {
         json
     } else {
         tables(&chosen, problem.horizon, &method, &simulation) + &written
     };
-    Ok(Report { text, diagnoses })
+    Ok(report)
+}
+
+/// Name of the files, without extension: results of different methods stand side by side.
+fn stem(chosen: &ChosenScene, method: Method) -> String {
+    let scene = chosen.scene.name;
+    if method == Method::default() {
+        scene.to_owned()
+    } else {
+        format!("{scene}-{}", name_of(method))
+    }
 }
 
 /// Why a simulation stopped early, in one line, if it did.
@@ -70,7 +96,7 @@ pub(crate) fn diagnosis_line(chosen: &ChosenScene, simulation: &Simulation) -> O
         diagnosis.time,
         diagnosis.message
     );
-    Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
+    Some(one_line(&text))
 }
 
 /// What a page tells about a simulation.
@@ -95,7 +121,7 @@ pub(crate) fn facts(method: &ChosenMethod, simulation: &Simulation) -> Vec<[Stri
 }
 
 /// A number for people: ten decimals, or an exponent where they would fill the line.
-fn digits(value: f64) -> String {
+pub(crate) fn digits(value: f64) -> String {
     if value.abs() < 5e-11 {
         // Rounding has a sign that means nothing.
         format!("{:.10}", 0.0)
@@ -120,36 +146,7 @@ fn tables(
     let _ = writeln!(text, "method      {}", method.settings);
     let _ = writeln!(text, "horizon     {horizon} s");
     let _ = writeln!(text, "status      {}\n", simulation.status.name());
-
-    let mut header: Vec<String> = ["event", "contact", "time [s]"].map(str::to_owned).into();
-    header.extend(
-        declaration
-            .coordinates
-            .iter()
-            .map(|c| headed(c.name, c.unit)),
-    );
-    header.extend(
-        declaration
-            .coordinates
-            .iter()
-            .map(|c| headed(&format!("d{}/dt", c.name), &per_second(c.unit))),
-    );
-    let rows = simulation.events.iter().map(|event| {
-        let names = [
-            event.kind.name().replace('_', " "),
-            declaration.contacts[event.contact].name.to_owned(),
-            digits(event.time),
-        ];
-        let states = event.q.iter().chain(&event.v_after).copied().map(digits);
-        names.into_iter().chain(states).collect()
-    });
-    if simulation.events.is_empty() {
-        text += "no events\n\n";
-    } else {
-        text += &table(header, rows);
-        text += "  (velocities right after the event)\n\n";
-    }
-
+    text += &event_table(declaration, &simulation.events);
     let trajectory = &simulation.trajectory;
     if let (Some(&time), Some(q), Some(v)) = (
         trajectory.time.last(),
@@ -170,17 +167,48 @@ fn tables(
         text += &table(["coordinate", "value", "", "velocity", ""], rows);
         text += "\n";
     }
+    text += &work(simulation);
+    text
+}
 
+/// The events with the states right after them.
+fn event_table(declaration: &Declaration, events: &[Event]) -> String {
+    if events.is_empty() {
+        return "no events\n\n".to_owned();
+    }
+    let coordinates = || declaration.coordinates.iter();
+    let mut header: Vec<String> = ["event", "contact", "time [s]"].map(str::to_owned).into();
+    header.extend(coordinates().map(|c| headed(c.name, c.unit)));
+    header.extend(coordinates().map(|c| headed(&format!("d{}/dt", c.name), &per_second(c.unit))));
+    let rows = events.iter().take(MOST_EVENTS).map(|event| {
+        let names = [
+            event.kind.name().replace('_', " "),
+            declaration.contacts[event.contact].name.to_owned(),
+            digits(event.time),
+        ];
+        let states = event.q.iter().chain(&event.v_after).copied().map(digits);
+        names.into_iter().chain(states).collect()
+    });
+    let mut text = table(header, rows);
+    if events.len() > MOST_EVENTS {
+        let more = events.len() - MOST_EVENTS;
+        let _ = writeln!(text, "  and {more} more, which --json and --out give");
+    }
+    text + "  (velocities right after the event)\n\n"
+}
+
+/// Residuals, counts, CPU time, notes.
+fn work(simulation: &Simulation) -> String {
+    let (residuals, counts) = (simulation.residuals, simulation.counts);
+    let mut text = String::new();
     if let Some(error) = simulation.error_estimate {
         let _ = writeln!(text, "error       about {error:.1e} of the largest values");
     }
-    let residuals = simulation.residuals;
     let _ = writeln!(
         text,
         "residuals   primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
         residuals.primal, residuals.dual, residuals.complementarity
     );
-    let counts = simulation.counts;
     let _ = writeln!(
         text,
         "counts      {}, {}, {}, {}, {} in {}",

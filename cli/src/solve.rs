@@ -2,23 +2,29 @@
 
 use std::fmt::Write as _;
 
-use crate::{PublishedData, Scene};
+use hangtime::model::Declaration;
 use hangtime::ocp::{
-    self, ControlShape, Formulation, Problem, Settings, Solution, TimeFreezingSettings,
+    self, ControlShape, Formulation, Problem, Settings, Solution, Stationarity,
+    TimeFreezingSettings,
 };
 use hangtime::rk::Scheme;
-use hangtime::simulation::EventKind;
+use hangtime::simulation::{EventKind, Trajectory};
 
 use crate::arguments::{ControlsName, SchemeName, SolveArguments, SolveFormulation};
+use crate::bounds::{Bounds, Ending};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
-use crate::interrupt::Interrupt;
 use crate::json::{SolutionDocument, SolverSettings};
+use crate::method::name_of;
 use crate::output::OutputDirectory;
 use crate::progress::SolveProgress;
+use crate::quantity;
 use crate::report::Report;
+use crate::sampling::State;
 use crate::settings::ChosenScene;
+use crate::simulate::digits;
 use crate::table::{counted, headed, seconds, table};
+use crate::{Measure, PublishedData, Quantity, Scene};
 
 /// Control intervals, unless others are asked for.
 pub(crate) const INTERVALS: usize = 30;
@@ -30,31 +36,31 @@ pub(crate) fn run(
     let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
     if chosen.model.declaration().optimal_control.is_none() {
         return Err(BadInput::new(format!(
-            "scene `{0}` declares no objective, so there is nothing to optimize; run `hangtime \
-             simulate {0}` instead",
+            "scene `{0}` declares no objective, so there is nothing to optimize; run `simulate {0}` instead",
             chosen.scene.name
         )));
     }
     let settings = settings(arguments)?;
     let model = chosen.model.as_ref();
     let problem = Problem::of(model, arguments.intervals.unwrap_or(INTERVALS));
-    let interrupt = Interrupt::listen();
-    let directory = arguments
-        .out
-        .as_deref()
-        .map(OutputDirectory::open)
-        .transpose()?;
-    let mut display = SolveProgress::new(chosen.scene.name, interrupt);
+    let (out, rows) = (arguments.result.out.as_deref(), arguments.result.rows);
+    let bounds = Bounds::watch(chosen.scene.name, &arguments.limits);
+    let directory = out.map(OutputDirectory::open).transpose()?;
+    let mut display = SolveProgress::new(chosen.scene.name);
     let solution = ocp::solve(model, &problem, &settings, &mut |progress| {
-        display.report(progress)
+        display.report(progress, bounds.asked())
     })
     .map_err(|error| chosen.refuse(&error))?;
     drop(display);
+    let ending = Ending::of_bounded(&solution, bounds.asked(), &arguments.limits);
+    drop(bounds);
     let method = SolverSettings::new(&settings, problem.intervals);
-    let json = SolutionDocument::new(&chosen, &method, &solution).text();
+    let json = SolutionDocument::new(&chosen, &method, &solution, &ending, rows).text();
+    let mut report = Report::default();
+    report.diagnoses.extend(ending.line(chosen.scene.name));
     let mut written = String::new();
     if let Some(directory) = directory {
-        let stem = format!("{}-optimal", chosen.scene.name);
+        let stem = stem(&chosen, arguments);
         let files = match &solution.motion {
             None => vec![(format!("{stem}.json"), json.clone())],
             Some(simulation) => ResultFiles {
@@ -64,27 +70,31 @@ pub(crate) fn run(
                 simulation,
                 json: &json,
                 published: &PublishedData::default(),
-                facts: facts(&method, &solution),
+                rows,
+                facts: facts(&method, &solution, &ending),
             }
             .contents(),
         };
-        for path in directory.write(&files)? {
-            let _ = writeln!(written, "wrote {}", path.display());
-        }
+        written = report.deliver(directory, &files);
     }
-    let name = chosen.scene.name;
-    let diagnosis = solution.diagnosis();
-    Ok(Report {
-        text: if arguments.json {
-            json
-        } else {
-            tables(&chosen, &method, &solution) + &written
-        },
-        diagnoses: diagnosis
-            .map(|text| format!("{name}: {}: {text}", solution.status.name()))
-            .into_iter()
-            .collect(),
-    })
+    report.text = if arguments.result.json {
+        json
+    } else {
+        tables(&chosen, &method, &solution, &ending) + &written
+    };
+    Ok(report)
+}
+
+/// Name of the files, without extension: results of different methods stand side by side.
+fn stem(chosen: &ChosenScene, arguments: &SolveArguments) -> String {
+    let mut stem = format!("{}-optimal", chosen.scene.name);
+    if arguments.formulation != SolveFormulation::default() {
+        stem = format!("{stem}-{}", name_of(arguments.formulation));
+    }
+    if arguments.controls != ControlsName::default() {
+        stem = format!("{stem}-{}", name_of(arguments.controls));
+    }
+    stem
 }
 
 /// The settings of the solver.
@@ -97,10 +107,10 @@ fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
     };
     match arguments.formulation {
         SolveFormulation::Auto => {
-            if arguments.scheme == Some(SchemeName::GaussLegendre) {
+            if arguments.scheme.is_some() {
                 return Err(BadInput::new(
-                    "--scheme gauss-legendre has no meaning for --formulation auto, whose phases need a stage \
-                     at their end; leave it out, or add --formulation time-freezing",
+                    "--scheme has no meaning for --formulation auto, whose phases are Radau IIA, with a stage at their \
+                     end; leave it out, or add --formulation time-freezing",
                 ));
             }
             settings.stages = arguments.stages.unwrap_or(settings.stages);
@@ -122,7 +132,11 @@ fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
 }
 
 /// What a page tells about a solution.
-pub(crate) fn facts(method: &SolverSettings, solution: &Solution) -> Vec<[String; 2]> {
+pub(crate) fn facts(
+    method: &SolverSettings,
+    solution: &Solution,
+    ending: &Ending,
+) -> Vec<[String; 2]> {
     [
         (
             "method",
@@ -131,10 +145,10 @@ pub(crate) fn facts(method: &SolverSettings, solution: &Solution) -> Vec<[String
                 method.name, method.scheme, method.stages, method.intervals, method.control_shape
             ),
         ),
-        ("status", solution.status.name().to_owned()),
+        ("status", ending.status.to_owned()),
         ("objective", format!("{:.10}", solution.objective)),
         ("final time", format!("{:.10} s", solution.horizon)),
-        ("stationarity", solution.stationarity.name().to_owned()),
+        ("stationarity", certificate(solution.stationarity)),
         (
             "distance of the re-simulation at the end",
             format!("{:.1e}", solution.resimulation_error),
@@ -145,9 +159,25 @@ pub(crate) fn facts(method: &SolverSettings, solution: &Solution) -> Vec<[String
     .into()
 }
 
+/// A certificate with its meaning.
+fn certificate(stationarity: Stationarity) -> String {
+    let meaning = match stationarity {
+        Stationarity::S => "a local optimum whose contact sequence has no neighbours",
+        Stationarity::B => {
+            "a local optimum, and no neighbouring contact sequence gives a better one"
+        }
+        Stationarity::None => "no proof that neighbouring contact sequences are no better",
+    };
+    format!("{}: {meaning}", stationarity.name())
+}
+
 /// The result for people.
-fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) -> String {
-    let declaration = chosen.model.declaration();
+fn tables(
+    chosen: &ChosenScene,
+    method: &SolverSettings,
+    solution: &Solution,
+    ending: &Ending,
+) -> String {
     let mut text = format!("{}: {}\n\n", chosen.scene.name, chosen.scene.title);
     let _ = writeln!(text, "parameters    {}", chosen.parameters().join(", "));
     let _ = writeln!(
@@ -161,19 +191,112 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
         method.control_shape,
         counted(method.starts, "start")
     );
-    let _ = writeln!(text, "status        {}", solution.status.name());
-    if solution.motion.is_none() {
-        text += &work(solution);
-        return text;
-    }
+    let _ = writeln!(text, "status        {}", ending.status);
+    let Some(motion) = &solution.motion else {
+        return text + &work(solution);
+    };
     let _ = writeln!(text, "objective     {:.10}", solution.objective);
     let _ = writeln!(text, "final time    {:.10} s", solution.horizon);
-    let _ = writeln!(text, "stationarity  {}", solution.stationarity.name());
+    for gain in gains(chosen, &motion.trajectory) {
+        let _ = writeln!(text, "gain          {gain}");
+    }
+    let _ = writeln!(text, "stationarity  {}", certificate(solution.stationarity));
     let _ = writeln!(
         text,
         "re-simulated  {:.1e} away from the plan at the end\n",
         solution.resimulation_error
     );
+    text += &relaxed_and_optima(solution);
+    text += &ends(chosen.model.declaration(), &motion.trajectory);
+    text += &switches(chosen.model.declaration(), solution);
+    text += &controls(chosen.model.declaration(), solution);
+    let residuals = solution.residuals;
+    let _ = writeln!(
+        text,
+        "residuals     primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
+        residuals.primal, residuals.dual, residuals.complementarity
+    );
+    text + &work(solution)
+}
+
+/// What the publications of the scene measure the optimum by: how much a quantity grows, beside the published number
+/// if it is for the same parameters.
+fn gains(chosen: &ChosenScene, trajectory: &Trajectory) -> Vec<String> {
+    let declaration = chosen.model.declaration();
+    let Some(end) = trajectory.time.len().checked_sub(1) else {
+        return Vec::new();
+    };
+    let [start, end] = [0, end].map(|k| State::of(trajectory, k));
+    let mut gains: Vec<(Quantity, String)> = Vec::new();
+    for case in chosen.scene.published {
+        let same = case
+            .settings
+            .iter()
+            .map(|(name, value)| format!("{name}={value}"));
+        let same = ChosenScene::new(chosen.scene, &same.collect::<Vec<_>>())
+            .is_ok_and(|other| other.parameters() == chosen.parameters());
+        for value in case.values {
+            let Measure::Gain(quantity) = value.measure else {
+                continue;
+            };
+            let in_unit = |state: &State| {
+                quantity::converted(declaration, quantity, state.value(quantity)?, value.unit)
+            };
+            let (Some(from), Some(to)) = (in_unit(&start), in_unit(&end)) else {
+                continue;
+            };
+            let mut text = format!(
+                "{} {:+.4} {unit}, from {from:.4} to {to:.4} {unit}",
+                quantity::symbol(declaration, quantity),
+                to - from,
+                unit = value.unit,
+            );
+            let published = value.stated.filter(|_| same);
+            if let Some(published) = published {
+                let _ = write!(text, " (published: {published:+} {})", value.unit);
+            }
+            match gains.iter_mut().find(|(known, _)| *known == quantity) {
+                Some(known) if published.is_some() => known.1 = text,
+                Some(_) => {}
+                None => gains.push((quantity, text)),
+            }
+        }
+    }
+    gains.into_iter().map(|(_, text)| text).collect()
+}
+
+/// The states at both ends of the motion.
+fn ends(declaration: &Declaration, trajectory: &Trajectory) -> String {
+    let (Some(last), Some(time)) = (trajectory.time.len().checked_sub(1), trajectory.time.last())
+    else {
+        return String::new();
+    };
+    let quantities = (0..declaration.coordinates.len())
+        .flat_map(|i| [Quantity::Coordinate(i), Quantity::Velocity(i)]);
+    let rows = quantities.map(|quantity| {
+        let value = |k| State::of(trajectory, k).value(quantity).map(digits);
+        vec![
+            headed(
+                &quantity::symbol(declaration, quantity),
+                &quantity::unit(declaration, quantity),
+            ),
+            value(0).unwrap_or_default(),
+            value(last).unwrap_or_default(),
+        ]
+    });
+    let header = [
+        "state".to_owned(),
+        "at 0 s".to_owned(),
+        format!("at {time:.10} s"),
+    ];
+    table(header, rows) + "\n"
+}
+
+/// The switches of the plan.
+fn switches(declaration: &Declaration, solution: &Solution) -> String {
+    if solution.planned_events.is_empty() {
+        return "no events\n\n".to_owned();
+    }
     let rows = solution.planned_events.iter().map(|(time, kind, contact)| {
         let kind = match kind {
             EventKind::LiftOff => "lift off",
@@ -185,18 +308,20 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
             format!("{time:.10}"),
         ]
     });
-    text += &relaxed_and_optima(solution);
-    text += &match rows.len() {
-        0 => "no events\n".to_owned(),
-        _ => table(["event", "contact", "time [s]"], rows),
-    };
-    text += "\n";
-    let controls = declaration.controls.iter();
+    table(["event", "contact", "time [s]"], rows) + "\n"
+}
+
+/// The controls of every interval, or at every node.
+fn controls(declaration: &Declaration, solution: &Solution) -> String {
     let (place, intervals) = match solution.shape {
         ControlShape::Constant => (["interval", "from [s]"], solution.controls.len()),
-        ControlShape::Linear => (["node", "at [s]"], solution.controls.len() - 1),
+        ControlShape::Linear => (
+            ["node", "at [s]"],
+            solution.controls.len().saturating_sub(1),
+        ),
     };
     let header = place.map(str::to_owned).into_iter();
+    let controls = declaration.controls.iter();
     let header = header.chain(controls.map(|control| headed(control.name, control.unit)));
     let length = solution.horizon / intervals.max(1) as f64;
     let rows = solution.controls.iter().enumerate().map(|(k, controls)| {
@@ -206,16 +331,7 @@ fn tables(chosen: &ChosenScene, method: &SolverSettings, solution: &Solution) ->
             .chain(values)
             .collect()
     });
-    text += &table(header, rows);
-    text += "\n";
-    let residuals = solution.residuals;
-    let _ = writeln!(
-        text,
-        "residuals     primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
-        residuals.primal, residuals.dual, residuals.complementarity
-    );
-    text += &work(solution);
-    text
+    table(header, rows) + "\n"
 }
 
 /// What the result took.

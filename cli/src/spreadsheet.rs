@@ -3,7 +3,10 @@
 use hangtime::model::Declaration;
 use hangtime::simulation::{Event, Trajectory};
 
+use crate::published::Quantity;
+use crate::quantity;
 use crate::table::{headed, per_second};
+use crate::thinning::kept;
 
 /// CSV text of a header and rows.
 pub(crate) fn csv_text(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> String {
@@ -32,24 +35,31 @@ fn state_names(declaration: &Declaration, suffix: &str) -> Vec<String> {
     q.chain(v).collect()
 }
 
-/// The rows of a trajectory.
-pub(crate) fn trajectory_csv(declaration: &Declaration, trajectory: &Trajectory) -> String {
+/// At most `most` rows of a trajectory.
+pub(crate) fn trajectory_csv(
+    declaration: &Declaration,
+    trajectory: &Trajectory,
+    most: usize,
+) -> String {
     let mut header = vec!["time [s]".to_owned(), "numerical time [s]".to_owned()];
     header.extend(state_names(declaration, ""));
     header.extend(declaration.controls.iter().map(|u| headed(u.name, u.unit)));
-    header.extend(
-        declaration
-            .contacts
-            .iter()
-            .map(|contact| format!("contact force {}", contact.name)),
-    );
-    let contacts = declaration.contacts.iter();
+    let force = |force: fn(usize) -> Quantity| {
+        (0..declaration.contacts.len()).map(move |contact| {
+            let force = force(contact);
+            headed(
+                &quantity::symbol(declaration, force),
+                &quantity::unit(declaration, force),
+            )
+        })
+    };
+    header.extend(force(Quantity::ContactForce));
     if !trajectory.friction_force.is_empty() {
-        header.extend(contacts.map(|contact| format!("friction force {}", contact.name)));
+        header.extend(force(Quantity::FrictionForce));
     }
     csv_text(
         &header,
-        (0..trajectory.time.len()).map(|k| {
+        kept(&trajectory.time, most).into_iter().map(|k| {
             [trajectory.time[k], trajectory.numerical_time[k]]
                 .iter()
                 .chain(&trajectory.q[k])

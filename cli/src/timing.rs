@@ -18,7 +18,7 @@ pub(crate) fn fastest(
     method: &ChosenMethod,
     problem: &InitialValueProblem,
 ) -> Result<Simulation, InputError> {
-    let run = || method.simulate(chosen.model.as_ref(), problem, &mut |_| {});
+    let run = || method.simulate(chosen.model.as_ref(), problem, &mut |_| true);
     let mut best = run()?;
     let mut spent = best.seconds.total;
     while spent < TIMED_SECONDS {

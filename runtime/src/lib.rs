@@ -1,12 +1,53 @@
 //! Mechanics with impacts: simulation and optimal control of Lagrangian systems with unilateral
 //! contacts.
 //!
-//! ```text
-//! model  ->  time_freezing  ->  dcs  ->  fesd  ->  mpcc  ->  nlp  ->  linalg
-//!   \------------------------------->  simulation, ocp
+//! ```
+//! use hangtime::prelude::*;
+//!
+//! hangtime::model! {
+//!     /// A sledge with a propeller, on a hill with a drop behind it.
+//!     pub Sledge {
+//!         parameters { m: kg = 100, g: m/s^2 = 9.81 }
+//!         coordinates { y: m, z: m }
+//!         controls { push: N in -200..=400 }
+//!         lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+//!         forces { y: push }
+//!         surface snow: z - 1[m]*exp(-(y/2[m])^2) >= 0
+//!         impact snow: inelastic
+//!         minimize time
+//!         finally { y == 8[m] }
+//!         start { z: 1[m], dot(y): 1[m/s] }
+//!         horizon 2 [s]
+//!     }
+//! }
+//!
+//! let sledge = Sledge::default();
+//! let ride = simulate(&sledge).run()?;
+//! println!("{ride}");
+//! assert!(ride.at(1.0)?["z"] >= 0.0);
+//!
+//! let fastest = solve(&sledge).intervals(8).run()?;
+//! println!("{fastest}");
+//! assert!(fastest.status.is_solved());
+//! # Ok::<(), InputError>(())
 //! ```
 //!
-//! Arrows point one way: `nlp` knows nothing of time, `linalg` nothing of optimization.
+//! A scene is declared as on paper with [`model!`], which derives everything that the solvers need while compiling.
+//! [`simulate`] and [`solve`] take it from there; [`prelude`] holds what a program with a scene of its own needs.
+//!
+//! # From a declaration to a result
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`model`](mod@model) | the interface between scenes and solvers; [`model!`] implements it, and so may you |
+//! | [`simulation`] | one trait, [`Simulator`](simulation::Simulator), one result, several methods: finite elements with switch detection, event-driven, and three to compare with |
+//! | [`ocp`] | optimal control: a search for the contact sequence, collocation with that sequence, a certificate, an independent re-simulation |
+//! | [`mpcc`] | complementarity problems: relaxation tied to the barrier, crossover, certificate |
+//! | [`nlp`] | an interior point method for nonlinear programs, with derivatives of small functions by dual numbers |
+//! | [`linalg`] | dense and sparse factorizations |
+//! | [`rk`] | collocation schemes to rounding error |
+//!
+//! Each is usable without those above it.
 
 #[doc(hidden)]
 #[path = "private.rs"]
@@ -17,13 +58,20 @@ extern crate self as hangtime;
 
 mod dcs;
 mod fesd;
+mod front;
 mod linalg;
 pub mod model;
 pub mod mpcc;
 pub mod nlp;
 pub mod ocp;
+pub mod prelude;
+mod progress;
 pub mod rk;
 pub mod simulation;
 mod time_freezing;
 
+pub use front::simulate::{Simulate, simulate};
+pub use front::solve::{Solve, solve};
+#[doc = include_str!("model_macro.md")]
 pub use hangtime_macros::model;
+pub use progress::{Observer, Progress};

@@ -8,6 +8,7 @@
 //! A = dy/dx = -K^-1 F_x          d2(lambda' y)/dx2 = -(mu' F)_xx - P' A - A' P
 //! ```
 
+#[cfg(feature = "oracle")]
 pub use num_dual;
 
 /// Position of a structural nonzero: row, column.

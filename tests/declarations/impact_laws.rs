@@ -53,7 +53,7 @@ fn restitution_does_not_depend_on_mass_place_slope_curvature_or_factor() {
                             ..Ball::default()
                         };
                         let problem = InitialValueProblem::of(&model, None).unwrap();
-                        let run = method.simulate(&model, &problem, &mut |_| {}).unwrap();
+                        let run = method.simulate(&model, &problem, &mut |_| true).unwrap();
                         assert_eq!(run.status, SimulationStatus::Solved);
                         let impact = run.events.iter().find(|x| x.kind == EventKind::Impact);
                         let impact = impact.expect("the ball strikes the floor");
@@ -129,7 +129,7 @@ fn hoop_slips_at_the_impact_or_rolls_at_once_as_coulomb_says() {
         let (after, rolls, end) = hoop_by_hand(&model);
         for method in methods {
             let problem = InitialValueProblem::of(&model, None).unwrap();
-            let run = method.simulate(&model, &problem, &mut |_| {}).unwrap();
+            let run = method.simulate(&model, &problem, &mut |_| true).unwrap();
             let name = method.name();
             assert_eq!(run.status, SimulationStatus::Solved, "{name}");
             let impact = &run.events[0];

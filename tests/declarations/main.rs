@@ -6,5 +6,6 @@ mod support;
 mod chain;
 mod contact_laws;
 mod derivatives;
+mod hygiene;
 mod impact_laws;
 mod optimal_control_functions;

@@ -2,11 +2,7 @@
 
 use hangtime::simulation::{EventKind, SimulationStatus};
 
-#[expect(
-    dead_code,
-    unreachable_pub,
-    reason = "the example is a program with a main function"
-)]
+#[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/ball_on_slope.rs"]
 mod example;
 
@@ -19,7 +15,7 @@ fn ball_on_slope_lands_slides_and_stops_where_the_closed_form_says() {
         wall_x: wall,
         ..example::BallOnSlope::default()
     };
-    let simulation = example::simulate(&model).unwrap();
+    let simulation = hangtime::simulate(&model).run().unwrap();
     assert_eq!(simulation.status, SimulationStatus::Solved);
 
     // Free fall over 1 m; the impact leaves the velocity along the slope (1, -tilt); then the ball

@@ -22,7 +22,7 @@ const TAKE_OFF: f64 = 1.785_438_154_029_445;
 fn simulate(simulator: &Fesd) -> Simulation {
     let model = SkiJump::default();
     let problem = InitialValueProblem::of(&model, None).unwrap();
-    let simulation = simulator.simulate(&model, &problem, &mut |_| {}).unwrap();
+    let simulation = simulator.simulate(&model, &problem, &mut |_| true).unwrap();
     assert_eq!(simulation.status, SimulationStatus::Solved, "{simulator:?}");
     simulation
 }

@@ -1,5 +1,6 @@
 //! Shipped scenes, examples and README: certified solutions, closed forms, and each other.
 
+mod agreement;
 mod ball_on_slope;
 mod bike_on_two_wheels;
 mod charts;

@@ -16,7 +16,7 @@ mod example;
 
 #[test]
 fn sledge_flies_over_its_hollow_and_is_certified() {
-    let model = example::SCENES[0].model();
+    let model = (example::SCENES[0].variants[0].model)();
     let problem = Problem::of(&*model, 10);
     let solution = ocp::solve(&*model, &problem, &Settings::default(), &mut |_| true).unwrap();
     assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
@@ -52,7 +52,12 @@ fn program_of_its_own_writes_figures_and_refuses_what_it_does_not_have() {
         let written = std::fs::metadata(directory.join(file)).unwrap();
         assert!(written.len() > 0, "{file}");
     }
+    // Nothing pushes the sledge, which stands on the snow from the start: nothing happens.
+    let events = std::fs::read_to_string(directory.join("sledge-events.csv")).unwrap();
+    assert_eq!(events.lines().count(), 1, "{events}");
     std::fs::remove_dir_all(&directory).unwrap();
     assert_eq!(run(&["simulate", "ski-jump"]), ExitCode::from(2));
-    assert_eq!(run(&[]), ExitCode::from(2));
+    // Without published results to reproduce, the program lists its scenes.
+    assert_eq!(run(&[]), ExitCode::SUCCESS);
+    assert_eq!(run(&["reproduce"]), ExitCode::from(2));
 }

@@ -47,7 +47,7 @@ fn ski_jump(start_y: f64) -> SkiJump {
 
 fn simulate(simulator: &dyn Simulator, model: &dyn Model) -> Simulation {
     let problem = InitialValueProblem::of(model, None).unwrap();
-    let simulation = simulator.simulate(model, &problem, &mut |_| {}).unwrap();
+    let simulation = simulator.simulate(model, &problem, &mut |_| true).unwrap();
     assert_eq!(simulation.status, SimulationStatus::Solved);
     simulation
 }
@@ -180,7 +180,7 @@ fn ski_jump_published_points_lie_close_to_the_exact_motion() {
         for point in points.iter().filter(|point| point.time_lapse).skip(1) {
             let problem = InitialValueProblem::of(&model, Some(point.time)).unwrap();
             let simulation = event_driven()
-                .simulate(&model, &problem, &mut |_| {})
+                .simulate(&model, &problem, &mut |_| true)
                 .unwrap();
             let q = simulation.trajectory.q.last().unwrap();
             let [published] = point.positions.as_slice() else {

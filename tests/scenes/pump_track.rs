@@ -30,7 +30,7 @@ const HOLDING: Certified = Certified {
 
 fn ride(model: &dyn Model, simulator: &dyn Simulator, horizon: f64) -> Simulation {
     let problem = InitialValueProblem::of(model, Some(horizon)).unwrap();
-    let simulation = simulator.simulate(model, &problem, &mut |_| {}).unwrap();
+    let simulation = simulator.simulate(model, &problem, &mut |_| true).unwrap();
     assert_eq!(simulation.status, SimulationStatus::Solved);
     simulation
 }

@@ -5,43 +5,23 @@ use hangtime::simulation::{
     Event, EventDriven, EventKind, InitialValueProblem, Simulation, SimulationStatus, Simulator,
 };
 
-#[expect(
-    dead_code,
-    unreachable_pub,
-    reason = "the example is a program with a main function"
-)]
+#[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/block_on_incline.rs"]
 mod block_on_incline;
 
-#[expect(
-    dead_code,
-    unreachable_pub,
-    reason = "the example is a program with a main function"
-)]
+#[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/bouncing_ball.rs"]
 mod bouncing_ball;
 
-#[expect(
-    dead_code,
-    unreachable_pub,
-    reason = "the example is a program with a main function"
-)]
+#[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/double_pendulum_with_stop.rs"]
 mod double_pendulum_with_stop;
 
-#[expect(
-    dead_code,
-    unreachable_pub,
-    reason = "the example is a program with a main function"
-)]
+#[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/elastic_ball_in_box.rs"]
 mod elastic_ball_in_box;
 
-#[expect(
-    dead_code,
-    unreachable_pub,
-    reason = "the example is a program with a main function"
-)]
+#[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/pendulum_against_wall.rs"]
 mod pendulum_against_wall;
 
@@ -60,7 +40,10 @@ fn impacts(simulation: &Simulation) -> impl DoubleEndedIterator<Item = &Event> {
 #[test]
 fn bouncing_ball_times_follow_the_geometric_series() {
     let model = bouncing_ball::BouncingBall::default();
-    let simulation = bouncing_ball::simulate(&model).unwrap();
+    let simulation = hangtime::simulate(&model)
+        .method(EventDriven::default())
+        .run()
+        .unwrap();
     assert_eq!(simulation.status, SimulationStatus::Solved);
 
     let fall = (2.0 * model.height / model.g).sqrt();
@@ -87,7 +70,7 @@ fn bouncing_ball_times_follow_the_geometric_series() {
 #[test]
 fn block_stops_where_friction_has_taken_its_energy_and_stays() {
     let model = block_on_incline::BlockOnIncline::default();
-    let simulation = block_on_incline::simulate(&model).unwrap();
+    let simulation = hangtime::simulate(&model).run().unwrap();
     assert_eq!(simulation.status, SimulationStatus::Solved);
 
     let slope = model.incline.to_radians();
@@ -137,7 +120,7 @@ fn quarter_period(amplitude: f64) -> f64 {
 #[test]
 fn pendulum_strikes_the_wall_after_quarter_periods_of_shrinking_swings() {
     let model = pendulum_against_wall::PendulumAgainstWall::default();
-    let simulation = pendulum_against_wall::simulate(&model).unwrap();
+    let simulation = hangtime::simulate(&model).run().unwrap();
     assert_eq!(simulation.status, SimulationStatus::Solved);
 
     // The wall is at the lowest point: a swing of amplitude A strikes with
@@ -160,7 +143,7 @@ fn pendulum_strikes_the_wall_after_quarter_periods_of_shrinking_swings() {
 #[test]
 fn knee_stop_is_an_inner_impact_that_keeps_the_angular_momentum() {
     let model = double_pendulum_with_stop::Knee::default();
-    let simulation = double_pendulum_with_stop::simulate(&model).unwrap();
+    let simulation = hangtime::simulate(&model).run().unwrap();
     assert_eq!(simulation.status, SimulationStatus::Solved);
     assert!(impacts(&simulation).count() >= 1);
 
@@ -188,7 +171,7 @@ fn knee_stop_is_an_inner_impact_that_keeps_the_angular_momentum() {
         tolerance: 1e-12,
         ..EventDriven::default()
     };
-    let reference = reference.simulate(&model, &problem, &mut |_| {}).unwrap();
+    let reference = reference.simulate(&model, &problem, &mut |_| true).unwrap();
     assert_eq!(reference.events.len(), simulation.events.len());
     for (found, expected) in simulation.events.iter().zip(&reference.events) {
         assert_eq!(found.kind, expected.kind);
@@ -205,7 +188,10 @@ fn folded(x: f64, width: f64) -> f64 {
 #[test]
 fn ball_in_a_box_follows_the_unfolded_straight_line_and_keeps_its_energy() {
     let model = elastic_ball_in_box::ElasticBallInBox::default();
-    let simulation = elastic_ball_in_box::simulate(&model).unwrap();
+    let simulation = hangtime::simulate(&model)
+        .method(EventDriven::default())
+        .run()
+        .unwrap();
     assert_eq!(simulation.status, SimulationStatus::Solved);
     assert!(impacts(&simulation).count() > 70);
 

@@ -85,9 +85,9 @@ fn jacobians(plane: &Plane, model: &dyn Model, q: &[f64]) -> Vec<Vec<[f64; 2]>> 
     for i in 0..q.len() {
         let step = STEP * q[i].abs().max(1.0);
         shifted[i] = q[i] + step;
-        let ahead = (plane.positions)(model, &shifted);
+        let ahead = plane.bodies_at(model, &shifted);
         shifted[i] = q[i] - step;
-        let behind = (plane.positions)(model, &shifted);
+        let behind = plane.bodies_at(model, &shifted);
         shifted[i] = q[i];
         for (jacobian, (a, b)) in jacobians.iter_mut().zip(ahead.iter().zip(&behind)) {
             jacobian.push([0, 1].map(|axis| (a[axis] - b[axis]) / (2.0 * step)));

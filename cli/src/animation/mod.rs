@@ -4,7 +4,7 @@ mod force;
 
 use crate::{GroundLine, Plane};
 use hangtime::model::Model;
-use hangtime::simulation::Simulation;
+use hangtime::simulation::{Event, Simulation};
 use serde::Serialize;
 
 use self::force::Arrow;
@@ -21,6 +21,8 @@ const ELEMENTS: &str = include_str!("player.html");
 const FRAME_RATE: f64 = 240.0;
 /// Fewest and most frames of a motion.
 const FRAMES: (f64, f64) = (200.0, 2400.0);
+/// Most events that can be gone to.
+const MOST_EVENTS: usize = 500;
 /// Free space around the motion, as a share of its larger extent.
 const MARGIN: f64 = 0.08;
 /// Ground beyond the frame, as a share of the frame's width.
@@ -82,7 +84,7 @@ impl Animation {
         }
         let positions: Vec<Vec<[f64; 2]>> = states
             .iter()
-            .map(|state| (plane.positions)(model, &state.q))
+            .map(|state| plane.bodies_at(model, &state.q))
             .collect();
         let forces: Vec<Vec<Arrow>> = states
             .iter()
@@ -105,7 +107,7 @@ impl Animation {
                 values: values.collect(),
             }
         });
-        let events = simulation.events.iter().map(|event| EventEntry {
+        let events = shown(simulation).map(|event| EventEntry {
             time: event.time,
             label: format!(
                 "{} {}",
@@ -162,6 +164,11 @@ fn embedded(json: &str) -> String {
     json.trim_end().replace('<', "\\u003c")
 }
 
+/// The events that the page has frames and buttons for.
+fn shown(simulation: &Simulation) -> impl Iterator<Item = &Event> {
+    simulation.events.iter().take(MOST_EVENTS)
+}
+
 /// The states of the frames: evenly spaced, and one at each event.
 fn states(simulation: &Simulation) -> Vec<State> {
     let trajectory = &simulation.trajectory;
@@ -172,7 +179,7 @@ fn states(simulation: &Simulation) -> Vec<State> {
         .clamp(FRAMES.0, FRAMES.1)
         .round();
     let even = (0..=count as usize).map(|k| first + (last - first) * (k as f64 / count));
-    let events = simulation.events.iter().map(|event| event.time);
+    let events = shown(simulation).map(|event| event.time);
     let mut times: Vec<f64> = even.chain(events).map(|t| t.clamp(first, last)).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();

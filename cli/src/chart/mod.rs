@@ -1,32 +1,22 @@
 //! `hangtime chart`: accuracy against CPU time, of every simulation method and of the solver.
 
+mod drawn;
 mod optimum;
 mod simulation;
 mod sweep;
-
-use std::fmt::Write as _;
 
 use crate::Scene;
 use hangtime::simulation::InitialValueProblem;
 
 use crate::arguments::ChartArguments;
+use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::output::OutputDirectory;
 use crate::page::{Page, Section};
 use crate::report::Report;
 use crate::settings::{ChosenScene, find};
 
-/// What one kind of chart comes to.
-struct Chart {
-    /// For the standard output stream.
-    text: String,
-    /// On the page; `None` if nothing could be measured.
-    section: Option<Section>,
-    files: Vec<(String, String)>,
-    diagnoses: Vec<String>,
-}
-
-pub(super) fn run(
+pub(crate) fn run(
     scenes: &'static [Scene],
     arguments: &ChartArguments,
 ) -> Result<Report, BadInput> {
@@ -47,11 +37,15 @@ pub(super) fn run(
         })
         .collect::<Result<Vec<_>, _>>()?;
     let directory = OutputDirectory::open(&arguments.out)?;
+    let bounds = Bounds::watch("chart", &arguments.limits);
     let mut report = Report::default();
     let mut files = Vec::new();
     for (chosen, problem) in chosen.iter().zip(&problems) {
-        let mut charts = vec![simulation::chart(chosen, problem)?];
-        charts.extend(optimum::chart(chosen, &optimum::GRIDS)?);
+        if bounds.asked().is_some() {
+            break;
+        }
+        let mut charts = vec![simulation::chart(chosen, problem, &bounds)?];
+        charts.extend(optimum::chart(chosen, &optimum::GRIDS, &bounds)?);
         let mut sections = Vec::with_capacity(charts.len());
         for chart in charts {
             report.text += &chart.text;
@@ -63,9 +57,14 @@ pub(super) fn run(
             files.push(page(chosen, sections));
         }
     }
-    for path in directory.write(&files)? {
-        let _ = writeln!(report.text, "wrote {}", path.display());
-    }
+    report.diagnoses.extend(
+        bounds
+            .asked()
+            .map(|stop| stop.line("chart", &arguments.limits)),
+    );
+    drop(bounds);
+    let written = report.deliver(directory, &files);
+    report.text += &written;
     Ok(report)
 }
 

@@ -2,7 +2,8 @@
 
 use hangtime::ocp::{self, Formulation, Problem, Settings, TimeFreezingSettings};
 
-use super::Chart;
+use super::drawn::Chart;
+use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::figure::{Curve, log_log};
 use crate::page::Section;
@@ -79,7 +80,11 @@ struct Run {
 }
 
 /// Solves on every grid; `None` for a scene without an objective.
-pub(super) fn chart(chosen: &ChosenScene, grids: &[Grid]) -> Result<Option<Chart>, BadInput> {
+pub(super) fn chart(
+    chosen: &ChosenScene,
+    grids: &[Grid],
+    bounds: &Bounds,
+) -> Result<Option<Chart>, BadInput> {
     let model = chosen.model.as_ref();
     if model.declaration().optimal_control.is_none() {
         return Ok(None);
@@ -90,10 +95,15 @@ pub(super) fn chart(chosen: &ChosenScene, grids: &[Grid]) -> Result<Option<Chart
     let mut runs: Vec<Run> = Vec::with_capacity(total);
     for (line, grid) in grids.iter().enumerate() {
         for &intervals in grid.intervals {
+            if bounds.asked().is_some() {
+                break;
+            }
             progress.say(&format!("{name}: {}, {intervals} intervals", grid.name()));
             let problem = Problem::of(model, intervals);
-            let solution = ocp::solve(model, &problem, &grid.settings(), &mut |_| true)
-                .map_err(|error| chosen.refuse(&error))?;
+            let solution = ocp::solve(model, &problem, &grid.settings(), &mut |_| {
+                bounds.asked().is_none()
+            })
+            .map_err(|error| chosen.refuse(&error))?;
             runs.push(Run {
                 line,
                 name: grid.name(),
@@ -152,6 +162,48 @@ impl Run {
     }
 }
 
+/// The solved runs of each line, over their CPU time.
+fn curves(runs: &[Run], y: impl Fn(&Run) -> f64) -> Vec<Curve> {
+    let mut curves: Vec<Curve> = Vec::new();
+    for run in runs.iter().filter(|run| run.solved) {
+        let point = (run.seconds, y(run));
+        match curves.iter_mut().find(|curve| curve.colour == run.line) {
+            Some(curve) => curve.points.push(point),
+            None => curves.push(Curve {
+                name: run.name.clone(),
+                colour: run.line,
+                dashed: false,
+                points: vec![point],
+            }),
+        }
+    }
+    curves
+}
+
+/// The figures, as (kind, SVG).
+fn figures(runs: &[Run], best: f64) -> [(&'static str, String); 2] {
+    [
+        (
+            "objective",
+            log_log(
+                "Objective above the best, over the number of intervals",
+                "CPU time [s]",
+                "objective above the best",
+                &curves(runs, |run| run.objective - best),
+            ),
+        ),
+        (
+            "resimulation",
+            log_log(
+                "Distance of the re-simulation at the end",
+                "CPU time [s]",
+                "distance from the plan",
+                &curves(runs, |run| run.distance),
+            ),
+        ),
+    ]
+}
+
 fn report(name: &str, runs: &[Run], best: f64) -> Chart {
     let decimals = |value: f64| {
         if value.is_finite() {
@@ -169,42 +221,7 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
         decimals(best),
         table(HEADER, rows.clone())
     );
-    let curves = |y: &dyn Fn(&Run) -> f64| -> Vec<Curve> {
-        let mut curves: Vec<Curve> = Vec::new();
-        for run in runs.iter().filter(|run| run.solved) {
-            let point = (run.seconds, y(run));
-            match curves.iter_mut().find(|curve| curve.colour == run.line) {
-                Some(curve) => curve.points.push(point),
-                None => curves.push(Curve {
-                    name: run.name.clone(),
-                    colour: run.line,
-                    dashed: false,
-                    points: vec![point],
-                }),
-            }
-        }
-        curves
-    };
-    let figures = [
-        (
-            "objective",
-            log_log(
-                "Objective above the best, over the number of intervals",
-                "CPU time [s]",
-                "objective above the best",
-                &curves(&|run| run.objective - best),
-            ),
-        ),
-        (
-            "resimulation",
-            log_log(
-                "Distance of the re-simulation at the end",
-                "CPU time [s]",
-                "distance from the plan",
-                &curves(&|run| run.distance),
-            ),
-        ),
-    ];
+    let figures = figures(runs, best);
     let mut header: Vec<String> = HEADER.map(str::to_owned).into();
     header[7] = "CPU time [s]".to_owned();
     let lines = runs.iter().map(|run| {
@@ -243,7 +260,13 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
 #[cfg(test)]
 mod tests {
     use super::{Grid, chart};
+    use crate::arguments::LimitArguments;
+    use crate::bounds::Bounds;
     use crate::settings::{ChosenScene, find};
+
+    fn unbounded() -> Bounds {
+        Bounds::watch("test", &LimitArguments::default())
+    }
 
     /// The cheapest grids that solve.
     const COARSE: [Grid; 1] = [Grid {
@@ -255,7 +278,7 @@ mod tests {
     #[test]
     fn chart_of_the_solver_has_a_row_for_every_run_and_measures_from_the_best() {
         let chosen = ChosenScene::new(find(crate::testing::SCENES, "wave").unwrap(), &[]).unwrap();
-        let chart = chart(&chosen, &COARSE).unwrap().unwrap();
+        let chart = chart(&chosen, &COARSE, &unbounded()).unwrap().unwrap();
         let section = chart.section.unwrap();
         assert_eq!(section.rows.len(), 2);
         let above: Vec<f64> = section
@@ -280,6 +303,6 @@ mod tests {
     #[test]
     fn chart_of_the_solver_without_an_objective_is_none() {
         let chosen = ChosenScene::new(find(crate::testing::SCENES, "slide").unwrap(), &[]).unwrap();
-        assert!(chart(&chosen, &COARSE).unwrap().is_none());
+        assert!(chart(&chosen, &COARSE, &unbounded()).unwrap().is_none());
     }
 }

@@ -2,9 +2,10 @@
 
 use hangtime::simulation::{InitialValueProblem, InputError, SimulationStatus};
 
-use super::Chart;
+use super::drawn::Chart;
 use super::sweep::{Group, Sweep, sweeps};
 use crate::arguments::{Method, MethodArguments};
+use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::figure::{Curve, log_log};
 use crate::method::ChosenMethod;
@@ -44,6 +45,7 @@ struct Measured {
 pub(super) fn chart(
     chosen: &ChosenScene,
     problem: &InitialValueProblem,
+    bounds: &Bounds,
 ) -> Result<Chart, BadInput> {
     let exact = MethodArguments {
         method: Method::Event,
@@ -51,7 +53,7 @@ pub(super) fn chart(
         ..MethodArguments::default()
     };
     let exact = ChosenMethod::from_arguments(&exact)?
-        .simulate(chosen.model.as_ref(), problem, &mut |_| {})
+        .simulate(chosen.model.as_ref(), problem, &mut |_| true)
         .map_err(|error| chosen.refuse(&error))?;
     let (SimulationStatus::Solved, Some(reference)) = (&exact.status, exact.trajectory.q.last())
     else {
@@ -63,28 +65,7 @@ pub(super) fn chart(
         });
     };
 
-    let sweeps = sweeps();
-    let mut progress = Progress::new(chosen.scene.name, sweeps.len() as f64);
-    let mut measured = Vec::with_capacity(sweeps.len());
-    for (done, sweep) in sweeps.into_iter().enumerate() {
-        let mut points = Vec::with_capacity(sweep.settings.len());
-        for arguments in &sweep.settings {
-            points.push(measure(chosen, problem, arguments, reference)?);
-        }
-        let ordered = sweep.ordered();
-        measured.push(Measured {
-            order: if ordered {
-                order(&points, reference)
-            } else {
-                None
-            },
-            sweep,
-            points,
-        });
-        progress.reach((done + 1) as f64);
-    }
-    drop(progress);
-
+    let measured = measure_all(chosen, problem, reference, bounds)?;
     let name = chosen.scene.name;
     let error = format!("largest error of a coordinate at {} s", problem.horizon);
     let header = header();
@@ -126,6 +107,39 @@ pub(super) fn chart(
         files,
         diagnoses: Vec::new(),
     })
+}
+
+/// Runs every method over its settings, until `bounds` ask to end.
+fn measure_all(
+    chosen: &ChosenScene,
+    problem: &InitialValueProblem,
+    reference: &[f64],
+    bounds: &Bounds,
+) -> Result<Vec<Measured>, BadInput> {
+    let sweeps = sweeps();
+    let mut progress = Progress::new(chosen.scene.name, sweeps.len() as f64);
+    let mut measured = Vec::with_capacity(sweeps.len());
+    for (done, sweep) in sweeps.into_iter().enumerate() {
+        let mut points = Vec::with_capacity(sweep.settings.len());
+        for arguments in &sweep.settings {
+            if bounds.asked().is_some() {
+                break;
+            }
+            points.push(measure(chosen, problem, arguments, reference)?);
+        }
+        let ordered = sweep.ordered();
+        measured.push(Measured {
+            order: if ordered {
+                order(&points, reference)
+            } else {
+                None
+            },
+            sweep,
+            points,
+        });
+        progress.reach((done + 1) as f64);
+    }
+    Ok(measured)
 }
 
 fn measure(

@@ -46,6 +46,14 @@ pub(super) enum Group {
 
 /// All of them.
 pub(super) fn sweeps() -> Vec<Sweep> {
+    let mut sweeps = finite_elements();
+    sweeps.extend(controlled());
+    sweeps.extend(others());
+    sweeps
+}
+
+/// Finite elements of equal length, by scheme, stages and exit condition.
+fn finite_elements() -> Vec<Sweep> {
     let mut sweeps = Vec::new();
     for (scheme, group, title) in [
         (SchemeName::RadauIia, Group::Radau, "FESD Radau"),
@@ -74,6 +82,12 @@ pub(super) fn sweeps() -> Vec<Sweep> {
             }
         }
     }
+    sweeps
+}
+
+/// The methods that control their error.
+fn controlled() -> Vec<Sweep> {
+    let mut sweeps = Vec::new();
     let controlled = [
         (
             "FESD Radau-6, controlled",
@@ -104,6 +118,12 @@ pub(super) fn sweeps() -> Vec<Sweep> {
             settings: TOLERANCES.iter().map(with_tolerance).collect(),
         });
     }
+    sweeps
+}
+
+/// The methods to compare with.
+fn others() -> Vec<Sweep> {
+    let mut sweeps = Vec::new();
     for (colour, method, name) in [
         (6, Method::Moreau, "Moreau-Jean"),
         (7, Method::Fixed, "fixed steps"),

@@ -56,7 +56,12 @@ pub(crate) fn log_log(title: &str, x: &str, y: &str, curves: &[Curve]) -> String
         );
     }
     let power = TickFormat::Custom(Arc::new(|exponent: f64| format!("1e{exponent:.0}")));
-    let layout = layout(&plots, title, x, y)
+    let layout = layout(&plots, title, x, y);
+    if plots.is_empty() {
+        // Nothing was measured, and an empty axis has no logarithms.
+        return svg(plots, layout);
+    }
+    let layout = layout
         .with_log_x()
         .with_x_tick_format(TickFormat::Custom(Arc::new(|x: f64| {
             if x < 1e-2 {

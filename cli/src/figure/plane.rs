@@ -48,8 +48,12 @@ pub(crate) struct Path {
     pub(crate) time_lapse: Vec<[f64; 2]>,
 }
 
+/// The points that can be drawn.
 fn pairs(points: &[[f64; 2]]) -> Vec<(f64, f64)> {
-    points.iter().map(|&[y, z]| (y, z)).collect()
+    let points = points
+        .iter()
+        .filter(|[y, z]| y.is_finite() && z.is_finite());
+    points.map(|&[y, z]| (y, z)).collect()
 }
 
 fn marks(positions: &[[f64; 2]], shape: MarkerShape, colour: &str, size: f64) -> ScatterPlot {
@@ -144,7 +148,11 @@ impl Motion {
         let published = self.published.iter().flat_map(|point| &point.positions);
         let mut frame = [(f64::INFINITY, f64::NEG_INFINITY); 2];
         for position in paths.chain(published) {
-            for (range, x) in frame.iter_mut().zip(position) {
+            for (range, x) in frame
+                .iter_mut()
+                .zip(position)
+                .filter(|(_, x)| x.is_finite())
+            {
                 *range = (range.0.min(*x), range.1.max(*x));
             }
         }
@@ -165,5 +173,56 @@ impl Motion {
                 (-margin, margin)
             }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Motion, Path};
+
+    #[test]
+    fn picture_of_any_numbers_is_drawn() {
+        let extremes = [
+            0.0,
+            5e-324,
+            1e17,
+            f64::MAX,
+            -f64::MAX,
+            f64::INFINITY,
+            f64::NAN,
+        ];
+        for a in extremes {
+            for b in extremes {
+                let motion = Motion {
+                    title: String::new(),
+                    axes: ["y [m]", "z [m]"],
+                    ground: Vec::new(),
+                    paths: vec![Path {
+                        name: "mass",
+                        points: vec![[a, 1.0], [b, a], [1.0, b]],
+                        time_lapse: vec![[a, b]],
+                    }],
+                    links: &[],
+                    start: vec![[a, b]],
+                    impacts: vec![[b, a]],
+                    published: Vec::new(),
+                    lapse: String::new(),
+                };
+                let svg = motion.svg();
+                assert!(svg.starts_with("<svg") && svg.len() < 1_000_000, "{a} {b}");
+            }
+        }
+        let empty = Motion {
+            title: String::new(),
+            axes: ["", ""],
+            ground: Vec::new(),
+            paths: Vec::new(),
+            links: &[],
+            start: Vec::new(),
+            impacts: Vec::new(),
+            published: Vec::new(),
+            lapse: String::new(),
+        };
+        assert!(empty.svg().starts_with("<svg"));
     }
 }

@@ -5,9 +5,11 @@ use hangtime::rk::Scheme;
 use hangtime::simulation::Residuals;
 use serde::Serialize;
 
-use super::{
-    EventEntry, FinalEntry, ParameterValues, ResidualsEntry, SCHEMA, TrajectoryEntry, to_line,
+use super::parts::{
+    EventEntry, FinalEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA,
+    TrajectoryEntry, to_line,
 };
+use crate::bounds::Ending;
 use crate::settings::ChosenScene;
 
 /// The method of a solution.
@@ -114,7 +116,8 @@ impl<'a> OptimumEntry<'a> {
     }
 }
 
-/// The document of an optimal control problem: that of the re-simulated motion, and what belongs to the plan.
+/// The document of an optimal control problem: that of the re-simulated motion, and what belongs to the plan; its
+/// fields are those of the contract, in their order.
 #[derive(Serialize)]
 pub(crate) struct SolutionDocument<'a> {
     schema: u32,
@@ -124,7 +127,7 @@ pub(crate) struct SolutionDocument<'a> {
     method: &'a SolverSettings,
     status: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    diagnosis: Option<String>,
+    diagnosis: Option<&'a str>,
     events: Vec<EventEntry<'a>>,
     trajectory: TrajectoryEntry<'a>,
     #[serde(rename = "final")]
@@ -141,6 +144,8 @@ pub(crate) struct SolutionDocument<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     time_freezing: Option<TimeFreezingEntry>,
     optima: Vec<OptimumEntry<'a>>,
+    notes: Vec<String>,
+    quantities: QuantitiesEntry,
 }
 
 #[derive(Serialize)]
@@ -189,17 +194,22 @@ struct SolutionSeconds {
 }
 
 impl<'a> SolutionDocument<'a> {
-    /// The document of one solution of `chosen`.
+    /// The document of one solution of `chosen` that ended as `ending` tells, with at most `rows` rows of its
+    /// trajectory.
     pub(crate) fn new(
         chosen: &'a ChosenScene,
         method: &'a SolverSettings,
         solution: &'a Solution,
+        ending: &'a Ending,
+        rows: usize,
     ) -> Self {
-        let contacts = chosen.model.declaration().contacts;
+        let declaration = chosen.model.declaration();
+        let contacts = declaration.contacts;
         let motion = solution.motion.as_ref();
         let trajectory = motion.map_or_else(TrajectoryEntry::default, |motion| {
-            TrajectoryEntry::new(&motion.trajectory)
+            TrajectoryEntry::new(&motion.trajectory, rows)
         });
+        let note = motion.and_then(|motion| trajectory.note(&motion.trajectory));
         let events = motion.map_or(&[][..], |motion| &motion.events);
         Self {
             schema: SCHEMA,
@@ -207,8 +217,8 @@ impl<'a> SolutionDocument<'a> {
             parameters: ParameterValues::of(chosen),
             horizon: solution.horizon,
             method,
-            status: solution.status.name(),
-            diagnosis: solution.diagnosis(),
+            status: ending.status,
+            diagnosis: ending.diagnosis.as_deref(),
             events: events
                 .iter()
                 .map(|event| EventEntry::new(event, contacts))
@@ -238,6 +248,8 @@ impl<'a> SolutionDocument<'a> {
             },
             time_freezing: solution.time_freezing.as_ref().map(TimeFreezingEntry::new),
             optima: solution.optima.iter().map(OptimumEntry::new).collect(),
+            notes: note.into_iter().collect(),
+            quantities: QuantitiesEntry::of(declaration),
         }
     }
 

@@ -2,7 +2,6 @@
 
 use crate::{ComparedValue, Measure, PublishedCase, PublishedData, Quantity, Scene};
 
-use super::column::Column;
 use crate::failure::BadInput;
 use crate::page::Section;
 use crate::quantity;
@@ -59,27 +58,15 @@ impl Case {
         })
     }
 
-    /// The rows of the comparison with `ours`.
-    pub(super) fn rows(&self, ours: &Column) -> Vec<Row> {
-        let values = self.published.values.iter();
-        values
-            .map(|&value| Row {
-                label: self.label(value),
-                published: value.stated.or_else(|| self.data.value(value.measure)),
-                ours: ours.measure(self, value),
-                value,
-            })
-            .collect()
-    }
-
     /// What a value is, with its unit.
-    fn label(&self, value: ComparedValue) -> String {
+    pub(super) fn label(&self, value: ComparedValue) -> String {
         let declaration = self.chosen.model.declaration();
         let symbol = |quantity| quantity::symbol(declaration, quantity);
         let coordinate = |index| symbol(Quantity::Coordinate(index));
         let words = match value.measure {
             Measure::FinalTime => "final time".to_owned(),
             Measure::Final(quantity) => format!("{} at the end", symbol(quantity)),
+            Measure::Gain(quantity) => format!("gain of {}", symbol(quantity)),
             Measure::At(time, quantity) => format!("{} at {time} s", symbol(quantity)),
             Measure::EventTime(kind) => format!("time of the {}", kind.name().replace('_', "-")),
             Measure::EventCoordinate(kind, index) => format!(
@@ -90,41 +77,6 @@ impl Case {
             Measure::Reach(index, target) => format!("{} = {target:.4} at", coordinate(index)),
         };
         headed(&words, value.unit)
-    }
-
-    /// A table with a column for every source, and the CPU time of each.
-    pub(super) fn comparison(
-        &self,
-        rows: &[Row],
-        columns: &[Column],
-    ) -> (Vec<String>, Vec<Vec<String>>) {
-        let mut header = vec![
-            String::new(),
-            "published".to_owned(),
-            "certified or best known".to_owned(),
-        ];
-        header.extend(columns.iter().map(|column| column.name.to_owned()));
-        let mut table: Vec<Vec<String>> = rows
-            .iter()
-            .map(|row| {
-                let mut cells = vec![row.label.clone(), row.published_text(), row.known_text()];
-                let measured = columns.iter();
-                cells.extend(measured.map(|column| decimals(column.measure(self, row.value))));
-                cells
-            })
-            .collect();
-        let last = |name: &str, text: &dyn Fn(&Column) -> String| {
-            let mut cells = vec![name.to_owned(), "-".to_owned(), "-".to_owned()];
-            cells.extend(columns.iter().map(text));
-            cells
-        };
-        table.push(last("residual", &|column| {
-            format!("{:.1e}", column.residual)
-        }));
-        table.push(last("CPU time", &|column| {
-            crate::table::seconds(column.simulation.seconds.total)
-        }));
-        (header, table)
     }
 }
 

@@ -34,7 +34,7 @@ impl Column {
             ..problem.clone()
         };
         let model = case.chosen.model.as_ref();
-        let run = method.simulate(model, &problem, &mut |_| {}).ok()?;
+        let run = method.simulate(model, &problem, &mut |_| true).ok()?;
         let last = run.trajectory.time.len().checked_sub(1)?;
         Some(State::of(&run.trajectory, last))
     }
@@ -51,6 +51,10 @@ impl Column {
             Measure::Final(quantity) => {
                 let state = State::of(trajectory, end()?);
                 convert(quantity, state.value(quantity)?)
+            }
+            Measure::Gain(quantity) => {
+                let [start, end] = [0, end()?].map(|k| State::of(trajectory, k).value(quantity));
+                Some(convert(quantity, end?)? - convert(quantity, start?)?)
             }
             Measure::At(time, quantity) => {
                 let state = self.state_at(case, time)?;

@@ -9,10 +9,12 @@ use hangtime::simulation::{
 
 use super::case::{Case, Reproduced};
 use super::column::Column;
+use super::comparison::{comparison, rows};
+use super::overview::section_of;
+use crate::bounds::{Bounds, Ending};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
 use crate::json::{SolutionDocument, SolverSettings};
-use crate::page::Section;
 use crate::quantity;
 use crate::sampling::{State, dense};
 use crate::solve::{INTERVALS, facts};
@@ -24,18 +26,18 @@ const REPLAY_TOLERANCE: f64 = 1e-12;
 const KEPT: f64 = 1e-7;
 
 /// Solves the case and replays the published controls.
-pub(super) fn reproduce(case: Case) -> Result<Reproduced, BadInput> {
+pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadInput> {
     let (chosen, published) = (&case.chosen, case.published);
-    let name = chosen.scene.name;
     let model = chosen.model.as_ref();
     let refuse = |error| chosen.refuse(&error);
     let settings = Settings::default();
     let problem = Problem::of(model, INTERVALS);
-    let solution = ocp::solve(model, &problem, &settings, &mut |_| true).map_err(refuse)?;
+    let mut observer = |_: &hangtime::Progress| bounds.asked().is_none();
+    let solution = ocp::solve(model, &problem, &settings, &mut observer).map_err(refuse)?;
     let method = SolverSettings::new(&settings, problem.intervals);
-    let json = SolutionDocument::new(chosen, &method, &solution).text();
-    let diagnosis = solution.diagnosis();
-    let diagnosis = diagnosis.map(|text| format!("{name}: {}: {text}", solution.status.name()));
+    let ending = Ending::of(&solution);
+    let json = SolutionDocument::new(chosen, &method, &solution, &ending, usize::MAX).text();
+    let diagnosis = ending.line(chosen.scene.name);
     let mut columns = Vec::new();
     let mut files = Vec::new();
     match &solution.motion {
@@ -48,7 +50,8 @@ pub(super) fn reproduce(case: Case) -> Result<Reproduced, BadInput> {
                 simulation: motion,
                 json: &json,
                 published: &case.data,
-                facts: facts(&method, &solution),
+                rows: usize::MAX,
+                facts: facts(&method, &solution, &ending),
             };
             files.extend(result.contents());
             columns.push(Column {
@@ -70,7 +73,7 @@ pub(super) fn reproduce(case: Case) -> Result<Reproduced, BadInput> {
         });
     }
     let ours = columns.first().filter(|_| solution.motion.is_some());
-    let rows = ours.map(|ours| case.rows(ours)).unwrap_or_default();
+    let rows = ours.map(|ours| rows(&case, ours)).unwrap_or_default();
     remarks.extend(ours.and_then(|ours| comparison_of_times(&case, ours)));
     if let Some(ours) = ours {
         remarks.push(left_bounds(
@@ -79,10 +82,10 @@ pub(super) fn reproduce(case: Case) -> Result<Reproduced, BadInput> {
             &dense(&ours.simulation.trajectory),
         ));
     }
-    let (header, table) = case.comparison(&rows, &columns);
+    let (header, table) = comparison(&case, &rows, &columns);
     let states = ours.map(|ours| dense(&ours.simulation.trajectory));
     Ok(Reproduced {
-        section: Section::of_case(published, &remarks, &files, header, table),
+        section: section_of(published, &remarks, &files, header, table),
         case,
         states: states.unwrap_or_default(),
         rows,
@@ -129,7 +132,7 @@ fn replay(case: &Case) -> Result<Option<Simulation>, InputError> {
         tolerance: REPLAY_TOLERANCE,
         ..EventDriven::default()
     };
-    event.simulate(model, &problem, &mut |_| {}).map(Some)
+    event.simulate(model, &problem, &mut |_| true).map(Some)
 }
 
 /// What the replay of the published controls shows.

@@ -146,41 +146,39 @@ pub(super) fn section(reproduced: &[Reproduced], figures: &[(String, String)]) -
     }
 }
 
-impl Section {
-    /// The section of one case, with its figures and a link to every file.
-    pub(super) fn of_case(
-        published: &PublishedCase,
-        remarks: &[String],
-        files: &[(String, String)],
-        header: Vec<String>,
-        rows: Vec<Vec<String>>,
-    ) -> Self {
-        let mut text = format!("{}.", published.source);
-        for remark in remarks {
-            let mut letters = remark.chars();
-            if let Some(first) = letters.next() {
-                let _ = write!(text, " {}{}.", first.to_uppercase(), letters.as_str());
-            }
+/// The section of one case, with its figures and a link to every file.
+pub(super) fn section_of(
+    published: &PublishedCase,
+    remarks: &[String],
+    files: &[(String, String)],
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+) -> Section {
+    let mut text = format!("{}.", published.source);
+    for remark in remarks {
+        let mut letters = remark.chars();
+        if let Some(first) = letters.next() {
+            let _ = write!(text, " {}{}.", first.to_uppercase(), letters.as_str());
         }
-        let figures = files.iter().filter(|(name, _)| name.ends_with(".svg"));
-        Self {
-            heading: published.title.to_owned(),
-            text,
-            animation: None,
-            figures: figures.map(|(_, svg)| svg.clone()).collect(),
-            header,
-            rows,
-            files: files
-                .iter()
-                .map(|(name, _)| {
-                    let what = if name.ends_with(".html") {
-                        "the motion, to play"
-                    } else {
-                        name
-                    };
-                    (name.clone(), what.to_owned())
-                })
-                .collect(),
-        }
+    }
+    let figures = files.iter().filter(|(name, _)| name.ends_with(".svg"));
+    Section {
+        heading: published.title.to_owned(),
+        text,
+        animation: None,
+        figures: figures.map(|(_, svg)| svg.clone()).collect(),
+        header,
+        rows,
+        files: files
+            .iter()
+            .map(|(name, _)| {
+                let what = if name.ends_with(".html") {
+                    "the motion, to play"
+                } else {
+                    name
+                };
+                (name.clone(), what.to_owned())
+            })
+            .collect(),
     }
 }

@@ -4,12 +4,13 @@ use hangtime::simulation::{InitialValueProblem, Simulation};
 
 use super::case::{Case, Reproduced};
 use super::column::Column;
+use super::comparison::{comparison, rows};
+use super::overview::section_of;
 use crate::arguments::{Method, MethodArguments, SchemeName};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
 use crate::json::Document;
 use crate::method::ChosenMethod;
-use crate::page::Section;
 use crate::sampling::dense;
 use crate::simulate::{diagnosis_line, facts};
 use crate::spreadsheet::{csv_text, trajectory_csv};
@@ -64,7 +65,7 @@ pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput
         let method = ChosenMethod::from_arguments(&arguments)?;
         let simulation = fastest(chosen, &method, &problem).map_err(refuse)?;
         diagnoses.extend(diagnosis_line(chosen, &simulation));
-        let json = Document::new(chosen, horizon, &method.settings, &simulation).text();
+        let json = Document::new(chosen, horizon, &method.settings, &simulation, usize::MAX).text();
         if index == 0 {
             let result = ResultFiles {
                 stem: published.name.to_owned(),
@@ -73,12 +74,13 @@ pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput
                 simulation: &simulation,
                 json: &json,
                 published: &case.data,
+                rows: usize::MAX,
                 facts: facts(&method, &simulation),
             };
             files.extend(result.contents());
         } else {
             let stem = format!("{}_{file}", published.name);
-            let csv = trajectory_csv(model.declaration(), &simulation.trajectory);
+            let csv = trajectory_csv(model.declaration(), &simulation.trajectory, usize::MAX);
             files.push((format!("{stem}.json"), json));
             files.push((format!("{stem}-trajectory.csv"), csv));
         }
@@ -92,8 +94,8 @@ pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput
     }
     let ours = &columns[0];
     let exact = &columns[1];
-    let rows = case.rows(ours);
-    let (header, table) = case.comparison(&rows, &columns);
+    let rows = rows(&case, ours);
+    let (header, table) = comparison(&case, &rows, &columns);
     let (remark, positions) = positions(&case, exact);
     files.push((format!("{}_positions.csv", published.name), positions));
     let remarks: Vec<String> = remark.into_iter().collect();
@@ -101,7 +103,7 @@ pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput
     let states = dense(&ours.simulation.trajectory);
     let residual = ours.residual;
     Ok(Reproduced {
-        section: Section::of_case(published, &remarks, &files, header, table),
+        section: section_of(published, &remarks, &files, header, table),
         case,
         states,
         rows,
@@ -138,7 +140,7 @@ fn positions(case: &Case, exact: &Column) -> (Option<String>, String) {
         let mut row = vec![point.time.to_string()];
         row.extend(point.positions.as_flattened().iter().map(f64::to_string));
         if let Some(state) = exact.state_at(case, point.time) {
-            let positions = (plane.positions)(case.chosen.model.as_ref(), &state.q);
+            let positions = plane.bodies_at(case.chosen.model.as_ref(), &state.q);
             row.extend(positions.as_flattened().iter().map(f64::to_string));
             for (a, b) in positions.iter().zip(&point.positions) {
                 let distance = (a[0] - b[0]).hypot(a[1] - b[1]);

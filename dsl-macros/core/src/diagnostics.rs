@@ -30,7 +30,7 @@ impl Place {
 /// One mistake.
 #[derive(Debug, Clone)]
 pub struct Mistake {
-    /// Code of the mistake (`E01` to `E20`); `None` for plain syntax errors.
+    /// Code of the mistake (`E01` to `E22`); `None` for plain syntax errors.
     pub code: Option<&'static str>,
     /// What is wrong and what to write instead.
     pub message: String,
@@ -137,6 +137,18 @@ impl Diagnostics {
     /// Number of mistakes so far.
     pub(crate) fn mistakes(&self) -> usize {
         self.mistakes.len()
+    }
+
+    /// Number of mistakes so far with other codes than these.
+    pub(crate) fn others_than(&self, codes: &[&str]) -> usize {
+        let is_other = |mistake: &&Mistake| mistake.code.is_none_or(|code| !codes.contains(&code));
+        self.mistakes.iter().filter(is_other).count()
+    }
+
+    /// Number of mistakes so far that leave open what the declaration means. A name that is never used does
+    /// not.
+    pub(crate) fn grave(&self) -> usize {
+        self.others_than(&["E16"])
     }
 
     pub(crate) fn into_mistakes(self) -> Vec<Mistake> {

@@ -21,6 +21,7 @@ mod dimension;
 mod emit;
 mod evaluate;
 mod graph;
+mod mistakes;
 mod parse;
 mod scene;
 mod tape;
@@ -32,10 +33,10 @@ mod random_models;
 mod testing;
 
 pub use diagnostics::Mistake;
+pub use mistakes::{explanation, mistake_codes};
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
 use proc_macro2::TokenStream;
-use std::time::{Instant, SystemTime};
 
 /// Expands one `model! { ... }` declaration into Rust items, or into `compile_error!`s and a stub.
 #[must_use]
@@ -70,11 +71,10 @@ pub fn try_expand(input: TokenStream) -> Result<TokenStream, Vec<Mistake>> {
 }
 
 fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<TokenStream> {
-    let (expanded_at, begin) = (SystemTime::now(), Instant::now());
     graph::reset();
     let declared = parse::scene(input, diagnostics)?;
     let scene = check::scene(&declared, diagnostics)?;
-    if diagnostics.mistakes() > 0 {
+    if diagnostics.grave() > 0 {
         return Err(diagnostics::Reported);
     }
     // Only what happens to constants from here on is of interest.
@@ -104,11 +104,7 @@ fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
         matches!(statement, ast::Statement::Start(list) if list.iter().any(|own| !own.velocity))
     });
     check::at_start(&scene, &equations.mass, positions, diagnostics)?;
-    let timing = emit::Timing {
-        expanded_at,
-        derivation: begin.elapsed(),
-    };
-    emit::scene(&declared, &scene, &equations, &timing).map_err(|unfit| match unfit {
+    emit::scene(&declared, &scene, &equations).map_err(|unfit| match unfit {
         emit::Unfit::Long { kernel, operations } => diagnostics.report(
             "E22",
             scene.name.place(),

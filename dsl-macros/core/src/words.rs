@@ -44,6 +44,13 @@ pub(crate) const FUNCTIONS: [&str; 13] = [
 /// Functions with their own rules.
 pub(crate) const SPECIAL_FUNCTIONS: [&str; 4] = ["dot", "diff", "atan2", "cross"];
 
+/// Whether a name is that of a function of the language.
+pub(crate) fn is_function(text: &str) -> bool {
+    FUNCTIONS.contains(&text)
+        || SPECIAL_FUNCTIONS.contains(&text)
+        || MATRIX_FUNCTIONS.contains(&text)
+}
+
 /// The running cost in an objective.
 pub(crate) const INTEGRAL: &str = "integral";
 

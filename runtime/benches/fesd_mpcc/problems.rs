@@ -2,9 +2,7 @@
 
 use super::scenes::{Ball, Bar, Bowl, PumpTrack, PumpTrackWithoutInput, SkiJump, Waves};
 use hangtime::model::Model;
-use hangtime::ocp::{
-    Component, Goal, Horizon, Objective, Problem, TimeFreezing, TimeFreezingSettings,
-};
+use hangtime::ocp::{Horizon, Problem, TimeFreezing, TimeFreezingSettings};
 use hangtime::rk::Scheme;
 use hangtime::simulation::InputError;
 
@@ -25,7 +23,7 @@ impl Case {
         duration: f64,
         (scheme, stages, elements): (Scheme, usize, usize),
     ) -> Self {
-        let mut problem = Problem::new(&model, Objective::default(), Vec::new(), 1);
+        let mut problem = Problem::of(&model, 1);
         (problem.q, problem.v) = (q.to_vec(), v.to_vec());
         problem.horizon = Horizon::Fixed(duration);
         let mut settings = TimeFreezingSettings::default();
@@ -48,11 +46,7 @@ impl Case {
         if let Some(index) = parameters.iter().position(|known| known.name == "speed") {
             model.set_parameter(index, speed);
         }
-        let goal = Goal {
-            component: Component::Coordinate(0),
-            value: std::f64::consts::TAU,
-        };
-        let problem = Problem::new(&model, Objective::time(), vec![goal], intervals);
+        let problem = Problem::of(&model, intervals);
         let mut settings = TimeFreezingSettings::default();
         (settings.scheme, settings.stages) = (scheme, stages);
         Self {
@@ -72,7 +66,7 @@ impl Case {
 
     /// Whether the guess is a simulation.
     pub(crate) fn is_step(&self) -> bool {
-        self.problem.goals.is_empty()
+        self.model.declaration().optimal_control.is_none()
     }
 }
 

@@ -77,6 +77,8 @@ hangtime::model! {
         forces { l: u }
         surface ground: s >= 0
         impact ground: inelastic, along (-diff(track)(y), 1, 0)
+        minimize time
+        finally { y == 2*pi*1[m] }
         start { l: 0.4368 [m], dot(y): speed }
         horizon 2 [s]
     }

@@ -133,12 +133,12 @@ fn complementarity_problems(only: Option<&str>) {
         "problem method status iterations crossover factorizations objective complementarity cpu"
     );
     let texts = [
-        include_str!("../../tests/data/mpcc_finite_elements.txt"),
-        include_str!("data/finite_elements.txt"),
+        include_bytes!("../../tests/data/mpcc_finite_elements.txt.gz").as_slice(),
+        include_bytes!("data/finite_elements.txt.gz"),
     ];
     for problem in texts
         .iter()
-        .flat_map(|text| solver_support::read_problems(text))
+        .flat_map(|text| solver_support::read_problems(&solver_support::unpack(text)))
         .filter(|problem| only.is_none_or(|only| only == problem.name))
     {
         let by_rules = |problem: &mut TextProblem| mpcc::solve(problem, &mpcc::Settings::default());

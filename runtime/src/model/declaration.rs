@@ -27,10 +27,6 @@ pub struct Declaration {
     pub kernels: &'static [Kernel],
     /// The derived equations, as a person would write them.
     pub equations: &'static [Equation],
-    /// Time that the derivation took at compile time \[s\].
-    pub derivation_seconds: f64,
-    /// Start of the expansion at compile time \[s since 1970\].
-    pub expanded_at: f64,
 }
 
 impl Declaration {

@@ -35,7 +35,6 @@
 
 mod control_piece;
 mod declaration;
-mod mistakes;
 
 pub(crate) use control_piece::ControlPiece;
 
@@ -44,12 +43,35 @@ pub use declaration::{
     CoordinateDeclaration, Declaration, Equation, FrictionDeclaration, ImpactLaw, Kernel,
     OptimalControlDeclaration, ParameterDeclaration, SparsityPattern,
 };
-pub use mistakes::{explanation, mistake_codes};
 
 /// A Lagrangian system with unilateral contacts: the interface between scenes and solvers.
 ///
 /// [`model!`](crate::model!) implements it; a hand-written scene may do so as well. All slices have
 /// exactly the length stated; kernels are pure arithmetic and do not allocate.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let mut ball = Ball::default();
+/// ball.set_parameter(2, 0.5);
+/// assert_eq!((ball.declaration().parameters[2].name, ball.height), ("height", 0.5));
+/// let mut energy = [0.0; 2]; // kinetic, potential
+/// ball.energy(&[0.5, 2.0], &mut energy);
+/// assert_eq!(energy, [2.0, 9.81 * 0.5]);
+/// # Ok::<(), InputError>(())
+/// ```
 pub trait Model: Send + Sync {
     /// What the scene declares: names, units, sparsity patterns, operation counts.
     fn declaration(&self) -> &'static Declaration;

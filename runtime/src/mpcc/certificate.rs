@@ -3,6 +3,7 @@
 use super::Mpcc;
 use super::linear_program::LinearProgram;
 use super::watch::Watch;
+use crate::nlp;
 
 /// Kinds of stationary points, from the multipliers `nu_i`, `nu_j` of biactive pairs
 /// (`x_i = x_j = 0`); each kind implies those below it.
@@ -27,70 +28,158 @@ pub struct Certificate {
     /// Kind of the point by the signs of its multipliers.
     pub stationarity: StationarityType,
     /// `Some(true)`: proved to be without feasible descent to first order; `Some(false)`: `descent` is a
-    /// feasible descent direction; `None`: not decided within the limit of linear programs.
+    /// feasible descent direction; `None`: not decided within the limit of linear programs, or because it hangs on a pair of
+    /// which it could not be decided whether both sides vanish.
     pub b_stationary: Option<bool>,
-    /// Indices of the biactive pairs.
+    /// Indices of the biactive pairs, among them those whose sides may both vanish to the accuracy of the point.
     pub biactive: Vec<usize>,
-    /// A feasible descent direction, length `n`, `|d|_inf <= 1`, if one was found.
+    /// A descent direction, length `n`, `|d|_inf <= 1`, if one was found.
     pub descent: Option<Vec<f64>>,
     /// Linear programs solved.
     pub programs: usize,
 }
 
-/// Rate of descent `grad f'd` for `|d|_inf <= 1` that still counts as none, relative to
-/// `max(1, |grad f|_inf)`: points are accurate to about 1e-8 and their active sets to 1e-7.
+/// Rate of descent `grad f'd` for `|d|_inf <= 1` that still counts as none, relative to the sizes of the terms: points
+/// are accurate to about 1e-8.
 const NO_DESCENT: f64 = 1e-6;
 
-/// Distance from zero up to which a constraint is active, relative to its size.
-const ACTIVE: f64 = 1e-6;
+/// Part of a gradient beyond which rates of descent are compared with it: the accuracy of the linear programs.
+const GRADIENT: f64 = 1e-2;
 
-/// Sign of the multipliers of one biactive pair.
-pub(crate) fn classify_pair(nu_i: f64, nu_j: f64, tolerance: f64) -> StationarityType {
-    if nu_i >= -tolerance && nu_j >= -tolerance {
+/// How far variables may move, in units of the distance of a side from zero, for that side to vanish.
+const NEIGHBOURHOOD: f64 = 100.0;
+
+/// Most linear programs of a certificate.
+const MOST_PROGRAMS: usize = 200;
+
+/// Part of the radius that counts as none.
+const NONE: f64 = 1e-6;
+
+/// Sign of the multipliers of one biactive pair, each with its tolerance.
+fn classify_pair(nu: [f64; 2], tolerance: [f64; 2]) -> StationarityType {
+    let [i, j] = [0, 1].map(|k| nu[k] / tolerance[k]);
+    if i >= -1.0 && j >= -1.0 {
         StationarityType::Strong
-    } else if nu_i.abs() <= tolerance || nu_j.abs() <= tolerance {
+    } else if i.abs() <= 1.0 || j.abs() <= 1.0 {
         StationarityType::Mordukhovich
-    } else if nu_i * nu_j > 0.0 {
+    } else if i * j > 0.0 {
         StationarityType::Clarke
     } else {
         StationarityType::Weak
     }
 }
 
-/// A branch-and-bound problem over the sides of biactive pairs.
+/// The derivatives of a problem at a point, and the pairs that count as biactive there.
 pub(crate) struct Certifier<'a> {
-    pub(crate) problem: &'a mut dyn Mpcc,
-    pub(crate) zero_tolerance: f64,
-    pub(crate) maximum_programs: usize,
+    point: &'a nlp::Solution,
+    pairs: &'a [(usize, usize)],
+    gradient: Vec<f64>,
+    /// Rate of descent of the linear programs that counts as none.
+    least: f64,
+    /// The same of each variable, for its multiplier.
+    tolerance: Vec<f64>,
+    pattern: Vec<(usize, usize)>,
+    values: Vec<f64>,
+    /// Distances to the bounds of rows and variables, in units of the radius of the linear programs.
+    row_lower: Vec<f64>,
+    row_upper: Vec<f64>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
 }
 
-impl Certifier<'_> {
-    /// Certificate of `x` with multipliers `nu` of the lower bounds of all variables.
-    pub(crate) fn certify(&mut self, x: &[f64], nu: &[f64], watch: &mut Watch<'_>) -> Certificate {
-        let pairs = self.problem.complementarities().to_vec();
-        let mut upper = vec![0.0; x.len()];
-        let mut lower = vec![0.0; x.len()];
-        self.problem.variable_bounds(&mut lower, &mut upper);
-        let biactive: Vec<usize> = (0..pairs.len())
-            .filter(|&k| {
-                let (i, j) = pairs[k];
-                x[i].abs() <= self.zero_tolerance
-                    && x[j].abs() <= self.zero_tolerance
-                    && upper[i] > 0.0
-                    && upper[j] > 0.0
-            })
-            .collect();
-        let mut gradient = vec![0.0; x.len()];
-        self.problem.gradient(x, &mut gradient);
-        let scale = gradient.iter().fold(1.0, |a: f64, g| a.max(g.abs()));
-        let stationarity = biactive
-            .iter()
-            .map(|&k| {
-                let (i, j) = pairs[k];
-                classify_pair(nu[i], nu[j], NO_DESCENT * scale)
-            })
-            .min()
-            .unwrap_or(StationarityType::Strong);
+impl<'a> Certifier<'a> {
+    /// Derivatives at `point`, whose multipliers of lower bounds are those of the complementarity problem. The linear
+    /// programs look for descent within `radius`.
+    pub(crate) fn new(
+        problem: &mut dyn Mpcc,
+        pairs: &'a [(usize, usize)],
+        point: &'a nlp::Solution,
+        radius: f64,
+    ) -> Self {
+        let x = &point.x;
+        let (n, m) = (x.len(), problem.constraints());
+        let mut gradient = vec![0.0; n];
+        problem.gradient(x, &mut gradient);
+        let pattern = problem.jacobian_pattern();
+        let mut values = vec![0.0; pattern.len()];
+        problem.jacobian_values(x, &mut values);
+        let mut c = vec![0.0; m];
+        problem.constraint_values(x, &mut c);
+        // a multiplier is a sum of these terms
+        let mut tolerance: Vec<f64> = gradient.iter().map(|g| g.abs()).collect();
+        let mut reach = vec![0.0; m];
+        for (&(row, column), value) in pattern.iter().zip(&values) {
+            tolerance[column] += (value * point.multipliers[row]).abs();
+            reach[row] += value.abs();
+        }
+        for tolerance in &mut tolerance {
+            *tolerance = NO_DESCENT * tolerance.max(1.0);
+        }
+        let largest = gradient.iter().fold(0.0, |a: f64, g| a.max(g.abs()));
+        let (mut lower, mut upper) = (vec![0.0; n], vec![0.0; n]);
+        problem.variable_bounds(&mut lower, &mut upper);
+        for i in 0..n {
+            (lower[i], upper[i]) = room(x[i], (lower[i], upper[i]), radius);
+            lower[i] = lower[i].max(-1.0);
+            upper[i] = upper[i].min(1.0);
+        }
+        let (mut row_lower, mut row_upper) = (vec![0.0; m], vec![0.0; m]);
+        problem.constraint_bounds(&mut row_lower, &mut row_upper);
+        for row in 0..m {
+            let (below, above) = room(c[row], (row_lower[row], row_upper[row]), radius);
+            // what no direction reaches is no constraint
+            let reached = |room: f64, none: f64| if room.abs() > reach[row] { none } else { room };
+            row_lower[row] = reached(below, f64::NEG_INFINITY);
+            row_upper[row] = reached(above, f64::INFINITY);
+        }
+        Self {
+            least: NO_DESCENT * (GRADIENT * largest).max(1.0),
+            point,
+            pairs,
+            gradient,
+            tolerance,
+            pattern,
+            values,
+            row_lower,
+            row_upper,
+            lower,
+            upper,
+        }
+    }
+
+    /// Kind of one pair by the signs of its multipliers.
+    pub(crate) fn classify(&self, pair: usize) -> StationarityType {
+        let (i, j) = self.pairs[pair];
+        let nu = &self.point.multipliers_lower;
+        classify_pair([nu[i], nu[j]], [self.tolerance[i], self.tolerance[j]])
+    }
+
+    /// Whether a direction from the point moves variable `i` off zero.
+    pub(crate) fn moves(&self, i: usize, direction: &[f64]) -> bool {
+        direction[i] - self.lower[i] > NONE
+    }
+
+    /// Whether variable `i` can go to zero near the point, to first order, while the vanishing sides stay zero; `None` if the
+    /// linear program fails.
+    pub(crate) fn can_vanish(&self, i: usize, watch: &mut Watch<'_>) -> Option<bool> {
+        let mut program = self.linear_program(&[]);
+        let distance = -self.lower[i];
+        let most = (NEIGHBOURHOOD * distance).min(1.0);
+        for (lower, upper) in program.lower.iter_mut().zip(&mut program.upper) {
+            *lower = lower.max(-most);
+            *upper = upper.min(most);
+        }
+        program.gradient.fill(0.0);
+        program.gradient[i] = 1.0;
+        let (_, least) = program.solve(watch)?;
+        Some(least <= -0.5 * distance)
+    }
+
+    /// Certificate of the point if the pairs `biactive` are those whose sides both vanish; of the others the smaller side
+    /// vanishes.
+    pub(crate) fn certify(&self, biactive: Vec<usize>, watch: &mut Watch<'_>) -> Certificate {
+        let kinds = biactive.iter().map(|&k| self.classify(k));
+        let stationarity = kinds.min().unwrap_or(StationarityType::Strong);
         let mut certificate = Certificate {
             stationarity,
             b_stationary: Some(true),
@@ -99,50 +188,50 @@ impl Certifier<'_> {
             programs: 0,
         };
         if stationarity != StationarityType::Strong {
-            self.search_descent(x, (gradient, scale), &pairs, &mut certificate, watch);
+            self.search_descent(&mut certificate, watch);
         }
         certificate
     }
 
     /// Looks for a feasible descent direction: `d` solves
-    /// `min grad f'd` over the linearized active constraints, `0 <= d_i _|_ d_j >= 0` for biactive pairs,
-    /// `|d|_inf <= 1`, by branch and bound.
-    fn search_descent(
-        &mut self,
-        x: &[f64],
-        (gradient, scale): (Vec<f64>, f64),
-        pairs: &[(usize, usize)],
-        certificate: &mut Certificate,
-        watch: &mut Watch<'_>,
-    ) {
-        let mut program = self.linearize(x, gradient, pairs, &certificate.biactive);
-        let mut open: Vec<Vec<(usize, bool)>> = vec![Vec::new()];
+    ///
+    /// ```text
+    ///     min grad f'd  s.t.  c_l <= c + r J d <= c_u,  x_l <= x + r d <= x_u,  0 <= x_i + r d_i _|_ x_j + r d_j >= 0,  |d|_inf <= 1
+    /// ```
+    ///
+    /// with the radius `r` and the pairs that count as biactive, by branch and bound over their sides. Bounds count with their
+    /// distances, so that none has to be called active or not.
+    fn search_descent(&self, certificate: &mut Certificate, watch: &mut Watch<'_>) {
+        let mut program = self.linear_program(&certificate.biactive);
         let free = program.upper.clone();
+        let mut open: Vec<Vec<(usize, bool)>> = vec![Vec::new()];
         while let Some(decided) = open.pop() {
-            if certificate.programs >= self.maximum_programs || watch.stop.is_some() {
+            if certificate.programs >= MOST_PROGRAMS || watch.stop.is_some() {
                 certificate.b_stationary = None;
                 return;
             }
             certificate.programs += 1;
             program.upper.copy_from_slice(&free);
             for &(k, first) in &decided {
-                let (i, j) = pairs[k];
-                program.upper[if first { i } else { j }] = 0.0;
+                let (i, j) = self.pairs[k];
+                let side = if first { i } else { j };
+                program.upper[side] = program.lower[side];
             }
             let Some((d, value)) = program.solve(watch) else {
                 certificate.b_stationary = None;
                 continue;
             };
-            if value >= -NO_DESCENT * scale {
+            if value >= -self.least {
                 continue;
             }
+            let off = |i: usize| d[i] - self.lower[i];
             let violated = certificate
                 .biactive
                 .iter()
                 .copied()
                 .filter(|&k| !decided.iter().any(|&(other, _)| other == k))
-                .map(|k| (k, d[pairs[k].0].min(d[pairs[k].1])))
-                .filter(|&(_, least)| least > 1e-6)
+                .map(|k| (k, off(self.pairs[k].0).min(off(self.pairs[k].1))))
+                .filter(|&(_, least)| least > NONE)
                 .max_by(|a, b| a.1.total_cmp(&b.1));
             match violated {
                 None => {
@@ -161,67 +250,40 @@ impl Certifier<'_> {
         }
     }
 
-    /// Linearized constraints at a stationary point, active ones only.
-    fn linearize(
-        &mut self,
-        x: &[f64],
-        gradient: Vec<f64>,
-        pairs: &[(usize, usize)],
-        biactive: &[usize],
-    ) -> LinearProgram {
-        let n = x.len();
-        let m = self.problem.constraints();
-        let pattern = self.problem.jacobian_pattern();
-        let mut values = vec![0.0; pattern.len()];
-        self.problem.jacobian_values(x, &mut values);
-        let mut c = vec![0.0; m];
-        self.problem.constraint_values(x, &mut c);
-        let (mut row_lower, mut row_upper) = (vec![0.0; m], vec![0.0; m]);
-        self.problem
-            .constraint_bounds(&mut row_lower, &mut row_upper);
-        for row in 0..m {
-            (row_lower[row], row_upper[row]) = cone(c[row], row_lower[row], row_upper[row], ACTIVE);
-        }
-        let (mut lower, mut upper) = (vec![0.0; n], vec![0.0; n]);
-        self.problem.variable_bounds(&mut lower, &mut upper);
-        for i in 0..n {
-            let (l, u) = cone(x[i], lower[i], upper[i], ACTIVE);
-            lower[i] = l.max(-1.0);
-            upper[i] = u.min(1.0);
-        }
-        for (k, &(i, j)) in pairs.iter().enumerate() {
-            if biactive.binary_search(&k).is_ok() {
-                lower[i] = 0.0;
-                lower[j] = 0.0;
-                continue;
+    /// The linear program without the complementarity of the biactive pairs.
+    fn linear_program(&self, biactive: &[usize]) -> LinearProgram {
+        let (mut lower, mut upper) = (self.lower.clone(), self.upper.clone());
+        let x = &self.point.x;
+        for (k, &(i, j)) in self.pairs.iter().enumerate() {
+            if biactive.binary_search(&k).is_err() {
+                // the vanishing side stays zero
+                let side = if x[i] <= x[j] { i } else { j };
+                lower[side] = 0.0;
+                upper[side] = 0.0;
             }
-            // the vanishing side stays zero
-            let side = if x[i] <= x[j] { i } else { j };
-            lower[side] = 0.0;
-            upper[side] = 0.0;
         }
         LinearProgram {
-            gradient,
-            pattern,
-            values,
-            row_lower,
-            row_upper,
+            gradient: self.gradient.clone(),
+            pattern: self.pattern.clone(),
+            values: self.values.clone(),
+            row_lower: self.row_lower.clone(),
+            row_upper: self.row_upper.clone(),
             lower,
             upper,
         }
     }
 }
 
-/// Bounds of a direction at `value`: zero where a bound is active, absent elsewhere.
-fn cone(value: f64, lower: f64, upper: f64, tolerance: f64) -> (f64, f64) {
-    let active = |bound: f64| (value - bound).abs() <= tolerance * bound.abs().max(1.0);
+/// How far a value may move down and up, in units of `radius`, never less than not at all; what is next to nothing is
+/// nothing. An absent bound leaves infinite room.
+fn room(value: f64, (lower, upper): (f64, f64), radius: f64) -> (f64, f64) {
+    if lower == upper {
+        return (0.0, 0.0);
+    }
+    let whole = |room: f64| if room > NONE { room } else { 0.0 };
     (
-        if active(lower) {
-            0.0
-        } else {
-            f64::NEG_INFINITY
-        },
-        if active(upper) { 0.0 } else { f64::INFINITY },
+        -whole((value - lower) / radius),
+        whole((upper - value) / radius),
     )
 }
 
@@ -231,7 +293,7 @@ mod tests {
 
     #[test]
     fn classify_pair_by_signs() {
-        let kind = |a, b| classify_pair(a, b, 1e-6);
+        let kind = |a, b| classify_pair([a, b], [1e-6, 1e-6]);
         assert_eq!(kind(1.0, 0.0), StationarityType::Strong);
         assert_eq!(kind(-1.0, 0.0), StationarityType::Mordukhovich);
         assert_eq!(kind(-1.0, -2.0), StationarityType::Clarke);
@@ -239,8 +301,27 @@ mod tests {
     }
 
     #[test]
-    fn cone_keeps_only_active_bounds() {
-        assert_eq!(cone(0.0, 0.0, 1.0, 1e-6), (0.0, f64::INFINITY));
-        assert_eq!(cone(5.0, 5.0, 5.0, 1e-6), (0.0, 0.0));
+    fn classify_pair_measures_each_multiplier_by_its_own_terms() {
+        // -0.5 is nothing beside terms of 1e6, and much beside terms of 1
+        assert_eq!(
+            classify_pair([-0.5, 2.0], [1.0, 1e-6]),
+            StationarityType::Strong
+        );
+        assert_eq!(
+            classify_pair([-0.5, 2.0], [1e-6, 1.0]),
+            StationarityType::Weak
+        );
+    }
+
+    #[test]
+    fn room_is_the_distance_and_infinite_without_a_bound() {
+        assert_eq!(room(0.0, (0.0, 1.0), 0.5), (0.0, 2.0));
+        assert_eq!(room(5.0, (5.0, 5.0), 0.5), (0.0, 0.0));
+        assert_eq!(
+            room(3.0, (f64::NEG_INFINITY, f64::INFINITY), 0.5),
+            (f64::NEG_INFINITY, f64::INFINITY)
+        );
+        // outside by rounding
+        assert_eq!(room(-1e-12, (0.0, f64::INFINITY), 1e-2).0, 0.0);
     }
 }

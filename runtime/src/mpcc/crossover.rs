@@ -1,11 +1,16 @@
 //! From the relaxed solution to an exact one: fix one side of each pair and solve the smooth program.
 
 use super::branch::{Attempt, solve_branch};
-use super::certificate::Certifier;
+use super::certificate::{Certifier, StationarityType};
 use super::forced::mark_forced;
 use super::watch::Watch;
 use super::{Certificate, Mpcc, Residuals, Settings, Solution, Status};
 use crate::nlp;
+
+/// A paired variable below this counts as zero.
+const ZERO: f64 = 1e-7;
+/// Most changes of the fixed sides after the first crossover.
+const MOST_REPAIRS: usize = 10;
 
 /// An exact point.
 #[derive(Debug, Clone)]
@@ -27,9 +32,11 @@ impl Exact {
         watch: &mut Watch<'_>,
     ) -> Self {
         clean(problem, &vanishes, &mut point);
+        let mut judge = Judge::new(problem, settings, vanishes.clone(), point);
+        let certificate = judge.certify(problem, watch);
         Self {
-            certificate: certify(problem, settings, &point, watch),
-            point,
+            certificate,
+            point: judge.point,
             vanishes,
             repairs: 0,
         }
@@ -79,7 +86,7 @@ const NEAR: [Attempt; 3] = [
 
 /// Which variables to fix at zero: the choice of the problem if it has one, else the smaller side of each
 /// pair.
-fn vanishing_sides(problem: &dyn Mpcc, x: &[f64], nu: &[f64], zero: f64) -> Vec<bool> {
+fn vanishing_sides(problem: &dyn Mpcc, x: &[f64], nu: &[f64]) -> Vec<bool> {
     let mut vanishes = vec![false; x.len()];
     if problem.vanishing_sides(x, &mut vanishes) {
         let covered = problem
@@ -94,7 +101,7 @@ fn vanishing_sides(problem: &dyn Mpcc, x: &[f64], nu: &[f64], zero: f64) -> Vec<
     // decided pairs first, so that a variable shared with an undecided pair settles that pair too
     for undecided in [false, true] {
         for &(i, j) in problem.complementarities() {
-            let both_small = x[i].max(x[j]) <= 1e3 * zero;
+            let both_small = x[i].max(x[j]) <= 1e3 * ZERO;
             if both_small != undecided || vanishes[i] || vanishes[j] {
                 continue;
             }
@@ -117,19 +124,14 @@ pub(crate) fn cross_over(
     attempts: &[Attempt],
     watch: &mut Watch<'_>,
 ) -> Option<Exact> {
-    let mut vanishes = vanishing_sides(
-        problem,
-        &relaxed.x,
-        &relaxed.multipliers_lower,
-        settings.zero_tolerance,
-    );
+    let mut vanishes = vanishing_sides(problem, &relaxed.x, &relaxed.multipliers_lower);
     mark_forced(problem, &relaxed.x, &mut vanishes);
     let start = nlp::WarmStart::from_solution(relaxed);
     let point = attempts
         .iter()
         .find_map(|&attempt| solve_branch(problem, settings, &vanishes, &start, attempt, watch))?;
     let mut exact = Exact::new(problem, settings, vanishes, point, watch);
-    while exact.repairs < settings.maximum_repairs {
+    while exact.repairs < MOST_REPAIRS {
         let Some(next) = repair(problem, settings, &exact, watch) else {
             break;
         };
@@ -150,9 +152,10 @@ fn repair(
 ) -> Option<Exact> {
     let descent = exact.certificate.descent.as_ref()?;
     let mut vanishes = exact.vanishes.clone();
+    let moved = |i: usize| exact.point.x[i] + RADIUS * descent[i];
     for &k in &exact.certificate.biactive {
         let (i, j) = problem.complementarities()[k];
-        let first = descent[i] <= descent[j];
+        let first = moved(i) <= moved(j);
         vanishes[i] = first;
         vanishes[j] = !first;
     }
@@ -241,16 +244,187 @@ fn clean(problem: &dyn Mpcc, vanishes: &[bool], solution: &mut nlp::Solution) {
     }
 }
 
-fn certify(
-    problem: &mut dyn Mpcc,
-    settings: &Settings,
-    solution: &nlp::Solution,
-    watch: &mut Watch<'_>,
-) -> Certificate {
-    Certifier {
-        problem,
-        zero_tolerance: settings.zero_tolerance,
-        maximum_programs: settings.maximum_certificate_programs,
+/// Sides up to this many roots of the barrier parameter may vanish at the solution: a side with a zero multiplier ends at
+/// `sqrt(mu / h)`, `h` the curvature of the Lagrangian along it.
+const NEARNESS: f64 = 1e3;
+/// Sides larger than this never vanish.
+const MOST_NEAR: f64 = 1e-2;
+/// Radius of the linear programs of the certificate, so that such sides can be left.
+const RADIUS: f64 = 0.1;
+/// Most programs that decide whether sides vanish.
+const MOST_TRIALS: usize = 20;
+
+/// Decides which pairs of a solved branch are biactive, and certifies it.
+///
+/// Which sides vanish at a solution the end of a central path shows only where multipliers are positive. Of a pair with one side
+/// fixed, whose other side is small on the scale of the path, both are taken for zero first; where the linear programs have no
+/// descent even then, the point is certified. Where the verdict hangs on the pair, the program with both sides at zero decides: if
+/// its objective is not higher, its solution is the point that the path goes to, and is certified instead.
+struct Judge<'s> {
+    settings: &'s Settings,
+    pairs: Vec<(usize, usize)>,
+    point: nlp::Solution,
+    /// The sides that are zero exactly at the point.
+    vanishes: Vec<bool>,
+    /// Pairs that can be biactive: without a side that its bounds hold at zero, or that is known to be positive.
+    open: Vec<bool>,
+    /// Pairs of which it could not be decided.
+    undecided: Vec<bool>,
+    trials: usize,
+}
+
+impl<'s> Judge<'s> {
+    fn new(
+        problem: &dyn Mpcc,
+        settings: &'s Settings,
+        vanishes: Vec<bool>,
+        point: nlp::Solution,
+    ) -> Self {
+        let pairs = problem.complementarities().to_vec();
+        let n = point.x.len();
+        let (mut lower, mut upper) = (vec![0.0; n], vec![0.0; n]);
+        problem.variable_bounds(&mut lower, &mut upper);
+        Self {
+            settings,
+            open: pairs
+                .iter()
+                .map(|&(i, j)| upper[i] > 0.0 && upper[j] > 0.0)
+                .collect(),
+            undecided: vec![false; pairs.len()],
+            pairs,
+            point,
+            vanishes,
+            trials: 0,
+        }
     }
-    .certify(&solution.x, &solution.multipliers_lower, watch)
+
+    /// Whether side `i` may vanish where the path goes to.
+    fn is_near(&self, i: usize) -> bool {
+        let x = self.point.x[i];
+        // the barrier parameter is one of the scaled objective; the product is in the caller's unit
+        let product = x * self.point.multipliers_lower[i];
+        let mu = self.point.barrier_parameter.max(product);
+        x <= (NEARNESS * mu.sqrt()).clamp(ZERO, MOST_NEAR)
+    }
+
+    /// Whether pair `k` may be biactive, though a side is not zero.
+    fn is_doubtful(&self, k: usize) -> bool {
+        let (i, j) = self.pairs[k];
+        let larger = self.point.x[i].max(self.point.x[j]);
+        larger > ZERO
+    }
+
+    /// The certificate of the point, which moves to where undecided sides vanish.
+    fn certify(&mut self, problem: &mut dyn Mpcc, watch: &mut Watch<'_>) -> Certificate {
+        loop {
+            let x = &self.point.x;
+            let biactive: Vec<usize> = (0..self.pairs.len())
+                .filter(|&k| {
+                    let (i, j) = self.pairs[k];
+                    self.open[k] && self.is_near(i) && self.is_near(j)
+                })
+                .collect();
+            let certifier = Certifier::new(problem, &self.pairs, &self.point, RADIUS);
+            let hangs = |k: usize| self.is_doubtful(k) && !self.undecided[k];
+            let mut doubtful: Vec<usize> = biactive.clone();
+            doubtful.retain(|&k| hangs(k) && certifier.classify(k) < StationarityType::Strong);
+            if doubtful.is_empty() {
+                let mut certificate = certifier.certify(biactive, watch);
+                let Some(descent) = &certificate.descent else {
+                    return certificate;
+                };
+                let used = |k: usize| {
+                    let (i, j) = self.pairs[k];
+                    let side = if x[i] <= x[j] { i } else { j };
+                    self.is_doubtful(k) && certifier.moves(side, descent)
+                };
+                let used: Vec<usize> = certificate
+                    .biactive
+                    .iter()
+                    .copied()
+                    .filter(|&k| used(k))
+                    .collect();
+                if used.iter().any(|&k| self.undecided[k]) {
+                    certificate.b_stationary = None;
+                    return certificate;
+                }
+                if used.is_empty() {
+                    return certificate;
+                }
+                doubtful = used;
+            }
+            // pairs that are not biactive to first order need no trial
+            let (pairs, x) = (&self.pairs, &self.point.x);
+            let larger = |k: usize| {
+                let (i, j) = pairs[k];
+                if x[i] > x[j] { i } else { j }
+            };
+            let (apart, doubtful): (Vec<usize>, Vec<usize>) = doubtful
+                .into_iter()
+                .partition(|&k| certifier.can_vanish(larger(k), watch) == Some(false));
+            for k in apart {
+                self.open[k] = false;
+            }
+            if !doubtful.is_empty() {
+                self.decide(problem, &doubtful, watch);
+            }
+        }
+    }
+
+    /// Decides whether these pairs vanish: together, or else one by one until the first that does.
+    fn decide(&mut self, problem: &mut dyn Mpcc, doubtful: &[usize], watch: &mut Watch<'_>) {
+        if doubtful.len() > 1 && self.vanish(problem, doubtful, watch) == Some(true) {
+            return;
+        }
+        for &k in doubtful {
+            match self.vanish(problem, &[k], watch) {
+                Some(true) => return,
+                Some(false) => self.open[k] = false,
+                None => self.undecided[k] = true,
+            }
+        }
+    }
+
+    /// Whether both sides of these pairs vanish where the path goes to: then the point moves there. `None` if the program
+    /// with both at zero could not be solved.
+    fn vanish(
+        &mut self,
+        problem: &mut dyn Mpcc,
+        pairs: &[usize],
+        watch: &mut Watch<'_>,
+    ) -> Option<bool> {
+        if self.trials >= MOST_TRIALS {
+            return None;
+        }
+        self.trials += 1;
+        let mut vanishes = self.vanishes.clone();
+        let mut start = nlp::WarmStart::from_solution(&self.point);
+        for &k in pairs {
+            for side in [self.pairs[k].0, self.pairs[k].1] {
+                vanishes[side] = true;
+                start.x[side] = 0.0;
+            }
+        }
+        mark_forced(problem, &start.x, &mut vanishes);
+        let mut point = solve_branch(problem, self.settings, &vanishes, &start, PAUSED[0], watch)?;
+        clean(problem, &vanishes, &mut point);
+        // what is left on the central path: a product for each bound
+        let products = (point.x.len() + point.multipliers.len()) as f64;
+        let gap = |point: &nlp::Solution| {
+            products * point.residuals.complementarity.max(point.barrier_parameter)
+        };
+        let least = gap(&point).max(gap(&self.point)) + 1e-12 * self.point.objective.abs();
+        let both = point.objective <= self.point.objective + least;
+        let distance = point.x.iter().zip(&self.point.x);
+        let distance = distance.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        if both {
+            (self.point, self.vanishes) = (point, vanishes);
+            Some(true)
+        } else if distance <= RADIUS {
+            Some(false)
+        } else {
+            // a solution elsewhere says nothing
+            None
+        }
+    }
 }

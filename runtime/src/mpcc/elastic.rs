@@ -1,6 +1,6 @@
 //! The elastic form of a complementarity problem: one slack for all products.
 
-use super::run::{End, Ended, finish};
+use super::finish::{End, Ended, finish};
 use super::watch::{Purpose, Watch};
 use super::{Mpcc, RelaxationRule, Settings};
 use crate::nlp::{self, InputError, NlpProblem, Pattern, Products};
@@ -40,6 +40,20 @@ impl<'a> Elastic<'a> {
             pairs,
             problem,
         }
+    }
+
+    /// Takes the slack out of a solution, and the multipliers of the products into those of the paired variables.
+    fn remove_products(&self, solution: &mut nlp::Solution) {
+        let (n, m) = (self.problem.variables(), self.problem.constraints());
+        for (&(i, j), r) in self.pairs.iter().zip(&solution.multipliers[m..]) {
+            solution.multipliers_lower[i] -= r * solution.x[j];
+            solution.multipliers_lower[j] -= r * solution.x[i];
+        }
+        solution.objective -= solution.x[n];
+        solution.x.truncate(n);
+        solution.multipliers.truncate(m);
+        solution.multipliers_lower.truncate(n);
+        solution.multipliers_upper.truncate(n);
     }
 }
 
@@ -207,114 +221,159 @@ pub(crate) fn elastic(
     settings: &Settings,
     watch: &mut Watch<'_>,
 ) -> Result<Ended, InputError> {
-    let (n, m) = (problem.variables(), problem.constraints());
-    let pairs = problem.complementarities().to_vec();
     let mut program = Elastic::new(problem);
-    let mut interior_point = settings.interior_point.clone();
-    let tolerance = interior_point.tolerance;
-    let mut warm: Option<nlp::WarmStart> = None;
-    let mut iterations = 0;
-    let mut history = Vec::new();
-    // slack of the last program, and how many in a row left it as it was
-    let (mut last, mut stuck) = (f64::INFINITY, 0);
-    let mut accurate = false;
+    let mut series = Series::new(settings);
     let (mut solution, slack) = loop {
-        let sigma = program.sigma;
-        interior_point.tolerance = if accurate {
+        let (solution, given_up) = series.solve(&mut program, watch)?;
+        let stopped = watch.stop.is_some();
+        match series.next(&mut program, solution, given_up, stopped) {
+            Next::Go => {}
+            Next::End(solution, slack) => break (*solution, slack),
+        }
+    };
+    program.remove_products(&mut solution);
+    solution.history = series.history;
+    let (rule, end) = (
+        RelaxationRule::Elastic,
+        End::last(slack.max(settings.final_relaxation)),
+    );
+    Ok(finish(problem, settings, rule, solution, end, watch))
+}
+
+/// What follows on an elastic program.
+enum Next {
+    /// The next one.
+    Go,
+    /// The end, with the slack.
+    End(Box<nlp::Solution>, f64),
+}
+
+/// A series of elastic programs.
+struct Series<'s> {
+    settings: &'s Settings,
+    interior_point: nlp::Settings,
+    warm: Option<nlp::WarmStart>,
+    iterations: usize,
+    history: Vec<nlp::IterationInfo>,
+    /// Slack of the last program, and how many in a row left it as it was.
+    last: f64,
+    stuck: usize,
+    /// Whether the slack has vanished, so that only accuracy is missing.
+    accurate: bool,
+}
+
+impl<'s> Series<'s> {
+    fn new(settings: &'s Settings) -> Self {
+        Self {
+            settings,
+            interior_point: settings.interior_point.clone(),
+            warm: None,
+            iterations: 0,
+            history: Vec::new(),
+            last: f64::INFINITY,
+            stuck: 0,
+            accurate: false,
+        }
+    }
+
+    /// Solves a program.
+    fn solve(
+        &mut self,
+        program: &mut Elastic<'_>,
+        watch: &mut Watch<'_>,
+    ) -> Result<(nlp::Solution, Option<GivenUp>), InputError> {
+        let tolerance = self.settings.interior_point.tolerance;
+        self.interior_point.tolerance = if self.accurate {
             tolerance
         } else {
-            tolerance.max(1e-2 * sigma)
+            tolerance.max(1e-2 * program.sigma)
         };
+        let first = self.interior_point.initial_barrier_parameter;
         let mut path = nlp::Monotone {
-            mu: warm
-                .as_ref()
-                .map_or(interior_point.initial_barrier_parameter, |w| {
-                    w.barrier_parameter
-                }),
+            mu: self.warm.as_ref().map_or(first, |w| w.barrier_parameter),
             sigma: 0.0,
-            tolerance: interior_point.tolerance,
+            tolerance: self.interior_point.tolerance,
         };
-        interior_point.maximum_iterations = settings
+        self.interior_point.maximum_iterations = self
+            .settings
             .interior_point
             .maximum_iterations
-            .saturating_sub(iterations);
+            .saturating_sub(self.iterations);
         let mut progress = Progress::default();
+        let warm = self.warm.as_ref();
         let mut solution = watch.run(
             Purpose::Relaxed,
-            &interior_point,
+            &self.interior_point,
             &mut |info| progress.goes_on(info),
             |settings, observer| {
                 let none = &mut Products::default();
-                let warm = warm.as_ref();
-                nlp::run(
-                    &mut program,
-                    settings,
-                    none,
-                    &mut path,
-                    warm,
-                    Some(observer),
-                )
+                nlp::run(program, settings, none, &mut path, warm, Some(observer))
             },
         )?;
-        iterations += solution.counts.iterations;
-        history.append(&mut solution.history);
+        self.iterations += solution.counts.iterations;
+        self.history.append(&mut solution.history);
+        Ok((solution, progress.given_up))
+    }
+
+    /// Decides what follows on a program, and prepares it.
+    fn next(
+        &mut self,
+        program: &mut Elastic<'_>,
+        mut solution: nlp::Solution,
+        given_up: Option<GivenUp>,
+        stopped: bool,
+    ) -> Next {
+        let floor = self.settings.final_relaxation;
+        let tolerance = self.settings.interior_point.tolerance;
+        let sigma = program.sigma;
+        let n = program.problem.variables();
         let slack = sigma * solution.x[n];
-        let is_last = sigma <= settings.final_relaxation;
-        let next = (0.1 * sigma).max(settings.final_relaxation);
-        if progress.given_up == Some(GivenUp::Unbounded) {
-            if is_last || watch.stop.is_some() {
+        let is_last = sigma <= floor;
+        let smaller = (0.1 * sigma).max(floor);
+        if given_up == Some(GivenUp::Unbounded) {
+            if is_last || stopped {
                 solution.status = nlp::Status::Diverging;
-                break (solution, slack);
+                return Next::End(Box::new(solution), slack);
             }
-            program.sigma = next;
-            warm = None;
-            continue;
+            program.sigma = smaller;
+            self.warm = None;
+            return Next::Go;
         }
-        if progress.given_up == Some(GivenUp::Stalled) {
+        if given_up == Some(GivenUp::Stalled) {
             solution.status = nlp::Status::Acceptable;
-            if slack <= settings.final_relaxation {
-                break (solution, slack);
+            if slack <= floor {
+                return Next::End(Box::new(solution), slack);
             }
         }
         let solved = solution.status == nlp::Status::Solved;
-        let exact = solved && slack <= settings.final_relaxation;
-        stuck = if slack > STUCK * last { stuck + 1 } else { 0 };
-        last = slack;
-        let infeasible = solved && !exact && stuck >= STUCK_PROGRAMS;
+        let exact = solved && slack <= floor;
+        self.stuck = if slack > STUCK * self.last {
+            self.stuck + 1
+        } else {
+            0
+        };
+        self.last = slack;
+        let infeasible = solved && !exact && self.stuck >= STUCK_PROGRAMS;
         let goes_on = solved || solution.status == nlp::Status::Acceptable;
-        if infeasible || !goes_on || is_last || (exact && interior_point.tolerance <= tolerance) {
+        let accurate = exact && self.interior_point.tolerance <= tolerance;
+        if infeasible || !goes_on || is_last || accurate {
             if solved && !exact {
                 solution.status = nlp::Status::Infeasible;
             }
-            break (solution, slack);
+            return Next::End(Box::new(solution), slack);
         }
-        // once the slack has vanished only accuracy is missing
-        accurate = exact;
-        let next = if exact { sigma } else { next };
+        self.accurate = exact;
+        let next = if exact { sigma } else { smaller };
         let mut start = nlp::WarmStart {
             barrier_parameter: solution.barrier_parameter.max(1e-2 * next).min(0.1),
             ..nlp::WarmStart::from_solution(&solution)
         };
         // the slack in its new unit
         start.x[n] = slack / next;
-        (interior_point.bound_push, interior_point.bound_fraction) = (1e-9, 1e-9);
+        self.interior_point.bound_push = 1e-9;
+        self.interior_point.bound_fraction = 1e-9;
         program.sigma = next;
-        warm = Some(start);
-    };
-    // the multipliers of the products become part of those of the paired variables
-    for (&(i, j), r) in pairs.iter().zip(&solution.multipliers[m..]) {
-        solution.multipliers_lower[i] -= r * solution.x[j];
-        solution.multipliers_lower[j] -= r * solution.x[i];
+        self.warm = Some(start);
+        Next::Go
     }
-    solution.objective -= solution.x[n];
-    solution.x.truncate(n);
-    solution.multipliers.truncate(m);
-    solution.multipliers_lower.truncate(n);
-    solution.multipliers_upper.truncate(n);
-    solution.history = history;
-    let (rule, end) = (
-        RelaxationRule::Elastic,
-        End::last(slack.max(settings.final_relaxation)),
-    );
-    Ok(finish(problem, settings, rule, solution, end, watch))
 }

@@ -34,8 +34,12 @@
 //! direction of the linear program with complementarity constraints
 //!
 //! ```text
-//!     min grad f'd  s.t.  linearized active constraints,  0 <= d_i  _|_  d_j >= 0,  |d|_inf <= 1.
+//!     min grad f'd  s.t.  c_l <= c + r J d <= c_u,  x_l <= x + r d <= x_u,  0 <= x_i + r d_i  _|_  x_j + r d_j >= 0,  |d|_inf <= 1
 //! ```
+//!
+//! with a small radius `r`: bounds count with their distances, so that none has to be called active. A side with a zero
+//! multiplier ends at `sqrt(mu)`, not at zero. So all pairs whose sides are small on the scale of the central path count as
+//! biactive; where the verdict hangs on one of them, the program with both sides at zero decides whether it is.
 //!
 //! None means B-stationary: certified. A direction leads to another choice of sides and a lower point. Last, choices
 //! next to the certified one that the problem knows of ([`Mpcc::neighbour`]) are tried for a better objective.
@@ -49,6 +53,7 @@ mod branch;
 mod certificate;
 mod crossover;
 mod elastic;
+mod finish;
 mod forced;
 mod linear_program;
 mod problem;
@@ -60,7 +65,6 @@ mod solve;
 mod watch;
 
 pub use certificate::{Certificate, StationarityType};
-
 pub use problem::Mpcc;
 pub use settings::{RelaxationRule, Settings};
 pub use solution::{Residuals, Solution, Status};

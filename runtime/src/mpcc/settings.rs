@@ -42,16 +42,10 @@ pub struct Settings {
     /// default true. Without it complementarity is only met to `final_relaxation`, and nothing is
     /// certified.
     pub crossover: bool,
-    /// Most changes of the fixed sides after the first crossover; default 10.
-    pub maximum_repairs: usize,
     /// Most neighbouring choices of the fixed sides ([`Mpcc::neighbour`](super::Mpcc::neighbour)) that are tried for
     /// a better objective after a certified crossover; default 100, 0 = none. They end as well after a quarter of the
     /// iterations before, 150 at least.
     pub maximum_neighbours: usize,
-    /// A paired variable below this counts as zero when points are classified; default 1e-7, > 0.
-    pub zero_tolerance: f64,
-    /// Most linear programs that a certificate of B-stationarity may solve; default 200.
-    pub maximum_certificate_programs: usize,
 }
 
 impl Default for Settings {
@@ -73,10 +67,7 @@ impl Default for Settings {
             second_opinion: true,
             final_relaxation: 1e-8,
             crossover: true,
-            maximum_repairs: 10,
             maximum_neighbours: 100,
-            zero_tolerance: 1e-7,
-            maximum_certificate_programs: 200,
         }
     }
 }
@@ -85,20 +76,22 @@ impl Settings {
     /// Checks every field against its range.
     ///
     /// # Errors
-    /// [`nlp::InputError::Setting`] names the first field outside its range.
-    pub fn validate(&self) -> Result<(), nlp::InputError> {
+    /// [`nlp::InputError`] names the first field outside its range.
+    pub(crate) fn validate(&self) -> Result<(), nlp::InputError> {
         self.interior_point.validate()?;
-        let fault = |name, value, range| Err(nlp::InputError::Setting { name, value, range });
+        let fault = |name, value, range| {
+            Err(nlp::InputError::from(nlp::Fault::Setting {
+                name,
+                value,
+                range,
+            }))
+        };
         if self.rules.is_empty() {
             return fault("rules", 0.0, "a list of at least one rule");
         }
-        for (name, value) in [
-            ("final_relaxation", self.final_relaxation),
-            ("zero_tolerance", self.zero_tolerance),
-        ] {
-            if !(value > 0.0 && value < 1.0) {
-                return fault(name, value, "(0, 1)");
-            }
+        let sigma = self.final_relaxation;
+        if !(sigma > 0.0 && sigma < 1.0) {
+            return fault("final_relaxation", sigma, "(0, 1)");
         }
         Ok(())
     }

@@ -55,7 +55,7 @@ pub struct Residuals {
     pub complementarity: f64,
 }
 
-/// Result of a run.
+/// Result of a run. One flat record, as [`nlp::Solution`] is: a caller reads one or two of its fields.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Solution {

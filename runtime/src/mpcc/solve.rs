@@ -1,10 +1,11 @@
 //! The entry points: rules one after the other.
 
 use super::crossover::improve;
-use super::run::{BINDING, Ended, solve_with};
+use super::finish::{BINDING, Ended};
+use super::run::solve_with;
 use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
-use crate::nlp::{self, InputError};
+use crate::nlp::{self, Fault, InputError};
 
 /// Solves a mathematical program with complementarity constraints from its own starting point: the rules of
 /// [`Settings::rules`] one after the other, until one ends at a certified point.
@@ -140,11 +141,11 @@ pub fn solve_observed(
     }
     let best = best.map(|ended| complete(problem, settings, ended, &mut watch));
     // the list of rules is not empty
-    best.ok_or(InputError::Setting {
+    best.ok_or(InputError::from(Fault::Setting {
         name: "rules",
         value: 0.0,
         range: "a list of at least one rule",
-    })
+    }))
 }
 
 /// The best of the rules, improved by neighbours where it is certified, with the totals of all rules.
@@ -220,12 +221,12 @@ fn check_pairs(problem: &dyn Mpcc) -> Result<(), InputError> {
         } else {
             continue;
         };
-        return Err(InputError::Complementarity {
+        return Err(InputError::from(Fault::Complementarity {
             index,
             first,
             second,
             fault,
-        });
+        }));
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Comparison of a problem's derivatives with finite differences.
 
-use super::{InputError, NlpProblem};
+use super::{Fault, InputError, NlpProblem};
 
 /// One compared derivative.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +50,7 @@ impl DerivativeReport {
 /// meant for tests of small problems.
 ///
 /// # Errors
-/// [`InputError::WarmStart`] if `x` has the wrong length; [`InputError::NotFiniteAtStart`] if a function is
+/// [`InputError`] if `x` has the wrong length; [`InputError`] if a function is
 /// not finite there.
 ///
 /// # Examples
@@ -92,19 +92,19 @@ pub fn check_derivatives(
     match x {
         Some(x) if x.len() == n => point.copy_from_slice(x),
         Some(x) => {
-            return Err(InputError::WarmStart {
+            return Err(InputError::from(Fault::WarmStart {
                 what: "the point",
                 expected: n,
                 found: x.len(),
-            });
+            }));
         }
         None => problem.initial_point(&mut point),
     }
     let given = Derivatives::at(problem, &point);
     if !given.is_finite() {
-        return Err(InputError::NotFiniteAtStart {
+        return Err(InputError::from(Fault::NotFiniteAtStart {
             what: String::from("a derivative"),
-        });
+        }));
     }
     let hessian = given.hessian(problem, &point);
     let mut entries = Vec::new();

@@ -1,9 +1,13 @@
 //! What can be wrong with the input.
 
-/// A fault of the input, found before the first iteration.
+/// A fault of the input, found before the first iteration; its message says what is wrong, where, and how to mend it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum InputError {
+#[error(transparent)]
+pub struct InputError(#[from] Fault);
+
+/// What can be wrong.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub(crate) enum Fault {
     /// A setting lies outside its range.
     #[error("setting `{name}` is {value}; choose a value in {range}")]
     Setting {

@@ -32,7 +32,6 @@ mod derivative_check;
 mod elements;
 mod error;
 mod info;
-pub mod iteration_log;
 mod kkt;
 mod method;
 mod pattern;
@@ -43,12 +42,12 @@ mod result;
 mod settings;
 mod solution;
 mod solve;
-mod statistics;
 mod status;
 mod warm_start;
 
 pub use derivative_check::{DerivativeEntry, DerivativeReport, check_derivatives};
 pub use elements::{Element, ElementProblem, ElementProblemBuilder, Target};
+pub(crate) use error::Fault;
 pub use error::InputError;
 pub use info::{IterationInfo, Observer};
 /// The number type that [`Element::evaluate`] is generic over.
@@ -58,7 +57,6 @@ pub use problem::NlpProblem;
 pub use settings::Settings;
 pub use solution::{Counts, Residuals, Solution, Violation};
 pub use solve::{solve, solve_from};
-pub use statistics::ProblemStatistics;
 pub use status::Status;
 pub use warm_start::WarmStart;
 

@@ -3,7 +3,7 @@
 use super::method::{Core, End};
 use super::program::iterate::Iterate;
 use super::solution::{Multipliers, diagnose};
-use super::{Products, Residuals, Solution, Status};
+use super::{Counts, Products, Residuals, Solution, Status};
 
 /// The result in the user's variables and units.
 pub(super) fn solution(mut core: Core<'_, '_>, end: &End, products: &mut Products) -> Solution {
@@ -27,10 +27,11 @@ pub(super) fn solution(mut core: Core<'_, '_>, end: &End, products: &mut Product
         &multipliers,
         core.settings.constraint_tolerance,
     );
-    let mut counts = core.formulation.counts;
-    counts.iterations = core.iterations;
-    counts.restoration_iterations = core.restoration_iterations;
-    counts.factorizations = core.kkt.factorizations;
+    let counts = Counts {
+        iterations: core.iterations,
+        restoration_iterations: core.restoration_iterations,
+        factorizations: core.kkt.factorizations,
+    };
     Solution {
         status: match end.outcome.status {
             Status::Solved if end.outcome.left => Status::RestorationFailed,

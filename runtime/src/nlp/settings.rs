@@ -1,6 +1,6 @@
 //! What the caller may choose.
 
-use super::InputError;
+use super::{Fault, InputError};
 
 /// Settings of the interior point method; change fields of [`Settings::default`].
 #[derive(Debug, Clone, PartialEq)]
@@ -28,10 +28,6 @@ pub struct Settings {
     /// Relative relaxation of all bounds, so that a feasible set without interior gets one; default
     /// 1e-8, `>= 0`. Solutions may violate bounds by as much.
     pub bound_relaxation: f64,
-    /// Objective and rows are scaled so that gradients at the start do not exceed this; default 100.
-    pub scaling_gradient: f64,
-    /// Most second-order corrections in an iteration; default 4.
-    pub maximum_corrections: usize,
     /// Shift of the dual rows relative to `mu^0.25` that is always on; default 0. Complementarity
     /// problems use 1e-10: their Jacobians lose rank.
     pub permanent_dual_shift: f64,
@@ -50,8 +46,6 @@ impl Default for Settings {
             bound_push: 1e-2,
             bound_fraction: 1e-2,
             bound_relaxation: 0.0,
-            scaling_gradient: 100.0,
-            maximum_corrections: 4,
             permanent_dual_shift: 0.0,
         }
     }
@@ -61,13 +55,13 @@ impl Settings {
     /// Checks every field against its range.
     ///
     /// # Errors
-    /// [`InputError::Setting`] names the first field outside its range.
-    pub fn validate(&self) -> Result<(), InputError> {
+    /// [`InputError`] names the first field outside its range.
+    pub(crate) fn validate(&self) -> Result<(), InputError> {
         let check = |name, value: f64, valid: bool, range| {
             if valid {
                 Ok(())
             } else {
-                Err(InputError::Setting { name, value, range })
+                Err(InputError::from(Fault::Setting { name, value, range }))
             }
         };
         let positive = |name, value: f64| check(name, value, value > 0.0, "(0, inf)");
@@ -82,7 +76,6 @@ impl Settings {
         positive("maximum_seconds", self.maximum_seconds)?;
         positive("initial_barrier_parameter", self.initial_barrier_parameter)?;
         positive("bound_push", self.bound_push)?;
-        positive("scaling_gradient", self.scaling_gradient)?;
         check(
             "bound_fraction",
             self.bound_fraction,

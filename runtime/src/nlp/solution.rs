@@ -26,14 +26,6 @@ pub struct Counts {
     pub restoration_iterations: usize,
     /// Numeric factorizations.
     pub factorizations: usize,
-    /// Objective evaluations.
-    pub objectives: usize,
-    /// Constraint evaluations.
-    pub constraints: usize,
-    /// Gradient and Jacobian evaluations.
-    pub jacobians: usize,
-    /// Hessian evaluations.
-    pub hessians: usize,
 }
 
 /// A row or bound that a point violates.

@@ -4,7 +4,7 @@ use super::method::barrier::{BarrierPath, Monotone};
 use super::method::{self, Core};
 use super::program::formulation::Formulation;
 use super::result::solution;
-use super::{InputError, NlpProblem, Observer, Products, Settings, Solution, WarmStart};
+use super::{Fault, InputError, NlpProblem, Observer, Products, Settings, Solution, WarmStart};
 
 /// Solves a nonlinear program from its own starting point.
 ///
@@ -158,11 +158,11 @@ fn check_warm_start(problem: &dyn NlpProblem, start: &WarmStart) -> Result<(), I
         ("the upper multipliers", n, start.multipliers_upper.len()),
     ] {
         if expected != found {
-            return Err(InputError::WarmStart {
+            return Err(InputError::from(Fault::WarmStart {
                 what,
                 expected,
                 found,
-            });
+            }));
         }
     }
     Ok(())

@@ -47,7 +47,7 @@
 //! way, `t = sqrt(2 m / u)`.
 //!
 //! ```
-//! use hangtime::ocp::{self, Component, Goal, Objective, Problem, Settings};
+//! use hangtime::ocp::{self, Problem, Settings};
 //!
 //! hangtime::model! {
 //!     /// A cart that is pushed.
@@ -57,13 +57,13 @@
 //!         controls { u: N in -1..=1 }
 //!         lagrangian m/2*dot(y)^2
 //!         forces { y: u }
+//!         minimize time
+//!         finally { y == 1[m] }
 //!     }
 //! }
 //!
 //! let cart = Cart::default();
-//! let goal = Goal { component: Component::Coordinate(0), value: 1.0 };
-//! let problem = Problem::new(&cart, Objective::time(), vec![goal], 4);
-//! let solution = ocp::solve(&cart, &problem, &Settings::default(), &mut |_| true)?;
+//! let solution = ocp::solve(&cart, &Problem::of(&cart, 4), &Settings::default(), &mut |_| true)?;
 //! assert!(solution.status.is_solved());
 //! assert!((solution.horizon - 2.0).abs() < 1e-6);
 //! # Ok::<(), hangtime::simulation::InputError>(())
@@ -81,14 +81,14 @@ mod search;
 mod settings;
 mod solution;
 mod solve;
+mod summary;
 
 pub use global::time_freezing::{TimeFreezing, TimeFreezingMotion};
 pub use motion::control_grid::ControlShape;
 pub use previous::Previous;
-pub use problem::{Component, Goal, Horizon, Objective, Problem};
-pub use progress::{Observer, Progress};
+pub use problem::{Horizon, Problem};
 pub use settings::{BoundsAt, Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
 pub use solution::{
-    Counts, Excess, Optimum, Size, Solution, Stationarity, Status, TimeFreezingReport,
+    Counts, Excess, Margin, Optimum, Size, Solution, Stationarity, Status, TimeFreezingReport,
 };
 pub use solve::solve;

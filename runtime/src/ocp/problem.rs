@@ -1,6 +1,6 @@
 //! The optimal control problem, and the checks that come before it is solved.
 
-use crate::model::{Model, OptimalControlDeclaration, contact_point};
+use crate::model::{Model, contact_point};
 use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
 
 /// Most control intervals: the programs are kept in memory.
@@ -12,7 +12,7 @@ const AT_REST: f64 = 1e-9;
 /// An optimal control problem on a [`Model`]:
 ///
 /// ```text
-/// min  phi(q, v, T) + int_0^T L(q, v, u) dt + w_T T + w_u int_0^T u'u dt + sum w q(T) + sum w v(T)
+/// min  phi(q, v, T) + int_0^T L(q, v, u) dt
 /// s.t. the motion of the model from (q, v), with impacts,
 ///      coordinates and controls within Model::bounds at all times,
 ///      path constraints c(q, v, u) = 0 or >= 0,
@@ -20,8 +20,8 @@ const AT_REST: f64 = 1e-9;
 /// ```
 ///
 /// `phi`, `L`, `c`, goals and free initial values are those that the scene declares
-/// ([`OptimalControlDeclaration`]); the weights of [`Objective`] and the [`Goal`]s are added to them by the program
-/// that states the problem. The controls are constant or linear ([`ControlShape`](super::ControlShape)) on `intervals`
+/// ([`OptimalControlDeclaration`](crate::model::OptimalControlDeclaration)); what is to vary from one problem to the next is a parameter of the scene. The
+/// controls are constant or linear ([`ControlShape`](super::ControlShape)) on `intervals`
 /// intervals of equal physical length `T / intervals`. An impact at the final time itself counts: goals and costs mean
 /// the state after it.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,12 +32,6 @@ pub struct Problem {
     pub v: Vec<f64>,
     /// Length of the motion.
     pub horizon: Horizon,
-    /// Whether objective, path constraints, terminal conditions and free initial values of the scene count.
-    pub declared: bool,
-    /// What to minimize, besides what the scene declares.
-    pub objective: Objective,
-    /// What has to hold at the end, besides what the scene declares.
-    pub goals: Vec<Goal>,
     /// Number of control intervals, 1 to 10 000.
     pub intervals: usize,
 }
@@ -54,95 +48,25 @@ pub enum Horizon {
     },
 }
 
-/// Weights of the objective; everything that is not named has the weight 0.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Objective {
-    /// Weight of the final time.
-    pub final_time: f64,
-    /// Weight of the control effort `int u'u dt`, at least 0.
-    pub control_effort: f64,
-    /// (index, weight) of coordinates at the end.
-    pub final_coordinates: Vec<(usize, f64)>,
-    /// (index, weight) of velocities at the end.
-    pub final_velocities: Vec<(usize, f64)>,
-}
-
-impl Objective {
-    /// Least final time.
-    #[must_use]
-    pub fn time() -> Self {
-        Self {
-            final_time: 1.0,
-            ..Self::default()
-        }
-    }
-
-    /// Least control effort `int u'u dt`.
-    #[must_use]
-    pub fn effort() -> Self {
-        Self {
-            control_effort: 1.0,
-            ..Self::default()
-        }
-    }
-}
-
-/// A component of the state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Component {
-    /// Coordinate with this index.
-    Coordinate(usize),
-    /// Velocity of the coordinate with this index.
-    Velocity(usize),
-}
-
-/// A terminal condition `component(T) = value`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Goal {
-    /// Which component of the state.
-    pub component: Component,
-    /// Its value at the end, in the unit of the coordinate (per second).
-    pub value: f64,
-}
-
 impl Problem {
-    /// The problem that the scene declares. Where it declares a free final time, that is to be found; otherwise the
-    /// horizon is that of the scene.
+    /// The problem that the scene declares, from where it starts. Where it declares a free final time, or nothing at
+    /// all, that is to be found; otherwise the horizon is that of the scene.
     #[must_use]
     pub fn of(model: &dyn Model, intervals: usize) -> Self {
-        let declared = model.declaration().optimal_control;
-        let horizon = match declared {
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
+        model.start(&mut q, &mut v);
+        let horizon = match declaration.optimal_control {
             Some(declared) if !declared.free_time => {
                 Horizon::Fixed(model.horizon().unwrap_or(f64::NAN))
             }
             _ => Horizon::Free { guess: None },
         };
         Self {
-            horizon,
-            declared: declared.is_some(),
-            ..Self::new(model, Objective::default(), Vec::new(), intervals)
-        }
-    }
-
-    /// A problem that starts where the scene starts, with free final time; what else the scene declares for optimal
-    /// control does not count.
-    #[must_use]
-    pub fn new(
-        model: &dyn Model,
-        objective: Objective,
-        goals: Vec<Goal>,
-        intervals: usize,
-    ) -> Self {
-        let n = model.declaration().coordinates.len();
-        let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
-        model.start(&mut q, &mut v);
-        Self {
             q,
             v,
-            horizon: Horizon::Free { guess: None },
-            declared: false,
-            objective,
-            goals,
+            horizon,
             intervals,
         }
     }
@@ -151,23 +75,14 @@ impl Problem {
     ///
     /// # Errors
     /// The first [`InputError`] found, with the name of what is wrong, its value and its bound.
-    pub fn check(&self, model: &dyn Model) -> Result<(), InputError> {
-        let declaration = model.declaration();
-        let refuse = |what: String, value: f64, unit: &str, bound: &str| {
-            Err(InputError::OutOfRange {
-                what,
-                value,
-                unit: unit.into(),
-                bound: bound.into(),
-            })
-        };
+    pub(in crate::ocp) fn check(&self, model: &dyn Model) -> Result<(), InputError> {
         if !(1..=MOST_INTERVALS).contains(&self.intervals) {
-            return refuse(
+            return Err(refusal(
                 "number of control intervals".into(),
                 self.intervals as f64,
                 "",
-                &format!("in 1..={MOST_INTERVALS}"),
-            );
+                format!("in 1..={MOST_INTERVALS}"),
+            ));
         }
         let horizon = match self.horizon {
             Horizon::Fixed(horizon) if horizon.is_nan() => {
@@ -182,72 +97,38 @@ impl Problem {
         };
         self.initial_value_problem(&self.start(), horizon, ControlSignal::Zero)
             .check(model)?;
-        let n = declaration.coordinates.len();
-        let objective = &self.objective;
-        let finals = objective.final_coordinates.iter();
-        let finals = finals.chain(&objective.final_velocities);
-        let goals = self.goals.iter().map(|goal| goal.component.index());
-        if let Some(index) = finals.map(|f| f.0).chain(goals).find(|&index| index >= n) {
-            return refuse(
-                "index of a coordinate in objective or goal".into(),
-                index as f64,
-                "",
-                &format!("below {n}, the number of coordinates"),
-            );
-        }
-        if objective.control_effort < 0.0 {
-            return refuse(
-                "weight of the control effort".into(),
-                objective.control_effort,
-                "",
-                "at least 0",
-            );
-        }
         let (lower, upper) = bounds(model);
-        for (k, known) in declaration.coordinates.iter().enumerate() {
+        for (k, known) in model.declaration().coordinates.iter().enumerate() {
             if !(lower[k]..=upper[k]).contains(&self.q[k]) {
-                return refuse(
+                return Err(refusal(
                     format!("initial `{}`", known.name),
                     self.q[k],
                     known.unit,
-                    &format!("within its bounds {}..={}", lower[k], upper[k]),
-                );
+                    format!("within its bounds {}..={}", lower[k], upper[k]),
+                ));
             }
         }
         self.check_free_start(model)?;
+        self.check_contacts(model)
+    }
+
+    /// The motion starts after its first impact.
+    fn check_contacts(&self, model: &dyn Model) -> Result<(), InputError> {
+        let declaration = model.declaration();
+        let input = self
+            .initial_value_problem(&self.start(), 1.0, ControlSignal::Zero)
+            .input(model);
+        let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
         for (i, contact) in declaration.contacts.iter().enumerate() {
-            let input = self
-                .initial_value_problem(&self.start(), 1.0, ControlSignal::Zero)
-                .input(model);
-            let mut point = vec![0.0; contact_point::length(n)];
             model.contact(i, &input, &mut point);
             let velocity = point[contact_point::NORMAL_VELOCITY];
             if point[contact_point::GAP] <= 0.0 && velocity < -AT_REST {
-                return refuse(
+                return Err(refusal(
                     format!("initial normal velocity of `{}`", contact.name),
                     velocity,
                     &format!("{}/s", contact.unit),
-                    "at least 0 on the surface: start after the impact",
-                );
-            }
-        }
-        for goal in &self.goals {
-            let k = goal.component.index();
-            if !goal.value.is_finite() {
-                return Err(InputError::NotFinite {
-                    what: format!("goal of `{}`", declaration.coordinates[k].name),
-                    value: goal.value,
-                });
-            }
-            if goal.component == Component::Coordinate(k)
-                && !(lower[k]..=upper[k]).contains(&goal.value)
-            {
-                return refuse(
-                    format!("goal of `{}`", declaration.coordinates[k].name),
-                    goal.value,
-                    declaration.coordinates[k].unit,
-                    &format!("within its bounds {}..={}", lower[k], upper[k]),
-                );
+                    "at least 0 on the surface: start after the impact".into(),
+                ));
             }
         }
         Ok(())
@@ -261,28 +142,22 @@ impl Problem {
             let coordinate = &declaration.coordinates[k % n];
             let (dot, per_second) = if k < n { ("", "") } else { ("d/dt ", "/s") };
             if !(lower..=upper).contains(&value) {
-                return Err(InputError::OutOfRange {
-                    what: format!("initial {dot}`{}`", coordinate.name),
+                return Err(refusal(
+                    format!("initial {dot}`{}`", coordinate.name),
                     value,
-                    unit: format!("{}{per_second}", coordinate.unit),
-                    bound: format!("within the bounds {lower}..={upper} of the free initial value"),
-                });
+                    &format!("{}{per_second}", coordinate.unit),
+                    format!("within the bounds {lower}..={upper} of the free initial value"),
+                ));
             }
         }
         Ok(())
-    }
-
-    /// What the scene declares, as far as it counts.
-    pub(in crate::ocp) fn declared(&self, model: &dyn Model) -> Option<OptimalControlDeclaration> {
-        let declared = model.declaration().optimal_control;
-        declared.filter(|_| self.declared)
     }
 
     /// Range of each component of `(q, v)` at the start: a point but for the free initial values.
     pub(in crate::ocp) fn start_ranges(&self, model: &dyn Model) -> Vec<(f64, f64)> {
         let start = self.q.iter().chain(&self.v);
         let mut ranges: Vec<(f64, f64)> = start.map(|&value| (value, value)).collect();
-        let Some(declared) = self.declared(model) else {
+        let Some(declared) = model.declaration().optimal_control else {
             return ranges;
         };
         let count = declared.free_start.len();
@@ -311,6 +186,7 @@ impl Problem {
             v: v[..q.len()].to_vec(),
             horizon,
             controls,
+            points: InitialValueProblem::DEFAULT_POINTS,
         }
     }
 
@@ -318,21 +194,21 @@ impl Problem {
     pub(in crate::ocp) fn start(&self) -> Vec<f64> {
         self.q.iter().chain(&self.v).copied().collect()
     }
+}
 
-    /// Whether any initial value is to be found.
-    pub(in crate::ocp) fn has_free_start(&self, model: &dyn Model) -> bool {
-        self.declared(model)
-            .is_some_and(|declared| !declared.free_start.is_empty())
+fn refusal(what: String, value: f64, unit: &str, bound: String) -> InputError {
+    InputError::OutOfRange {
+        what,
+        value,
+        unit: unit.into(),
+        bound,
     }
 }
 
-impl Component {
-    /// Index of the coordinate.
-    pub(in crate::ocp) fn index(self) -> usize {
-        match self {
-            Self::Coordinate(index) | Self::Velocity(index) => index,
-        }
-    }
+/// Whether any initial value is to be found.
+pub(in crate::ocp) fn has_free_start(model: &dyn Model) -> bool {
+    let declared = model.declaration().optimal_control;
+    declared.is_some_and(|declared| !declared.free_start.is_empty())
 }
 
 /// Declared bounds, coordinates first.

@@ -4,36 +4,7 @@ use std::time::Instant;
 
 use super::solution::Counts;
 use crate::nlp::IterationInfo;
-
-/// What the solver is doing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct Progress {
-    /// Name of the step.
-    pub step: &'static str,
-    /// Programs solved so far.
-    pub programs: usize,
-    /// Interior point iterations so far, those of the program under way included.
-    pub iterations: usize,
-    /// Objective of the iterate; it may be infeasible.
-    pub objective: f64,
-    /// Scaled violation of the constraints of the iterate.
-    pub primal_infeasibility: f64,
-    /// Scaled gradient of the Lagrangian of the iterate.
-    pub dual_infeasibility: f64,
-    /// Largest complementarity of the iterate.
-    pub complementarity: f64,
-    /// Best objective of a motion with a consistent contact sequence so far.
-    pub best: Option<f64>,
-    /// Wall-clock time since the start \[s\].
-    pub seconds: f64,
-}
-
-/// Sees the progress after every interior point iteration; `false` stops the solver, which then returns the best
-/// motion found so far with the status [`Interrupted`](super::Status::Interrupted).
-///
-/// Solvers that run side by side share one observer, hence `Send`.
-pub type Observer<'a> = dyn FnMut(&Progress) -> bool + Send + 'a;
+use crate::{Observer, Progress};
 
 /// The observer, and whether it has asked to stop.
 pub(in crate::ocp) struct Watch<'o> {
@@ -50,17 +21,7 @@ impl<'o> Watch<'o> {
         Self {
             observer,
             start: Instant::now(),
-            progress: Progress {
-                step: "start",
-                programs: 0,
-                iterations: 0,
-                objective: f64::NAN,
-                primal_infeasibility: f64::NAN,
-                dual_infeasibility: f64::NAN,
-                complementarity: f64::NAN,
-                best: None,
-                seconds: 0.0,
-            },
+            progress: Progress::new("start"),
             before: 0,
             stopped: false,
         }

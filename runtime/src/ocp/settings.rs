@@ -6,6 +6,31 @@ use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 
 /// Where the global phase starts; every guess but a previous motion is made from the model and the problem alone.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A cart that is pushed to 1 m.
+/// #     pub Cart {
+/// #         parameters { m: kg = 2 }
+/// #         coordinates { y: m }
+/// #         controls { u: N in -1..=1 }
+/// #         lagrangian m/2*dot(y)^2
+/// #         forces { y: u }
+/// #         minimize time
+/// #         finally { y == 1[m] }
+/// #     }
+/// # }
+/// let heavy = Cart { m: 2.5 };
+/// let cart = Cart::default();
+/// let known = solve(&cart).intervals(4).run()?;
+/// // The neighbouring problem starts from the known motion.
+/// let previous = known.previous.expect("a motion was found");
+/// let solution = solve(&heavy).intervals(4).guess(Guess::Previous(Box::new(previous))).run()?;
+/// assert!((solution.objective - 5.0_f64.sqrt()).abs() < 1e-6);
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Guess {
     /// Coordinates with a goal move to it at constant speed, everything else rests.
@@ -26,6 +51,27 @@ pub enum Guess {
 }
 
 /// How the contact sequence is found.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A cart that is pushed to 1 m.
+/// #     pub Cart {
+/// #         parameters { m: kg = 2 }
+/// #         coordinates { y: m }
+/// #         controls { u: N in -1..=1 }
+/// #         lagrangian m/2*dot(y)^2
+/// #         forces { y: u }
+/// #         minimize time
+/// #         finally { y == 1[m] }
+/// #     }
+/// # }
+/// let cart = Cart::default();
+/// let solution = solve(&cart).intervals(4).formulation(Formulation::Phases).run()?;
+/// assert!(solution.status.is_solved());
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Formulation {
     /// Small contact-implicit programs, from coarse to fine.
@@ -174,7 +220,7 @@ impl Settings {
     ///
     /// # Errors
     /// [`InputError::OutOfRange`] names the first field outside its range.
-    pub fn check(&self) -> Result<(), InputError> {
+    pub(in crate::ocp) fn check(&self) -> Result<(), InputError> {
         if !(2..=ButcherTableau::MAX_STAGES).contains(&self.stages) {
             return Err(self.refuse_stages());
         }

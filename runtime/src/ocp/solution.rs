@@ -3,7 +3,7 @@
 use super::previous::Previous;
 use crate::nlp::{NlpProblem, Violation};
 use crate::ocp::motion::control_grid::{ControlShape, signal};
-use crate::simulation::{ControlSignal, EventKind, Residuals, Simulation};
+use crate::simulation::{ControlSignal, EventKind, InputError, Residuals, Simulation, State};
 use crate::{mpcc, nlp};
 
 /// Why a run ended.
@@ -13,7 +13,7 @@ pub enum Status {
     /// A certified local optimum that an independent simulation confirms.
     Solved,
     /// Confirmed by simulation, but the limit of programs was reached before all neighbouring contact
-    /// sequences were compared.
+    /// sequences were compared, or a distance that the method keeps holds the plan back, see [`Solution::margins`].
     Uncertified,
     /// The independent simulation does not follow the plan: other events, or another end.
     Unconfirmed,
@@ -53,6 +53,28 @@ impl Status {
 }
 
 /// What is proved about the contact sequence of a result.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A cart that is pushed to 1 m.
+/// #     pub Cart {
+/// #         parameters { m: kg = 2 }
+/// #         coordinates { y: m }
+/// #         controls { u: N in -1..=1 }
+/// #         lagrangian m/2*dot(y)^2
+/// #         forces { y: u }
+/// #         minimize time
+/// #         finally { y == 1[m] }
+/// #     }
+/// # }
+/// let cart = Cart::default();
+/// let solution = solve(&cart).intervals(4).run()?;
+/// // Without contacts there is no neighbouring contact sequence.
+/// assert_eq!(solution.stationarity, Stationarity::S);
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Stationarity {
     /// Nowhere do gap and force of a contact vanish together, and no switch sticks to a jump of the
@@ -177,7 +199,44 @@ pub struct Excess {
     pub time: f64,
 }
 
+/// A distance that a plan keeps for the sake of the method, and that costs it something.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Margin {
+    /// What is kept, and where.
+    pub name: String,
+    /// What the objective would gain without it, to first order.
+    pub cost: f64,
+    /// Whether it is [`Settings::gap_margin`](super::Settings::gap_margin). Others that cost more than a millionth of
+    /// the objective leave the result [`Uncertified`](Status::Uncertified).
+    pub chosen: bool,
+}
+
 /// Result of a run.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A cart that is pushed to 1 m.
+/// #     pub Cart {
+/// #         parameters { m: kg = 2 }
+/// #         coordinates { y: m }
+/// #         controls { u: N in -1..=1 }
+/// #         lagrangian m/2*dot(y)^2
+/// #         forces { y: u }
+/// #         minimize time
+/// #         finally { y == 1[m] }
+/// #     }
+/// # }
+/// let cart = Cart::default();
+/// let solution = solve(&cart).intervals(4).run()?;
+/// assert!(solution.status.is_solved());
+/// // Full push all the way: t = sqrt(2 m y / u).
+/// assert!((solution.objective - 2.0).abs() < 1e-6);
+/// assert!((solution.at(1.0)?["y"] - 0.25).abs() < 1e-6);
+/// println!("{solution}");
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Solution {
     /// Why it ended.
@@ -203,6 +262,8 @@ pub struct Solution {
     /// Largest violation of a bound of a coordinate or of a path constraint along the whole plan, if there is any;
     /// of the order of the tolerance unless bounds are asked for at the nodes only.
     pub excess: Option<Excess>,
+    /// Distances that hold the plan back, the dearest first.
+    pub margins: Vec<Margin>,
     /// Controls of each interval, all of equal length, or at each node where they are linear in between.
     pub controls: Vec<Vec<f64>>,
     /// What the controls are on an interval.
@@ -249,6 +310,7 @@ impl Solution {
                 complementarity: f64::NAN,
             },
             planned_events: Vec::new(),
+            margins: Vec::new(),
             excess: None,
             controls: Vec::new(),
             shape: ControlShape::default(),
@@ -273,6 +335,21 @@ impl Solution {
         signal(self.shape, self.horizon, self.controls.clone())
     }
 
+    /// The state of the re-simulated motion at a time, right after an impact at that time; see
+    /// [`Simulation::at`](crate::simulation::Simulation::at).
+    ///
+    /// # Errors
+    /// [`InputError::OutOfRange`] outside of the motion, [`InputError::Unsupported`] if none was found.
+    pub fn at(&self, time: f64) -> Result<State, InputError> {
+        match &self.motion {
+            Some(motion) => motion.at(time),
+            None => Err(InputError::Unsupported {
+                what: "a state of a result without a motion".into(),
+                remedy: "its diagnosis says why none was found".into(),
+            }),
+        }
+    }
+
     /// Why the run did not end with a certified motion, in one line; `None` if it did.
     #[must_use]
     pub fn diagnosis(&self) -> Option<String> {
@@ -282,6 +359,13 @@ impl Solution {
         );
         match self.status {
             Status::Solved => None,
+            Status::Uncertified if self.margins.iter().any(|margin| !margin.chosen) => {
+                let margin = self.margins.iter().find(|margin| !margin.chosen);
+                let (name, cost) = margin.map_or(("", 0.0), |m| (&m.name[..], m.cost));
+                Some(format!(
+                    "the {name} holds the plan back by about {cost:.1e}; choose another number of intervals"
+                ))
+            }
             Status::Uncertified => Some(format!(
                 "{} programs solved before all neighbouring contact sequences were compared; raise the \
                  limit on programs",

@@ -3,6 +3,13 @@
 use std::fmt;
 
 /// Sign of a sliding velocity.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// assert_eq!(Direction::of(-0.2), Direction::Backward);
+/// assert_eq!(Direction::Backward.sign(), -1.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Direction {
     /// `v_t > 0`, or about to be.
@@ -36,7 +43,7 @@ impl Direction {
 /// frictionless; one with friction is never frictionless.
 ///
 /// ```
-/// use hangtime::simulation::{ContactMode, Direction};
+/// use hangtime::prelude::*;
 ///
 /// let mode = ContactMode::Slip(Direction::Backward);
 /// assert!(mode.is_closed());

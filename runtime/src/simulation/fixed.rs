@@ -6,10 +6,12 @@ use super::event::contact_mode;
 use super::event::dop853::{Dop853, System};
 use super::event::dynamics::Dynamics;
 use super::event::impact::{self, LowestBounce, Undetermined};
+use super::watch::Watch;
 use super::{
     Diagnosis, Event, EventKind, InitialValueProblem, InputError, Simulation, SimulationStatus,
     Simulator,
 };
+use crate::Observer;
 use crate::model::Model;
 
 /// The classical Runge-Kutta method of order 4 with fixed steps on the mode-switched system: the
@@ -20,6 +22,28 @@ use crate::model::Model;
 /// Order 4 without switches, in general order 1 with them: the time of a switch is known to a step. A
 /// take-off alone costs order 2, because the force vanishes there, and so does a landing on a plane, along
 /// which flight and slide accelerate alike. To be compared with.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let run = simulate(&ball).method(FixedStep::default()).steps(400).run()?;
+/// // The impact is found at the end of its step.
+/// assert!((run.events[0].time - (2.0_f64 / 9.81).sqrt()).abs() < 1.0 / 400.0);
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct FixedStep {
     /// Number of equal steps; default 1000.
@@ -62,6 +86,26 @@ pub(super) fn check(steps: usize, auxiliary_acceleration: f64) -> Result<(), Inp
     Ok(())
 }
 
+/// Refuses to go on where a gap at the state that `dynamics` has loaded is not a number: nothing can be closed there.
+pub(super) fn check_gaps(
+    dynamics: &Dynamics<'_>,
+    time: f64,
+    step: usize,
+) -> Result<(), SimulationStatus> {
+    let Some(contact) = (0..dynamics.contacts).find(|&i| !dynamics.gap(i).is_finite()) else {
+        return Ok(());
+    };
+    let name = dynamics.model.declaration().contacts[contact].name;
+    Err(SimulationStatus::NotFinite(Diagnosis {
+        time,
+        step,
+        contact: Some(contact),
+        message: format!(
+            "the gap of `{name}` is not a finite number; check roots, divisions and parameters of the scene"
+        ),
+    }))
+}
+
 impl Simulator for FixedStep {
     fn name(&self) -> &'static str {
         "fixed"
@@ -71,21 +115,28 @@ impl Simulator for FixedStep {
         &self,
         model: &dyn Model,
         problem: &InitialValueProblem,
-        progress: &mut dyn FnMut(f64),
+        observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         check(self.steps, self.auxiliary_acceleration)?;
         problem.check(model)?;
         InitialValueProblem::check_inelastic(model, self.name())?;
         let clock = ThreadTime::try_now();
         let mut run = FixedRun::new(self, model, problem);
-        if let Err(status) = run.integrate(progress) {
+        let mut watch = Watch::new(problem, observer);
+        if let Err(status) = run.integrate(&mut watch) {
             run.result.status = status;
         }
+        watch.finish(&mut run.result);
         run.result.counts.evaluations = run.dynamics.evaluations;
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             run.result.seconds.total = elapsed.as_secs_f64();
         }
         Ok(run.result)
+    }
+
+    fn set_steps(&mut self, steps: usize) -> Result<(), InputError> {
+        self.steps = steps;
+        Ok(())
     }
 }
 
@@ -123,7 +174,7 @@ impl<'a> FixedRun<'a> {
         }
     }
 
-    fn integrate(&mut self, progress: &mut dyn FnMut(f64)) -> Result<(), SimulationStatus> {
+    fn integrate(&mut self, watch: &mut Watch<'_>) -> Result<(), SimulationStatus> {
         let h = self.problem.horizon / self.settings.steps as f64;
         self.dynamics.set_controls(&self.problem.controls, 0.0);
         self.enter_mode(0.0, h)?;
@@ -148,7 +199,8 @@ impl<'a> FixedRun<'a> {
                 self.evaluate(end)?;
             }
             self.record(end);
-            progress(end);
+            let count = self.result.counts.elements;
+            watch.reach(end, count, &mut self.result.trajectory)?;
         }
         Ok(())
     }
@@ -180,6 +232,7 @@ impl<'a> FixedRun<'a> {
     /// Forces at the present state; whether a contact has penetrated or pulls.
     fn evaluate(&mut self, t: f64) -> Result<bool, SimulationStatus> {
         self.dynamics.derivative(t, &self.y, &mut self.slopes[0]);
+        check_gaps(&self.dynamics, t, self.result.counts.elements)?;
         if !self.slopes[0].iter().all(|slope| slope.is_finite()) {
             return Err(SimulationStatus::NotFinite(self.diagnosis(
                 t,
@@ -212,7 +265,10 @@ impl<'a> FixedRun<'a> {
             &mut self.y,
             &impact.resting,
             None,
-            h,
+            contact_mode::Outlook {
+                moment: h,
+                skipped: 0,
+            },
         )
         .map_err(|problem| self.undetermined(t, problem))?;
         if self.result.initial_modes.is_empty() {

@@ -11,8 +11,12 @@ mod fesd;
 mod fixed;
 mod moreau;
 mod problem;
+mod quantity;
 mod result;
 mod smooth;
+mod state;
+mod trajectory;
+mod watch;
 
 pub use contact_mode::{ContactMode, Direction};
 pub use event::EventDriven;
@@ -22,10 +26,15 @@ pub use moreau::Moreau;
 pub use problem::{ControlSignal, InitialValueProblem, InputError};
 pub use result::{
     Counts, Diagnosis, Event, EventKind, ProblemSize, Residuals, Seconds, Simulation,
-    SimulationStatus, Trajectory,
+    SimulationStatus,
 };
 pub use smooth::Smooth;
+pub use state::State;
+pub use trajectory::Trajectory;
 
+pub(crate) use quantity::{Quantity, number};
+
+use crate::Observer;
 use crate::model::Model;
 
 /// A way to simulate a scene.
@@ -35,7 +44,7 @@ pub trait Simulator {
 
     /// Simulates `model` over `problem`.
     ///
-    /// `progress` is called with the physical time reached \[s\] after every accepted step.
+    /// `observer` sees the physical time reached after every accepted step, and may stop the run.
     ///
     /// # Errors
     /// [`InputError`] if the problem or the method's settings are refused; every failure after the
@@ -44,6 +53,28 @@ pub trait Simulator {
         &self,
         model: &dyn Model,
         problem: &InitialValueProblem,
-        progress: &mut dyn FnMut(f64),
+        observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError>;
+
+    /// Sets the tolerance.
+    ///
+    /// # Errors
+    /// [`InputError::Unsupported`] for a method without one.
+    fn set_tolerance(&mut self, _tolerance: f64) -> Result<(), InputError> {
+        Err(InputError::Unsupported {
+            what: format!("a tolerance of method {}", self.name()),
+            remedy: "give a number of steps".into(),
+        })
+    }
+
+    /// Sets the number of equal steps.
+    ///
+    /// # Errors
+    /// [`InputError::Unsupported`] for a method that chooses its steps.
+    fn set_steps(&mut self, _steps: usize) -> Result<(), InputError> {
+        Err(InputError::Unsupported {
+            what: format!("a number of steps of method {}", self.name()),
+            remedy: "give a tolerance".into(),
+        })
+    }
 }

@@ -5,10 +5,13 @@ use cpu_time::ThreadTime;
 use super::event::contact_problem::ContactProblem;
 use super::event::coulomb::TangentialLaw;
 use super::event::dynamics::{Dynamics, dot, largest};
+use super::fixed::check_gaps;
+use super::watch::Watch;
 use super::{
     ContactMode, Diagnosis, Direction, InitialValueProblem, InputError, Simulation,
     SimulationStatus, Simulator,
 };
+use crate::Observer;
 use crate::model::{Model, contact_point};
 
 /// Largest number of iterations of the implicit midpoint rule; they contract with the step size times the
@@ -38,6 +41,28 @@ const CONVERGED: f64 = 1e-13;
 ///
 /// Source: Jean, *The non-smooth contact dynamics method* (1999); Acary, Brogliato, *Numerical Methods for
 /// Nonsmooth Dynamical Systems* (2008), chapter 10; forces at the midpoint.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let run = simulate(&ball).method(Moreau::default()).steps(400).run()?;
+/// // The ball lies on the floor to the length of a step times its speed.
+/// assert!(run.at(0.9)?["z"].abs() < 4.5 / 400.0 && run.events.is_empty());
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Moreau {
     /// Number of equal steps; default 1000.
@@ -65,12 +90,14 @@ impl Simulator for Moreau {
         &self,
         model: &dyn Model,
         problem: &InitialValueProblem,
-        progress: &mut dyn FnMut(f64),
+        observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         super::fixed::check(self.steps, self.auxiliary_acceleration)?;
         problem.check(model)?;
         let clock = ThreadTime::try_now();
-        let mut result = TimeStepping::new(self, model, problem).run(progress);
+        let mut watch = Watch::new(problem, observer);
+        let mut result = TimeStepping::new(self, model, problem).run(&mut watch);
+        watch.finish(&mut result);
         result.notes.push(
             "time stepping locates no events; contact forces of the trajectory show where contact is"
                 .into(),
@@ -79,6 +106,11 @@ impl Simulator for Moreau {
             result.seconds.total = elapsed.as_secs_f64();
         }
         Ok(result)
+    }
+
+    fn set_steps(&mut self, steps: usize) -> Result<(), InputError> {
+        self.steps = steps;
+        Ok(())
     }
 }
 
@@ -114,30 +146,25 @@ impl<'a> TimeStepping<'a> {
         }
     }
 
-    fn run(mut self, progress: &mut dyn FnMut(f64)) -> Simulation {
+    fn run(mut self, watch: &mut Watch<'_>) -> Simulation {
+        if let Err(status) = self.integrate(watch) {
+            self.result.status = status;
+        }
+        self.result.counts.evaluations = self.dynamics.evaluations;
+        self.result
+    }
+
+    fn integrate(&mut self, watch: &mut Watch<'_>) -> Result<(), SimulationStatus> {
         let n = self.dynamics.n;
         let h = self.problem.horizon / self.settings.steps as f64;
         self.dynamics.set_controls(&self.problem.controls, 0.0);
-        self.record(0.0);
+        self.record(0.0)?;
         for step in 0..self.settings.steps {
             let t = step as f64 * h;
             // Controls are those of the piece at the middle of the step: jumps are not located either.
             self.dynamics
                 .set_controls(&self.problem.controls, t + 0.5 * h);
-            if let Err((contact, message)) = self.step(t, h) {
-                let diagnosis = Diagnosis {
-                    time: t,
-                    step,
-                    contact,
-                    message,
-                };
-                self.result.status = if self.end.iter().all(|number| number.is_finite()) {
-                    SimulationStatus::StepFailed(diagnosis)
-                } else {
-                    SimulationStatus::NotFinite(diagnosis)
-                };
-                break;
-            }
+            self.step(t, h)?;
             if step == 0 {
                 self.result.initial_modes = self.modes();
             }
@@ -152,15 +179,15 @@ impl<'a> TimeStepping<'a> {
             } else {
                 t + h
             };
-            self.record(time);
-            progress(time);
+            self.record(time)?;
+            let count = self.result.counts.elements;
+            watch.reach(time, count, &mut self.result.trajectory)?;
         }
-        self.result.counts.evaluations = self.dynamics.evaluations;
-        self.result
+        Ok(())
     }
 
     /// Velocities at the end of the step, into `end`.
-    fn step(&mut self, t: f64, h: f64) -> Result<(), (Option<usize>, String)> {
+    fn step(&mut self, t: f64, h: f64) -> Result<(), SimulationStatus> {
         let n = self.dynamics.n;
         let middle = t + 0.5 * h;
         for k in 0..n {
@@ -168,7 +195,11 @@ impl<'a> TimeStepping<'a> {
             self.middle[n + k] = self.start[n + k];
         }
         self.dynamics.load(middle, &self.middle);
+        check_gaps(&self.dynamics, t, self.result.counts.elements)?;
         let closed = self.close();
+        let failed = |run: &Self, message| {
+            SimulationStatus::StepFailed(run.diagnosis(t, closed.first(), message))
+        };
         let laws: Vec<TangentialLaw> = closed
             .iter()
             .map(|&i| match self.dynamics.friction[i] {
@@ -192,6 +223,14 @@ impl<'a> TimeStepping<'a> {
                 .map(|a| h * a)
                 .collect();
             let (normal, tangential) = self.contact_velocities(&closed, &change);
+            if change
+                .iter()
+                .chain(&normal)
+                .chain(&tangential)
+                .any(|v| !v.is_finite())
+            {
+                return Err(self.not_finite(t, closed.first()));
+            }
             let problem = ContactProblem {
                 what: "impulse",
                 contacts: &closed,
@@ -201,7 +240,7 @@ impl<'a> TimeStepping<'a> {
             };
             let impulses = problem
                 .solve(&self.dynamics)
-                .map_err(|message| (closed.first().copied(), message))?;
+                .map_err(|message| failed(self, message))?;
             let velocity: Vec<f64> = self.start[n..]
                 .iter()
                 .zip(&change)
@@ -214,9 +253,7 @@ impl<'a> TimeStepping<'a> {
                 .fold(0.0_f64, |s, (a, b)| s.max((a - b).abs()));
             self.end[n..].copy_from_slice(&velocity);
             if velocity.iter().any(|v| !v.is_finite()) {
-                let message =
-                    "a velocity is not a finite number; check roots and divisions of the scene";
-                return Err((closed.first().copied(), message.into()));
+                return Err(self.not_finite(t, closed.first()));
             }
             if moved <= CONVERGED * largest(&velocity).max(1.0) {
                 self.forces.fill(0.0);
@@ -230,10 +267,23 @@ impl<'a> TimeStepping<'a> {
                 return Ok(());
             }
         }
-        Err((
-            closed.first().copied(),
-            format!("the midpoint rule does not converge with steps of {h:.1e} s; take more steps"),
-        ))
+        let message =
+            format!("the midpoint rule does not converge with steps of {h:.1e} s; take more steps");
+        Err(failed(self, message))
+    }
+
+    fn diagnosis(&self, time: f64, contact: Option<&usize>, message: String) -> Diagnosis {
+        Diagnosis {
+            time,
+            step: self.result.counts.elements,
+            contact: contact.copied(),
+            message,
+        }
+    }
+
+    fn not_finite(&self, time: f64, contact: Option<&usize>) -> SimulationStatus {
+        let message = "a velocity is not a finite number; check roots and divisions of the scene";
+        SimulationStatus::NotFinite(self.diagnosis(time, contact, message.into()))
     }
 
     /// What the impulses of the last step say about each contact.
@@ -285,7 +335,7 @@ impl<'a> TimeStepping<'a> {
             .unzip()
     }
 
-    fn record(&mut self, time: f64) {
+    fn record(&mut self, time: f64) -> Result<(), SimulationStatus> {
         let n = self.dynamics.n;
         self.dynamics.write_controls(time);
         self.result.trajectory.push(
@@ -305,5 +355,6 @@ impl<'a> TimeStepping<'a> {
             let penetration = -self.dynamics.gap(i);
             self.result.residuals.dual = self.result.residuals.dual.max(penetration);
         }
+        check_gaps(&self.dynamics, time, self.result.counts.elements)
     }
 }

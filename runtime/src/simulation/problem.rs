@@ -1,9 +1,16 @@
 //! The initial value problem that every simulator takes, and the checks that come before it.
 
+use std::fmt;
+
 use crate::model::{ContactDeclaration, ControlPiece, ImpactLaw, Model, contact_point};
 
 /// Gaps above `-GAP_TOLERANCE` times the size of their terms count as "on the surface".
 const GAP_TOLERANCE: f64 = 1e-9;
+
+/// Horizons \[s\] of which a share, and the square of a share, is still a number of full precision.
+const HORIZONS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+/// Fewest points that a trajectory can be asked to keep.
+const FEWEST_POINTS: usize = 100;
 
 /// Initial state, horizon and controls of a simulation.
 #[derive(Debug, Clone)]
@@ -16,9 +23,27 @@ pub struct InitialValueProblem {
     pub horizon: f64,
     /// Controls over time.
     pub controls: ControlSignal,
+    /// Most points of the trajectory that are kept, at least 100; default 100 000
+    /// ([`DEFAULT_POINTS`](Self::DEFAULT_POINTS)). Of more, those between events are left out evenly, with a note.
+    pub points: usize,
 }
 
 /// Controls as a function of physical time.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// let (times, values) = (vec![0.0, 2.0], vec![vec![1.0], vec![5.0]]);
+/// let ramp = ControlSignal::PiecewiseLinear { times, values };
+/// let mut u = [0.0];
+/// ramp.write(0.5, &mut u)?;
+/// assert_eq!(u, [2.0]);
+/// ramp.write(3.0, &mut u)?;
+/// assert_eq!(u, [5.0]);
+/// // One control is asked for, two are given.
+/// assert!(ControlSignal::constant(&[1.0, 0.0]).write(0.0, &mut u).is_err());
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub enum ControlSignal {
     /// All controls zero.
@@ -42,24 +67,60 @@ pub enum ControlSignal {
 }
 
 impl ControlSignal {
+    /// The same controls at all times, in order of declaration.
+    #[must_use]
+    pub fn constant(values: &[f64]) -> Self {
+        Self::PiecewiseConstant {
+            times: vec![0.0],
+            values: vec![values.to_vec()],
+        }
+    }
+
     /// Writes the controls that hold right after time `t` into `u`.
     ///
-    /// # Examples
-    /// ```
-    /// use hangtime::simulation::ControlSignal;
-    ///
-    /// let (times, values) = (vec![0.0, 2.0], vec![vec![1.0], vec![5.0]]);
-    /// let ramp = ControlSignal::PiecewiseLinear { times, values };
-    /// let mut u = [0.0];
-    /// ramp.write(0.5, &mut u);
-    /// assert_eq!(u, [2.0]);
-    /// ramp.write(3.0, &mut u);
-    /// assert_eq!(u, [5.0]);
-    /// ```
-    pub fn write(&self, t: f64, u: &mut [f64]) {
+    /// # Errors
+    /// [`InputError`] if times or values are none, in disorder, or not as many as `u` is long.
+    pub fn write(&self, t: f64, u: &mut [f64]) -> Result<(), InputError> {
+        self.check(u.len())?;
+        self.write_checked(t, u);
+        Ok(())
+    }
+
+    fn write_checked(&self, t: f64, u: &mut [f64]) {
         let mut piece = ControlPiece::default();
         self.take_piece(t, u.len(), &mut piece);
         piece.write(t, u);
+    }
+
+    /// Checks the signal of that many controls.
+    fn check(&self, controls: usize) -> Result<(), InputError> {
+        let (Self::PiecewiseConstant { times, values } | Self::PiecewiseLinear { times, values }) =
+            self
+        else {
+            return Ok(());
+        };
+        length("control values over time", values.len(), times.len())?;
+        for &time in times {
+            finite("a control time", time)?;
+        }
+        let disordered = times.windows(2).find(|pair| pair[0] >= pair[1]);
+        let late = times.first().copied().filter(|&first| first > 0.0);
+        let wrong = late.or_else(|| disordered.map(|pair| pair[1]));
+        if times.is_empty() || wrong.is_some() {
+            return Err(InputError::OutOfRange {
+                what: "control time".into(),
+                value: wrong.unwrap_or(f64::NAN),
+                unit: "s".into(),
+                bound: "one of increasing times, the first at most 0".into(),
+            });
+        }
+        for value in values {
+            length("a control value", value.len(), controls)?;
+            for &u in value {
+                finite("a control value", u)?;
+            }
+        }
+        Ok(())
     }
 
     /// The next time after `t` at which the controls jump or change their slope, if any.
@@ -97,7 +158,28 @@ impl ControlSignal {
 }
 
 /// Why a problem was refused. Each message names value, unit, bound and remedy.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+///
+/// `Debug` shows the message as well: it is what a program prints whose `main` returns the error.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: 1 [m] }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let refused = simulate(&Ball::default()).horizon(-1.0).run().unwrap_err();
+/// assert_eq!(refused.to_string(), "horizon = -1 s: must be above 0");
+/// ```
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InputError {
     /// A number that must be finite is not.
@@ -152,6 +234,16 @@ pub enum InputError {
         /// The direction without inertia, in the names of the coordinates.
         direction: String,
     },
+    /// A name that the scene does not know.
+    #[error("{what} has no `{name}`; it has {known}")]
+    UnknownName {
+        /// What was asked.
+        what: String,
+        /// The name.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
     /// The method cannot treat something that is meaningful otherwise.
     #[error("{what} is not supported; {remedy}")]
     Unsupported {
@@ -170,12 +262,21 @@ pub enum InputError {
     },
 }
 
+impl fmt::Debug for InputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
 /// A number and its unit, or the number alone.
 fn with_unit(value: f64, unit: &str) -> String {
     format!("{value} {unit}").trim_end().to_owned()
 }
 
 impl InitialValueProblem {
+    /// Default of [`points`](Self::points): some ten megabytes for small scenes.
+    pub const DEFAULT_POINTS: usize = 100_000;
+
     /// The problem that the scene declares: its start, `horizon` or else its own, no control.
     ///
     /// # Errors
@@ -197,6 +298,7 @@ impl InitialValueProblem {
             v,
             horizon,
             controls: ControlSignal::Zero,
+            points: Self::DEFAULT_POINTS,
         })
     }
 
@@ -235,7 +337,26 @@ impl InitialValueProblem {
                 bound: "above 0".into(),
             });
         }
-        self.check_controls(declaration.controls.len())?;
+        if !HORIZONS.contains(&self.horizon) {
+            let (least, most) = (HORIZONS.start(), HORIZONS.end());
+            return Err(InputError::OutOfRange {
+                what: "horizon".into(),
+                value: self.horizon,
+                unit: "s".into(),
+                bound: format!(
+                    "from {least:e} to {most:e}; declare the scene with other units for more"
+                ),
+            });
+        }
+        if self.points < FEWEST_POINTS {
+            return Err(InputError::OutOfRange {
+                what: "points of the trajectory".into(),
+                value: self.points as f64,
+                unit: String::new(),
+                bound: format!("at least {FEWEST_POINTS}"),
+            });
+        }
+        self.controls.check(declaration.controls.len())?;
         let x = self.input(model);
         check_mass(model, &x)?;
         let mut point = vec![0.0; contact_point::length(n)];
@@ -288,47 +409,16 @@ impl InitialValueProblem {
         }
     }
 
-    /// The input vector `x = (q, v, u)` at the start.
-    #[must_use]
-    pub fn input(&self, model: &dyn Model) -> Vec<f64> {
+    /// The input vector `x = (q, v, u)` at the start of a problem that was checked.
+    pub(crate) fn input(&self, model: &dyn Model) -> Vec<f64> {
         let declaration = model.declaration();
         let n = declaration.coordinates.len();
         let mut x = vec![0.0; declaration.inputs()];
         x[..n].copy_from_slice(&self.q);
         x[n..2 * n].copy_from_slice(&self.v);
         self.controls
-            .write(0.0, &mut x[2 * n..2 * n + declaration.controls.len()]);
+            .write_checked(0.0, &mut x[2 * n..2 * n + declaration.controls.len()]);
         x
-    }
-
-    fn check_controls(&self, controls: usize) -> Result<(), InputError> {
-        let (ControlSignal::PiecewiseConstant { times, values }
-        | ControlSignal::PiecewiseLinear { times, values }) = &self.controls
-        else {
-            return Ok(());
-        };
-        length("control values over time", values.len(), times.len())?;
-        for &time in times {
-            finite("a control time", time)?;
-        }
-        let disordered = times.windows(2).find(|pair| pair[0] >= pair[1]);
-        let late = times.first().copied().filter(|&first| first > 0.0);
-        let wrong = late.or_else(|| disordered.map(|pair| pair[1]));
-        if times.is_empty() || wrong.is_some() {
-            return Err(InputError::OutOfRange {
-                what: "control time".into(),
-                value: wrong.unwrap_or(f64::NAN),
-                unit: "s".into(),
-                bound: "one of increasing times, the first at most 0".into(),
-            });
-        }
-        for value in values {
-            length("a control value", value.len(), controls)?;
-            for &u in value {
-                finite("a control value", u)?;
-            }
-        }
-        Ok(())
     }
 }
 

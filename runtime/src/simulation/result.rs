@@ -1,9 +1,38 @@
 //! What a simulation returns.
 
-use super::ContactMode;
+use std::fmt;
+use std::ops::Index;
+
+use super::quantity::{Quantity, number};
+use super::{ContactMode, InputError, State, Trajectory};
 use crate::model::Declaration;
 
 /// Result of a simulation.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let run = simulate(&ball).run()?;
+/// assert!(run.status.is_solved());
+/// let impact = run.events[0].time;
+/// assert!(run.just_before(impact)?["dot(z)"] < -4.4 && run.at(impact)?["dot(z)"] == 0.0);
+/// assert_eq!(run["z"].len(), run["time"].len());
+/// assert!(run.to_string().starts_with("solved\n0.451524 s: impact at floor\n"));
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Simulation {
     /// Names and units of coordinates, controls and contacts.
@@ -35,12 +64,165 @@ pub struct Simulation {
     pub notes: Vec<String>,
 }
 
+/// Which side of an instant.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Before,
+    After,
+}
+
+impl Simulation {
+    /// The state at a time, right after an impact at that time.
+    ///
+    /// Between two points of the trajectory coordinates follow the cubic through their values and velocities, and
+    /// velocities its derivative, so that both are as accurate as the distance `h` of the points allows: to `h^4` and
+    /// `h^3`. Controls and forces are linear. No interpolation reaches over an impact: both sides of it are points.
+    ///
+    /// # Errors
+    /// [`InputError::OutOfRange`] at times that were not simulated.
+    pub fn at(&self, time: f64) -> Result<State, InputError> {
+        self.on_side(time, Side::After)
+    }
+
+    /// The state at a time, right before an impact at that time; as [`at`](Self::at) everywhere else.
+    ///
+    /// # Errors
+    /// [`InputError::OutOfRange`] at times that were not simulated.
+    pub fn just_before(&self, time: f64) -> Result<State, InputError> {
+        self.on_side(time, Side::Before)
+    }
+
+    /// All values of one name along the trajectory, as listed at [`State`]; `None` if there is no such name.
+    #[must_use]
+    pub fn series(&self, name: &str) -> Option<&[f64]> {
+        match Quantity::named(self.declaration, name)? {
+            Quantity::Time => Some(&self.trajectory.time),
+            quantity => self.trajectory.column(self.column_of(quantity)?),
+        }
+    }
+
+    /// Place of a quantity in a row of the trajectory.
+    fn column_of(&self, quantity: Quantity) -> Option<usize> {
+        let declaration = self.declaration;
+        let (n, controls, contacts) = (
+            declaration.coordinates.len(),
+            declaration.controls.len(),
+            declaration.contacts.len(),
+        );
+        match quantity {
+            Quantity::Time => None,
+            Quantity::Coordinate(k) => Some(k),
+            Quantity::Velocity(k) => Some(n + k),
+            Quantity::Control(k) => Some(2 * n + k),
+            Quantity::Force(i) => Some(2 * n + controls + i),
+            Quantity::Friction(i) => Some(2 * n + controls + contacts + i),
+        }
+    }
+
+    fn on_side(&self, time: f64, side: Side) -> Result<State, InputError> {
+        let times = &self.trajectory.time;
+        let (Some(&first), Some(&last)) = (times.first(), times.last()) else {
+            return Err(outside(time, "given by a trajectory, which is empty"));
+        };
+        if !(first..=last).contains(&time) {
+            return Err(outside(
+                time,
+                &format!("in {first}..={last}, which was simulated"),
+            ));
+        }
+        let exact = match side {
+            Side::After => times.partition_point(|&t| t <= time) - 1,
+            Side::Before => times.partition_point(|&t| t < time),
+        };
+        if times[exact] == time {
+            return Ok(self.point(exact));
+        }
+        let next = times.partition_point(|&t| t <= time);
+        Ok(State::between(
+            &self.point(next - 1),
+            &self.point(next),
+            time,
+        ))
+    }
+
+    /// The last state; what is below `share` of the largest value of its component is zero.
+    pub(crate) fn last_for_people(&self, share: f64) -> Option<State> {
+        let trajectory = &self.trajectory;
+        let mut last = self.point(trajectory.time.len().checked_sub(1)?);
+        for (values, rows) in [
+            (&mut last.q, &trajectory.q),
+            (&mut last.v, &trajectory.v),
+            (&mut last.u, &trajectory.u),
+        ] {
+            for (k, value) in values.iter_mut().enumerate() {
+                let largest = rows.iter().fold(0.0_f64, |s, row| s.max(row[k].abs()));
+                if value.abs() <= share * largest {
+                    *value = 0.0;
+                }
+            }
+        }
+        Some(last)
+    }
+
+    /// The state at a point of the trajectory.
+    fn point(&self, index: usize) -> State {
+        let trajectory = &self.trajectory;
+        let row = |rows: &[Vec<f64>]| rows.get(index).cloned().unwrap_or_default();
+        State {
+            time: trajectory.time[index],
+            q: row(&trajectory.q),
+            v: row(&trajectory.v),
+            u: row(&trajectory.u),
+            contact_force: row(&trajectory.contact_force),
+            friction_force: row(&trajectory.friction_force),
+            declaration: self.declaration,
+        }
+    }
+}
+
+impl Index<&str> for Simulation {
+    type Output = [f64];
+
+    /// All values of one name along the trajectory, as listed at [`State`].
+    ///
+    /// # Panics
+    /// If the scene knows no such name; [`Simulation::series`] asks.
+    fn index(&self, name: &str) -> &[f64] {
+        self.series(name)
+            .unwrap_or_else(|| panic!("{}", Quantity::unknown(self.declaration, name)))
+    }
+}
+
 /// Why a simulation ended.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let run = simulate(&ball).observer(|_| false).run()?;
+/// assert!(matches!(run.status, SimulationStatus::Interrupted(_)));
+/// println!("{}", run.status); // name, time and reason
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum SimulationStatus {
     /// Reached the horizon.
     Solved,
+    /// The observer stopped the run; everything before is kept.
+    Interrupted(Diagnosis),
     /// A step did not converge; everything before it is kept.
     StepFailed(Diagnosis),
     /// A state or force became infinite or not a number.
@@ -55,11 +237,18 @@ pub enum SimulationStatus {
 }
 
 impl SimulationStatus {
+    /// Whether the run reached the horizon.
+    #[must_use]
+    pub fn is_solved(&self) -> bool {
+        *self == Self::Solved
+    }
+
     /// Name used in JSON.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
             Self::Solved => "solved",
+            Self::Interrupted(_) => "interrupted",
             Self::StepFailed(_) => "step_failed",
             Self::NotFinite(_) => "not_finite",
             Self::AmbiguousContact(_) => "ambiguous_contact",
@@ -73,11 +262,24 @@ impl SimulationStatus {
     pub fn diagnosis(&self) -> Option<&Diagnosis> {
         match self {
             Self::Solved => None,
-            Self::StepFailed(diagnosis)
+            Self::Interrupted(diagnosis)
+            | Self::StepFailed(diagnosis)
             | Self::NotFinite(diagnosis)
             | Self::AmbiguousContact(diagnosis)
             | Self::StepLimit(diagnosis)
             | Self::Inaccurate(diagnosis) => Some(diagnosis),
+        }
+    }
+}
+
+impl fmt::Display for SimulationStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.diagnosis() {
+            None => f.write_str(self.name()),
+            Some(diagnosis) => {
+                let (name, time) = (self.name(), number(diagnosis.time));
+                write!(f, "{name} at t = {time} s: {}", diagnosis.message)
+            }
         }
     }
 }
@@ -96,6 +298,29 @@ pub struct Diagnosis {
 }
 
 /// A switch of the contact mode.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, e = 0.5, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: restitution e
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let run = simulate(&ball).run()?;
+/// let bounce = &run.events[0];
+/// assert_eq!((bounce.contact_name, bounce.modes[0]), ("floor", ContactMode::Open));
+/// assert!((bounce.v_after[0] + 0.5 * bounce.v_before[0]).abs() < 1e-12);
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
     /// Physical time \[s\].
@@ -117,6 +342,28 @@ pub struct Event {
 }
 
 /// Kinds of events.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, e = 0.5, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: restitution e
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let run = simulate(&ball).run()?;
+/// let bounces = run.events.iter().filter(|event| event.kind == EventKind::Impact);
+/// println!("{} bounces", bounces.count());
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum EventKind {
@@ -146,54 +393,54 @@ impl EventKind {
     }
 }
 
-/// States over time; entry `k` of every field belongs to the same instant.
-#[derive(Debug, Clone, Default)]
-pub struct Trajectory {
-    /// Physical time \[s\], not decreasing (equal across an impact).
-    pub time: Vec<f64>,
-    /// Numerical time of the time-freezing system \[s\]: grows faster in contact, and alone during a jump.
-    pub numerical_time: Vec<f64>,
-    /// Coordinates, one vector an instant.
-    pub q: Vec<Vec<f64>>,
-    /// Velocities, one vector an instant.
-    pub v: Vec<Vec<f64>>,
-    /// Controls, one vector an instant.
-    pub u: Vec<Vec<f64>>,
-    /// Normal contact forces [N for a gap in metres], one vector an instant, 0 for open contacts.
-    pub contact_force: Vec<Vec<f64>>,
-    /// Tangential contact forces, one vector an instant, 0 for contacts that carry none; no vector at
-    /// all if no contact declares friction.
-    pub friction_force: Vec<Vec<f64>>,
+impl fmt::Display for EventKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::LiftOff => "lift-off",
+            kind => kind.name(),
+        })
+    }
 }
 
-impl Trajectory {
-    /// Keeps the first `instants` instants.
-    pub fn truncate(&mut self, instants: usize) {
-        self.time.truncate(instants);
-        self.numerical_time.truncate(instants);
-        self.q.truncate(instants);
-        self.v.truncate(instants);
-        self.u.truncate(instants);
-        self.contact_force.truncate(instants);
-        self.friction_force.truncate(instants);
+impl fmt::Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} s: {} at {}",
+            number(self.time),
+            self.kind,
+            self.contact_name
+        )
     }
+}
 
-    /// Appends one instant.
-    pub fn push(
-        &mut self,
-        time: f64,
-        numerical_time: f64,
-        q: &[f64],
-        v: &[f64],
-        u: &[f64],
-        force: &[f64],
-    ) {
-        self.time.push(time);
-        self.numerical_time.push(numerical_time);
-        self.q.push(q.to_vec());
-        self.v.push(v.to_vec());
-        self.u.push(u.to_vec());
-        self.contact_force.push(force.to_vec());
+/// Share of the largest value of a component that counts as rounding where results are printed.
+const ROUNDING: f64 = 1e-12;
+/// Events that are listed of a run with more of them.
+const LISTED: usize = 20;
+
+impl fmt::Display for Simulation {
+    /// Status, the first events, the last state, and the remarks, a line each.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.status)?;
+        for event in self.events.iter().take(LISTED) {
+            write!(f, "\n{event}")?;
+        }
+        if let Some(more) = self
+            .events
+            .len()
+            .checked_sub(LISTED)
+            .filter(|&more| more > 0)
+        {
+            write!(f, "\n... and {more} events more")?;
+        }
+        if let Some(last) = self.last_for_people(ROUNDING) {
+            write!(f, "\n{last}")?;
+        }
+        for note in &self.notes {
+            write!(f, "\nnote: {note}")?;
+        }
+        Ok(())
     }
 }
 
@@ -255,4 +502,13 @@ pub struct Seconds {
     pub factorize: f64,
     /// Linear solves, where measured separately.
     pub solve: f64,
+}
+
+fn outside(time: f64, bound: &str) -> InputError {
+    InputError::OutOfRange {
+        what: "time of a state".into(),
+        value: time,
+        unit: "s".into(),
+        bound: bound.into(),
+    }
 }

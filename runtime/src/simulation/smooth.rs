@@ -5,14 +5,19 @@ use cpu_time::ThreadTime;
 
 use super::event::dop853::{Dop853, System};
 use super::event::dynamics::Dynamics;
+use super::fixed::check_gaps;
+use super::watch::Watch;
 use super::{
     ContactMode, ControlSignal, Diagnosis, InitialValueProblem, InputError, Simulation,
     SimulationStatus, Simulator,
 };
+use crate::Observer;
 use crate::model::{Model, contact_point};
 
 /// Steps shorter than this share of the horizon fail.
 const SHORTEST: f64 = 1e-14;
+/// Share of the horizon by which to look ahead for the gap that is no number.
+const MOMENT: f64 = 1e-9;
 /// Points of the trajectory that are kept for each horizon; the steps are many more.
 const POINTS: f64 = 2000.0;
 /// Newton steps on the length of the last step.
@@ -33,6 +38,28 @@ const LANDINGS: usize = 50;
 /// Source of the system: Nurkanovic, Albrecht, Brogliato, Diehl, *The time-freezing reformulation for
 /// numerical optimal control of complementarity Lagrangian systems with state jumps*, Automatica 158
 /// (2023) 111295.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let run = simulate(&ball).method(Smooth::default()).run()?;
+/// // The ball hovers within some widths of the floor.
+/// assert!(run.at(0.9)?["z"].abs() < 10.0 * Smooth::default().width);
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smooth {
     /// Width of the step functions, for gaps \[unit of the gap\] and normal velocities
@@ -66,7 +93,7 @@ impl Simulator for Smooth {
         &self,
         model: &dyn Model,
         problem: &InitialValueProblem,
-        progress: &mut dyn FnMut(f64),
+        observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         super::fixed::check(self.max_steps, self.auxiliary_acceleration)?;
         for (what, value, bound) in [
@@ -92,14 +119,21 @@ impl Simulator for Smooth {
             "smoothed switches have no instant, so there are no events; contact forces fade in and out"
                 .into(),
         );
-        if let Err(status) = integrate(self, problem, &mut system, &mut result, progress) {
+        let mut watch = Watch::new(problem, observer);
+        if let Err(status) = integrate(self, problem, &mut system, &mut result, &mut watch) {
             result.status = status;
         }
+        watch.finish(&mut result);
         result.counts.evaluations = system.dynamics.evaluations;
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             result.seconds.total = elapsed.as_secs_f64();
         }
         Ok(result)
+    }
+
+    fn set_tolerance(&mut self, tolerance: f64) -> Result<(), InputError> {
+        self.tolerance = tolerance;
+        Ok(())
     }
 }
 
@@ -180,7 +214,7 @@ fn integrate(
     problem: &InitialValueProblem,
     system: &mut SmoothSystem<'_>,
     result: &mut Simulation,
-    progress: &mut dyn FnMut(f64),
+    watch: &mut Watch<'_>,
 ) -> Result<(), SimulationStatus> {
     let n = system.dynamics.n;
     let horizon = problem.horizon;
@@ -210,30 +244,29 @@ fn integrate(
                     "steps of {h:.1e} s do not meet the tolerance {:e}; widen the step functions",
                     settings.tolerance
                 );
-                let diagnosis = failure(result.counts.elements, y[2 * n], message);
-                return Err(if error.is_nan() {
-                    SimulationStatus::NotFinite(diagnosis)
-                } else {
-                    SimulationStatus::StepFailed(diagnosis)
-                });
+                let time = y[2 * n];
+                if error.is_finite() {
+                    let diagnosis = failure(result.counts.elements, time, message);
+                    return Err(SimulationStatus::StepFailed(diagnosis));
+                }
+                let mut ahead = y.clone();
+                for k in 0..n {
+                    ahead[k] += MOMENT * horizon * y[n + k];
+                }
+                system.dynamics.load(time, &ahead);
+                check_gaps(&system.dynamics, time, result.counts.elements)?;
+                let message = "the state a moment later is not finite; check roots, divisions and parameters of the scene";
+                let diagnosis = failure(result.counts.elements, time, message.into());
+                return Err(SimulationStatus::NotFinite(diagnosis));
             }
             continue;
         }
-        let mut length = h;
         let lands = method.end()[2 * n] >= horizon;
-        if lands {
-            // The clock never runs backwards: Newton steps on the length, from above.
-            for _ in 0..LANDINGS {
-                let late = method.end()[2 * n] - horizon;
-                if late.abs() <= f64::EPSILON * horizon {
-                    break;
-                }
-                method.finish(system, numerical_time, length);
-                let speed = method.end_slope()[2 * n].max(f64::MIN_POSITIVE);
-                length = (length - late / speed).clamp(0.0, h);
-                method.step(system, numerical_time, &y, length);
-            }
-        }
+        let length = if lands {
+            land(system, &mut method, numerical_time, &y, h, horizon)
+        } else {
+            h
+        };
         method.finish(system, numerical_time, length);
         numerical_time += length;
         y.copy_from_slice(method.end());
@@ -247,8 +280,8 @@ fn integrate(
         if lands || time - recorded >= horizon / POINTS {
             record(system, result, numerical_time, &y);
             recorded = time;
-            progress(time);
         }
+        watch.reach(time, result.counts.elements, &mut result.trajectory)?;
         if lands {
             return Ok(());
         }
@@ -261,6 +294,31 @@ fn integrate(
             settings.max_steps
         ),
     )))
+}
+
+/// Shortens the step of length `h` just made so that the clock reads `horizon` at its end; its length. The clock never
+/// runs backwards: Newton steps on the length, from above.
+fn land(
+    system: &mut SmoothSystem<'_>,
+    method: &mut Dop853,
+    numerical_time: f64,
+    y: &[f64],
+    h: f64,
+    horizon: f64,
+) -> f64 {
+    let clock = y.len() - 1;
+    let mut length = h;
+    for _ in 0..LANDINGS {
+        let late = method.end()[clock] - horizon;
+        if late.abs() <= f64::EPSILON * horizon {
+            break;
+        }
+        method.finish(system, numerical_time, length);
+        let speed = method.end_slope()[clock].max(f64::MIN_POSITIVE);
+        length = (length - late / speed).clamp(0.0, h);
+        method.step(system, numerical_time, y, length);
+    }
+    length
 }
 
 /// Appends the state just evaluated.

@@ -4,8 +4,8 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{
-    self, Component, Formulation, Goal, Guess, Horizon, Objective, Problem, Settings, Solution,
-    Stationarity, Status, TimeFreezingSettings,
+    self, Formulation, Guess, Problem, Settings, Solution, Stationarity, Status,
+    TimeFreezingSettings,
 };
 use hangtime::simulation::EventKind;
 
@@ -17,6 +17,8 @@ hangtime::model! {
             m: kg = 1,
             /// Gravitational acceleration.
             g: m/s^2 = 9.81,
+            /// Height that is to be reached.
+            goal: m = 0.3,
         }
         coordinates {
             /// Height.
@@ -30,7 +32,10 @@ hangtime::model! {
         forces { z: u }
         surface ground: z >= 0
         impact ground: inelastic
+        minimize integral(u^2)
+        finally { z == goal }
         start { z: 0.2 [m] }
+        horizon 1 [s]
     }
 }
 
@@ -105,15 +110,11 @@ fn brute_force(goal: f64) -> f64 {
 }
 
 fn hop(goal: f64) -> Solution {
-    let hopper = Hopper::default();
-    let goal = Goal {
-        component: Component::Coordinate(0),
-        value: goal,
+    let hopper = Hopper {
+        goal,
+        ..Hopper::default()
     };
-    let problem = Problem {
-        horizon: Horizon::Fixed(2.0 * INTERVAL),
-        ..Problem::new(&hopper, Objective::effort(), vec![goal], 2)
-    };
+    let problem = Problem::of(&hopper, 2);
     ocp::solve(&hopper, &problem, &Settings::default(), &mut |_| true).unwrap()
 }
 
@@ -185,24 +186,16 @@ hangtime::model! {
         }
         lagrangian m/2*dot(y)^2 - c/2*y^2
         forces { y: u }
+        minimize -dot(y)
+        finally { y == 0[m] }
+        horizon 2 [s]
     }
 }
 
 #[test]
 fn bounds_of_a_coordinate_that_is_no_parabola_hold_at_all_times() {
     let spring = Spring::default();
-    let middle = Goal {
-        component: Component::Coordinate(0),
-        value: 0.0,
-    };
-    let fastest = Objective {
-        final_velocities: vec![(0, -1.0)],
-        ..Objective::default()
-    };
-    let problem = Problem {
-        horizon: Horizon::Fixed(2.0),
-        ..Problem::new(&spring, fastest, vec![middle], 8)
-    };
+    let problem = Problem::of(&spring, 8);
     let solution = ocp::solve(&spring, &problem, &Settings::default(), &mut |_| true).unwrap();
     assert_eq!(
         solution.status,
@@ -227,7 +220,7 @@ fn bounds_of_a_coordinate_that_is_no_parabola_hold_at_all_times() {
 #[test]
 fn problem_with_wrong_input_is_refused_in_one_line() {
     let hopper = Hopper::default();
-    let problem = Problem::new(&hopper, Objective::time(), Vec::new(), 3);
+    let problem = Problem::of(&hopper, 3);
     let refuse = |problem: &Problem| {
         let error = ocp::solve(&hopper, problem, &Settings::default(), &mut |_| true);
         error.unwrap_err().to_string()
@@ -237,14 +230,6 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
         ..problem.clone()
     };
     insta::assert_snapshot!(refuse(&no_intervals), @"number of control intervals = 0: must be in 1..=10000");
-    let far = Problem {
-        goals: vec![Goal {
-            component: Component::Velocity(7),
-            value: 0.0,
-        }],
-        ..problem.clone()
-    };
-    insta::assert_snapshot!(refuse(&far), @"index of a coordinate in objective or goal = 7: must be below 1, the number of coordinates");
     let falling = Problem {
         q: vec![0.0],
         v: vec![-1.0],
@@ -260,14 +245,7 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
 #[test]
 fn every_guess_of_the_hopping_mass_ends_at_the_same_optimum() {
     let hopper = Hopper::default();
-    let goal = Goal {
-        component: Component::Coordinate(0),
-        value: 0.3,
-    };
-    let problem = Problem {
-        horizon: Horizon::Fixed(2.0 * INTERVAL),
-        ..Problem::new(&hopper, Objective::effort(), vec![goal], 2)
-    };
+    let problem = Problem::of(&hopper, 2);
     let best = brute_force(0.3);
     for guess in [
         Guess::Rest,
@@ -293,14 +271,7 @@ fn every_guess_of_the_hopping_mass_ends_at_the_same_optimum() {
 #[test]
 fn observer_that_stops_early_gets_no_motion_and_late_the_best_so_far() {
     let hopper = Hopper::default();
-    let goal = Goal {
-        component: Component::Coordinate(0),
-        value: 0.3,
-    };
-    let problem = Problem {
-        horizon: Horizon::Fixed(2.0 * INTERVAL),
-        ..Problem::new(&hopper, Objective::effort(), vec![goal], 2)
-    };
+    let problem = Problem::of(&hopper, 2);
     let run = |calls: usize| {
         let mut seen = Vec::new();
         let solution = ocp::solve(&hopper, &problem, &Settings::default(), &mut |progress| {
@@ -323,24 +294,13 @@ fn observer_that_stops_early_gets_no_motion_and_late_the_best_so_far() {
     assert!(late.motion.is_some() && late.resimulation_error < 1e-6);
 }
 
-fn hop_problem(hopper: &Hopper) -> Problem {
-    let goal = Goal {
-        component: Component::Coordinate(0),
-        value: 0.3,
-    };
-    Problem {
-        horizon: Horizon::Fixed(2.0 * INTERVAL),
-        ..Problem::new(hopper, Objective::effort(), vec![goal], 2)
-    }
-}
-
 #[test]
 fn time_freezing_formulation_polished_finds_both_local_optima_of_the_hopping_mass() {
     let hopper = Hopper::default();
     let mut settings = Settings::default();
     settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
     settings.starts = 4;
-    let problem = hop_problem(&hopper);
+    let problem = Problem::of(&hopper, 2);
     let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
     assert_eq!(
         solution.status,
@@ -376,7 +336,7 @@ fn several_starts_report_their_distinct_optima_and_do_not_depend_on_threads() {
     let hopper = Hopper::default();
     let mut settings = Settings::default();
     settings.starts = 4;
-    let problem = hop_problem(&hopper);
+    let problem = Problem::of(&hopper, 2);
     let solve = || ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
     let solution = solve();
     assert_eq!(solution.status, Status::Solved);

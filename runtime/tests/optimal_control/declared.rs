@@ -224,6 +224,20 @@ fn hop_that_is_declared_has_the_effort_of_a_search_over_both_thrusts() {
     }
 }
 
+hangtime::model! {
+    /// A cart that is to stay near the origin.
+    Guided {
+        parameters { m: kg = 2 }
+        coordinates { y: m }
+        controls { u: N in -1..=1 }
+        lagrangian m/2*dot(y)^2
+        forces { y: u }
+        minimize integral(y^2)
+        start { y: 1 [m] }
+        horizon 1 [s]
+    }
+}
+
 #[test]
 fn declaration_that_a_formulation_cannot_state_is_refused_by_name() {
     let mut settings = Settings::default();
@@ -233,7 +247,7 @@ fn declaration_that_a_formulation_cannot_state_is_refused_by_name() {
         let error = ocp::solve(model, &problem, &settings, &mut |_| true);
         error.unwrap_err().to_string()
     };
-    insta::assert_snapshot!(refuse(&Cart::default()), @"a running cost in the time-freezing formulation is not supported; leave the formulation at its default");
+    insta::assert_snapshot!(refuse(&Guided::default()), @"a running cost that is not a multiple of `u'u` in the time-freezing formulation is not supported; leave the formulation at its default");
     insta::assert_snapshot!(refuse(&Limited::default()), @"the path constraint `speed` in the time-freezing formulation is not supported; leave the formulation at its default");
     insta::assert_snapshot!(refuse(&Stone::default()), @"a free initial value in the time-freezing formulation is not supported; leave the formulation at its default");
 }

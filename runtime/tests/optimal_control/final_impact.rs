@@ -3,10 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use hangtime::model::Model;
-use hangtime::ocp::{
-    self, Component, ControlShape, Goal, Guess, Horizon, Objective, Problem, Settings, Solution,
-    Status,
-};
+use hangtime::ocp::{self, ControlShape, Guess, Horizon, Problem, Settings, Solution, Status};
 use hangtime::simulation::EventKind;
 
 hangtime::model! {
@@ -19,6 +16,8 @@ hangtime::model! {
         forces { z: u }
         surface ground: z >= 0
         impact ground: inelastic
+        minimize time
+        finally { z == 0[m], dot(z) == 0[m/s] }
         start { z: 1 [m] }
     }
 }
@@ -33,21 +32,17 @@ hangtime::model! {
         forces { z: u }
         surface ground: z >= 0
         impact ground: restitution 0.5
+        minimize time
+        finally { z == 0[m], dot(z) == 2.2[m/s] }
         start { z: 1 [m] }
     }
 }
 
-/// Reaches `(z, dz/dt)` in least time.
-fn solve(model: &dyn Model, (z, v): (f64, f64), settings: &Settings) -> Solution {
-    let goal = |component, value| Goal { component, value };
-    let goals = vec![
-        goal(Component::Coordinate(0), z),
-        goal(Component::Velocity(0), v),
-    ];
+fn solve(model: &dyn Model, settings: &Settings) -> Solution {
     let problem = Problem {
         // The ball is on its way down from its first bounce.
         horizon: Horizon::Free { guess: Some(0.5) },
-        ..Problem::new(model, Objective::time(), goals, 4)
+        ..Problem::of(model, 4)
     };
     let solution = ocp::solve(model, &problem, settings, &mut |_| true).unwrap();
     assert_eq!(
@@ -64,7 +59,7 @@ fn impact_at_the_final_time_brings_the_motion_to_rest() {
     for controls in [ControlShape::Constant, ControlShape::Linear] {
         let mut settings = Settings::default();
         settings.controls = controls;
-        let solution = solve(&Lander::default(), (0.0, 0.0), &settings);
+        let solution = solve(&Lander::default(), &settings);
         // It is pushed down all the way, and the ground stops it.
         let time = (2.0_f64 / (9.81 + 1.0)).sqrt();
         assert!(
@@ -78,7 +73,7 @@ fn impact_at_the_final_time_brings_the_motion_to_rest() {
         );
         // The motion is a start for others, with the impact where it is.
         settings.guess = Guess::Previous(Box::new(solution.previous.unwrap()));
-        let again = solve(&Lander::default(), (0.0, 0.0), &settings);
+        let again = solve(&Lander::default(), &settings);
         assert_eq!(again.counts.global_iterations, 0);
         assert!((again.horizon - time).abs() < 1e-8);
     }
@@ -88,7 +83,7 @@ fn impact_at_the_final_time_brings_the_motion_to_rest() {
 fn bounce_at_the_final_time_gives_the_speed_after_it() {
     // The ground halves the speed, so it has to be met at 4.4 m/s: after a push down in the first two intervals, up in
     // the last, and u in between. With h = T / 4: h (4 g + 1 - u) = 4.4 and h^2 (8 g + 5.5 - 1.5 u) = 1.
-    let solution = solve(&Ball::default(), (0.0, 2.2), &Settings::default());
+    let solution = solve(&Ball::default(), &Settings::default());
     let g = 9.81;
     let length = |u: f64| 4.4 / (4.0 * g + 1.0 - u);
     let fall = |u: f64| length(u).powi(2) * (8.0 * g + 5.5 - 1.5 * u);

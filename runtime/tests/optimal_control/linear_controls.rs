@@ -4,8 +4,8 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{
-    self, Component, ControlShape, Formulation, Goal, Guess, Horizon, Objective, Problem, Settings,
-    Solution, Status, TimeFreezingSettings,
+    self, ControlShape, Formulation, Guess, Problem, Settings, Solution, Status,
+    TimeFreezingSettings,
 };
 use hangtime::simulation::EventKind;
 
@@ -29,10 +29,6 @@ fn solve(model: &dyn Model, problem: &Problem, settings: &Settings) -> Solution 
     solution
 }
 
-fn goal(component: Component, value: f64) -> Goal {
-    Goal { component, value }
-}
-
 hangtime::model! {
     /// A cart that is pushed.
     Cart {
@@ -47,69 +43,57 @@ hangtime::model! {
     }
 }
 
-/// From rest to rest over 1 m in 1 s at least effort.
-fn rest_to_rest(intervals: usize) -> Problem {
-    let cart = Cart::default();
-    let goals = vec![
-        goal(Component::Coordinate(0), 1.0),
-        goal(Component::Velocity(0), 0.0),
-    ];
-    Problem {
-        horizon: Horizon::Fixed(1.0),
-        ..Problem::new(&cart, Objective::effort(), goals, intervals)
-    }
-}
-
 #[test]
 fn least_effort_of_a_cart_is_linear_in_time_on_every_grid() {
     let cart = Cart::default();
     for intervals in [1, 2, 5] {
-        let by_weights = solve(&cart, &rest_to_rest(intervals), &linear());
-        let declared = solve(&cart, &Problem::of(&cart, intervals), &linear());
-        for solution in [&by_weights, &declared] {
-            // u = 6 (1 - 2 t), and the integral of its square is 12.
+        let problem = Problem::of(&cart, intervals);
+        let solution = solve(&cart, &problem, &linear());
+        // u = 6 (1 - 2 t), and the integral of its square is 12.
+        assert!(
+            (solution.objective - 12.0).abs() < DIGITS,
+            "{}",
+            solution.objective
+        );
+        assert_eq!(solution.controls.len(), intervals + 1);
+        for (node, u) in solution.controls.iter().enumerate() {
+            let expected = 6.0 - 12.0 * node as f64 / intervals as f64;
+            assert!((u[0] - expected).abs() < DIGITS, "{u:?} against {expected}");
+        }
+        let trajectory = &solution.motion.as_ref().unwrap().trajectory;
+        for (&t, q) in trajectory.time.iter().zip(&trajectory.q) {
             assert!(
-                (solution.objective - 12.0).abs() < DIGITS,
-                "{}",
-                solution.objective
+                (q[0] - t * t * (3.0 - 2.0 * t)).abs() < DIGITS,
+                "{q:?} at {t}"
             );
-            assert_eq!(solution.controls.len(), intervals + 1);
-            for (node, u) in solution.controls.iter().enumerate() {
-                let expected = 6.0 - 12.0 * node as f64 / intervals as f64;
-                assert!((u[0] - expected).abs() < DIGITS, "{u:?} against {expected}");
-            }
-            let trajectory = &solution.motion.as_ref().unwrap().trajectory;
-            for (&t, q) in trajectory.time.iter().zip(&trajectory.q) {
-                assert!(
-                    (q[0] - t * t * (3.0 - 2.0 * t)).abs() < DIGITS,
-                    "{q:?} at {t}"
-                );
-            }
         }
         if intervals > 1 {
             // Constant controls lose the share 1 / N^2 of their effort.
-            let constant = solve(&cart, &rest_to_rest(intervals), &Settings::default());
+            let constant = solve(&cart, &problem, &Settings::default());
             let expected = 12.0 / (1.0 - 1.0 / (intervals * intervals) as f64);
             assert!((constant.objective - expected).abs() < DIGITS * expected);
         }
     }
 }
 
+hangtime::model! {
+    /// A cart that is pushed, by one who is in a hurry.
+    Hurried {
+        parameters { m: kg = 1, w: 1/N^2 = 0.4444444444444444 }
+        coordinates { y: m }
+        controls { u: N }
+        lagrangian m/2*dot(y)^2
+        forces { y: u }
+        minimize time + w*integral(u^2)
+        finally { y == 1[m], dot(y) == 0[m/s] }
+    }
+}
+
 #[test]
 fn effort_with_a_price_on_time_has_the_free_final_time_of_the_closed_form() {
-    let cart = Cart::default();
     // T + w 12 / T^3 is least for T^4 = 36 w.
-    let objective = Objective {
-        final_time: 1.0,
-        control_effort: 16.0 / 36.0,
-        ..Objective::default()
-    };
-    let problem = Problem {
-        horizon: Horizon::Free { guess: Some(1.0) },
-        objective,
-        ..rest_to_rest(3)
-    };
-    let solution = solve(&cart, &problem, &linear());
+    let cart = Hurried::default();
+    let solution = solve(&cart, &Problem::of(&cart, 3), &linear());
     // Second-order conditions make the time as accurate as the square root of the objective is.
     assert!(
         (solution.horizon - 2.0).abs() < 1e-6,
@@ -131,22 +115,17 @@ hangtime::model! {
         controls { u: N }
         lagrangian m/2*dot(y)^2
         forces { y: u }
+        minimize integral(u^2)
+        finally { y == 0[m], dot(y) == -1[m/s] }
         start { dot(y): 1 [m/s] }
+        horizon 1 [s]
     }
 }
 
 #[test]
 fn coordinate_that_rests_on_its_bound_follows_the_closed_form() {
     let cart = Confined::default();
-    let goals = vec![
-        goal(Component::Coordinate(0), 0.0),
-        goal(Component::Velocity(0), -1.0),
-    ];
-    let problem = Problem {
-        horizon: Horizon::Fixed(1.0),
-        ..Problem::new(&cart, Objective::effort(), goals, 3)
-    };
-    let solution = solve(&cart, &problem, &linear());
+    let solution = solve(&cart, &Problem::of(&cart, 3), &linear());
     // For a bound l <= 1/6 the control is -2/(3 l) (1 - t/(3 l)) up to 3 l, then 0, then mirrored: with l = 1/9
     // linear on three intervals, and the integral of its square is 8/(9 l).
     assert!(
@@ -207,22 +186,13 @@ hangtime::model! {
         forces { z: u }
         surface ground: z >= 0
         impact ground: inelastic
+        minimize integral(u^2)
+        finally { z == 0.5[m], dot(z) == 0[m/s] }
+        horizon 1.2 [s]
     }
 }
 
-/// To rest at 0.5 m in 1.2 s at least effort.
-fn hop(intervals: usize) -> Problem {
-    let goals = vec![
-        goal(Component::Coordinate(0), 0.5),
-        goal(Component::Velocity(0), 0.0),
-    ];
-    Problem {
-        horizon: Horizon::Fixed(1.2),
-        ..Problem::new(&Hopper::default(), Objective::effort(), goals, intervals)
-    }
-}
-
-/// The least effort of [`hop`] with four intervals and no thrust in the first, by golden section over the thrust at the
+/// The least effort of the hopper with four intervals and no thrust in the first, by golden section over the thrust at the
 /// middle: the ones after it follow from the goals.
 fn least_effort_by_search() -> f64 {
     let h: f64 = 0.3;
@@ -266,7 +236,7 @@ fn least_effort_by_search() -> f64 {
 #[test]
 fn hopper_leaves_the_ground_where_the_thrust_carries_it() {
     let hopper = Hopper::default();
-    let solution = solve(&hopper, &hop(4), &linear());
+    let solution = solve(&hopper, &Problem::of(&hopper, 4), &linear());
     let kinds: Vec<EventKind> = solution
         .planned_events
         .iter()
@@ -276,7 +246,8 @@ fn hopper_leaves_the_ground_where_the_thrust_carries_it() {
     let mut u = [0.0];
     solution
         .signal()
-        .write(solution.planned_events[0].0, &mut u);
+        .write(solution.planned_events[0].0, &mut u)
+        .unwrap();
     assert!((u[0] - 9.81).abs() < 1e-6, "{u:?}");
     assert!(
         solution.resimulation_error < 1e-9,
@@ -292,7 +263,7 @@ fn hopper_leaves_the_ground_where_the_thrust_carries_it() {
     // The complementarity problem of the time-freezing system keeps constant controls and finds the same sequence.
     let mut settings = linear();
     settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
-    let other = solve(&hopper, &hop(4), &settings);
+    let other = solve(&hopper, &Problem::of(&hopper, 4), &settings);
     assert!(
         (other.objective - least).abs() < DIGITS * least,
         "{} {least}",
@@ -303,7 +274,7 @@ fn hopper_leaves_the_ground_where_the_thrust_carries_it() {
 #[test]
 fn previous_motion_starts_other_grids_and_shapes() {
     let hopper = Hopper::default();
-    let coarse = solve(&hopper, &hop(4), &linear());
+    let coarse = solve(&hopper, &Problem::of(&hopper, 4), &linear());
     let mut objectives = vec![coarse.objective];
     let mut previous = coarse.previous.unwrap();
     for (intervals, controls) in [
@@ -314,7 +285,7 @@ fn previous_motion_starts_other_grids_and_shapes() {
         let mut settings = linear();
         settings.controls = controls;
         settings.guess = Guess::Previous(Box::new(previous));
-        let solution = solve(&hopper, &hop(intervals), &settings);
+        let solution = solve(&hopper, &Problem::of(&hopper, intervals), &settings);
         // No search: the contact sequence of the motion before is enough.
         assert_eq!(solution.counts.global_iterations, 0);
         assert_eq!(solution.shape, controls);

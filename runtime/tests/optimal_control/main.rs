@@ -4,6 +4,7 @@ mod brute_force;
 mod declared;
 mod explicit_time;
 mod final_impact;
+mod final_time;
 mod friction;
 mod linear_controls;
 mod refinement;

@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use hangtime::ocp::{
-    self, Component, ControlShape, Goal, Horizon, Objective, Problem, Settings, Solution, Status,
-};
+use hangtime::ocp::{self, ControlShape, Problem, Settings, Solution, Status};
 use hangtime::simulation::{Fesd, InitialValueProblem, Simulator};
 
 hangtime::model! {
@@ -15,6 +13,9 @@ hangtime::model! {
         controls { u: N }
         lagrangian m/2*dot(y)^2 + depth*exp(-((y - place)/width)^2/2)
         forces { y: u }
+        minimize integral(u^2)
+        finally { y == 1[m], dot(y) == 0[m/s] }
+        horizon 1 [s]
     }
 }
 
@@ -22,15 +23,7 @@ const INTERVALS: usize = 8;
 
 /// From rest to rest over 1 m in 1 s.
 fn pass(model: &Passage, settings: &Settings) -> Solution {
-    let goal = |component, value| Goal { component, value };
-    let goals = vec![
-        goal(Component::Coordinate(0), 1.0),
-        goal(Component::Velocity(0), 0.0),
-    ];
-    let problem = Problem {
-        horizon: Horizon::Fixed(1.0),
-        ..Problem::new(model, Objective::effort(), goals, INTERVALS)
-    };
+    let problem = Problem::of(model, INTERVALS);
     let solution = ocp::solve(model, &problem, settings, &mut |_| true).unwrap();
     assert_eq!(
         solution.status,
@@ -72,7 +65,7 @@ fn elements_grow_where_the_plan_departs_from_the_motion_and_nowhere_else() {
         };
         let simulation = Fesd::default()
             .with_tolerance(1e-11)
-            .simulate(&model, &problem, &mut |_| {})
+            .simulate(&model, &problem, &mut |_| true)
             .unwrap();
         let reached = simulation.trajectory.q.last().unwrap()[0];
         assert!(
@@ -90,20 +83,16 @@ hangtime::model! {
         controls { u: N }
         lagrangian m/2*dot(y)^2
         forces { y: u + f*sin(w*t) }
+        minimize integral(u^2)
+        finally { y == 1[m] }
+        horizon 1 [s]
     }
 }
 
 #[test]
 fn elements_of_a_model_that_depends_on_time_grow_everywhere() {
     let model = Shaken::default();
-    let goals = vec![Goal {
-        component: Component::Coordinate(0),
-        value: 1.0,
-    }];
-    let problem = Problem {
-        horizon: Horizon::Fixed(1.0),
-        ..Problem::new(&model, Objective::effort(), goals, 3)
-    };
+    let problem = Problem::of(&model, 3);
     let solution = ocp::solve(&model, &problem, &Settings::default(), &mut |_| true).unwrap();
     assert_eq!(
         solution.status,

@@ -3,20 +3,20 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use hangtime::model::Model;
-use hangtime::ocp::{
-    self, Component, ControlShape, Goal, Horizon, Objective, Problem, Settings, Solution, Status,
-};
+use hangtime::ocp::{self, ControlShape, Horizon, Problem, Settings, Solution, Status};
 
 hangtime::model! {
     /// A mass with engines that hops over a hill and shifts its weight.
     Hop {
-        parameters { m: kg = 2, g: m/s^2 = 9.81, a: m = 0.1 }
+        parameters { m: kg = 2, g: m/s^2 = 9.81, a: m = 0.1, price = 1, c: 1/N^2 = 1e-4 }
         coordinates { y: m, z: m, l: m in -0.2..=0.2 }
         controls { u: N in -40..=40, w: N in 0..=60, f: N in -8..=8 }
         lagrangian m/2*(dot(y)^2 + dot(z)^2 + dot(l)^2) - m*g*z
         forces { y: u, z: w, l: f }
         surface ground: z - a*sin(2*y/1[m]) >= 0
         impact ground: inelastic
+        minimize price*time + c*integral(u^2 + w^2 + f^2)
+        finally { y == 2[m], l == 0.19[m] }
         start { dot(y): 1 [m/s], dot(z): 0.3 [m/s] }
     }
 }
@@ -24,37 +24,24 @@ hangtime::model! {
 hangtime::model! {
     /// The same in other units.
     HopInMillimetres {
-        parameters { m: kg = 2, g: m/s^2 = 9.81, a: m = 0.1 }
+        parameters { m: kg = 2, g: m/s^2 = 9.81, a: m = 0.1, price = 1, c: 1/N^2 = 1e-4 }
         coordinates { y: mm, z: mm, l: mm in -200..=200 }
         controls { u: kN in -0.04..=0.04, w: kN in 0..=0.06, f: kN in -0.008..=0.008 }
         lagrangian m/2*(dot(y)^2 + dot(z)^2 + dot(l)^2) - m*g*z
         forces { y: u, z: w, l: f }
         surface ground: z - a*sin(2*y/1[m]) >= 0
         impact ground: inelastic
+        minimize price*time + c*integral(u^2 + w^2 + f^2)
+        finally { y == 2[m], l == 0.19[m] }
         start { dot(y): 1 [m/s], dot(z): 0.3 [m/s] }
     }
 }
 
-/// Solves for a scene in which a metre and a newton are that large.
-fn solve(
-    model: &dyn Model,
-    (metre, newton): (f64, f64),
-    (horizon, time): (Horizon, f64),
-    controls: ControlShape,
-) -> Solution {
-    let goal = |k, value: f64| Goal {
-        component: Component::Coordinate(k),
-        value: value * metre,
-    };
-    let objective = Objective {
-        final_time: time,
-        control_effort: 1e-4 / (newton * newton),
-        ..Objective::default()
-    };
-    let goals = vec![goal(0, 2.0), goal(2, 0.19)];
+/// Solves for a scene in which a metre is that large.
+fn solve(model: &dyn Model, metre: f64, horizon: Horizon, controls: ControlShape) -> Solution {
     let problem = Problem {
         horizon,
-        ..Problem::new(model, objective, goals, 8)
+        ..Problem::of(model, 8)
     };
     let mut settings = Settings::default();
     settings.controls = controls;
@@ -75,13 +62,21 @@ fn solve(
 fn scene_in_millimetres_and_kilonewtons_has_the_optimum_and_the_work_of_that_in_si() {
     let free = (Horizon::Free { guess: None }, 1.0);
     let fixed = (Horizon::Fixed(1.2), 0.0);
-    for (horizon, controls) in [
+    for ((horizon, price), controls) in [
         (free, ControlShape::Constant),
         (fixed, ControlShape::Constant),
         (fixed, ControlShape::Linear),
     ] {
-        let si = solve(&Hop::default(), (1.0, 1.0), horizon, controls);
-        let other = solve(&HopInMillimetres::default(), (1e3, 1e-3), horizon, controls);
+        let hop = Hop {
+            price,
+            ..Hop::default()
+        };
+        let in_millimetres = HopInMillimetres {
+            price,
+            ..HopInMillimetres::default()
+        };
+        let si = solve(&hop, 1.0, horizon, controls);
+        let other = solve(&in_millimetres, 1e3, horizon, controls);
         // The solver's tolerance is 1e-9; objectives of the order of one.
         assert!(
             (si.objective - other.objective).abs() < 1e-8,

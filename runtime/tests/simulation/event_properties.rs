@@ -35,7 +35,7 @@ fn checked(
         ..EventDriven::default()
     };
     let simulation = simulator
-        .simulate(model, problem, &mut |_| {})
+        .simulate(model, problem, &mut |_| true)
         .expect("the problem is accepted");
     prop_assert_eq!(&simulation.status, &SimulationStatus::Solved);
     let trajectory = &simulation.trajectory;

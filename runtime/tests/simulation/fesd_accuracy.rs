@@ -108,7 +108,7 @@ hangtime::model! {
         parameters { m: kg = 1, g: m/s^2 = 9.81, v: m/s = 1.7 }
         coordinates { x: m, z: m }
         lagrangian m/2*|dot((x, z))|^2 - m*g*z
-        surface ground: z + 1[m]*sqrt(1 - x/1[m]) >= 0
+        surface ground: z + sqrt((1[m] - x)*1[m]) >= 0
         impact ground: inelastic
         start { z: 9 [m], dot(x): v }
         horizon 1.2 [s]
@@ -131,7 +131,7 @@ hangtime::model! {
 
 fn run(simulator: &dyn Simulator, model: &dyn Model, horizon: Option<f64>) -> Simulation {
     let problem = InitialValueProblem::of(model, horizon).unwrap();
-    simulator.simulate(model, &problem, &mut |_| {}).unwrap()
+    simulator.simulate(model, &problem, &mut |_| true).unwrap()
 }
 
 fn solved(simulator: &dyn Simulator, model: &dyn Model, horizon: Option<f64>) -> Simulation {
@@ -246,7 +246,7 @@ fn start_inside_the_floor_is_refused_far_from_the_origin() {
     };
     let mut problem = InitialValueProblem::of(&model, Some(0.1)).unwrap();
     problem.q[1] = -2e-5;
-    let refused = Fesd::default().simulate(&model, &problem, &mut |_| {});
+    let refused = Fesd::default().simulate(&model, &problem, &mut |_| true);
     assert!(refused.unwrap_err().to_string().contains("E08"));
 }
 

@@ -18,7 +18,7 @@ fn accurate() -> Fesd {
 
 fn solve(simulator: &Fesd, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
     let simulation = simulator
-        .simulate(model, problem, &mut |_| {})
+        .simulate(model, problem, &mut |_| true)
         .expect("the problem is accepted");
     assert_eq!(simulation.status, SimulationStatus::Solved);
     let rows = simulation.trajectory.friction_force.len();
@@ -427,7 +427,7 @@ fn painleve_rod_ends_as_ambiguous_contact_with_a_diagnosis() {
     assert!(own - mu * coupling < 0.0, "{own} {coupling}");
     let q = [0.0, -half * phi.sin(), phi];
     let simulation = Fesd::default()
-        .simulate(&model, &start(&q, &[3.0, 0.0, 0.0], 1.0), &mut |_| {})
+        .simulate(&model, &start(&q, &[3.0, 0.0, 0.0], 1.0), &mut |_| true)
         .unwrap();
     assert_eq!(simulation.status.name(), "ambiguous_contact");
     let message = &simulation.status.diagnosis().unwrap().message;
@@ -439,7 +439,7 @@ fn painleve_rod_ends_as_ambiguous_contact_with_a_diagnosis() {
 fn scene_without_friction_records_none() {
     let model = crate::common::scenes::ball();
     let simulation = Fesd::default()
-        .simulate(&model, &start(&[0.0, 1.0], &[1.0, 0.0], 1.0), &mut |_| {})
+        .simulate(&model, &start(&[0.0, 1.0], &[1.0, 0.0], 1.0), &mut |_| true)
         .unwrap();
     assert!(simulation.trajectory.friction_force.is_empty());
 }

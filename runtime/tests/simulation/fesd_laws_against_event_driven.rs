@@ -27,7 +27,7 @@ const REST: f64 = 1e-3;
 
 fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
     simulator
-        .simulate(model, problem, &mut |_| {})
+        .simulate(model, problem, &mut |_| true)
         .expect("the problem is accepted")
 }
 

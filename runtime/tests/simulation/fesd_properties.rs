@@ -36,7 +36,7 @@ fn checked(
         .with_scheme(Scheme::RadauIia, stages)
         .with_grid(1, 1)
         .with_tolerance(tolerance)
-        .simulate(model, problem, &mut |_| {})
+        .simulate(model, problem, &mut |_| true)
         .expect("the problem is accepted");
     prop_assert_eq!(&simulation.status, &SimulationStatus::Solved);
     prop_assert_eq!(simulation.counts.fallbacks, 0);

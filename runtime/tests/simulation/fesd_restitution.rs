@@ -16,7 +16,7 @@ fn accurate() -> Fesd {
 
 fn simulate(simulator: &Fesd, model: &dyn Model, q: &[f64], v: &[f64], horizon: f64) -> Simulation {
     let simulation = simulator
-        .simulate(model, &start(q, v, horizon), &mut |_| {})
+        .simulate(model, &start(q, v, horizon), &mut |_| true)
         .expect("the problem is accepted");
     assert_eq!(simulation.status, SimulationStatus::Solved);
     simulation
@@ -175,7 +175,7 @@ fn rest_velocity_decides_how_many_bounces_are_carried_out() {
     assert_eq!((count(1e-2), count(1e-4)), (10, 17));
     let refused = Fesd::default()
         .with_rest_velocity(-1.0)
-        .simulate(&model, &start(&[0.0, 1.0], &[0.0; 2], 1.0), &mut |_| {})
+        .simulate(&model, &start(&[0.0, 1.0], &[0.0; 2], 1.0), &mut |_| true)
         .unwrap_err();
     assert_eq!(
         refused.to_string(),

@@ -14,7 +14,7 @@ use hangtime::simulation::{
 
 fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
     simulator
-        .simulate(model, problem, &mut |_| {})
+        .simulate(model, problem, &mut |_| true)
         .expect("the problem is accepted")
 }
 

@@ -19,7 +19,7 @@ fn time_freezing(steps: usize) -> Fesd {
 
 fn solve(simulator: &Fesd, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
     let simulation = simulator
-        .simulate(model, problem, &mut |_| {})
+        .simulate(model, problem, &mut |_| true)
         .expect("the problem is accepted");
     assert_eq!(simulation.status, SimulationStatus::Solved);
     assert!(simulation.counts.fallbacks > 0 && simulation.counts.newton == 0);
@@ -167,7 +167,7 @@ fn bounces_faster_than_the_steps_end_by_the_rest_velocity_or_with_a_remedy() {
     };
     let problem = start(&[0.0, 0.1], &[0.0, 0.0], 0.6);
     let stopped = time_freezing(6)
-        .simulate(&model, &problem, &mut |_| {})
+        .simulate(&model, &problem, &mut |_| true)
         .expect("the problem is accepted");
     let diagnosis = stopped.status.diagnosis().expect("bounces every 20 ms");
     assert!(diagnosis.message.contains("rest velocity"), "{diagnosis:?}");

@@ -79,7 +79,7 @@ fn pushed() -> [f64; 2] {
 
 fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
     let simulation = simulator
-        .simulate(model, problem, &mut |_| {})
+        .simulate(model, problem, &mut |_| true)
         .expect("the problem is accepted");
     assert_eq!(
         simulation.status,
@@ -181,7 +181,7 @@ fn trajectories_record_the_controls_of_each_instant() {
         let trajectory = run(simulator, &model, &problem).trajectory;
         let mut expected = [0.0; 2];
         for (time, u) in trajectory.time.iter().zip(&trajectory.u) {
-            problem.controls.write(*time, &mut expected);
+            problem.controls.write(*time, &mut expected).unwrap();
             let error = distance(u, &expected);
             assert!(
                 error < 1e-12 * WEIGHT,

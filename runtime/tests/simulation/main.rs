@@ -1,9 +1,11 @@
 //! Simulators against closed forms, certified values, and each other.
 
 mod common;
+mod conformance;
 mod event_contact_modes;
 mod event_driven;
 mod event_properties;
+mod event_scales;
 mod fesd_accuracy;
 mod fesd_against_event_driven;
 mod fesd_friction;
@@ -15,6 +17,7 @@ mod fesd_time_freezing;
 mod friction_coupled;
 mod friction_event;
 mod friction_time_stepping;
+mod front_door;
 mod linear_controls;
 mod modes_after_events;
 mod restitution_event;

@@ -139,7 +139,7 @@ fn events_of_a_pushed_box_carry_the_modes_that_forces_and_velocities_show() {
         (&Fesd::default().with_grid(40, 2), 1e-9),
     ];
     for (simulator, tolerance) in simulators {
-        let simulation = simulator.simulate(&model, &problem, &mut |_| {}).unwrap();
+        let simulation = simulator.simulate(&model, &problem, &mut |_| true).unwrap();
         assert_eq!(simulation.status, SimulationStatus::Solved);
         assert_eq!(
             simulation.initial_modes,
@@ -209,7 +209,7 @@ fn every_method_knows_the_modes_of_the_start() {
         };
         let problem = InitialValueProblem::of(&model, None).unwrap();
         for simulator in simulators {
-            let simulation = simulator.simulate(&model, &problem, &mut |_| {}).unwrap();
+            let simulation = simulator.simulate(&model, &problem, &mut |_| true).unwrap();
             assert_eq!(
                 simulation.status,
                 SimulationStatus::Solved,
@@ -238,13 +238,13 @@ fn time_stepping_tells_slip_and_stick_of_its_first_step() {
             ..InitialValueProblem::of(&model, Some(0.05)).unwrap()
         };
         let reference = EventDriven::default()
-            .simulate(&model, &problem, &mut |_| {})
+            .simulate(&model, &problem, &mut |_| true)
             .unwrap();
         let moreau = Moreau {
             steps: 50,
             ..Moreau::default()
         };
-        let simulation = moreau.simulate(&model, &problem, &mut |_| {}).unwrap();
+        let simulation = moreau.simulate(&model, &problem, &mut |_| true).unwrap();
         assert_eq!(simulation.initial_modes[0] == ContactMode::Stick, sticks);
         assert_eq!(simulation.initial_modes, reference.initial_modes);
     }

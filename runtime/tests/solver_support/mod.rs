@@ -18,6 +18,8 @@ mod expression;
 use batch::Batch;
 use expression::Expression;
 
+use std::io::Read as _;
+
 use hangtime::mpcc::Mpcc;
 use hangtime::nlp::NlpProblem;
 
@@ -42,6 +44,15 @@ pub(crate) struct TextProblem {
     jacobian_places: Vec<Vec<Vec<usize>>>,
     term_places: Vec<Vec<Vec<usize>>>,
     row_places: Vec<Vec<Vec<usize>>>,
+}
+
+/// A text that is kept compressed; its checksum is checked.
+pub(crate) fn unpack(compressed: &[u8]) -> String {
+    let mut text = String::new();
+    flate2::read::GzDecoder::new(compressed)
+        .read_to_string(&mut text)
+        .expect("the data is whole");
+    text
 }
 
 /// All problems of a text.

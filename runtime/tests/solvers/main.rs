@@ -2,6 +2,7 @@
 
 #[path = "../../benches/homotopy.rs"]
 mod homotopy;
+mod mpcc_certificates;
 mod mpcc_finite_elements;
 mod mpcc_limits;
 mod mpcc_problems;

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-use crate::solver_support::{TextProblem, read_problems};
+use crate::solver_support::{TextProblem, read_problems, unpack};
 use hangtime::mpcc::{self, Mpcc, RelaxationRule, Settings, Solution, Status};
 use hangtime::nlp::{self, NlpProblem};
 
@@ -18,7 +18,9 @@ fn closed_form() -> Vec<TextProblem> {
 }
 
 fn finite_elements() -> Vec<TextProblem> {
-    read_problems(include_str!("../data/mpcc_finite_elements.txt"))
+    read_problems(&unpack(include_bytes!(
+        "../data/mpcc_finite_elements.txt.gz"
+    )))
 }
 
 fn solve(problem: &TextProblem) -> Solution {

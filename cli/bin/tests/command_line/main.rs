@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a failed step fails the test")]
 
 mod player;
+mod random;
 mod refusals;
 mod simulate;
 mod solve;

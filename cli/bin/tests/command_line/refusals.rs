@@ -61,17 +61,54 @@ fn bad_input_is_refused_in_one_line_and_leaves_no_file() {
         ("from 1 to", &["simulate", "ski-jump", "--steps", "0"]),
         ("from 1 to", &["simulate", "ski-jump", "--steps", "1e3"]),
         (
-            "from 1 to",
+            "at most 1000000: the states",
             &["simulate", "ski-jump", "--steps", "99999999999"],
+        ),
+        (
+            "--steps 2000 of --elements 600 are 1200000 elements, more than 1000000",
+            &[
+                "simulate",
+                "ski-jump",
+                "--steps",
+                "2000",
+                "--elements",
+                "600",
+            ],
         ),
         ("from 1 to", &["simulate", "ski-jump", "--steps", "-3"]),
         ("from 1 to", &["simulate", "ski-jump", "--elements", "0"]),
         ("from 1 to 9", &["simulate", "ski-jump", "--stages", "10"]),
         ("above 0", &["simulate", "ski-jump", "--horizon", "-1"]),
-        ("above 0", &["simulate", "ski-jump", "--horizon", "nan"]),
         (
-            "'--horizon <SECONDS>'",
+            "begin with a number",
+            &["simulate", "ski-jump", "--horizon", "nan"],
+        ),
+        (
+            "'--horizon <TIME[UNIT]>'",
             &["simulate", "ski-jump", "--horizon", "soon"],
+        ),
+        (
+            "give a time such as",
+            &["simulate", "ski-jump", "--horizon", "3kg"],
+        ),
+        (
+            "--steps has no meaning for --method event",
+            &["simulate", "ski-jump", "--method", "event", "--steps", "30"],
+        ),
+        (
+            "--scheme has no meaning for --method moreau",
+            &[
+                "simulate",
+                "ski-jump",
+                "--method",
+                "moreau",
+                "--scheme",
+                "radau-iia",
+            ],
+        ),
+        (
+            "unknown scene `ski\\u{1b}[31m`",
+            &["simulate", "ski\u{1b}[31m"],
         ),
         (
             "possible values: fesd, event",
@@ -116,6 +153,9 @@ fn bad_input_is_refused_in_one_line_and_leaves_no_file() {
         &["explain", "ski"],
         &["chart", "pump"],
         &["solve", "ski-jump", "--set", "a=1"],
+        &["solve", "pump-track", "--scheme", "radau-iia"],
+        &["man", "fly"],
+        &["completions", "dos"],
     ] {
         refused(arguments);
     }

@@ -10,6 +10,18 @@ fn list_names_every_scene_with_its_parameters() {
     let document = json(&["list", "--json"]);
     let scenes = document["scenes"].as_array().unwrap();
     assert!(scenes.iter().any(|scene| scene["name"] == "ski-jump"));
+    let solvable = |name: &str| {
+        let scene = scenes.iter().find(|scene| scene["name"] == name).unwrap();
+        scene["commands"]
+            .as_array()
+            .unwrap()
+            .contains(&"solve".into())
+    };
+    assert!(solvable("pump-track") && !solvable("ski-jump"));
+    assert!(
+        text.contains("for simulate, solve, chart, explain, reproduce"),
+        "{text}"
+    );
     for scene in scenes {
         assert!(text.contains(scene["name"].as_str().unwrap()));
         for parameter in scene["parameters"].as_array().unwrap() {
@@ -141,34 +153,110 @@ fn simulate_every_method_reaches_the_horizon() {
 }
 
 #[test]
-fn simulate_settings_of_a_discretization_are_common_to_all_methods() {
-    for method in ["fesd", "event", "moreau", "smooth", "fixed"] {
-        let result = json(&[
+fn simulate_horizon_with_a_unit_is_converted() {
+    let horizon =
+        |text| json(&["simulate", "ski-jump", "--horizon", text, "--json"])["horizon"].clone();
+    assert_eq!(horizon("2"), 2.0);
+    assert_eq!(horizon("2s"), 2.0);
+    assert_eq!(horizon("250ms"), 0.25);
+}
+
+#[test]
+fn simulate_long_trajectory_is_thinned_and_says_so() {
+    let scratch = Scratch::new("thinned");
+    let document = json(&[
+        "simulate",
+        "bouncing-ball",
+        "--method",
+        "moreau",
+        "--steps",
+        "30000",
+        "--rows",
+        "700",
+        "--json",
+        "--out",
+        scratch.text(),
+    ]);
+    let rows = document["trajectory"]["time"].as_array().unwrap().len();
+    assert!((350..=700).contains(&rows), "{rows}");
+    assert_eq!(document["trajectory"]["q"].as_array().unwrap().len(), rows);
+    assert_eq!(document["final"]["time"], document["horizon"]);
+    assert!(
+        document["notes"].to_string().contains("--rows"),
+        "{}",
+        document["notes"]
+    );
+    let csv = scratch.read("bouncing-ball-moreau-trajectory.csv");
+    assert_eq!(csv.lines().count(), rows + 1);
+}
+
+#[test]
+fn simulate_by_another_method_keeps_the_files_of_the_first_and_tells_what_it_replaced() {
+    let scratch = Scratch::new("methods");
+    let run = |method| {
+        solved(&[
             "simulate",
             "ski-jump",
             "--method",
             method,
-            "--scheme",
-            "radau-iia",
-            "--stages",
-            "3",
-            "--steps",
-            "400",
-            "--elements",
-            "1",
-            "--json",
-        ]);
-        assert_eq!(result["status"], "solved", "{method}");
-        let notes = result["notes"].to_string();
-        // Finite elements use all four, the others say which they do not.
+            "--out",
+            scratch.text(),
+        ])
+    };
+    assert!(!run("fesd").contains("replaced"));
+    assert!(!run("event").contains("replaced"));
+    let mut names = result_files("ski-jump").to_vec();
+    names.extend(result_files("ski-jump-event"));
+    names.sort();
+    assert_eq!(scratch.names(), names);
+    let again = run("event");
+    assert_eq!(again.matches("replaced").count(), 6, "{again}");
+}
+
+#[test]
+fn json_names_every_column_with_its_unit() {
+    let document = json(&["simulate", "incline", "--json"]);
+    let quantities = &document["quantities"];
+    assert_eq!(
+        quantities["q"][1],
+        serde_json::json!({"name": "z", "unit": "m"})
+    );
+    assert_eq!(
+        quantities["v"][0],
+        serde_json::json!({"name": "dy/dt", "unit": "m/s"})
+    );
+    for force in ["contact_force", "friction_force"] {
         assert_eq!(
-            notes.contains("--scheme has no effect"),
-            method != "fesd",
-            "{notes}"
+            quantities[force],
+            serde_json::json!([{"name": "ramp", "unit": "N"}])
         );
-        let steps = matches!(method, "event" | "smooth");
-        assert_eq!(notes.contains("--steps has no effect"), steps, "{notes}");
     }
+    for column in ["q", "v", "u", "contact_force", "friction_force"] {
+        let width = document["trajectory"][column][0].as_array().unwrap().len();
+        assert_eq!(
+            quantities[column].as_array().unwrap().len(),
+            width,
+            "{column}"
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn report_is_printed_whatever_becomes_of_the_files() {
+    let scratch = Scratch::new("in-the-way");
+    // A directory with the name of a file.
+    std::fs::create_dir_all(scratch.0.join("ski-jump-time.svg")).unwrap();
+    let output = hangtime(&["simulate", "ski-jump", "--json", "--out", scratch.text()]);
+    assert_eq!(output.status.code(), Some(2));
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["status"], "solved");
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        stderr.contains("ski-jump-time.svg`") && stderr.contains("no file was written"),
+        "{stderr}"
+    );
+    assert_eq!(scratch.names(), ["ski-jump-time.svg"]);
 }
 
 #[test]
@@ -238,7 +326,7 @@ fn simulate_scene_with_friction_tells_when_it_sticks_and_gives_the_friction_forc
         csv.lines()
             .next()
             .unwrap()
-            .ends_with("contact force ramp,friction force ramp")
+            .ends_with("contact force ramp [N],friction force ramp [N]")
     );
     assert_page_shows_its_result(&scratch, "incline");
     let without = json(&["simulate", "ski-jump", "--json"]);
@@ -275,10 +363,31 @@ fn explain_prints_the_page_of_a_mistake() {
     let text = solved(&["explain", "e07"]);
     assert!(text.starts_with("# E07: "), "{text}");
     assert!(text.contains("Right:"), "{text}");
+    for code in ["E07", "E7", "e7"] {
+        assert_eq!(solved(&["explain", code]), text);
+    }
 }
 
 #[test]
 fn help_goes_to_the_standard_output() {
     assert!(solved(&["--help"]).contains("Usage: hangtime"));
     assert!(solved(&["simulate", "--help"]).contains("--scheme"));
+}
+
+#[test]
+fn completions_and_manual_pages_know_commands_and_options() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = solved(&["completions", shell]);
+        assert!(
+            script.contains("hangtime") && script.contains("time-limit"),
+            "{shell}"
+        );
+    }
+    let page = solved(&["man"]);
+    assert!(
+        page.contains(".TH hangtime 1") && page.contains("simulate"),
+        "{page}"
+    );
+    let page = solved(&["man", "simulate"]);
+    assert!(page.contains("\\-\\-horizon"), "{page}");
 }

@@ -11,7 +11,7 @@ fn reproduce_covers_the_publication_with_figures_data_and_pages() {
         "35.8280435750  36.07181",
         "6.3550423883   6.35295",
         "1.4135130411   1.41376",
-        "(1.413768945)",
+        "(1.413768942)",
         "y -2.2e-3 m",
         "l by up to 1.0e-3 m",
     ] {

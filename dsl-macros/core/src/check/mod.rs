@@ -22,7 +22,7 @@ use std::rc::Rc;
 
 /// Checks a declaration. Every mistake found is reported; a scene comes back only if there was none.
 pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<CheckedScene> {
-    let before = diagnostics.mistakes();
+    let before = diagnostics.grave();
     let mut checker = Checker {
         scope: Scope::default(),
         diagnostics,
@@ -49,7 +49,7 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
     }
     let units = units::inferred(declared, &failed, checker.diagnostics);
     let scene = checker.finish(declared, &units);
-    if diagnostics.mistakes() > before {
+    if diagnostics.grave() > before {
         return Err(Reported);
     }
     scene
@@ -245,11 +245,13 @@ impl Checker<'_> {
         else {
             return Err(Reported);
         };
-        // Missing inertia and unused names are most often consequences of other mistakes.
-        if checker.diagnostics.mistakes() > 0 {
+        // Missing inertia and unused names are most often consequences of other mistakes, but not of units.
+        if checker.diagnostics.others_than(&["E03"]) > 0 {
             return Err(Reported);
         }
-        rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)?;
+        if checker.diagnostics.mistakes() == 0 {
+            rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)?;
+        }
         let mut contacts = law::contacts(laws, lagrangian, &mut checker)?;
         dependence::gaps(&contacts, &mut checker);
         rules::unused(&mut checker);

@@ -81,7 +81,7 @@ impl Checker<'_> {
                     };
                 }
                 if !has_integral(first) {
-                    weight = weight * self.weight(first)?;
+                    weight *= self.weight(first)?;
                 }
                 self.split(integral, weight, cost)
             }

@@ -259,23 +259,7 @@ impl Walk<'_> {
                 let divisor = at.power(Ratio::integer(i32::try_from(*order).unwrap_or(1)));
                 Ok(value.map(|own| own.over(&divisor)))
             }
-            Kind::Norm(inner) => {
-                let units = self.units(inner)?;
-                let components = units.components().to_vec();
-                let first = components.first().cloned().unwrap_or_else(Dimension::one);
-                for component in &components {
-                    if !self.unifier.unify(component, &first) {
-                        let message = format!(
-                            "units differ: the components of `{inner}` are in {} and {}, so they have \
-                             no common length",
-                            self.unifier.show(&first),
-                            self.unifier.show(component)
-                        );
-                        return Err(self.diagnostics.report("E03", inner.place, message));
-                    }
-                }
-                Ok(Units::Scalar(first))
-            }
+            Kind::Norm(inner) => self.norm(inner),
             Kind::Vector(items) => self.stacked(items),
             Kind::Component { vector, name } => {
                 let units = self.units(vector)?;
@@ -303,6 +287,24 @@ impl Walk<'_> {
                 }
             }
         }
+    }
+
+    fn norm(&mut self, inner: &Expr) -> Checked<Units> {
+        let units = self.units(inner)?;
+        let components = units.components().to_vec();
+        let first = components.first().cloned().unwrap_or_else(Dimension::one);
+        for component in &components {
+            if !self.unifier.unify(component, &first) {
+                let message = format!(
+                    "units differ: the components of `{inner}` are in {} and {}, so they have \
+                     no common length",
+                    self.unifier.show(&first),
+                    self.unifier.show(component)
+                );
+                return Err(self.diagnostics.report("E03", inner.place, message));
+            }
+        }
+        Ok(Units::Scalar(first))
     }
 
     fn name(&mut self, name: &Name) -> Units {

@@ -77,6 +77,9 @@ impl Checker<'_> {
         let what = format!("a bound of `{name}`");
         let mut bound = |expr: &Expr, factor: f64| {
             let sym = self.in_declared_unit(expr, unit)?.scaled(factor);
+            if let Some(fault) = graph::take_fault() {
+                return Err(unrepresentable(fault, expr, self.diagnostics));
+            }
             self.constant(sym, expr, &what)
         };
         let (low, high) = (bound(lower, shared), bound(upper, 1.0));

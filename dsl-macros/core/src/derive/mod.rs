@@ -182,28 +182,12 @@ pub(crate) struct ControlEquations {
 /// Derives all equations of a scene.
 pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let n = scene.coordinates.len();
-    let coordinates: Vec<Variable> = (0..n).map(|i| Variable::Coordinate(i as u16)).collect();
-    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
-    let mut inputs = coordinates.clone();
-    inputs.extend(&velocities);
-    inputs.extend((0..scene.controls.len()).map(|i| Variable::Control(i as u16)));
-    if scene.explicit_time {
-        inputs.push(Variable::Time);
-    }
-
+    let inputs = inputs(scene);
+    let (coordinates, velocities) = (&inputs[..n], &inputs[n..2 * n]);
     let lagrangian = scene.lagrangian;
-    let momenta = graph::gradient(lagrangian, &velocities);
-    let mut mass = vec![Sym::ZERO; n * n];
-    for (j, &velocity) in velocities.iter().enumerate() {
-        for (i, entry) in graph::partial(&momenta, velocity).into_iter().enumerate() {
-            // Lower and upper entries are the same formula, whatever form the sweeps gave them.
-            if i >= j {
-                let entry = simplify_equation(entry);
-                (mass[i * n + j], mass[j * n + i]) = (entry, entry);
-            }
-        }
-    }
-    let conservative = graph::gradient(lagrangian, &coordinates);
+    let momenta = graph::gradient(lagrangian, velocities);
+    let mass = mass_matrix(&momenta, velocities)?;
+    let conservative = graph::gradient(lagrangian, coordinates);
     let applied: Vec<Sym> = conservative
         .iter()
         .zip(&scene.forces)
@@ -219,15 +203,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
             simplify(simplify_equation(conservative - transport) + simplify_equation(force))
         })
         .collect();
-    if let Some(coordinate) = (0..n).find(|i| {
-        mass[i * n..i * n + n]
-            .iter()
-            .all(|m| m.is_structural_zero())
-    }) {
-        return Err(Failure::SingularMass { coordinate });
-    }
-
-    let energy = energy(lagrangian, &momenta, &velocities);
+    let energy = energy(lagrangian, &momenta, velocities);
     let singular = |coordinate| Failure::SingularMass { coordinate };
     let formulas = (n <= EXPLICIT)
         .then(|| Factorization::of(&mass, n))
@@ -280,6 +256,39 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
             .as_ref()
             .map(|task| optimal_control(task, n, &inputs)),
     })
+}
+
+/// The input vector `(q, v, u[, t])`.
+fn inputs(scene: &CheckedScene) -> Vec<Variable> {
+    let n = scene.coordinates.len() as u16;
+    let controls = scene.controls.len() as u16;
+    let mut inputs: Vec<Variable> = (0..n).map(Variable::Coordinate).collect();
+    inputs.extend((0..n).map(Variable::Velocity));
+    inputs.extend((0..controls).map(Variable::Control));
+    if scene.explicit_time {
+        inputs.push(Variable::Time);
+    }
+    inputs
+}
+
+/// `d2L/dv2`, row-major, from the momenta; every coordinate has inertia.
+fn mass_matrix(momenta: &[Sym], velocities: &[Variable]) -> Result<Vec<Sym>, Failure> {
+    let n = velocities.len();
+    let mut mass = vec![Sym::ZERO; n * n];
+    for (j, &velocity) in velocities.iter().enumerate() {
+        for (i, entry) in graph::partial(momenta, velocity).into_iter().enumerate() {
+            // Lower and upper entries are the same formula, whatever form the sweeps gave them.
+            if i >= j {
+                let entry = simplify_equation(entry);
+                (mass[i * n + j], mass[j * n + i]) = (entry, entry);
+            }
+        }
+    }
+    let mut rows = mass.chunks(n);
+    match rows.position(|row| row.iter().all(|entry| entry.is_structural_zero())) {
+        Some(coordinate) => Err(Failure::SingularMass { coordinate }),
+        None => Ok(mass),
+    }
 }
 
 fn optimal_control(task: &OptimalControl, n: usize, inputs: &[Variable]) -> ControlEquations {

@@ -1,9 +1,9 @@
 //! The static description of a scene.
 
+use super::equations;
 use super::kernel::literal;
 use super::plan::{Pattern, Plan};
 use super::structure::text;
-use super::{Timing, equations};
 use crate::ast::WrittenUnit;
 use crate::derive::Equations;
 use crate::scene::{CheckedScene, Condition};
@@ -11,17 +11,7 @@ use hangtime_units::Unit;
 use std::fmt::Write;
 
 /// Writes `static DECLARATION`.
-pub(super) fn write(
-    scene: &CheckedScene,
-    derived: &Equations,
-    plan: &Plan,
-    timing: &Timing,
-    code: &mut String,
-) {
-    let expanded_at = timing
-        .expanded_at
-        .duration_since(std::time::UNIX_EPOCH)
-        .map_or(0.0, |since| since.as_secs_f64());
+pub(super) fn write(scene: &CheckedScene, derived: &Equations, plan: &Plan, code: &mut String) {
     let _ = write!(
         code,
         "static DECLARATION: ::hangtime::model::Declaration = ::hangtime::model::Declaration {{ name: \
@@ -57,6 +47,35 @@ pub(super) fn write(
         }
     }
     code.push_str("], contacts: &[");
+    contacts(scene, plan, code);
+    let _ = write!(
+        code,
+        "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: {}, kernels: &[",
+        scene.explicit_time,
+        pattern(&plan.free_patterns[0]),
+        pattern(&plan.free_patterns[1]),
+        optimal_control(scene, plan)
+    );
+    for kernel in plan.listed() {
+        let _ = write!(
+            code,
+            "::hangtime::model::Kernel {{ name: {:?}, operations: {}, outputs: {} }},",
+            kernel.name,
+            kernel.tape.operations(),
+            kernel.tape.outputs.len()
+        );
+    }
+    code.push_str("], equations: &[");
+    for (left, right) in equations::readable(scene, derived) {
+        let _ = write!(
+            code,
+            "::hangtime::model::Equation {{ left: {left:?}, right: {right:?} }},"
+        );
+    }
+    code.push_str("] };");
+}
+
+fn contacts(scene: &CheckedScene, plan: &Plan, code: &mut String) {
     for (contact, plan) in scene.contacts.iter().zip(&plan.contacts) {
         let friction = match &plan.friction {
             None => "__Option::None".to_owned(),
@@ -85,36 +104,6 @@ pub(super) fn write(
             text(&contact.documentation)
         );
     }
-    let _ = write!(
-        code,
-        "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: {}, kernels: &[",
-        scene.explicit_time,
-        pattern(&plan.free_patterns[0]),
-        pattern(&plan.free_patterns[1]),
-        optimal_control(scene, plan)
-    );
-    for kernel in plan.listed() {
-        let _ = write!(
-            code,
-            "::hangtime::model::Kernel {{ name: {:?}, operations: {}, outputs: {} }},",
-            kernel.name,
-            kernel.tape.operations(),
-            kernel.tape.outputs.len()
-        );
-    }
-    code.push_str("], equations: &[");
-    for (left, right) in equations::readable(scene, derived) {
-        let _ = write!(
-            code,
-            "::hangtime::model::Equation {{ left: {left:?}, right: {right:?} }},"
-        );
-    }
-    let _ = write!(
-        code,
-        "], derivation_seconds: {}, expanded_at: {} }};",
-        literal(timing.derivation.as_secs_f64()),
-        literal(expanded_at)
-    );
 }
 
 fn optimal_control(scene: &CheckedScene, plan: &Plan) -> String {

@@ -17,13 +17,6 @@ use crate::scene::CheckedScene;
 use plan::{ContactPlan, FrictionPlan, Plan};
 use proc_macro2::TokenStream;
 use std::fmt::Write;
-use std::time::{Duration, SystemTime};
-
-/// When the expansion began and how long the derivation took.
-pub(crate) struct Timing {
-    pub(crate) expanded_at: SystemTime,
-    pub(crate) derivation: Duration,
-}
 
 /// Most operations of one kernel: some seconds of compile time.
 pub(crate) const BUDGET: usize = 60_000;
@@ -43,7 +36,6 @@ pub(crate) fn scene(
     declared: &Scene,
     scene: &CheckedScene,
     equations: &Equations,
-    timing: &Timing,
 ) -> Result<TokenStream, Unfit> {
     let plan = Plan::of(scene, equations);
     if graph::is_exhausted() {
@@ -76,9 +68,11 @@ pub(crate) fn scene(
         kernel.write(scene, &mut code);
     }
     code.push_str(&plan.helpers);
-    declaration::write(scene, equations, &plan, timing, &mut code);
+    declaration::write(scene, equations, &plan, &mut code);
     implementation(scene, &plan, &mut code);
-    if let Some((helpers, methods)) = oracle::write(declared, scene) {
+    if cfg!(feature = "oracle")
+        && let Some((helpers, methods)) = oracle::write(declared, scene)
+    {
         let name = scene.name.rust();
         let _ = write!(code, "impl {name} {{ {helpers} {methods} }}");
     }

@@ -31,99 +31,32 @@ pub(super) fn write(declared: &Scene, checked: &CheckedScene) -> Option<(String,
         count: 0,
         length: 0,
     };
-    let n = checked.coordinates.len();
-    let mut lagrangian = None;
-    let mut forces: Vec<Vec<(f64, Expr)>> = vec![Vec::new(); n];
-    let mut gaps: HashMap<String, (Expr, Expr)> = HashMap::new();
-    let mut dissipation = false;
-    for statement in &declared.statements {
-        match statement {
-            Statement::Let { name, value } => {
-                let helper = oracle.helper(value)?;
-                oracle.abbreviations.insert(name.text.clone(), helper);
-            }
-            Statement::Function {
-                name,
-                arguments,
-                body,
-            } => {
-                oracle
-                    .functions
-                    .insert(name.text.clone(), (arguments.clone(), body.clone()));
-            }
-            Statement::Lagrangian { value, .. } => lagrangian = Some(oracle.helper(value)?),
-            Statement::Dissipation { .. } => dissipation = true,
-            Statement::Forces(assignments) => {
-                for assignment in assignments {
-                    let index = checked
-                        .coordinates
-                        .iter()
-                        .position(|known| known.name.text == assignment.target.text)?;
-                    let scale = scene::scale(checked.coordinates[index].unit.as_ref());
-                    forces[index].push((scale, assignment.value.clone()));
-                }
-            }
-            Statement::Surface {
-                name,
-                left,
-                relation,
-                right,
-                ..
-            } => {
-                let sides = match relation {
-                    Relation::AtLeast | Relation::Equal => (left.clone(), right.clone()),
-                    Relation::AtMost => (right.clone(), left.clone()),
-                };
-                gaps.insert(name.text.clone(), sides);
-            }
-            _ => {}
-        }
-    }
+    let sources = oracle.read(declared)?;
     let mut methods = String::new();
-    let (lagrangian, _) = lagrangian?;
+    let lagrangian = sources.lagrangian.as_ref()?;
     let _ = write!(
         methods,
         "/// The Lagrangian, for any kind of dual number: `q` and `v` in declared units, `t` in seconds.
         pub fn lagrangian<{BOUND}>(&self, q: &[D], v: &[D], t: D) -> D {{ \
          Self::{lagrangian}(self, q, v, &[], t, t)[0] }}"
     );
-    if !dissipation {
-        let mut body = String::new();
-        for (i, terms) in forces.iter().enumerate() {
-            for (scale, value) in terms {
-                let (helper, _) = oracle.helper(value)?;
-                let _ = write!(
-                    body,
-                    "forces[{i}] += Self::{helper}(self, q, v, u, t, t)[0] * {};",
-                    literal(*scale)
-                );
-            }
-        }
-        let _ = write!(
-            methods,
-            "/// The generalized forces, one a coordinate, for any kind of dual number: `q`, `v` and `u` \
-             in declared units, `t` in seconds.
-            pub fn generalized_forces<{BOUND}>(&self, q: &[D], v: &[D], u: &[D], t: D) -> [D; {n}] {{ \
-             let mut forces = [D::from(0.0); {n}]; {body} forces }}"
-        );
+    if !sources.dissipation {
+        oracle.forces(&sources, &mut methods)?;
     }
-    let mut body = String::new();
-    for contact in &checked.contacts {
-        let (left, right) = gaps.get(&contact.name.text)?;
-        let ((left, _), (right, _)) = (oracle.helper(left)?, oracle.helper(right)?);
-        let _ = write!(
-            body,
-            "Self::{left}(self, q, v, &[], t, t)[0] - Self::{right}(self, q, v, &[], t, t)[0],"
-        );
-    }
-    let _ = write!(
-        methods,
-        "/// The gaps of all contacts in SI units, for any kind of dual number: `q` in declared units, \
-         `t` in seconds.
-        pub fn gaps<{BOUND}>(&self, q: &[D], t: D) -> [D; {}] {{ let v: &[D] = &[]; [{body}] }}",
-        checked.contacts.len()
-    );
+    oracle.gaps(&sources, &mut methods)?;
     Some((oracle.helpers, methods))
+}
+
+/// What the methods are written from.
+#[derive(Default)]
+struct Sources<'a> {
+    /// The helper of the Lagrangian.
+    lagrangian: Option<String>,
+    /// Coordinate, scale and value of each force.
+    forces: Vec<(usize, f64, &'a Expr)>,
+    /// Sides of each surface, of which the first one is larger on the free side.
+    gaps: HashMap<&'a str, (&'a Expr, &'a Expr)>,
+    dissipation: bool,
 }
 
 struct Oracle<'a> {
@@ -137,6 +70,96 @@ struct Oracle<'a> {
 }
 
 impl Oracle<'_> {
+    /// Emits helpers of the abbreviations and of the Lagrangian; notes functions, forces and surfaces.
+    fn read<'b>(&mut self, declared: &'b Scene) -> Option<Sources<'b>> {
+        let mut sources = Sources::default();
+        for statement in &declared.statements {
+            match statement {
+                Statement::Let { name, value } => {
+                    let helper = self.helper(value)?;
+                    self.abbreviations.insert(name.text.clone(), helper);
+                }
+                Statement::Function {
+                    name,
+                    arguments,
+                    body,
+                } => {
+                    let function = (arguments.clone(), body.clone());
+                    self.functions.insert(name.text.clone(), function);
+                }
+                Statement::Lagrangian { value, .. } => {
+                    sources.lagrangian = Some(self.helper(value)?.0);
+                }
+                Statement::Dissipation { .. } => sources.dissipation = true,
+                Statement::Forces(assignments) => {
+                    let coordinates = &self.checked.coordinates;
+                    for assignment in assignments {
+                        let name = &assignment.target.text;
+                        let index = coordinates.iter().position(|q| q.name.text == *name)?;
+                        let scale = scene::scale(coordinates[index].unit.as_ref());
+                        sources.forces.push((index, scale, &assignment.value));
+                    }
+                }
+                Statement::Surface {
+                    name,
+                    left,
+                    relation,
+                    right,
+                    ..
+                } => {
+                    let sides = match relation {
+                        Relation::AtLeast | Relation::Equal => (left, right),
+                        Relation::AtMost => (right, left),
+                    };
+                    sources.gaps.insert(&name.text, sides);
+                }
+                _ => {}
+            }
+        }
+        Some(sources)
+    }
+
+    fn forces(&mut self, sources: &Sources<'_>, methods: &mut String) -> Option<()> {
+        let n = self.checked.coordinates.len();
+        let mut body = String::new();
+        for &(i, scale, value) in &sources.forces {
+            let (helper, _) = self.helper(value)?;
+            let _ = write!(
+                body,
+                "forces[{i}] += Self::{helper}(self, q, v, u, t, t)[0] * {};",
+                literal(scale)
+            );
+        }
+        let _ = write!(
+            methods,
+            "/// The generalized forces, one a coordinate, for any kind of dual number: `q`, `v` and `u` \
+             in declared units, `t` in seconds.
+            pub fn generalized_forces<{BOUND}>(&self, q: &[D], v: &[D], u: &[D], t: D) -> [D; {n}] {{ \
+             let mut forces = [D::from(0.0); {n}]; {body} forces }}"
+        );
+        Some(())
+    }
+
+    fn gaps(&mut self, sources: &Sources<'_>, methods: &mut String) -> Option<()> {
+        let mut body = String::new();
+        for contact in &self.checked.contacts {
+            let &(left, right) = sources.gaps.get(contact.name.text.as_str())?;
+            let ((left, _), (right, _)) = (self.helper(left)?, self.helper(right)?);
+            let _ = write!(
+                body,
+                "Self::{left}(self, q, v, &[], t, t)[0] - Self::{right}(self, q, v, &[], t, t)[0],"
+            );
+        }
+        let _ = write!(
+            methods,
+            "/// The gaps of all contacts in SI units, for any kind of dual number: `q` in declared units, \
+             `t` in seconds.
+            pub fn gaps<{BOUND}>(&self, q: &[D], t: D) -> [D; {}] {{ let v: &[D] = &[]; [{body}] }}",
+            self.checked.contacts.len()
+        );
+        Some(())
+    }
+
     /// Emits `fn(p, q, v, u, t, s) -> [D; components]` for an expression; `s` is the argument of the
     /// function that is being differentiated.
     fn helper(&mut self, expr: &Expr) -> Option<(String, Parts)> {

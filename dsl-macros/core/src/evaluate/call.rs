@@ -48,17 +48,11 @@ impl Scope {
     ) -> Checked<Value> {
         let text = function.text.as_str();
         if self.names.contains_key(text) || self.is_local(text) {
-            let mut values = Vec::with_capacity(arguments.len());
-            let mut failed = false;
-            for argument in arguments {
-                match self.value(argument, diagnostics) {
-                    Ok(value) => values.push(value),
-                    Err(Reported) => failed = true,
-                }
-            }
-            if failed {
-                return Err(Reported);
-            }
+            let values: Vec<Checked<Value>> = arguments
+                .iter()
+                .map(|argument| self.value(argument, diagnostics))
+                .collect();
+            let values = values.into_iter().collect::<Checked<_>>()?;
             return self.apply(function, values, whole.place, diagnostics);
         }
         if text == words::INTEGRAL {
@@ -96,31 +90,7 @@ impl Scope {
             return Err(Reported);
         }
         if !known {
-            let mut functions: Vec<&str> = words::FUNCTIONS.to_vec();
-            functions.extend(words::SPECIAL_FUNCTIONS);
-            functions.extend(words::MATRIX_FUNCTIONS);
-            functions.extend(
-                self.names
-                    .iter()
-                    .filter(|(_, meaning)| matches!(meaning, Meaning::Function(_)))
-                    .map(|(name, _)| name.as_str()),
-            );
-            let message = if self.later.contains(text) {
-                format!("`{text}` is declared further down; move its declaration up")
-            } else if text == "log" {
-                "`log` is ambiguous; the natural logarithm is `ln`".to_owned()
-            } else {
-                match closest(text, functions.iter().copied()) {
-                    Some(near) => {
-                        format!("function `{text}` is not declared; did you mean `{near}`?")
-                    }
-                    None => format!(
-                        "function `{text}` is not declared; declare it by `fn {text}(y) = ...`, or \
-                         write `*` if a product is meant"
-                    ),
-                }
-            };
-            return Err(diagnostics.report("E01", function.place(), message));
+            return Err(self.undeclared_function(function, diagnostics));
         }
         if arguments.len() != wanted {
             return Err(diagnostics.report(
@@ -133,6 +103,17 @@ impl Scope {
                 ),
             ));
         }
+        self.known_function(whole, text, arguments, diagnostics)
+    }
+
+    /// A function of the language with as many arguments as it takes.
+    fn known_function(
+        &mut self,
+        whole: &Expr,
+        text: &str,
+        arguments: &[Expr],
+        diagnostics: &mut Diagnostics,
+    ) -> Checked<Value> {
         match (text, arguments) {
             ("dot", [argument]) => self.time_derivative(argument, diagnostics),
             ("dot" | "cross", [left, right]) => {
@@ -158,6 +139,35 @@ impl Scope {
             }
             _ => Err(Reported),
         }
+    }
+
+    fn undeclared_function(&self, function: &Name, diagnostics: &mut Diagnostics) -> Reported {
+        let text = function.text.as_str();
+        let mut functions: Vec<&str> = words::FUNCTIONS.to_vec();
+        functions.extend(words::SPECIAL_FUNCTIONS);
+        functions.extend(words::MATRIX_FUNCTIONS);
+        functions.extend(
+            self.names
+                .iter()
+                .filter(|(_, meaning)| matches!(meaning, Meaning::Function(_)))
+                .map(|(name, _)| name.as_str()),
+        );
+        let message = if self.later.contains(text) {
+            format!("`{text}` is declared further down; move its declaration up")
+        } else if text == "log" {
+            "`log` is ambiguous; the natural logarithm is `ln`".to_owned()
+        } else {
+            match closest(text, functions.iter().copied()) {
+                Some(near) => {
+                    format!("function `{text}` is not declared; did you mean `{near}`?")
+                }
+                None => format!(
+                    "function `{text}` is not declared; declare it by `fn {text}(y) = ...`, or \
+                     write `*` if a product is meant"
+                ),
+            }
+        };
+        diagnostics.report("E01", function.place(), message)
     }
 
     fn is_local(&self, name: &str) -> bool {

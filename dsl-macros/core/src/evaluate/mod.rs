@@ -18,8 +18,8 @@ use std::rc::Rc;
 /// any mechanism, and a second or so of compile time.
 pub(crate) const BUDGET: usize = 300_000;
 
-/// Deepest evaluation, functions inserted; within the stack of a thread of 2 MB.
-const DEPTH: usize = 800;
+/// Deepest evaluation, functions inserted; within the stack of a thread of 2 MB, without optimization as well.
+const DEPTH: usize = 300;
 
 /// Deepest expression, abbreviations and functions inserted; far above any mechanism.
 const DEEPEST: usize = 300;
@@ -112,6 +112,10 @@ pub(crate) struct Scope {
 impl Scope {
     /// Evaluates an expression.
     pub(crate) fn value(&mut self, expr: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
+        if self.depth == 0 {
+            // What happened to constants elsewhere is not this expression's fault.
+            graph::take_fault();
+        }
         self.depth += 1;
         let value = if self.depth > DEPTH {
             Err(diagnostics.report(
@@ -180,55 +184,65 @@ impl Scope {
                 argument,
             } => self.derivative(function, *order, argument, diagnostics),
             Kind::Norm(inner) => self.norm(inner, diagnostics),
-            Kind::Vector(items) => {
-                let mut values: Vec<Value> = Vec::with_capacity(items.len());
-                let mut failed = false;
-                for item in items {
-                    // The first item decides between a vector and the rows of a matrix.
-                    let rows = matches!(values.first(), Some(Value::Vector(_)));
-                    let value = self.value(item, diagnostics).and_then(|value| {
-                        if rows || values.is_empty() && matches!(value, Value::Vector(_)) {
-                            return Ok(value);
-                        }
-                        Ok(Value::Scalar(number(item, &value, diagnostics)?))
-                    });
-                    match value {
-                        Ok(value) => values.push(value),
-                        Err(Reported) => failed = true,
-                    }
-                }
-                if failed {
-                    return Err(Reported);
-                }
-                matrix::stacked(items, values, diagnostics)
-            }
+            Kind::Vector(items) => self.vector(items, diagnostics),
             Kind::Component { vector, name } => self.component(vector, name, diagnostics),
-            Kind::Index { vector, index } => {
-                let value = self.value(vector, diagnostics)?;
-                let components = value.components();
-                match (&value, components.get(*index)) {
-                    (Value::Vector(_), Some(&component)) => Ok(Value::Scalar(component)),
-                    (Value::Vector(_), None) => Err(diagnostics.report(
-                        "E02",
-                        expr.place,
-                        format!(
-                            "`{vector}` has {} components, counted from 0; there is no [{index}]",
-                            components.len()
-                        ),
-                    )),
-                    (Value::Matrix(matrix), _) => matrix.row(*index).ok_or_else(|| {
-                        diagnostics.report(
-                            "E02",
-                            expr.place,
-                            format!(
-                                "`{vector}` has {} rows, counted from 0; there is no [{index}]",
-                                matrix.rows()
-                            ),
-                        )
-                    }),
-                    (Value::Scalar(_), _) => Err(not_a_vector(vector, &value, diagnostics)),
+            Kind::Index { vector, index } => self.index(expr, vector, *index, diagnostics),
+        }
+    }
+
+    fn vector(&mut self, items: &[Expr], diagnostics: &mut Diagnostics) -> Checked<Value> {
+        let mut values: Vec<Value> = Vec::with_capacity(items.len());
+        let mut failed = false;
+        for item in items {
+            // The first item decides between a vector and the rows of a matrix.
+            let rows = matches!(values.first(), Some(Value::Vector(_)));
+            let value = self.value(item, diagnostics).and_then(|value| {
+                if rows || values.is_empty() && matches!(value, Value::Vector(_)) {
+                    return Ok(value);
                 }
+                Ok(Value::Scalar(number(item, &value, diagnostics)?))
+            });
+            match value {
+                Ok(value) => values.push(value),
+                Err(Reported) => failed = true,
             }
+        }
+        if failed {
+            return Err(Reported);
+        }
+        matrix::stacked(items, values, diagnostics)
+    }
+
+    fn index(
+        &mut self,
+        expr: &Expr,
+        vector: &Expr,
+        index: usize,
+        diagnostics: &mut Diagnostics,
+    ) -> Checked<Value> {
+        let value = self.value(vector, diagnostics)?;
+        let components = value.components();
+        match (&value, components.get(index)) {
+            (Value::Vector(_), Some(&component)) => Ok(Value::Scalar(component)),
+            (Value::Vector(_), None) => Err(diagnostics.report(
+                "E02",
+                expr.place,
+                format!(
+                    "`{vector}` has {} components, counted from 0; there is no [{index}]",
+                    components.len()
+                ),
+            )),
+            (Value::Matrix(matrix), _) => matrix.row(index).ok_or_else(|| {
+                diagnostics.report(
+                    "E02",
+                    expr.place,
+                    format!(
+                        "`{vector}` has {} rows, counted from 0; there is no [{index}]",
+                        matrix.rows()
+                    ),
+                )
+            }),
+            (Value::Scalar(_), _) => Err(not_a_vector(vector, &value, diagnostics)),
         }
     }
 
@@ -322,10 +336,7 @@ impl Scope {
                 format!("`{text}` is declared further down; move its declaration up"),
             );
         }
-        if words::FUNCTIONS.contains(&text.as_str())
-            || words::SPECIAL_FUNCTIONS.contains(&text.as_str())
-            || words::MATRIX_FUNCTIONS.contains(&text.as_str())
-        {
+        if words::is_function(text) {
             return diagnostics.report(
                 "E02",
                 name.place(),
@@ -337,7 +348,20 @@ impl Scope {
             .map(|(name, _)| name.as_str())
             .chain(self.names.keys().map(String::as_str))
             .collect();
+        let of = text
+            .strip_suffix("_dot")
+            .filter(|stem| known.contains(stem));
+        if let Some(of) = of {
+            return diagnostics.report(
+                "E01",
+                name.place(),
+                format!("`{text}` is not declared; the velocity of `{of}` is `dot({of})`"),
+            );
+        }
         let message = match closest(text, known.iter().copied()) {
+            _ if text.eq_ignore_ascii_case("pi") => {
+                format!("`{text}` is not declared; the number is `pi`")
+            }
             _ if text == words::FINAL_TIME => {
                 "`time` is the final time, known to final costs in `minimize` and to `finally` only; the \
                  time at each instant is `t`"
@@ -363,6 +387,10 @@ impl Scope {
     ) -> Checked<Value> {
         let value = self.value(vector, diagnostics)?;
         let Value::Vector(components) = &value else {
+            if name.text == "dot" {
+                let message = format!("`{vector}.dot`: the velocity is `dot({vector})`");
+                return Err(diagnostics.report("E02", name.place(), message));
+            }
             return Err(not_a_vector(vector, &value, diagnostics));
         };
         let names: &[&str] = match components.len() {

@@ -2,7 +2,7 @@
 
 use super::cursor::Cursor;
 use super::expression::expression;
-use super::statement::{block, entries, name, range, target};
+use super::pieces::{block, entries, name, range, target};
 use super::{documentation, unexpected};
 use crate::ast::{Condition, Documentation, FreeStart, Name, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics};

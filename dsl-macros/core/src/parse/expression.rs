@@ -5,7 +5,7 @@ use super::{unexpected, unit};
 use crate::ast::{Expr, Kind, Link, Name, Operator};
 use crate::diagnostics::{Checked, Diagnostics, Place, closest};
 use crate::words;
-use proc_macro2::{Delimiter, Group, Ident, Literal, TokenTree};
+use proc_macro2::{Delimiter, Group, Ident, Literal, Spacing, TokenTree};
 
 /// Deepest tree; deeper ones are refused so that recursion over an expression is safe.
 const DEPTH: usize = 150;
@@ -176,6 +176,18 @@ impl Parser<'_> {
                 let Some(name) = cursor.eat_name() else {
                     return Ok(expr);
                 };
+                if matches!(cursor.peek(), Some(TokenTree::Group(group))
+                    if group.delimiter() == Delimiter::Parenthesis)
+                    && !cursor.at_invisible_group(0)
+                {
+                    return Err(self.diagnostics.syntax(
+                        name.place(),
+                        format!(
+                            "`.{}(...)` is a call of Rust; write functions as `sin(x)`, powers as `x^2`",
+                            name.text
+                        ),
+                    ));
+                }
                 let (place, depth) = (expr.place.to(name.place()), expr.depth);
                 expr = self.node(
                     Kind::Component {
@@ -411,10 +423,27 @@ impl Parser<'_> {
     fn juxtaposed(&mut self, cursor: &Cursor, left: &Expr) -> Checked<()> {
         let right = match cursor.peek() {
             _ if cursor.at_invisible_group(0) => "...".to_owned(),
+            Some(TokenTree::Punct(punct)) if punct.as_char() == '\'' => {
+                return Err(self.apostrophe(cursor.place()));
+            }
+            Some(TokenTree::Literal(literal)) if literal.to_string().starts_with('\'') => {
+                return Err(self.apostrophe(cursor.place()));
+            }
             Some(TokenTree::Ident(ident)) => {
                 let text = ident.to_string();
                 if words::is_keyword(&text) || text == "in" {
                     return Ok(());
+                }
+                // `name:` and `name =` begin another entry of a list.
+                if matches!(cursor.peek_at(1), Some(TokenTree::Punct(punct))
+                    if punct.as_char() == ':'
+                        || punct.as_char() == '=' && punct.spacing() == Spacing::Alone)
+                {
+                    self.diagnostics.poison(&text);
+                    return Err(self.diagnostics.syntax(
+                        cursor.place(),
+                        format!("a comma is missing before `{text}`"),
+                    ));
                 }
                 match cursor.peek_at(1) {
                     // A name with a block behind it was meant to begin a statement.
@@ -443,6 +472,16 @@ impl Parser<'_> {
             }
             _ => return Ok(()),
         };
+        Err(self.missing_operator(cursor.place(), left, &right))
+    }
+
+    /// The remedy where `right` stands behind an expression without an operator.
+    fn missing_operator(
+        &mut self,
+        place: Place,
+        left: &Expr,
+        right: &str,
+    ) -> crate::diagnostics::Reported {
         // The last term is what the missing operator would multiply.
         let last = match &left.kind {
             Kind::Chain(_, rest) if rest[0].operator.is_additive() => {
@@ -450,14 +489,46 @@ impl Parser<'_> {
             }
             _ => left,
         };
+        let factor = match &last.kind {
+            Kind::Chain(_, rest) => rest.last().map_or(last, |link| &link.operand),
+            _ => last,
+        };
+        if let Kind::Name(function) = &factor.kind
+            && words::is_function(&function.text)
+        {
+            let message = format!(
+                "`{0}` is a function; its argument stands in parentheses, as in `{0}({right})`",
+                function.text
+            );
+            return self.diagnostics.syntax(function.place(), message);
+        }
+        if let Kind::Number {
+            text, unit: None, ..
+        } = &factor.kind
+            && hangtime_units::Unit::parse(right).is_ok()
+        {
+            let message = format!(
+                "an operator is missing before `{right}`; write a unit as `{text} [{right}]` and a product as \
+                 `{text}*{right}`"
+            );
+            return self.diagnostics.syntax(place, message);
+        }
         let left = match last.to_string() {
             long if long.chars().count() > 24 => "...".to_owned(),
             short => short,
         };
-        Err(self.diagnostics.syntax(
-            cursor.place(),
+        self.diagnostics.syntax(
+            place,
             format!("an operator is missing before `{right}`; write a product as `{left}*{right}`"),
-        ))
+        )
+    }
+
+    fn apostrophe(&mut self, place: Place) -> crate::diagnostics::Reported {
+        self.diagnostics.syntax(
+            place,
+            "an apostrophe is no operator here, as it is a token of another kind in Rust; the velocity is `dot(y)`, \
+             the derivative of a function `diff(f)(y)`",
+        )
     }
 
     fn number(&mut self, cursor: &mut Cursor, literal: &Literal) -> Checked<Expr> {
@@ -495,6 +566,13 @@ impl Parser<'_> {
         let (number, suffix) = text.split_at(end);
         let message = if !text.starts_with(|c: char| c.is_ascii_digit()) {
             format!("{text} is not a number; expressions are made of numbers and names")
+        } else if matches!(
+            suffix,
+            "f64" | "f32" | "i32" | "u32" | "usize" | "i64" | "u64"
+        ) {
+            format!(
+                "`{number}` carries the type `{suffix}` of Rust; numbers here have no type, write `{number}`"
+            )
         } else if number.parse::<f64>().is_ok() && !suffix.is_empty() {
             format!(
                 "`{text}` is not a number; write a unit as `{number} [{suffix}]` and a product as \

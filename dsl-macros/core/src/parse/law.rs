@@ -2,7 +2,7 @@
 
 use super::cursor::Cursor;
 use super::expression::expression;
-use super::statement::name;
+use super::pieces::name;
 use super::unexpected;
 use crate::ast::{Expr, Law, Name, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
@@ -78,10 +78,16 @@ impl Parts {
         };
         let new = match word.text.as_str() {
             "inelastic" => self.inelastic.replace(place).is_none(),
-            "restitution" => value(&mut self.restitution, place, cursor, diagnostics)?,
-            "friction" => value(&mut self.friction, place, cursor, diagnostics)?,
-            "sliding" => value(&mut self.sliding, place, cursor, diagnostics)?,
-            "along" => value(&mut self.along, place, cursor, diagnostics)?,
+            "restitution" => value(
+                &mut self.restitution,
+                "restitution",
+                place,
+                cursor,
+                diagnostics,
+            )?,
+            "friction" => value(&mut self.friction, "friction", place, cursor, diagnostics)?,
+            "sliding" => value(&mut self.sliding, "sliding", place, cursor, diagnostics)?,
+            "along" => value(&mut self.along, "along", place, cursor, diagnostics)?,
             "holding" => {
                 let names = held(cursor, diagnostics)?;
                 self.holding.replace((place, names)).is_none()
@@ -164,12 +170,31 @@ impl Parts {
 /// Reads the expression of a part; whether the part is new.
 fn value(
     slot: &mut Option<(Place, Expr)>,
+    word: &str,
     place: Place,
     cursor: &mut Cursor,
     diagnostics: &mut Diagnostics,
 ) -> Checked<bool> {
+    let ends = match cursor.ident() {
+        Some(word) => words::is_keyword(&word.to_string()),
+        None => cursor.is_empty() || cursor.at_symbol(",") || cursor.at_symbol(";"),
+    };
+    if ends {
+        let message = format!("`{word}` needs {}", needed(word));
+        return Err(diagnostics.syntax(place, message));
+    }
     let expr = expression(cursor, diagnostics)?;
     Ok(slot.replace((place, expr)).is_none())
+}
+
+/// What stands behind the word of a part.
+fn needed(word: &str) -> &'static str {
+    match word {
+        "restitution" => "its coefficient, as in `restitution 0.5`",
+        "friction" => "its coefficient, as in `friction 0.3`",
+        "sliding" => "the sliding velocity, as in `sliding dot(y)`",
+        _ => "the direction of the impulse, as in `along (0, 1)`",
+    }
 }
 
 /// Names of coordinates; a comma may also begin the next part of the law.

@@ -5,6 +5,7 @@ mod control;
 mod cursor;
 mod expression;
 mod law;
+mod pieces;
 mod statement;
 mod unit;
 

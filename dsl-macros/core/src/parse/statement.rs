@@ -3,6 +3,7 @@
 
 use super::cursor::Cursor;
 use super::expression::expression;
+use super::pieces::{Bounds, block, entries, equals, name, range, target};
 use super::{control, documentation, law, unexpected, unit};
 use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
@@ -109,103 +110,35 @@ fn statement(
         "constraint" => control::constraint(cursor, documentation, diagnostics),
         "finally" => control::finally(cursor, &word, diagnostics),
         "free" => control::free(cursor, &word, diagnostics),
-        text => {
-            let message = match closest(text, words::STATEMENTS) {
-                _ if words::LAW_PARTS.contains(&text) => format!(
-                    "`{text}` is part of an impact law; write `impact name: ..., {text} ...`, with commas \
-                     between the parts"
-                ),
-                Some(near) => format!("unknown statement `{text}`; did you mean `{near}`?"),
-                None => format!(
-                    "unknown statement `{text}`; a statement begins with {}",
-                    list(words::STATEMENTS)
-                ),
-            };
-            // What a misspelt block declares is known by name, so that its uses give no messages.
-            if let Some(group) = cursor.eat_group(Delimiter::Brace) {
-                let mut inner = Cursor::inside(&group);
-                while !inner.is_empty() {
-                    if let Some(name) = inner.eat_name() {
-                        diagnostics.poison(&name.text);
-                    } else {
-                        inner.advance();
-                    }
-                }
+        _ => Err(unknown_statement(cursor, &word, diagnostics)),
+    }
+}
+
+fn unknown_statement(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnostics) -> Reported {
+    let text = word.text.as_str();
+    let message = match closest(text, words::STATEMENTS) {
+        _ if words::LAW_PARTS.contains(&text) => format!(
+            "`{text}` is part of an impact law; write `impact name: ..., {text} ...`, with commas \
+             between the parts"
+        ),
+        Some(near) => format!("unknown statement `{text}`; did you mean `{near}`?"),
+        None => format!(
+            "unknown statement `{text}`; a statement begins with {}",
+            list(words::STATEMENTS)
+        ),
+    };
+    // What a misspelt block declares is known by name, so that its uses give no messages.
+    if let Some(group) = cursor.eat_group(Delimiter::Brace) {
+        let mut inner = Cursor::inside(&group);
+        while !inner.is_empty() {
+            if let Some(name) = inner.eat_name() {
+                diagnostics.poison(&name.text);
+            } else {
+                inner.advance();
             }
-            Err(diagnostics.syntax(keyword, message))
         }
     }
-}
-
-pub(super) fn name(
-    cursor: &mut Cursor,
-    what: &str,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Name> {
-    if cursor
-        .ident()
-        .is_some_and(|ident| words::is_keyword(&ident.to_string()))
-    {
-        return Err(diagnostics.report(
-            "E11",
-            cursor.place(),
-            format!(
-                "{} is a word of the language; choose another name",
-                cursor.describe()
-            ),
-        ));
-    }
-    match cursor.eat_name() {
-        Some(name) => Ok(name),
-        None => Err(unexpected(cursor, diagnostics, what)),
-    }
-}
-
-fn equals(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<()> {
-    if cursor.eat_symbol("=") {
-        Ok(())
-    } else {
-        Err(unexpected(cursor, diagnostics, "`=`"))
-    }
-}
-
-pub(super) fn block(
-    cursor: &mut Cursor,
-    word: &Name,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Cursor> {
-    match cursor.eat_group(Delimiter::Brace) {
-        Some(group) => Ok(Cursor::inside(&group)),
-        None => Err(unexpected(
-            cursor,
-            diagnostics,
-            &format!("`{{` after `{}`", word.text),
-        )),
-    }
-}
-
-/// Entries between commas; a faulty entry is skipped, the others are kept.
-pub(super) fn entries<T>(
-    mut inner: Cursor,
-    diagnostics: &mut Diagnostics,
-    mut entry: impl FnMut(&mut Cursor, &mut Diagnostics) -> Checked<T>,
-) -> Vec<T> {
-    let mut found = Vec::new();
-    while !inner.is_empty() {
-        let result = entry(&mut inner, diagnostics);
-        match result {
-            Ok(item) => {
-                found.push(item);
-                if !inner.is_empty() && !inner.at_symbol(",") {
-                    unexpected(&inner, diagnostics, "`,` or `}`");
-                    inner.skip_until(|cursor| cursor.at_symbol(","));
-                }
-            }
-            Err(Reported) => inner.skip_until(|cursor| cursor.at_symbol(",")),
-        }
-        inner.eat_symbol(",");
-    }
-    found
+    diagnostics.syntax(word.place(), message)
 }
 
 fn quantities(
@@ -240,9 +173,6 @@ fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quant
     })
 }
 
-/// Bounds of a quantity, if it has any.
-type Bounds = Option<(Expr, Expr)>;
-
 fn bounds_and_value(
     cursor: &mut Cursor,
     diagnostics: &mut Diagnostics,
@@ -254,23 +184,6 @@ fn bounds_and_value(
         None
     };
     Ok((bounds, value))
-}
-
-/// `in lower..=upper`, if it stands there.
-pub(super) fn range(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Bounds> {
-    if !cursor.eat_word("in") {
-        return Ok(None);
-    }
-    let lower = expression(cursor, diagnostics)?;
-    if !cursor.eat_symbol("..=") {
-        return Err(unexpected(
-            cursor,
-            diagnostics,
-            "`..=` between lower and upper bound",
-        ));
-    }
-    let upper = expression(cursor, diagnostics)?;
-    Ok(Some((lower, upper)))
 }
 
 fn assignments(
@@ -291,26 +204,6 @@ fn assignments(
             value,
         })
     }))
-}
-
-/// `name` or `dot(name)`; whether it is the latter.
-pub(super) fn target(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<(Name, bool)> {
-    let velocity = cursor.at_word("dot")
-        && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
-            if group.delimiter() == Delimiter::Parenthesis);
-    if !velocity {
-        return Ok((name(cursor, "a coordinate", diagnostics)?, false));
-    }
-    cursor.advance();
-    let group = cursor.eat_group(Delimiter::Parenthesis);
-    let mut inner = group
-        .as_ref()
-        .map_or_else(|| cursor.clone(), Cursor::inside);
-    let target = name(&mut inner, "a coordinate", diagnostics)?;
-    if !inner.is_empty() {
-        return Err(unexpected(&inner, diagnostics, "`)`"));
-    }
-    Ok((target, true))
 }
 
 fn function(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {

@@ -39,34 +39,7 @@ impl Pair {
 
 /// Nodes in which shared pairs are nodes of their own; positions stay valid.
 pub(super) fn pairs(mut nodes: Vec<Nary>) -> Vec<Nary> {
-    let mut lists: Vec<usize> = (0..nodes.len())
-        .filter(|&i| match &nodes[i] {
-            Nary::Sum(items) => items.len() > 1,
-            Nary::Product(factors) => factors.len() > 1,
-            _ => false,
-        })
-        .collect();
-    let length = |node: &Nary| match node {
-        Nary::Sum(items) => items.len(),
-        Nary::Product(factors) => factors.len(),
-        _ => 0,
-    };
-    lists.sort_by_key(|&i| length(&nodes[i]));
-    let mut places: HashMap<Pair, Vec<usize>> = HashMap::new();
-    let mut counted = 0;
-    for &i in &lists {
-        let parts = length(&nodes[i]);
-        counted += parts * (parts - 1) / 2;
-        if counted > MOST {
-            break;
-        }
-        for pair in pairs_of(&nodes[i]) {
-            let list = places.entry(pair).or_default();
-            if list.last() != Some(&i) {
-                list.push(i);
-            }
-        }
-    }
+    let mut places = places(&nodes);
     let mut heap: BinaryHeap<(usize, std::cmp::Reverse<Pair>)> = places
         .iter()
         .filter(|(_, list)| list.len() > 1)
@@ -125,6 +98,43 @@ pub(super) fn pairs(mut nodes: Vec<Nary>) -> Vec<Nary> {
         }
     }
     nodes
+}
+
+/// Number of terms or factors.
+fn length(node: &Nary) -> usize {
+    match node {
+        Nary::Sum(items) => items.len(),
+        Nary::Product(factors) => factors.len(),
+        _ => 0,
+    }
+}
+
+/// The lists in which each pair occurs, short lists first.
+fn places(nodes: &[Nary]) -> HashMap<Pair, Vec<usize>> {
+    let mut lists: Vec<usize> = (0..nodes.len())
+        .filter(|&i| match &nodes[i] {
+            Nary::Sum(items) => items.len() > 1,
+            Nary::Product(factors) => factors.len() > 1,
+            _ => false,
+        })
+        .collect();
+    lists.sort_by_key(|&i| length(&nodes[i]));
+    let mut places: HashMap<Pair, Vec<usize>> = HashMap::new();
+    let mut counted = 0;
+    for &i in &lists {
+        let parts = length(&nodes[i]);
+        counted += parts * (parts - 1) / 2;
+        if counted > MOST {
+            break;
+        }
+        for pair in pairs_of(&nodes[i]) {
+            let list = places.entry(pair).or_default();
+            if list.last() != Some(&i) {
+                list.push(i);
+            }
+        }
+    }
+    places
 }
 
 fn pairs_of(node: &Nary) -> Vec<Pair> {

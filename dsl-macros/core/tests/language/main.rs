@@ -4,3 +4,4 @@ mod fuzz;
 mod messages;
 mod pages;
 mod slips;
+mod tokens;

@@ -16,6 +16,7 @@
 //! matrix wants larger shifts.
 
 mod assembly_tree;
+mod factors;
 mod front;
 mod kernels;
 mod substitution;
@@ -23,6 +24,7 @@ mod symbolic;
 
 use pulp::Simd;
 
+use factors::{Factors, FrontRecord};
 use front::{Front, Pivot};
 use kernels::padded;
 use symbolic::{Node, Symbolic};
@@ -45,18 +47,20 @@ pub(crate) struct MultifrontalLdl {
     /// Work arrays of a front's rows.
     product: Vec<f64>,
     gathered: Vec<f64>,
-    // stack of Schur complements: square blocks, the names of their postponed columns, and one record for each
+    stack: Stack,
+    pivots: Vec<Pivot>,
+    factors: Factors,
+    /// Most multiplications of a factorization.
+    most_work: f64,
+}
+
+/// The stack of Schur complements.
+#[derive(Debug, Default)]
+struct Stack {
+    /// Square blocks, the names of their postponed columns, and one record for each.
     blocks: Vec<f64>,
     postponed: Vec<u32>,
     records: Vec<Block>,
-    // factors: the eliminated columns of the fronts, padded, and the names of their rows; `B^-1` is tridiagonal
-    pivots: Vec<Pivot>,
-    inverse: Vec<[f64; 2]>,
-    factor: Vec<f64>,
-    factor_rows: Vec<u32>,
-    fronts: Vec<FrontRecord>,
-    /// Most multiplications of a factorization.
-    most_work: f64,
 }
 
 /// Most multiplications of a factorization: this many times those without postponed columns, and this many more.
@@ -73,13 +77,6 @@ struct Block {
     node: usize,
     size: usize,
     postponed: usize,
-}
-
-/// A front of the factor.
-#[derive(Debug, Clone, Copy)]
-struct FrontRecord {
-    pivots: u32,
-    rows: u32,
 }
 
 impl MultifrontalLdl {
@@ -110,14 +107,17 @@ impl MultifrontalLdl {
             local: vec![0; n],
             product: Vec::new(),
             gathered: Vec::new(),
-            blocks: Vec::with_capacity(symbolic.stack()),
-            postponed: Vec::new(),
-            records: Vec::new(),
+            stack: Stack {
+                blocks: Vec::with_capacity(symbolic.stack()),
+                ..Stack::default()
+            },
             pivots: Vec::with_capacity(n),
-            inverse: Vec::with_capacity(n),
-            factor: Vec::with_capacity(factor + largest),
-            factor_rows: Vec::with_capacity(symbolic.rows.len()),
-            fronts: Vec::with_capacity(symbolic.nodes.len()),
+            factors: Factors {
+                values: Vec::with_capacity(factor + largest),
+                rows: Vec::with_capacity(symbolic.rows.len()),
+                fronts: Vec::with_capacity(symbolic.nodes.len()),
+                inverse: Vec::with_capacity(n),
+            },
             most_work,
             symbolic,
         })
@@ -130,7 +130,7 @@ impl MultifrontalLdl {
             let (pivots, rows) = (front.pivots as usize, front.rows as usize);
             pivots * rows - pivots * pivots.saturating_sub(1) / 2
         };
-        self.fronts.iter().map(entries).sum()
+        self.factors.fronts.iter().map(entries).sum()
     }
 
     /// Brings the shifted values into the order of elimination and equilibrates them in the infinity norm (Ruiz 2001). The
@@ -213,8 +213,8 @@ impl MultifrontalLdl {
     #[inline(always)]
     fn assemble(&mut self, k: usize) -> (usize, usize) {
         let node = self.symbolic.nodes[k].clone();
-        let first_child = self.records.len() - node.children;
-        let inherited: usize = self.records[first_child..]
+        let first_child = self.stack.records.len() - node.children;
+        let inherited: usize = self.stack.records[first_child..]
             .iter()
             .map(|block| block.postponed)
             .sum();
@@ -222,22 +222,23 @@ impl MultifrontalLdl {
         let summed = node.columns + inherited;
         let rows = names.len() + inherited;
         let stride = padded(rows);
-        let start = self.factor.len();
-        self.factor.resize(start + rows * stride, 0.0);
+        let start = self.factors.values.len();
+        self.factors.values.resize(start + rows * stride, 0.0);
         if inherited == 0 {
-            self.factor_rows.extend_from_slice(names);
+            self.factors.rows.extend_from_slice(names);
             self.gather(&node, start, stride);
         } else {
             let (columns, below) = names.split_at(node.columns);
-            self.factor_rows.extend_from_slice(columns);
-            let postponed = self.postponed.len() - inherited;
-            self.factor_rows
-                .extend_from_slice(&self.postponed[postponed..]);
-            self.factor_rows.extend_from_slice(below);
+            self.factors.rows.extend_from_slice(columns);
+            let postponed = self.stack.postponed.len() - inherited;
+            self.factors
+                .rows
+                .extend_from_slice(&self.stack.postponed[postponed..]);
+            self.factors.rows.extend_from_slice(below);
             self.gather_inherited(&node, start, rows);
         }
         // summed rows and columns are symmetric, so that pivoting can exchange them
-        let square = &mut self.factor[start..];
+        let square = &mut self.factors.values[start..];
         for column in 0..summed {
             for row in column + 1..summed {
                 square[row * stride + column] = square[column * stride + row];
@@ -257,9 +258,10 @@ impl MultifrontalLdl {
     fn gather(&mut self, node: &Node, start: usize, stride: usize) {
         let first = self.symbolic.rows[node.rows.start] as usize;
         for column in 0..node.columns {
-            self.factor[start + column * (stride + 1)] = self.scaled_diagonal(first + column);
+            self.factors.values[start + column * (stride + 1)] =
+                self.scaled_diagonal(first + column);
         }
-        let square = &mut self.factor[start..];
+        let square = &mut self.factors.values[start..];
         let values = &self.entries[node.entries.clone()];
         let entries = &self.symbolic.entries[node.entries.clone()];
         for (value, entry) in values.iter().zip(entries) {
@@ -267,21 +269,21 @@ impl MultifrontalLdl {
                 value * self.scale[entry.row as usize] * self.scale[entry.column as usize];
         }
         for _ in 0..node.children {
-            let Some(block) = self.records.pop() else {
+            let Some(block) = self.stack.records.pop() else {
                 return;
             };
             let size = block.size;
             let first = self.symbolic.nodes[block.node].parent_places;
             let places = &self.symbolic.parent_places[first..first + size];
-            let from = self.blocks.len() - size * size;
-            for (c, column) in self.blocks[from..].chunks_exact(size).enumerate() {
+            let from = self.stack.blocks.len() - size * size;
+            for (c, column) in self.stack.blocks[from..].chunks_exact(size).enumerate() {
                 // places increase: everything from the diagonal down stays there
                 let target = &mut square[places[c] as usize * stride..][..stride];
                 for (a, &place) in column[c..].iter().zip(&places[c..]) {
                     target[place as usize] += a;
                 }
             }
-            self.blocks.truncate(from);
+            self.stack.blocks.truncate(from);
         }
     }
 
@@ -289,15 +291,16 @@ impl MultifrontalLdl {
     #[inline(never)]
     fn gather_inherited(&mut self, node: &Node, start: usize, rows: usize) {
         let stride = padded(rows);
-        let names = self.factor_rows.len() - rows;
-        for (place, &row) in self.factor_rows[names..].iter().enumerate() {
+        let names = self.factors.rows.len() - rows;
+        for (place, &row) in self.factors.rows[names..].iter().enumerate() {
             self.local[row as usize] = place as u32;
         }
         let first = self.symbolic.rows[node.rows.start] as usize;
         for column in 0..node.columns {
-            self.factor[start + column * (stride + 1)] = self.scaled_diagonal(first + column);
+            self.factors.values[start + column * (stride + 1)] =
+                self.scaled_diagonal(first + column);
         }
-        let square = &mut self.factor[start..];
+        let square = &mut self.factors.values[start..];
         let values = &self.entries[node.entries.clone()];
         let entries = &self.symbolic.entries[node.entries.clone()];
         for (value, entry) in values.iter().zip(entries) {
@@ -306,27 +309,27 @@ impl MultifrontalLdl {
             square[j * stride + i] = value * self.scale[row] * self.scale[column];
         }
         for _ in 0..node.children {
-            let Some(block) = self.records.pop() else {
+            let Some(block) = self.stack.records.pop() else {
                 return;
             };
             let size = block.size;
             let child = &self.symbolic.nodes[block.node];
             let below = &self.symbolic.rows[child.rows.clone()][child.columns..];
-            let names = self.postponed.len() - block.postponed;
+            let names = self.stack.postponed.len() - block.postponed;
             let name = |k: usize| match k.checked_sub(block.postponed) {
-                None => self.postponed[names + k],
+                None => self.stack.postponed[names + k],
                 Some(k) => below[k],
             };
-            let from = self.blocks.len() - size * size;
-            for (c, column) in self.blocks[from..].chunks_exact(size).enumerate() {
+            let from = self.stack.blocks.len() - size * size;
+            for (c, column) in self.stack.blocks[from..].chunks_exact(size).enumerate() {
                 let j = self.local[name(c) as usize] as usize;
                 for (r, a) in column.iter().enumerate().skip(c) {
                     let i = self.local[name(r) as usize] as usize;
                     square[i.min(j) * stride + i.max(j)] += a;
                 }
             }
-            self.postponed.truncate(names);
-            self.blocks.truncate(from);
+            self.stack.postponed.truncate(names);
+            self.stack.blocks.truncate(from);
         }
     }
 
@@ -334,58 +337,60 @@ impl MultifrontalLdl {
     #[inline(always)]
     fn store(&mut self, k: usize, rows: usize, summed: usize, done: usize) {
         let stride = padded(rows);
-        let start = self.factor.len() - rows * stride;
-        self.fronts.push(FrontRecord {
+        let start = self.factors.values.len() - rows * stride;
+        self.factors.fronts.push(FrontRecord {
             pivots: done as u32,
             rows: rows as u32,
         });
         if !self.symbolic.nodes[k].is_root {
-            let names = self.factor_rows.len() - rows;
-            self.postponed
-                .extend_from_slice(&self.factor_rows[names + done..names + summed]);
-            let columns = &self.factor[start + done * stride..];
+            let names = self.factors.rows.len() - rows;
+            self.stack
+                .postponed
+                .extend_from_slice(&self.factors.rows[names + done..names + summed]);
+            let columns = &self.factors.values[start + done * stride..];
             for column in columns.chunks_exact(stride) {
-                self.blocks.extend_from_slice(&column[done..rows]);
+                self.stack.blocks.extend_from_slice(&column[done..rows]);
             }
-            self.records.push(Block {
+            self.stack.records.push(Block {
                 node: k,
                 size: rows - done,
                 postponed: summed - done,
             });
         }
-        self.factor.truncate(start + done * stride);
+        self.factors.values.truncate(start + done * stride);
     }
 
     /// Eliminates node after node, as long as the work stays within its limit.
     #[inline(always)]
     fn eliminate<S: Simd>(&mut self, simd: S) {
-        self.blocks.clear();
-        self.postponed.clear();
-        self.records.clear();
+        self.stack.blocks.clear();
+        self.stack.postponed.clear();
+        self.stack.records.clear();
         self.pivots.clear();
-        self.factor.clear();
-        self.factor_rows.clear();
-        self.fronts.clear();
+        self.factors.values.clear();
+        self.factors.rows.clear();
+        self.factors.fronts.clear();
         let mut done_work = 0.0;
         for k in 0..self.symbolic.nodes.len() {
             let (rows, summed) = self.assemble(k);
             done_work += work(rows, summed);
             if done_work > self.most_work {
-                self.factor_rows.truncate(self.factor_rows.len() - rows);
-                self.factor
-                    .truncate(self.factor.len() - rows * padded(rows));
+                self.factors.rows.truncate(self.factors.rows.len() - rows);
+                self.factors
+                    .values
+                    .truncate(self.factors.values.len() - rows * padded(rows));
                 return;
             }
             let stride = padded(rows);
-            let start = self.factor.len() - rows * stride;
-            let names = self.factor_rows.len() - rows;
+            let start = self.factors.values.len() - rows * stride;
+            let names = self.factors.rows.len() - rows;
             let mut front = Front {
                 simd,
                 rows,
                 stride,
                 summed,
-                square: &mut self.factor[start..],
-                index: &mut self.factor_rows[names..],
+                square: &mut self.factors.values[start..],
+                index: &mut self.factors.rows[names..],
                 product: &mut self.product,
             };
             let done = front.factorize(self.symbolic.nodes[k].is_root, &mut self.pivots);
@@ -415,7 +420,7 @@ impl KktFactorization for MultifrontalLdl {
     ) -> Result<Inertia, FactorizationError> {
         self.take_values(values, delta_w, delta_c)?;
         pulp::Arch::new().dispatch(Eliminate(self));
-        invert(&self.pivots, &mut self.inverse);
+        invert(&self.pivots, &mut self.factors.inverse);
         let mut inertia = inertia(&self.pivots).ok_or(FactorizationError::NotFinite)?;
         inertia.zero += self.scale.len() - self.pivots.len();
         Ok(inertia)
@@ -426,7 +431,7 @@ impl KktFactorization for MultifrontalLdl {
         for (x, (&old, scale)) in self.work.iter_mut().zip(scaled) {
             *x = right_hand_side[old as usize] * scale;
         }
-        substitution::solve(self);
+        substitution::solve(&self.factors, &mut self.work, &mut self.gathered);
         let scaled = self.symbolic.permutation.iter().zip(&self.scale);
         for (x, (&old, scale)) in self.work.iter().zip(scaled) {
             right_hand_side[old as usize] = x * scale;

@@ -2,18 +2,18 @@
 
 use pulp::Simd;
 
+use super::factors::{Factors, FrontRecord};
 use super::kernels::{dot, dot_four, padded, subtract, subtract_four, subtract_two};
-use super::{FrontRecord, MultifrontalLdl};
 
-/// Solves with `L B L'` in place, in the permuted and scaled right-hand side `work`.
-pub(super) fn solve(factors: &mut MultifrontalLdl) {
+/// Solves with `L B L'` in place, in the permuted and scaled right-hand side `x`; `w` is a work array.
+pub(super) fn solve(factors: &Factors, x: &mut [f64], w: &mut Vec<f64>) {
     pulp::Arch::new().dispatch(Substitution {
         fronts: &factors.fronts,
-        factor: &factors.factor,
-        names: &factors.factor_rows,
+        factor: &factors.values,
+        names: &factors.rows,
         inverse: &factors.inverse,
-        x: &mut factors.work,
-        w: &mut factors.gathered,
+        x,
+        w,
     });
 }
 

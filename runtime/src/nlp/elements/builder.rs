@@ -2,18 +2,10 @@
 
 use std::any::Any;
 
-use super::group::{Group, TypedGroup};
-use super::{Element, ElementProblem};
+use super::group::TypedGroup;
+use super::statement::Statement;
+use super::{Element, ElementProblem, Target};
 use crate::nlp::InputError;
-
-/// What a term is added to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Target {
-    /// The objective.
-    Objective,
-    /// The constraint with this index, as returned by [`ElementProblemBuilder::row`].
-    Row(usize),
-}
 
 /// Collects the parts of an [`ElementProblem`].
 ///
@@ -63,14 +55,7 @@ pub enum Target {
 /// ```
 #[derive(Default)]
 pub struct ElementProblemBuilder {
-    pub(super) variable_bounds: Vec<(f64, f64)>,
-    pub(super) start: Vec<f64>,
-    pub(super) row_bounds: Vec<(f64, f64)>,
-    pub(super) linear: Vec<(Target, f64, usize)>,
-    pub(super) constants: Vec<(Target, f64)>,
-    pub(super) variable_names: Vec<Option<String>>,
-    pub(super) row_names: Vec<Option<String>>,
-    pub(super) groups: Vec<Box<dyn Group>>,
+    statement: Statement,
 }
 
 impl ElementProblemBuilder {
@@ -81,27 +66,27 @@ impl ElementProblemBuilder {
 
     /// Adds a variable with `lower <= x <= upper`, infinite where absent, that starts at `start`; returns its index.
     pub fn variable(&mut self, lower: f64, upper: f64, start: f64) -> usize {
-        self.variable_bounds.push((lower, upper));
-        self.start.push(start);
-        self.variable_names.push(None);
-        self.start.len() - 1
+        self.statement.variable_bounds.push((lower, upper));
+        self.statement.start.push(start);
+        self.statement.variable_names.push(None);
+        self.statement.start.len() - 1
     }
 
     /// Adds a constraint `lower <= c <= upper` that is zero so far; returns its index.
     pub fn row(&mut self, lower: f64, upper: f64) -> usize {
-        self.row_bounds.push((lower, upper));
-        self.row_names.push(None);
-        self.row_bounds.len() - 1
+        self.statement.row_bounds.push((lower, upper));
+        self.statement.row_names.push(None);
+        self.statement.row_bounds.len() - 1
     }
 
     /// Adds `coefficient x_variable` to the target. Terms of the same variable add up.
     pub fn linear(&mut self, target: Target, coefficient: f64, variable: usize) {
-        self.linear.push((target, coefficient, variable));
+        self.statement.linear.push((target, coefficient, variable));
     }
 
     /// Adds a constant to the target.
     pub fn constant(&mut self, target: Target, value: f64) {
-        self.constants.push((target, value));
+        self.statement.constants.push((target, value));
     }
 
     /// Adds `coefficient value_o(x_variables)` for each value `o` of the element and each (target, coefficient) of
@@ -112,7 +97,7 @@ impl ElementProblemBuilder {
         variables: [usize; N],
         targets: [&[(Target, f64)]; M],
     ) {
-        for group in &mut self.groups {
+        for group in &mut self.statement.groups {
             let group: &mut dyn Any = group.as_mut();
             if let Some(group) = group.downcast_mut::<TypedGroup<E, N, M>>() {
                 group.push(element, variables, targets);
@@ -121,19 +106,19 @@ impl ElementProblemBuilder {
         }
         let mut group = TypedGroup::new();
         group.push(element, variables, targets);
-        self.groups.push(Box::new(group));
+        self.statement.groups.push(Box::new(group));
     }
 
     /// Names a variable in diagnoses; without a name it is `x[index]`.
     pub fn name_variable(&mut self, index: usize, name: impl Into<String>) {
-        if let Some(place) = self.variable_names.get_mut(index) {
+        if let Some(place) = self.statement.variable_names.get_mut(index) {
             *place = Some(name.into());
         }
     }
 
     /// Names a constraint in diagnoses; without a name it is `c[index]`.
     pub fn name_row(&mut self, index: usize, name: impl Into<String>) {
-        if let Some(place) = self.row_names.get_mut(index) {
+        if let Some(place) = self.statement.row_names.get_mut(index) {
             *place = Some(name.into());
         }
     }
@@ -141,8 +126,8 @@ impl ElementProblemBuilder {
     /// Finds the patterns and where each derivative goes.
     ///
     /// # Errors
-    /// [`InputError::Element`] if a term names a variable or a row that does not exist.
+    /// [`InputError`] if a term names a variable or a row that does not exist.
     pub fn build(self) -> Result<ElementProblem, InputError> {
-        ElementProblem::new(self)
+        ElementProblem::new(self.statement)
     }
 }

@@ -17,9 +17,12 @@
 mod builder;
 mod group;
 mod problem;
+mod statement;
+mod target;
 
-pub use builder::{ElementProblemBuilder, Target};
+pub use builder::ElementProblemBuilder;
 pub use problem::ElementProblem;
+pub use target::Target;
 
 use num_dual::DualNum;
 

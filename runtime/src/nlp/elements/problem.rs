@@ -1,15 +1,16 @@
 //! The finished problem: patterns, places, evaluation with memory of the last point.
 
+use super::Target;
 use super::group::{Group, OBJECTIVE};
-use super::{ElementProblemBuilder, Target};
-use crate::nlp::{InputError, NlpProblem};
+use super::statement::Statement;
+use crate::nlp::{Fault, InputError, NlpProblem};
 
-/// A nonlinear program made of elements; see [`ElementProblemBuilder`].
+/// A nonlinear program made of elements; see [`ElementProblemBuilder`](super::ElementProblemBuilder).
 ///
 /// Objective and constraints are evaluated together, and so are gradient and Jacobian; a second call at the same
 /// point costs nothing.
 pub struct ElementProblem {
-    builder: ElementProblemBuilder,
+    statement: Statement,
     /// (row, column) of the Jacobian and of the lower triangle of the Hessian.
     jacobian_pattern: Vec<(usize, usize)>,
     hessian_pattern: Vec<(usize, usize)>,
@@ -57,30 +58,30 @@ impl Point {
 }
 
 impl ElementProblem {
-    pub(super) fn new(mut builder: ElementProblemBuilder) -> Result<Self, InputError> {
-        let (n, m) = (builder.start.len(), builder.row_bounds.len());
-        check_indices(&builder)?;
+    pub(super) fn new(mut statement: Statement) -> Result<Self, InputError> {
+        let (n, m) = (statement.start.len(), statement.row_bounds.len());
+        check_indices(&statement)?;
         let index = |target: Target| match target {
             Target::Objective => m,
             Target::Row(row) => row,
         };
-        let linear: Vec<(usize, usize, f64)> = builder
+        let linear: Vec<(usize, usize, f64)> = statement
             .linear
             .iter()
             .map(|&(target, coefficient, variable)| (index(target), variable, coefficient))
             .collect();
-        let constants: Vec<(usize, f64)> = builder
+        let constants: Vec<(usize, f64)> = statement
             .constants
             .iter()
             .map(|&(target, value)| (index(target), value))
             .collect();
-        for group in &mut builder.groups {
+        for group in &mut statement.groups {
             group.place_objective(m);
         }
 
         let mut first: Vec<(usize, usize)> = linear.iter().map(|&(t, v, _)| (t, v)).collect();
         let mut second = Vec::new();
-        for group in &builder.groups {
+        for group in &statement.groups {
             group.first_positions(&mut |target, variable| first.push((target, variable)));
             group.second_positions(&mut |row, column| second.push((row, column)));
         }
@@ -95,10 +96,10 @@ impl ElementProblem {
         }
         let length = entries + n;
         if u32::try_from(length.max(second.len()).max(first.len())).is_err() {
-            return Err(InputError::Size {
+            return Err(InputError::from(Fault::Size {
                 variables: n,
                 constraints: m,
-            });
+            }));
         }
         let jacobian_pattern = all_first[..entries].to_vec();
         let mut constant_first = vec![0.0; length];
@@ -106,7 +107,7 @@ impl ElementProblem {
         for (&(_, _, coefficient), &place) in linear.iter().zip(of_linear) {
             constant_first[place as usize] += coefficient;
         }
-        distribute(&mut builder.groups, of_groups, &second_places);
+        distribute(&mut statement.groups, of_groups, &second_places);
         let mut constant = vec![0.0; m + 1];
         for (target, value) in constants {
             constant[target] += value;
@@ -117,7 +118,7 @@ impl ElementProblem {
             .collect();
         linear.sort_unstable_by_key(|&(target, variable, _)| (target, variable));
         Ok(Self {
-            builder,
+            statement,
             jacobian_pattern,
             hessian_pattern,
             linear,
@@ -139,7 +140,7 @@ impl ElementProblem {
         for &(target, variable, coefficient) in &self.linear {
             self.values[target as usize] += coefficient * x[variable as usize];
         }
-        for group in &self.builder.groups {
+        for group in &self.statement.groups {
             group.add_values(x, &mut self.values);
         }
     }
@@ -149,15 +150,15 @@ impl ElementProblem {
             return;
         }
         self.first.copy_from_slice(&self.constant_first);
-        for group in &self.builder.groups {
+        for group in &self.statement.groups {
             group.add_first(x, &mut self.first);
         }
     }
 }
 
 /// Checks every term before the objective takes the place after the last row.
-fn check_indices(builder: &ElementProblemBuilder) -> Result<(), InputError> {
-    let (n, m) = (builder.start.len(), builder.row_bounds.len());
+fn check_indices(statement: &Statement) -> Result<(), InputError> {
+    let (n, m) = (statement.start.len(), statement.row_bounds.len());
     let mut fault = None;
     let mut check_row = |target: usize| {
         if target != OBJECTIVE && target >= m {
@@ -168,13 +169,13 @@ fn check_indices(builder: &ElementProblemBuilder) -> Result<(), InputError> {
         Target::Objective => OBJECTIVE,
         Target::Row(row) => row,
     };
-    for &(target, _, _) in &builder.linear {
+    for &(target, _, _) in &statement.linear {
         check_row(index(target));
     }
-    for &(target, _) in &builder.constants {
+    for &(target, _) in &statement.constants {
         check_row(index(target));
     }
-    for group in &builder.groups {
+    for group in &statement.groups {
         group.first_positions(&mut |target, _| check_row(target));
     }
     let mut check_variable = |variable: usize| {
@@ -182,15 +183,15 @@ fn check_indices(builder: &ElementProblemBuilder) -> Result<(), InputError> {
             fault = Some(("variable", variable, n));
         }
     };
-    for &(_, _, variable) in &builder.linear {
+    for &(_, _, variable) in &statement.linear {
         check_variable(variable);
     }
-    for group in &builder.groups {
+    for group in &statement.groups {
         group.second_positions(&mut |row, _| check_variable(row));
     }
     match fault {
         None => Ok(()),
-        Some((what, index, count)) => Err(InputError::Element { what, index, count }),
+        Some((what, index, count)) => Err(InputError::from(Fault::Element { what, index, count })),
     }
 }
 
@@ -228,31 +229,31 @@ fn distribute(groups: &mut [Box<dyn Group>], mut first: &[u32], mut second: &[u3
 
 impl NlpProblem for ElementProblem {
     fn variables(&self) -> usize {
-        self.builder.start.len()
+        self.statement.start.len()
     }
 
     fn constraints(&self) -> usize {
-        self.builder.row_bounds.len()
+        self.statement.row_bounds.len()
     }
 
     fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
         for ((l, u), bounds) in lower
             .iter_mut()
             .zip(upper)
-            .zip(&self.builder.variable_bounds)
+            .zip(&self.statement.variable_bounds)
         {
             (*l, *u) = *bounds;
         }
     }
 
     fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        for ((l, u), bounds) in lower.iter_mut().zip(upper).zip(&self.builder.row_bounds) {
+        for ((l, u), bounds) in lower.iter_mut().zip(upper).zip(&self.statement.row_bounds) {
             (*l, *u) = *bounds;
         }
     }
 
     fn initial_point(&self, x: &mut [f64]) {
-        x.copy_from_slice(&self.builder.start);
+        x.copy_from_slice(&self.statement.start);
     }
 
     fn objective(&mut self, x: &[f64]) -> f64 {
@@ -288,20 +289,20 @@ impl NlpProblem for ElementProblem {
         self.weights[..m].copy_from_slice(multipliers);
         self.weights[m] = weight;
         values.fill(0.0);
-        for group in &self.builder.groups {
+        for group in &self.statement.groups {
             group.add_second(x, &self.weights, values);
         }
     }
 
     fn variable_name(&self, index: usize) -> String {
-        match self.builder.variable_names.get(index) {
+        match self.statement.variable_names.get(index) {
             Some(Some(name)) => name.clone(),
             _ => format!("x[{index}]"),
         }
     }
 
     fn constraint_name(&self, index: usize) -> String {
-        match self.builder.row_names.get(index) {
+        match self.statement.row_names.get(index) {
             Some(Some(name)) => name.clone(),
             _ => format!("c[{index}]"),
         }

@@ -19,10 +19,10 @@ use crate::linalg::norms::is_finite;
 use crate::linalg::{
     FactorizationError, Inertia, MultifrontalLdl, RefinedSolver, SymmetricPattern,
 };
-use crate::nlp::InputError;
 use crate::nlp::program::barrier_problem::{BarrierProblem, Objective};
 use crate::nlp::program::formulation::Formulation;
 use crate::nlp::program::iterate::Iterate;
+use crate::nlp::{Fault, InputError};
 
 /// Assembly, factorization and solution of Newton systems on one pattern.
 pub(crate) struct KktSystem {
@@ -66,10 +66,10 @@ impl KktSystem {
             .chain(products.flat_map(|&(i, j)| [(i, i), (j, j), (i, j)]));
         let hessian_length = formulation.hessian_entries().count();
         let jacobian_end = hessian_length + formulation.jacobian_entries().count();
-        let too_large = InputError::Size {
+        let too_large = InputError::from(Fault::Size {
             variables: n,
             constraints: m,
-        };
+        });
         let (pattern, mut map) =
             SymmetricPattern::with_map(n + m, entries).ok_or(too_large.clone())?;
         let product_map = map[jacobian_end..]

@@ -28,7 +28,7 @@ pub(super) use state::{Core, Outcome};
 
 use super::program::barrier_problem::BarrierProblem;
 use super::program::iterate::Iterate;
-use super::{InputError, Products, WarmStart};
+use super::{Fault, InputError, Products, WarmStart};
 use barrier::BarrierPath;
 use state::State;
 
@@ -43,7 +43,7 @@ pub(super) struct End {
 /// Runs the method from the start of the formulation, or with the multipliers of `start`.
 ///
 /// # Errors
-/// [`InputError::NotFiniteAtStart`] names a function that has no value at the start.
+/// [`InputError`] names a function that has no value at the start.
 pub(super) fn run(
     core: &mut Core<'_, '_>,
     path: &mut dyn BarrierPath,
@@ -55,7 +55,7 @@ pub(super) fn run(
     start::first_point(&mut state);
     if !state.evaluate_iterate() {
         let what = start::not_finite(&state);
-        return Err(InputError::NotFiniteAtStart { what });
+        return Err(InputError::from(Fault::NotFiniteAtStart { what }));
     }
     start::first_multipliers(&mut state, start, products);
     state.start_filter();

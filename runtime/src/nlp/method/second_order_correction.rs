@@ -4,7 +4,10 @@ use super::acceptance::{Acceptance, Reference, judge};
 use super::state::State;
 use super::trial::take_trial;
 
-/// Tries at most `maximum_corrections` steps with the residual
+/// Most corrections in an iteration.
+const MAXIMUM: usize = 4;
+
+/// Tries at most four steps with the residual
 /// `c_soc <- alpha c_soc + c(trial)` (Waechter and Biegler 2006, section 2.4) while each lowers the
 /// violation to 99 %. An accepted point is in `trial`, its step in `correction`.
 pub(super) fn second_order_correction(
@@ -18,7 +21,7 @@ pub(super) fn second_order_correction(
         .work
         .corrected_residual
         .copy_from_slice(&state.point.values.residual);
-    for _ in 0..state.core.settings.maximum_corrections {
+    for _ in 0..MAXIMUM {
         for (c, trial) in state
             .work
             .corrected_residual

@@ -2,7 +2,7 @@
 //! rows scaled, ranges told from equalities.
 
 use super::scaling::row_scaling;
-use crate::nlp::{Counts, InputError, NlpProblem, Settings};
+use crate::nlp::{Fault, InputError, NlpProblem, Settings};
 
 /// Bounds of this size or larger count as absent.
 const INFINITE: f64 = 1e19;
@@ -45,7 +45,6 @@ pub(crate) struct Formulation<'a> {
     is_scaled: bool,
     entries: Entries,
     user: UserValues,
-    pub(crate) counts: Counts,
 }
 
 /// Patterns of the derivatives.
@@ -78,7 +77,7 @@ impl Bounds {
     /// The bounds of a problem.
     ///
     /// # Errors
-    /// [`InputError::Bounds`] names the first variable or row whose bounds are not in order.
+    /// [`InputError`] names the first variable or row whose bounds are not in order.
     fn of(problem: &dyn NlpProblem) -> Result<Self, InputError> {
         let (n, m) = (problem.variables(), problem.constraints());
         let mut bounds = Self {
@@ -103,7 +102,7 @@ impl Bounds {
                 } else {
                     problem.variable_name(i)
                 };
-                return Err(InputError::Bounds { name, lower, upper });
+                return Err(InputError::from(Fault::Bounds { name, lower, upper }));
             }
         }
         Ok(bounds)
@@ -193,39 +192,38 @@ impl Numbering {
 /// The point to start from, the problem's own without another.
 ///
 /// # Errors
-/// [`InputError::WarmStart`] for a point of the wrong length, [`InputError::Start`] names a component that is not finite.
+/// [`InputError`] for a point of the wrong length, [`InputError`] names a component that is not finite.
 fn starting_point(problem: &dyn NlpProblem, start: Option<&[f64]>) -> Result<Vec<f64>, InputError> {
     let n = problem.variables();
     let mut x = vec![0.0; n];
     match start {
         Some(start) if start.len() == n => x.copy_from_slice(start),
         Some(start) => {
-            return Err(InputError::WarmStart {
+            return Err(InputError::from(Fault::WarmStart {
                 what: "the point",
                 expected: n,
                 found: start.len(),
-            });
+            }));
         }
         None => problem.initial_point(&mut x),
     }
     match x.iter().position(|x| !x.is_finite()) {
-        Some(i) => Err(InputError::Start {
+        Some(i) => Err(InputError::from(Fault::Start {
             name: problem.variable_name(i),
             value: x[i],
-        }),
+        })),
         None => Ok(x),
     }
 }
 
 /// Scales of the kept rows by their largest derivatives.
-fn row_scales(jacobian: &[Kept], values: &[f64], rows: usize, settings: &Settings) -> Vec<f64> {
+fn row_scales(jacobian: &[Kept], values: &[f64], rows: usize) -> Vec<f64> {
     let mut largest = vec![0.0_f64; rows];
     for kept in jacobian {
         let largest = &mut largest[kept.row as usize];
         *largest = largest.max(values[kept.position as usize].abs());
     }
-    let scale = |&largest: &f64| row_scaling(largest, settings.scaling_gradient);
-    largest.iter().map(scale).collect()
+    largest.into_iter().map(row_scaling).collect()
 }
 
 impl<'a> Formulation<'a> {
@@ -253,10 +251,10 @@ impl<'a> Formulation<'a> {
         check_pattern("hessian", &hessian_pattern, n_user, n_user, true)?;
         let size = n_user.max(m_user);
         if u32::try_from(size.max(jacobian_pattern.len()).max(hessian_pattern.len())).is_err() {
-            return Err(InputError::Size {
+            return Err(InputError::from(Fault::Size {
                 variables: n_user,
                 constraints: m_user,
-            });
+            }));
         }
         let jacobian = kept_entries(&jacobian_pattern, &rows.new, &free.new);
         let hessian = kept_entries(&hessian_pattern, &free.new, &free.new);
@@ -269,7 +267,7 @@ impl<'a> Formulation<'a> {
         let mut jacobian_user = vec![0.0; jacobian_pattern.len()];
         problem.gradient(&x_user, &mut gradient_user);
         problem.jacobian_values(&x_user, &mut jacobian_user);
-        let row_scales = row_scales(&jacobian, &jacobian_user, rows.old.len(), settings);
+        let row_scales = row_scales(&jacobian, &jacobian_user, rows.old.len());
         let of_free = |i: &usize| gradient_user[*i].abs();
         let largest = free.old.iter().map(of_free).fold(0.0, f64::max);
         let (lower, upper) = bounds.relaxed_variables(&free.old, products, settings);
@@ -283,7 +281,7 @@ impl<'a> Formulation<'a> {
             start: free.old.iter().map(|&i| x_user[i]).collect(),
             variables: free.old,
             rows: rows.old,
-            objective_scale: row_scaling(largest, settings.scaling_gradient),
+            objective_scale: row_scaling(largest),
             is_scaled: row_scales.iter().any(|&scale| scale != 1.0),
             row_scales,
             entries: Entries {
@@ -299,7 +297,6 @@ impl<'a> Formulation<'a> {
                 jacobian: jacobian_user,
                 hessian: vec![0.0; hessian_pattern.len()],
             },
-            counts: Counts::default(),
         })
     }
 
@@ -329,7 +326,6 @@ impl<'a> Formulation<'a> {
 
     /// Scaled objective.
     pub(crate) fn objective(&mut self, x: &[f64]) -> f64 {
-        self.counts.objectives += 1;
         let x = full_point(&self.variables, x, &mut self.user.x);
         self.objective_scale * self.problem.objective(x)
     }
@@ -354,7 +350,6 @@ impl<'a> Formulation<'a> {
 
     /// Scaled values of the kept rows.
     pub(crate) fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-        self.counts.constraints += 1;
         let x = full_point(&self.variables, x, &mut self.user.x);
         if c.len() == self.user.c.len() {
             self.problem.constraint_values(x, c);
@@ -373,7 +368,6 @@ impl<'a> Formulation<'a> {
 
     /// Scaled Jacobian of the kept rows and columns.
     pub(crate) fn jacobian(&mut self, x: &[f64], values: &mut [f64]) {
-        self.counts.jacobians += 1;
         let x = full_point(&self.variables, x, &mut self.user.x);
         if values.len() == self.user.jacobian.len() {
             self.problem.jacobian_values(x, values);
@@ -392,7 +386,6 @@ impl<'a> Formulation<'a> {
 
     /// Hessian of `weight f + y' c` in scaled quantities.
     pub(crate) fn hessian(&mut self, x: &[f64], weight: f64, y: &[f64], values: &mut [f64]) {
-        self.counts.hessians += 1;
         let x = full_point(&self.variables, x, &mut self.user.x);
         let weight = weight * self.objective_scale;
         let y = if self.is_scaled || y.len() != self.user.y.len() {
@@ -456,13 +449,13 @@ fn check_pattern(
         .find(|&&(i, j)| i >= rows || j >= columns || (lower && j > i))
     {
         None => Ok(()),
-        Some(&(row, column)) => Err(InputError::Pattern {
+        Some(&(row, column)) => Err(InputError::from(Fault::Pattern {
             matrix,
             row,
             column,
             rows,
             columns,
-        }),
+        })),
     }
 }
 

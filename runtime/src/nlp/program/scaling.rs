@@ -1,9 +1,12 @@
 //! Gradient-based scaling and the start inside the bounds.
 
-/// Factor that brings a gradient of size `largest` down to `target`; never enlarges, never below 1e-8.
-pub(crate) fn row_scaling(largest: f64, target: f64) -> f64 {
-    if largest > target {
-        (target / largest).max(1e-8)
+/// Size that no gradient of objective and rows exceeds at the start.
+const GRADIENT: f64 = 100.0;
+
+/// Factor that brings a gradient of size `largest` down to 100; never enlarges, never below 1e-8.
+pub(crate) fn row_scaling(largest: f64) -> f64 {
+    if largest > GRADIENT {
+        (GRADIENT / largest).max(1e-8)
     } else {
         1.0
     }
@@ -37,9 +40,9 @@ mod tests {
 
     #[test]
     fn row_scaling_leaves_small_gradients_and_limits_large_ones() {
-        assert_eq!(row_scaling(99.0, 100.0), 1.0);
-        assert_eq!(row_scaling(1e4, 100.0), 1e-2);
-        assert_eq!(row_scaling(1e20, 100.0), 1e-8);
+        assert_eq!(row_scaling(99.0), 1.0);
+        assert_eq!(row_scaling(1e4), 1e-2);
+        assert_eq!(row_scaling(1e20), 1e-8);
     }
 
     #[test]

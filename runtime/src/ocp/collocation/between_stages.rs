@@ -70,11 +70,7 @@ pub(in crate::ocp) fn between_stages(program: &Collocation, x: &[f64], limits: L
             found.push(cut(phase, theta, CutKind::Bounds(k)));
         }
     }
-    for (constraint, inequality) in motion
-        .constraints(limits.setting.problem)
-        .into_iter()
-        .enumerate()
-    {
+    for (constraint, inequality) in motion.constraints().into_iter().enumerate() {
         if !inequality {
             continue;
         }
@@ -130,7 +126,7 @@ pub(in crate::ocp) fn excess(program: &Collocation, x: &[f64], limits: Limits) -
             look(coordinate.name, &mut motion.inside(k, bounds));
         }
     }
-    for constraint in 0..motion.constraints(limits.setting.problem).len() {
+    for constraint in 0..motion.constraints().len() {
         let declared = declaration.optimal_control;
         let name = declared.map_or("", |d| d.constraints[constraint].name);
         look(name, &mut motion.path(constraint));

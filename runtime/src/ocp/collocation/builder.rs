@@ -1,7 +1,7 @@
 //! What the construction of a collocation program has come to: the program so far and where it stands.
 
 use super::discretization::Setting;
-use super::layout::{Cut, Phase, Tangential};
+use super::layout::{Cut, Distance, Phase, Tangential};
 use crate::ocp::motion::mode::Mode;
 use crate::ocp::motion::sequence::Switch;
 use crate::ocp::motion::trajectory::Trajectory;
@@ -23,6 +23,7 @@ pub(super) struct Builder<'a, 's> {
     /// Mode of each contact now.
     pub(super) modes: Vec<Mode>,
     pub(super) touches: Vec<(Switch, usize)>,
+    pub(super) distances: Vec<Distance>,
     /// Variables of the state `(q, v)` now.
     pub(super) state: Vec<usize>,
     /// What drove the motion at the end of the phase before; nothing at the start, at time 0.

@@ -3,7 +3,7 @@
 use super::builder::Builder;
 use super::discretization::Setting;
 use super::friction_rows::reserve_between;
-use super::layout::{Cut, CutKind, Phase};
+use super::layout::{Cut, CutKind, Distance, Kept, Phase};
 use super::stage_inputs::drive_within;
 use crate::ocp::motion::mode::{Direction, Mode};
 use crate::ocp::program::frame::state_name;
@@ -58,7 +58,13 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
                 let program = &mut builder.program;
                 let name = format!("gap `{}` {at}", declaration.contacts[contact].name);
                 let unit = units.gap_rows[contact];
-                let row = program.row_in(unit, name, margin, f64::INFINITY);
+                let row = program.row_in(unit, name.clone(), margin, f64::INFINITY);
+                builder.distances.push(Distance {
+                    name: format!("margin of the {name}"),
+                    kept: Kept::Row(row),
+                    amount: margin,
+                    chosen: true,
+                });
                 let uses = vec![(row, 0, 1.0)];
                 let kernel = Kernel::Contact(contact);
                 program.block(&kernel, [&state, &[], &drive, &[]], None, uses);
@@ -69,9 +75,9 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
                 let state = state_at(builder, phase, cut, 2 * n, &at);
                 let (q, v) = state.split_at(n);
                 let u = drive_within(builder, phase, cut.theta, &at);
-                let (frame, problem) = (&builder.frame, builder.setting.problem);
+                let frame = &builder.frame;
                 let inputs = [q, v, &u[..]];
-                frame.path_rows_of(&mut builder.program, problem, &[constraint], inputs, &at);
+                frame.path_rows_of(&mut builder.program, &[constraint], inputs, &at);
             }
         }
     }

@@ -3,7 +3,6 @@
 use super::layout::SolvedPhase;
 use super::program::Collocation;
 use crate::model::ConstraintRelation;
-use crate::ocp::problem::Problem;
 
 /// Points of a phase that are looked at.
 pub(super) const POINTS: usize = 64;
@@ -83,8 +82,8 @@ impl<'p, 'm> DenseMotion<'p, 'm> {
     }
 
     /// Trajectory constraints of the problem: their number and whether each is an inequality.
-    pub(super) fn constraints(&self, problem: &Problem) -> Vec<bool> {
-        let declared = problem.declared(self.program.model);
+    pub(super) fn constraints(&self) -> Vec<bool> {
+        let declared = self.program.model.declaration().optimal_control;
         let constraints = declared.map_or(&[][..], |d| d.constraints).iter();
         constraints
             .map(|c| c.relation == ConstraintRelation::NonNegative)

@@ -4,7 +4,7 @@ use super::builder::Builder;
 use super::discretization::Setting;
 use super::friction_rows;
 use super::friction_rows::Normal;
-use super::layout::FREE;
+use super::layout::{Distance, FREE, Kept};
 use super::turns::Turns;
 use crate::model::contact_point;
 use crate::ocp::motion::mode::Mode;
@@ -206,7 +206,13 @@ fn touch_rows(builder: &mut Builder, instant: &Instant, label: &str) {
         let name = model.declaration().contacts[contact].name;
         let name = format!("touch of `{name}` that ends {label}");
         let program = &mut builder.program;
-        let row = program.row(name, f64::NEG_INFINITY, -least);
+        let row = program.row(name.clone(), f64::NEG_INFINITY, -least);
+        builder.distances.push(Distance {
+            name: format!("least velocity of the {name}"),
+            kept: Kept::Row(row),
+            amount: least,
+            chosen: false,
+        });
         let (q, v) = builder.state.split_at(n);
         let (drive, uses) = (&builder.before, vec![(row, 1, 1.0)]);
         program.block(&Kernel::Contact(contact), [q, v, drive, &[]], None, uses);

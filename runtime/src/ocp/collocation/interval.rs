@@ -2,6 +2,7 @@
 
 use super::builder::Builder;
 use super::impact_map::Instant;
+use super::layout::{Distance, Kept};
 use super::phase::Element;
 use super::stage_inputs::Elapsed;
 use super::turns::Turns;
@@ -219,6 +220,12 @@ fn durations(builder: &mut Builder, interval: usize, ends: &[f64]) -> Vec<usize>
                 length,
             );
             program.linear(row, duration, 1.0);
+            builder.distances.push(Distance {
+                name: format!("shortest phase {p} of interval {interval}"),
+                kept: Kept::Variable(duration),
+                amount: SHORTEST * length,
+                chosen: false,
+            });
             duration
         })
         .collect()

@@ -32,6 +32,25 @@ pub(in crate::ocp) struct Cut {
     pub(in crate::ocp) kind: CutKind,
 }
 
+/// Where a distance is kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::ocp) enum Kept {
+    /// By the bound of a row that is not infinite.
+    Row(usize),
+    /// By the lower bound of a variable.
+    Variable(usize),
+}
+
+/// A distance that a plan keeps for the sake of the method, though the scene does not ask for it.
+#[derive(Debug, Clone)]
+pub(in crate::ocp) struct Distance {
+    pub(in crate::ocp) name: String,
+    pub(in crate::ocp) kept: Kept,
+    pub(in crate::ocp) amount: f64,
+    /// Whether the caller chooses it, as the gap margin.
+    pub(in crate::ocp) chosen: bool,
+}
+
 /// Variables of a stage.
 pub(in crate::ocp) struct Stage {
     /// `q` then `v`.

@@ -304,10 +304,7 @@ fn gap_rows(builder: &mut Builder, element: &Element, phase: &Phase, stage: usiz
 /// Adds the running cost of an element and the path constraints at its stages and its start.
 fn costs_and_path_rows(builder: &mut Builder, element: &Element, phase: &Phase) {
     let Setting {
-        problem,
-        tableau,
-        places,
-        ..
+        tableau, places, ..
     } = builder.setting;
     let n = builder.n;
     let label = element.label();
@@ -315,10 +312,10 @@ fn costs_and_path_rows(builder: &mut Builder, element: &Element, phase: &Phase) 
         let (q, v) = stage.state.split_at(n);
         let (frame, program) = (&builder.frame, &mut builder.program);
         let (inputs, factor) = ([q, v, &stage.drive[..]], element.factor * tableau.b()[m]);
-        frame.running_cost(program, problem, inputs, element.scale, factor);
+        frame.running_cost(program, inputs, element.scale, factor);
         if places.path != PathPoints::Ends || m + 1 == phase.stages.len() {
             let place = format!("at stage {m} of {label}");
-            frame.path_rows(program, problem, inputs, &place);
+            frame.path_rows(program, inputs, &place);
         }
     }
     if places.path == PathPoints::Both && !element.is_first_of_motion() {
@@ -326,9 +323,7 @@ fn costs_and_path_rows(builder: &mut Builder, element: &Element, phase: &Phase) 
         let place = format!("at the start of {label}");
         let u = drive_within(builder, phase, 0.0, &place);
         let program = &mut builder.program;
-        builder
-            .frame
-            .path_rows(program, problem, [q, v, &u], &place);
+        builder.frame.path_rows(program, [q, v, &u], &place);
     }
     if element.is_first_of_motion() {
         start_conditions::path_rows(builder, phase);

@@ -1,6 +1,6 @@
 //! A solved collocation program as a motion.
 
-use super::layout::{Phase, SolvedPhase, Tangential};
+use super::layout::{Distance, Phase, SolvedPhase, Tangential};
 use crate::model::Model;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::sequence::{Sequence, Switch};
@@ -18,6 +18,7 @@ pub(in crate::ocp) struct Collocation<'a> {
     pub(in crate::ocp) impacts: Vec<(usize, Tangential)>,
     /// Touches, and the row of the least impact velocity of each.
     pub(in crate::ocp) touches: Vec<(Switch, usize)>,
+    pub(in crate::ocp) distances: Vec<Distance>,
     pub(in crate::ocp) tableau: &'a ButcherTableau,
     pub(in crate::ocp) horizon: usize,
     /// Variables of the controls on each interval, or at each node.

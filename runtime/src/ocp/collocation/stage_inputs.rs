@@ -169,7 +169,7 @@ mod tests {
     use crate::ocp::motion::control_grid::ControlShape;
     use crate::ocp::motion::mode::Mode;
     use crate::ocp::motion::sequence::{Place, Sequence, Switch};
-    use crate::ocp::problem::{Component, Goal, Horizon, Objective, Problem, bounds};
+    use crate::ocp::problem::{Problem, bounds};
     use crate::ocp::program::units::Units;
     use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
@@ -184,20 +184,16 @@ mod tests {
             forces { z: u }
             surface ground: z >= 0
             impact ground: inelastic
+            minimize integral(u^2)
+            finally { z == 0.5[m] }
+            horizon 1 [s]
         }
     }
 
     #[test]
     fn contact_that_opens_at_a_node_of_linear_controls_is_let_go_by_a_vanishing_force() {
         let model = Hopper::default();
-        let goals = vec![Goal {
-            component: Component::Coordinate(0),
-            value: 0.5,
-        }];
-        let problem = Problem {
-            horizon: Horizon::Fixed(1.0),
-            ..Problem::new(&model, Objective::effort(), goals, 3)
-        };
+        let problem = Problem::of(&model, 3);
         let (lower, upper) = bounds(&model);
         let bounds = (&lower[..], &upper[..]);
         let start = guess(&model, &problem, &Guess::Straight, bounds).unwrap();

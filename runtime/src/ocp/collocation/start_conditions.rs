@@ -5,6 +5,7 @@ use super::discretization::Setting;
 use super::layout::Phase;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::mode::{Mode, sliding_velocity, zero_velocity};
+use crate::ocp::problem::has_free_start;
 use crate::ocp::program::kernel::Kernel;
 
 /// Contacts that are pulled into slip from the start of the motion.
@@ -14,7 +15,7 @@ pub(in crate::ocp) fn pulled(builder: &Builder) -> Vec<usize> {
     let zero = zero_velocity(&start[builder.n..]);
     let modes = builder.modes.iter().enumerate();
     modes
-        .filter(|(_, mode)| matches!(mode, Mode::Slip(_)) && !problem.has_free_start(model))
+        .filter(|(_, mode)| matches!(mode, Mode::Slip(_)) && !has_free_start(model))
         .map(|(contact, _)| contact)
         .filter(|&contact| sliding_velocity(model, contact, &start, 0.0).abs() <= zero)
         .collect()
@@ -22,19 +23,14 @@ pub(in crate::ocp) fn pulled(builder: &Builder) -> Vec<usize> {
 
 /// Where initial values are free: contacts closed at the start touch and rest, the others are open.
 pub(in crate::ocp) fn add(builder: &mut Builder) {
-    let Setting {
-        model,
-        problem,
-        units,
-        ..
-    } = builder.setting;
+    let Setting { model, units, .. } = builder.setting;
     let free: Vec<usize> = (0..2 * builder.n)
         .filter(|&k| {
             let (lower, upper) = builder.program.bounds(builder.frame.start[k]);
             lower < upper
         })
         .collect();
-    if !problem.has_free_start(model) {
+    if !has_free_start(model) {
         return;
     }
     for (i, contact) in model.declaration().contacts.iter().enumerate() {
@@ -83,8 +79,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder) {
 
 /// The path constraints on linear controls at the very start, which is no stage.
 pub(in crate::ocp) fn path_rows(builder: &mut Builder, phase: &Phase) {
-    let problem = builder.setting.problem;
-    let declared = problem.declared(builder.setting.model);
+    let declared = builder.setting.model.declaration().optimal_control;
     let Some(declared) = declared.filter(|_| builder.setting.shape == ControlShape::Linear) else {
         return;
     };
@@ -98,11 +93,7 @@ pub(in crate::ocp) fn path_rows(builder: &mut Builder, phase: &Phase) {
     };
     let chosen: Vec<usize> = (0..declared.constraints.len()).filter(reads).collect();
     let inputs = [&phase.start[..builder.n], &phase.start[builder.n..], &u[..]];
-    builder.frame.path_rows_of(
-        &mut builder.program,
-        problem,
-        &chosen,
-        inputs,
-        "at the start",
-    );
+    builder
+        .frame
+        .path_rows_of(&mut builder.program, &chosen, inputs, "at the start");
 }

@@ -42,6 +42,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         impacts: Vec::new(),
         modes: sequence.initially.clone(),
         touches: Vec::new(),
+        distances: Vec::new(),
         state,
         before: Vec::new(),
         n: problem.q.len(),
@@ -58,7 +59,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         }
     }
     let (frame, mut program) = (builder.frame, builder.program);
-    frame.finish(&mut program, problem, &builder.state);
+    frame.finish(&mut program, &builder.state);
     Collocation {
         program: program.finish(&frame.controls),
         model,
@@ -66,6 +67,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         phases: builder.phases,
         impacts: builder.impacts,
         touches: builder.touches,
+        distances: builder.distances,
         tableau: setting.tableau,
         horizon: frame.horizon,
         controls: frame.controls,
@@ -85,7 +87,7 @@ mod tests {
     use crate::ocp::motion::control_grid::ControlShape;
     use crate::ocp::motion::mode::Mode;
     use crate::ocp::motion::sequence::Place;
-    use crate::ocp::problem::{Component, Goal, Horizon, Objective, Problem, bounds};
+    use crate::ocp::problem::{Horizon, Problem, bounds};
     use crate::ocp::program::units::Units;
     use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
@@ -94,20 +96,9 @@ mod tests {
     const DIFFERENCE: f64 = 1e-5;
 
     fn problem(model: &Demanding) -> Problem {
-        let goal = Goal {
-            component: Component::Coordinate(0),
-            value: 1.5,
-        };
-        let objective = Objective {
-            final_time: 1.0,
-            control_effort: 0.1,
-            final_coordinates: vec![(2, 0.3)],
-            final_velocities: vec![(1, -0.2)],
-        };
         Problem {
             horizon: Horizon::Free { guess: Some(1.2) },
-            declared: true,
-            ..Problem::new(model, objective, vec![goal], 3)
+            ..Problem::of(model, 3)
         }
     }
 

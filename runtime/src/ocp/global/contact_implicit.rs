@@ -128,15 +128,15 @@ impl<'a> ContactImplicit<'a> {
                 frame.horizon,
             );
             let inputs = [q, v, &u[..]];
-            frame.running_cost(&mut program, problem, inputs, frame.horizon, share);
+            frame.running_cost(&mut program, inputs, frame.horizon, share);
             let place = format!("after element {index}");
-            frame.path_rows(&mut program, problem, inputs, &place);
+            frame.path_rows(&mut program, inputs, &place);
             before.clone_from(&variables);
             variables.extend(forces);
             elements.push(variables);
             unknowns.push(contacts);
         }
-        frame.finish(&mut program, problem, &before);
+        frame.finish(&mut program, &before);
         Self {
             program: program.finish(&frame.controls),
             horizon: frame.horizon,

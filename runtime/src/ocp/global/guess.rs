@@ -88,7 +88,7 @@ fn ride(
     };
     let start = problem.start();
     let unforced = problem.initial_value_problem(&start, motion.horizon, motion.signal());
-    let simulation = simulator.simulate(model, &unforced, &mut |_| {})?;
+    let simulation = simulator.simulate(model, &unforced, &mut |_| true)?;
     if simulation.trajectory.time.is_empty() {
         return Ok(motion);
     }

@@ -3,6 +3,7 @@
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::mode::{Mode, is_frictional, sliding_velocity, zero_velocity};
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::problem::has_free_start;
 
 /// Gap below which a motion starts on a surface, in its unit.
 const AT_START: f64 = 1e-9;
@@ -20,7 +21,7 @@ pub(super) fn modes_at_start(setting: Setting, motion: &Trajectory) -> Vec<Mode>
     let mut input = motion.start(model, problem);
     let zero = zero_velocity(&input[input.len() / 2..]);
     input.resize(model.declaration().inputs(), 0.0);
-    let free = problem.has_free_start(model);
+    let free = has_free_start(model);
     let near = if free { NEAR_START } else { AT_START };
     (0..model.declaration().contacts.len())
         .map(|contact| {

@@ -8,7 +8,7 @@ use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::targets::{horizon_guess, targets};
-use crate::ocp::problem::{Component, Horizon, Objective, Problem, bounds};
+use crate::ocp::problem::{Horizon, Problem, bounds};
 use crate::ocp::settings::TimeFreezingSettings;
 use crate::rk::ButcherTableau;
 use crate::simulation::InputError;
@@ -153,15 +153,11 @@ fn task(
             upper: upper[n..].to_vec(),
         }
     };
-    let goals = problem.goals.iter().map(|goal| match goal.component {
-        Component::Coordinate(k) => (k, goal.value),
-        Component::Velocity(k) => (n + k, goal.value),
-    });
-    let mut goals: Vec<(usize, f64)> = goals.collect();
-    let mut weights = weights(&problem.objective, n);
-    if let Some(declared) = problem.declared(model) {
-        add_declared(model, &declared, &problem.start(), &mut goals, &mut weights)?;
+    let mut stated = Stated::default();
+    if let Some(declared) = model.declaration().optimal_control {
+        stated = state(model, &declared, &problem.start())?;
     }
+    let Stated { goals, weights } = stated;
     let guess = if settings.simulated_guess || goals.is_empty() {
         Guess::Simulated
     } else {
@@ -194,35 +190,27 @@ fn task(
     })
 }
 
-fn weights(objective: &Objective, n: usize) -> Weights {
-    let velocities = objective.final_velocities.iter();
-    let velocities = velocities.map(|&(k, weight)| (n + k, weight));
-    let coordinates = objective.final_coordinates.iter().copied();
-    Weights {
-        final_time: objective.final_time,
-        control_effort: objective.control_effort,
-        final_state: coordinates.chain(velocities).collect(),
-    }
+/// What a scene declares, in plain numbers.
+#[derive(Default)]
+struct Stated {
+    /// (component of `(q, v)`, value).
+    goals: Vec<(usize, f64)>,
+    weights: Weights,
 }
 
-/// Adds what the scene declares, as far as this formulation can state it: a final cost that is linear in the state
-/// and the final time, and terminal conditions that give one component of the state a value.
-fn add_declared(
+/// What the scene declares, as far as this formulation can state it: a running cost `w u'u`, a final cost that is
+/// linear in the state and the final time, and terminal conditions that give one component of the state a value.
+fn state(
     model: &dyn Model,
     declared: &OptimalControlDeclaration,
     start: &[f64],
-    goals: &mut Vec<(usize, f64)>,
-    weights: &mut Weights,
-) -> Result<(), InputError> {
+) -> Result<Stated, InputError> {
     let refuse = |what: &str| {
         Err(InputError::Unsupported {
             what: format!("{what} in the time-freezing formulation"),
             remedy: "leave the formulation at its default".into(),
         })
     };
-    if declared.running_cost {
-        return refuse("a running cost");
-    }
     if let Some(constraint) = declared.constraints.first() {
         return refuse(&format!("the path constraint `{}`", constraint.name));
     }
@@ -232,6 +220,14 @@ fn add_declared(
     if !declared.terminal_hessian.entries.is_empty() {
         return refuse("a nonlinear final cost or terminal condition");
     }
+    let mut stated = Stated::default();
+    if declared.running_cost {
+        match effort_weight(model, declared, start) {
+            Some(weight) => stated.weights.control_effort = weight,
+            None => return refuse("a running cost that is not a multiple of `u'u`"),
+        }
+    }
+    let Stated { goals, weights } = &mut stated;
     let mut z = start.to_vec();
     z.push(1.0);
     let mut values = vec![0.0; declared.terminal_functions()];
@@ -269,7 +265,42 @@ fn add_declared(
             }
         }
     }
-    Ok(())
+    Ok(stated)
+}
+
+/// The weight `w` of a running cost `w u'u`; nothing for another one. It reads nothing but the controls, its second
+/// derivatives are `2 w` for each of them and do not change with them, and it vanishes with its gradient at 0.
+fn effort_weight(
+    model: &dyn Model,
+    declared: &OptimalControlDeclaration,
+    start: &[f64],
+) -> Option<f64> {
+    let controls = model.declaration().controls.len();
+    let own = start.len()..start.len() + controls;
+    let jacobian = declared.path_jacobian.entries;
+    let hessian = declared.path_hessian.entries;
+    let reads_controls = jacobian.iter().all(|e| own.contains(&(e.1 as usize)));
+    let pure = hessian.iter().all(|e| e.0 == e.1) && hessian.len() == controls;
+    if !reads_controls || !pure {
+        return None;
+    }
+    let mut x = start.to_vec();
+    x.resize(model.declaration().inputs(), 0.0);
+    let (mut value, mut slopes) = ([0.0], vec![0.0; jacobian.len()]);
+    let mut curvatures = vec![0.0; hessian.len()];
+    model.path_functions(&x, &mut value);
+    model.path_jacobian(&x, &mut slopes);
+    model.path_hessian(&x, &[1.0], &mut curvatures);
+    let twice = *curvatures.first()?;
+    let alike = |curvatures: &[f64]| curvatures.iter().all(|curvature| *curvature == twice);
+    let even = value == [0.0] && slopes.iter().all(|slope| *slope == 0.0);
+    // A second derivative that is the same at points of very different size does not depend on them.
+    let constant = [1e-3, 1.0, 1e3].iter().all(|size| {
+        x[own.clone()].fill(*size);
+        model.path_hessian(&x, &[1.0], &mut curvatures);
+        alike(&curvatures)
+    });
+    (even && constant).then_some(0.5 * twice)
 }
 
 impl NlpProblem for TimeFreezing<'_> {
@@ -353,7 +384,6 @@ impl Mpcc for TimeFreezing<'_> {
 mod tests {
     use super::*;
     use crate::mpcc::{self, Status};
-    use crate::ocp::Goal;
 
     crate::model! {
         /// A cart that is pushed.
@@ -363,6 +393,8 @@ mod tests {
             controls { u: N in -1..=1 }
             lagrangian m/2*dot(y)^2
             forces { y: u }
+            minimize time
+            finally { y == 1[m], dot(y) == 0[m/s] }
         }
     }
 
@@ -387,12 +419,26 @@ mod tests {
             forces { y: u }
             surface table: z >= 0
             impact table: inelastic
-            start { z: 0.1 [m] }
+            minimize integral(u^2)
+            finally { y == 0.5[m] }
+            horizon 1 [s]
         }
     }
 
-    fn goal(component: Component, value: f64) -> Goal {
-        Goal { component, value }
+    crate::model! {
+        /// A mass that falls on a table.
+        Stone {
+            parameters { m: kg = 1, g: m/s^2 = 9.81 }
+            coordinates { z: m }
+            controls { u: N in -4..=4 }
+            lagrangian m/2*dot(z)^2 - m*g*z
+            forces { z: u }
+            surface table: z >= 0
+            impact table: inelastic
+            minimize 2*integral(u^2)
+            start { z: 0.1 [m] }
+            horizon 1 [s]
+        }
     }
 
     fn solve(
@@ -413,12 +459,8 @@ mod tests {
     #[test]
     fn motion_without_contact_least_time_is_bang_bang() {
         // Half of the way at u / m = 1/2 from rest, the other half braking: 1 m takes sqrt(8) s.
-        let goals = vec![
-            goal(Component::Coordinate(0), 1.0),
-            goal(Component::Velocity(0), 0.0),
-        ];
         let cart = Cart::default();
-        let problem = Problem::new(&cart, Objective::time(), goals, 4);
+        let problem = Problem::of(&cart, 4);
         let (solution, motion) = solve(&cart, &problem, false);
         assert_eq!(solution.status, Status::Solved);
         // Constant forces are integrated exactly; the solver's tolerance is 1e-8.
@@ -433,11 +475,7 @@ mod tests {
         // constant pieces: the displacement is sum_k u_k h^2 (4 - k - 1/2), so u is proportional to
         // 4 - k - 1/2, and the effort is d^2 / (h^3 sum_k (4 - k - 1/2)^2) = 16 / 21.
         let puck = Puck::default();
-        let goals = vec![goal(Component::Coordinate(0), 0.5)];
-        let mut problem = Problem::new(&puck, Objective::effort(), goals, 4);
-        problem.horizon = Horizon::Fixed(1.0);
-        problem.q[1] = 0.0;
-        let (solution, motion) = solve(&puck, &problem, false);
+        let (solution, motion) = solve(&puck, &Problem::of(&puck, 4), false);
         assert_eq!(solution.status, Status::Solved);
         let effort: f64 = motion.controls.iter().map(|u| 0.25 * u[0] * u[0]).sum();
         // Quadratics in numerical time are integrated exactly; equal elements cost nothing.
@@ -453,17 +491,15 @@ mod tests {
 
     #[test]
     fn fall_on_a_table_clock_rests_during_the_impact() {
-        let puck = Puck::default();
-        let mut problem = Problem::new(&puck, Objective::effort(), Vec::new(), 2);
-        problem.horizon = Horizon::Fixed(1.0);
-        let (solution, motion) = solve(&puck, &problem, true);
+        let stone = Stone::default();
+        let (solution, motion) = solve(&stone, &Problem::of(&stone, 2), true);
         assert_eq!(solution.status, Status::Solved);
         // A fall of 0.1 m takes sqrt(0.2 / g) and ends where the first element of flight does.
         let fall = (0.2_f64 / 9.81).sqrt();
         let landed = motion.time.iter().any(|time| (time - fall).abs() < 1e-6);
         assert!(landed, "{motion:?}");
         let last = motion.q.len() - 1;
-        assert!(motion.q[last][1].abs() < 1e-7 && motion.v[last][1].abs() < 1e-7);
+        assert!(motion.q[last][0].abs() < 1e-7 && motion.v[last][0].abs() < 1e-7);
         // The numerical time is longer by the jump and by the contact after it.
         let numerical: f64 = motion.numerical_lengths.iter().sum();
         let (jump, contact) = (9.81 * fall / 20.0, (1.0 - fall) * 9.81 / 20.0);
@@ -476,7 +512,7 @@ mod tests {
     #[test]
     fn sliding_in_a_bowl_keeps_gap_and_energy_to_the_order_of_the_scheme() {
         let bowl = Bowl::default();
-        let mut problem = Problem::new(&bowl, Objective::default(), Vec::new(), 1);
+        let mut problem = Problem::of(&bowl, 1);
         (problem.q, problem.v) = (vec![-1.0, 0.5], vec![1.0, -1.0]);
         problem.horizon = Horizon::Fixed(0.1);
         let (solution, motion) = solve(&bowl, &problem, true);
@@ -497,8 +533,7 @@ mod tests {
     #[test]
     fn constraint_names_say_what_and_where() {
         let cart = Cart::default();
-        let goals = vec![goal(Component::Coordinate(0), 1.0)];
-        let problem = Problem::new(&cart, Objective::time(), goals, 2);
+        let problem = Problem::of(&cart, 2);
         let program = TimeFreezing::new(&cart, &problem, &TimeFreezingSettings::default());
         let program = program.expect("valid");
         // An interval: length and clock, then three elements of two stages with (y, v, t).
@@ -506,13 +541,51 @@ mod tests {
         assert_eq!(name(1), "clock at the end of interval 0");
         assert_eq!(name(8), "collocation of element 1 of interval 0");
         assert_eq!(name(20), "sum of the element lengths of interval 1");
-        assert_eq!(name(program.constraints() - 1), "goal 0");
+        assert_eq!(name(program.constraints() - 1), "goal 1");
+    }
+
+    crate::model! {
+        /// A cart whose push costs more one way than the other.
+        Uneven {
+            parameters { m: kg = 2 }
+            coordinates { y: m }
+            controls { u: N in -1..=1, p: N in -1..=1 }
+            lagrangian m/2*dot(y)^2
+            forces { y: u + p }
+            minimize integral(u^2 + 2*p^2)
+            horizon 1 [s]
+        }
+    }
+
+    crate::model! {
+        /// A cart whose push costs little as long as it is small.
+        Steep {
+            parameters { m: kg = 2 }
+            coordinates { y: m }
+            controls { u: N in -1..=1 }
+            lagrangian m/2*dot(y)^2
+            forces { y: u }
+            minimize integral(u^2 + u^4/1[N^2])
+            horizon 1 [s]
+        }
+    }
+
+    #[test]
+    fn running_cost_that_is_no_effort_is_refused_and_its_weight_is_found_if_it_is() {
+        let weight = |model: &dyn Model| {
+            let declared = model.declaration().optimal_control.expect("a cost");
+            effort_weight(model, &declared, &Problem::of(model, 1).start())
+        };
+        assert_eq!(weight(&Puck::default()), Some(1.0));
+        assert_eq!(weight(&Stone::default()), Some(2.0));
+        assert_eq!(weight(&Uneven::default()), None);
+        assert_eq!(weight(&Steep::default()), None);
     }
 
     #[test]
     fn settings_out_of_range_are_refused_with_their_bound() {
         let bowl = Bowl::default();
-        let problem = Problem::new(&bowl, Objective::default(), Vec::new(), 1);
+        let problem = Problem::of(&bowl, 1);
         for (elements, stages, a_bar) in [(0, 2, 20.0), (3, 0, 20.0), (3, 2, -1.0)] {
             let settings = TimeFreezingSettings {
                 elements,

@@ -1,6 +1,7 @@
 //! The judge: an event-driven simulation of a plan under its controls.
 
 use super::disagreement::disagreement;
+use super::margins::margins;
 use super::refine_grid::{ROUNDS, refine};
 use crate::ocp::collocation::between_stages::excess;
 use crate::ocp::collocation::discretization::Setting;
@@ -118,6 +119,12 @@ fn confirm(
         _ => f64::INFINITY,
     };
     let disagreement = compare(setting, settings, &sequence, &trajectory, &replay);
+    let margins = margins(&program, &solution);
+    let stationarity = if margins.iter().all(|margin| margin.chosen) {
+        stationarity
+    } else {
+        Stationarity::None
+    };
     let agrees = distance <= settings.largest_distance && disagreement.is_none();
     let status = if runner.stopped() {
         Status::Interrupted
@@ -143,6 +150,7 @@ fn confirm(
             complementarity: complementarity(&program, &solution.x),
         },
         planned_events: planned_events(&sequence, interval),
+        margins,
         excess: excess(&program, &solution.x, Limits::new(setting, settings)),
         controls: trajectory.controls.values().to_vec(),
         shape: trajectory.controls.shape(),

@@ -4,5 +4,6 @@
 //! Uses [`search`](super::search) to attempt the same sequence again.
 
 pub(in crate::ocp) mod confirm;
-pub(in crate::ocp) mod disagreement;
-pub(in crate::ocp) mod refine_grid;
+mod disagreement;
+mod margins;
+mod refine_grid;

@@ -3,6 +3,28 @@
 use crate::simulation::ControlSignal;
 
 /// Controls on the intervals of a problem.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A cart that is pushed to 1 m.
+/// #     pub Cart {
+/// #         parameters { m: kg = 2 }
+/// #         coordinates { y: m }
+/// #         controls { u: N in -1..=1 }
+/// #         lagrangian m/2*dot(y)^2
+/// #         forces { y: u }
+/// #         minimize time
+/// #         finally { y == 1[m] }
+/// #     }
+/// # }
+/// let cart = Cart::default();
+/// let solution = solve(&cart).intervals(4).controls(ControlShape::Linear).run()?;
+/// // One value a node.
+/// assert_eq!(solution.controls.len(), 5);
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ControlShape {
     /// Constant on each interval; they may jump between intervals.
@@ -168,5 +190,32 @@ mod tests {
         assert_eq!(ramp.resampled(Constant, 2), grid(Constant, &[1.5, 2.5]));
         assert_eq!(ramp.resampled(Linear, 1), ramp);
         assert_eq!(ramp.at(5.0), [3.0]);
+    }
+
+    #[test]
+    fn controls_of_one_interval_as_a_signal_start_with_it() {
+        let ramp = grid(ControlShape::Linear, &[1.0, 3.0, 2.0]);
+        let signal = ramp.signal_of(1, 0.5);
+        let mut u = [0.0];
+        for (time, expected) in [(0.0, 3.0), (0.25, 2.5), (0.5, 2.0)] {
+            signal.write(time, &mut u).expect("a full signal");
+            assert_eq!(u, [expected], "{time}");
+        }
+        let steps = grid(ControlShape::Constant, &[1.0, 3.0]);
+        steps
+            .signal_of(1, 0.5)
+            .write(0.1, &mut u)
+            .expect("a full signal");
+        assert_eq!(u, [3.0]);
+    }
+
+    #[test]
+    fn controls_at_a_jump_are_those_after_it_and_stay_within_the_motion() {
+        let steps = grid(ControlShape::Constant, &[1.0, 3.0]);
+        let at: Vec<f64> = [-1.0, 0.0, 0.999, 1.0, 2.0, 7.0]
+            .iter()
+            .map(|&place| steps.at(place)[0])
+            .collect();
+        assert_eq!(at, [1.0, 1.0, 1.0, 3.0, 3.0, 3.0]);
     }
 }

@@ -143,3 +143,127 @@ pub(in crate::ocp) fn without_jumps(mut sequence: Sequence) -> Sequence {
     }
     sequence
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ocp::motion::mode::Direction;
+
+    const FORWARD: Mode = Mode::Slip(Direction::Forward);
+    const BACKWARD: Mode = Mode::Slip(Direction::Backward);
+
+    fn switch(closes: bool, mode: Mode, time: f64) -> Switch {
+        Switch {
+            contact: 0,
+            closes,
+            mode,
+            impulse: mode,
+            accompanies: false,
+            interval: time.floor() as usize,
+            place: Place::Inside,
+            time,
+        }
+    }
+
+    fn sequence(initially: Mode, switches: &[Switch]) -> Sequence {
+        Sequence {
+            initially: vec![initially],
+            switches: switches.to_vec(),
+        }
+    }
+
+    #[test]
+    fn short_contact_and_short_flight_are_deleted_and_long_ones_stay() {
+        let closing = switch(true, Mode::Frictionless, 1.5);
+        for (opening, left) in [(2.9, 0), (3.1, 2)] {
+            let contact = sequence(Mode::Open, &[closing, switch(false, Mode::Open, opening)]);
+            assert_eq!(tidied(contact).switches.len(), left, "{opening}");
+        }
+        for (landing, left) in [(2.0, 0), (2.2, 2)] {
+            let flight = [
+                switch(false, Mode::Open, 1.5),
+                switch(true, Mode::Frictionless, landing),
+            ];
+            let flight = sequence(Mode::Frictionless, &flight);
+            assert_eq!(tidied(flight).switches.len(), left, "{landing}");
+        }
+    }
+
+    #[test]
+    fn stick_of_no_duration_between_two_slips_becomes_one_reversal() {
+        let stops = switch(false, Mode::Stick, 1.5);
+        let turns = switch(false, BACKWARD, 1.6);
+        let tidied = tidied(sequence(FORWARD, &[stops, turns]));
+        assert_eq!(tidied.switches, [switch(false, BACKWARD, 1.6)]);
+    }
+
+    #[test]
+    fn landing_and_the_end_of_its_slip_become_a_landing_that_sticks() {
+        let landing = switch(true, FORWARD, 1.5);
+        let stops = switch(false, Mode::Stick, 1.7);
+        let both = sequence(Mode::Open, &[landing, stops]);
+        let merged = without(&both, 0, 1);
+        assert_eq!(merged.switches, [switch(true, Mode::Stick, 1.5)]);
+        // An impact that sticks stays one where the contact slips in the end.
+        let landing = switch(true, Mode::Stick, 1.5);
+        let slips = switch(false, BACKWARD, 1.7);
+        let merged = without(&sequence(Mode::Open, &[landing, slips]), 0, 1);
+        let expected = Switch {
+            mode: BACKWARD,
+            ..landing
+        };
+        assert_eq!(merged.switches, [expected]);
+    }
+
+    #[test]
+    fn touches_are_removed_and_short_contacts_become_touches() {
+        let touch = switch(true, Mode::Open, 0.5);
+        let contact = [
+            switch(true, Mode::Frictionless, 1.2),
+            switch(false, Mode::Open, 1.9),
+        ];
+        let all = sequence(Mode::Open, &[touch, contact[0], contact[1]]);
+        assert_eq!(untouched(&all), Some(sequence(Mode::Open, &contact)));
+        assert_eq!(untouched(&sequence(Mode::Open, &contact)), None);
+        let touched = Switch {
+            mode: Mode::Open,
+            ..contact[0]
+        };
+        assert_eq!(
+            touching(&all),
+            Some(sequence(Mode::Open, &[touch, touched]))
+        );
+        assert_eq!(touching(&sequence(Mode::Open, &[touch])), None);
+    }
+
+    #[test]
+    fn motion_that_ends_with_its_last_impact_has_nothing_after_it() {
+        let closing = switch(true, Mode::Frictionless, 1.5);
+        let opening = switch(false, Mode::Open, 2.5);
+        let ended = ending(&sequence(Mode::Open, &[closing, opening]), 4);
+        let last = Switch {
+            interval: 4,
+            place: Place::Start,
+            time: 4.0,
+            ..closing
+        };
+        assert_eq!(ended, Some(sequence(Mode::Open, &[last])));
+        assert_eq!(ending(&sequence(Mode::Frictionless, &[opening]), 4), None);
+    }
+
+    #[test]
+    fn opening_at_a_jump_is_moved_before_it_where_controls_do_not_jump() {
+        let opening = Switch {
+            place: Place::Start,
+            interval: 2,
+            ..switch(false, Mode::Open, 2.0)
+        };
+        let moved = without_jumps(sequence(Mode::Frictionless, &[opening]));
+        let expected = Switch {
+            place: Place::Inside,
+            interval: 1,
+            ..opening
+        };
+        assert_eq!(moved.switches, [expected]);
+    }
+}

@@ -75,99 +75,104 @@ fn touches(simulation: &Simulation, index: usize) -> bool {
     !forces.any(|(&time, forces)| time > event.time && time < until && forces[event.contact] > 0.0)
 }
 
-/// Reads the sequence from a simulation with control intervals of length `interval` and the contacts that are closed
-/// at the start.
-pub(in crate::ocp) fn read(
-    model: &dyn Model,
-    closed: &[bool],
-    simulation: &Simulation,
-    interval: f64,
-    intervals: usize,
-) -> Sequence {
-    let last = intervals as f64 * (1.0 - AT_THE_END);
-    let trajectory = &simulation.trajectory;
-    let mode_at = |contact: usize, time: f64, slips: Option<bool>| {
-        let index = trajectory.time.partition_point(|&t| t <= time);
-        after(model, simulation, contact, index.saturating_sub(1), slips)
-    };
-    let switches = simulation
-        .events
-        .iter()
-        .enumerate()
-        .filter(|(_, event)| event.time > 0.0 && event.time / interval < last)
-        .map(|(index, event)| {
-            let contact = event.contact;
-            let time = event.time / interval;
-            let mode = match event.kind {
-                EventKind::LiftOff => Mode::Open,
-                EventKind::Impact if touches(simulation, index) => Mode::Open,
-                EventKind::Slip => mode_at(contact, event.time, Some(true)),
-                EventKind::Stick => mode_at(contact, event.time, Some(false)),
-                _ => mode_at(contact, event.time, None),
-            };
-            let frictional = is_frictional(model, contact);
-            let velocity = || {
-                let state = [&event.q[..], &event.v_after].concat();
-                sliding_velocity(model, contact, &state, event.time)
-            };
-            let impulse = Mode::closed(
-                frictional,
-                if frictional { velocity() } else { 0.0 },
-                zero_velocity(&event.v_after),
-            );
-            let closes = matches!(event.kind, EventKind::Impact | EventKind::Contact);
-            let slides = matches!(event.kind, EventKind::Stick | EventKind::Slip);
-            let leads = |other: &Event| {
-                let kind = match other.kind {
-                    EventKind::Impact => closes || frictional,
-                    EventKind::Stick | EventKind::Slip => slides,
-                    _ => false,
-                };
-                kind && other.time == event.time && other.contact != contact
-            };
-            let nearest = time.round();
-            let at_jump = nearest > 0.0 && (time - nearest).abs() < AT_THE_END;
-            let (interval, place) = if at_jump {
-                (nearest, Place::Start)
-            } else {
-                (time.floor(), Place::Inside)
-            };
-            Switch {
-                contact,
-                closes,
-                mode,
-                impulse,
-                accompanies: simulation.events[..index].iter().any(leads),
-                interval: (interval as usize).min(intervals - 1),
-                place,
-                time,
+/// A simulation under controls on equal intervals.
+pub(in crate::ocp) struct Replay<'r> {
+    pub(in crate::ocp) model: &'r dyn Model,
+    pub(in crate::ocp) simulation: &'r Simulation,
+    /// Length of an interval \[s\], and their number.
+    pub(in crate::ocp) interval: f64,
+    pub(in crate::ocp) intervals: usize,
+}
+
+impl Replay<'_> {
+    /// The sequence of the motion, with the contacts that are closed at the start.
+    pub(in crate::ocp) fn sequence(&self, closed: &[bool]) -> Sequence {
+        let last = self.intervals as f64 * (1.0 - AT_THE_END);
+        let events = &self.simulation.events;
+        let inside = |event: &Event| event.time > 0.0 && event.time / self.interval < last;
+        let switches = (0..events.len()).filter(|&index| inside(&events[index]));
+        let initially = closed.iter().enumerate().map(|(contact, &closed)| {
+            if !closed {
+                return Mode::Open;
             }
-        })
-        .collect();
-    let initially = closed.iter().enumerate().map(|(contact, &closed)| {
-        if !closed {
-            return Mode::Open;
-        }
-        // One that lands at once is closed from then on.
-        let own = |event: &&Event| event.contact == contact;
-        let landing = match simulation.events.iter().find(own) {
-            Some(first) if trajectory.contact_force[0][contact] <= 0.0 => first.time,
-            _ => 0.0,
+            // One that lands at once is closed from then on.
+            let own = |event: &&Event| event.contact == contact;
+            let force = self.simulation.trajectory.contact_force[0][contact];
+            let landing = match events.iter().find(own) {
+                Some(first) if force <= 0.0 => first.time,
+                _ => 0.0,
+            };
+            self.mode_at(contact, landing, None)
+        });
+        let mut sequence = Sequence {
+            initially: initially.collect(),
+            switches: switches.map(|index| self.switch(index)).collect(),
         };
-        mode_at(contact, landing, None)
-    });
-    let mut sequence = Sequence {
-        initially: initially.collect(),
-        switches,
-    };
-    // A contact that stays closed may report another impact, and one that was only touched an opening.
-    let mut modes = sequence.initially.clone();
-    sequence.switches.retain(|switch| {
-        let before = modes[switch.contact];
-        modes[switch.contact] = switch.mode;
-        switch.follows(before)
-    });
-    sequence
+        // A contact that stays closed may report another impact, and one that was only touched an opening.
+        let mut modes = sequence.initially.clone();
+        sequence.switches.retain(|switch| {
+            let before = modes[switch.contact];
+            modes[switch.contact] = switch.mode;
+            switch.follows(before)
+        });
+        sequence
+    }
+
+    /// The mode of a closed contact right after a time.
+    fn mode_at(&self, contact: usize, time: f64, slips: Option<bool>) -> Mode {
+        let times = &self.simulation.trajectory.time;
+        let index = times.partition_point(|&t| t <= time).saturating_sub(1);
+        after(self.model, self.simulation, contact, index, slips)
+    }
+
+    /// The switch that the event with this index is.
+    fn switch(&self, index: usize) -> Switch {
+        let (model, events) = (self.model, &self.simulation.events);
+        let event = &events[index];
+        let contact = event.contact;
+        let mode = match event.kind {
+            EventKind::LiftOff => Mode::Open,
+            EventKind::Impact if touches(self.simulation, index) => Mode::Open,
+            EventKind::Slip => self.mode_at(contact, event.time, Some(true)),
+            EventKind::Stick => self.mode_at(contact, event.time, Some(false)),
+            _ => self.mode_at(contact, event.time, None),
+        };
+        let frictional = is_frictional(model, contact);
+        let velocity = if frictional {
+            let state = [&event.q[..], &event.v_after].concat();
+            sliding_velocity(model, contact, &state, event.time)
+        } else {
+            0.0
+        };
+        let closes = matches!(event.kind, EventKind::Impact | EventKind::Contact);
+        let slides = matches!(event.kind, EventKind::Stick | EventKind::Slip);
+        let leads = |other: &Event| {
+            let kind = match other.kind {
+                EventKind::Impact => closes || frictional,
+                EventKind::Stick | EventKind::Slip => slides,
+                _ => false,
+            };
+            kind && other.time == event.time && other.contact != contact
+        };
+        let time = event.time / self.interval;
+        let nearest = time.round();
+        let at_jump = nearest > 0.0 && (time - nearest).abs() < AT_THE_END;
+        let (interval, place) = if at_jump {
+            (nearest, Place::Start)
+        } else {
+            (time.floor(), Place::Inside)
+        };
+        Switch {
+            contact,
+            closes,
+            mode,
+            impulse: Mode::closed(frictional, velocity, zero_velocity(&event.v_after)),
+            accompanies: events[..index].iter().any(leads),
+            interval: (interval as usize).min(self.intervals - 1),
+            place,
+            time,
+        }
+    }
 }
 
 /// What the contacts do in the elements of a program.
@@ -275,4 +280,55 @@ pub(in crate::ocp) fn seen(
         }
     }
     sequence
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn elements(modes: &[Mode], per_interval: usize) -> Elements {
+        let ends = (1..=modes.len()).map(|end| end as f64 / per_interval as f64);
+        Elements {
+            modes: modes.iter().map(|&mode| vec![mode]).collect(),
+            per_interval,
+            ends: ends.collect(),
+        }
+    }
+
+    #[test]
+    fn contact_of_elements_closes_inside_one_and_opens_at_the_end_of_one() {
+        use Mode::{Frictionless, Open};
+        // Four elements in two intervals: closed in the second and third one.
+        let elements = elements(&[Open, Frictionless, Frictionless, Open], 2);
+        let sequence = of_elements(vec![Open], &elements, 0.5);
+        let times: Vec<f64> = sequence.switches.iter().map(|s| s.time).collect();
+        assert_eq!(times, [0.75, 1.5]);
+        let places: Vec<(usize, Place)> = sequence
+            .switches
+            .iter()
+            .map(|s| (s.interval, s.place))
+            .collect();
+        assert_eq!(places, [(0, Place::Inside), (1, Place::Inside)]);
+        assert!(sequence.ordered(2).is_some());
+    }
+
+    #[test]
+    fn contact_that_opens_between_intervals_opens_at_the_jump_of_the_controls() {
+        use Mode::{Frictionless, Open};
+        let elements = elements(&[Frictionless, Frictionless, Open, Open], 2);
+        let sequence = of_elements(vec![Frictionless], &elements, 0.5);
+        let opening = sequence.switches[0];
+        assert_eq!(
+            (opening.time, opening.interval, opening.place),
+            (1.0, 1, Place::Start)
+        );
+    }
+
+    #[test]
+    fn contact_at_rest_that_slips_in_the_first_element_slips_from_the_start() {
+        let slips = Mode::Slip(Direction::Backward);
+        let sequence = of_elements(vec![Mode::Stick], &elements(&[slips, slips], 1), 0.5);
+        assert_eq!(sequence.initially, [slips]);
+        assert!(sequence.switches.is_empty());
+    }
 }

@@ -154,3 +154,123 @@ impl Sequence {
         self
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ocp::motion::mode::Direction;
+
+    const FORWARD: Mode = Mode::Slip(Direction::Forward);
+
+    fn switch(contact: usize, closes: bool, mode: Mode, time: f64) -> Switch {
+        let place = if time.fract() == 0.0 {
+            Place::Start
+        } else {
+            Place::Inside
+        };
+        Switch {
+            contact,
+            closes,
+            mode,
+            impulse: mode,
+            accompanies: false,
+            interval: time.floor() as usize,
+            place,
+            time,
+        }
+    }
+
+    fn sequence(initially: &[Mode], switches: &[Switch]) -> Sequence {
+        Sequence {
+            initially: initially.to_vec(),
+            switches: switches.to_vec(),
+        }
+    }
+
+    #[test]
+    fn switches_in_any_order_are_sorted_by_place_and_time() {
+        let late = switch(0, false, Mode::Open, 2.0);
+        let early = switch(0, true, Mode::Frictionless, 0.7);
+        let sorted = sequence(&[Mode::Open], &[late, early]).ordered(3);
+        assert_eq!(sorted, Some(sequence(&[Mode::Open], &[early, late])));
+    }
+
+    #[test]
+    fn sequence_that_no_contact_can_follow_is_refused() {
+        let closing = switch(0, true, Mode::Frictionless, 0.5);
+        let opening = switch(0, false, Mode::Open, 1.5);
+        for switches in [
+            vec![closing, switch(0, true, Mode::Frictionless, 0.9)],
+            vec![opening],
+            vec![closing, switch(0, false, Mode::Open, 4.5)],
+            vec![Switch {
+                place: Place::Start,
+                interval: 0,
+                ..closing
+            }],
+        ] {
+            let refused = sequence(&[Mode::Open], &switches).ordered(3);
+            assert_eq!(refused, None, "{switches:?}");
+        }
+        // An impact may end the motion, an opening may not.
+        let ending = Switch {
+            interval: 3,
+            time: 3.0,
+            place: Place::Start,
+            ..closing
+        };
+        let ends = sequence(&[Mode::Open], &[ending]).ordered(3);
+        assert!(ends.is_some_and(|sequence| sequence.ends_with_impact(3)));
+        let opens = Switch {
+            closes: false,
+            mode: Mode::Open,
+            ..ending
+        };
+        assert_eq!(sequence(&[Mode::Stick], &[opens]).ordered(3), None);
+    }
+
+    #[test]
+    fn companion_without_its_leader_stands_for_itself() {
+        let impact = switch(0, true, Mode::Frictionless, 1.25);
+        let companion = Switch {
+            accompanies: true,
+            ..switch(1, false, FORWARD, 1.25)
+        };
+        let modes = [Mode::Open, Mode::Stick];
+        let both = sequence(&modes, &[impact, companion]).ordered(3).unwrap();
+        assert_eq!(Sequence::companions(&both.switches, 0), [companion]);
+        let alone = sequence(&modes, &[companion]).ordered(3).unwrap();
+        assert!(!alone.switches[0].accompanies);
+    }
+
+    #[test]
+    fn signature_ignores_times_but_not_intervals() {
+        let at = |time| sequence(&[Mode::Open], &[switch(0, true, Mode::Frictionless, time)]);
+        assert_eq!(at(0.2).signature(), at(0.9).signature());
+        assert_ne!(at(0.2).signature(), at(1.2).signature());
+        assert_ne!(at(0.9).signature(), at(1.0).signature());
+    }
+
+    #[test]
+    fn mode_before_a_switch_is_that_of_the_last_switch_of_the_contact() {
+        let switches = [
+            switch(0, true, Mode::Stick, 0.5),
+            switch(1, true, Mode::Frictionless, 1.5),
+            switch(0, false, FORWARD, 2.5),
+        ];
+        let sequence = sequence(&[Mode::Open; 2], &switches);
+        assert_eq!(sequence.mode_before(0, 0), Mode::Open);
+        assert_eq!(sequence.mode_before(2, 0), Mode::Stick);
+        assert_eq!(sequence.mode_before(1, 1), Mode::Open);
+        let pairs: Vec<(usize, usize)> = sequence.neighbours().collect();
+        assert_eq!(pairs, [(0, 2)]);
+    }
+
+    #[test]
+    fn change_to_the_same_mode_is_dropped_but_a_touch_is_kept() {
+        let touch = switch(0, true, Mode::Open, 0.5);
+        let nothing = switch(1, false, FORWARD, 1.5);
+        let consistent = sequence(&[Mode::Open, FORWARD], &[touch, nothing]).consistent();
+        assert_eq!(consistent.switches, [touch]);
+    }
+}

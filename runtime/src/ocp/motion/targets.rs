@@ -1,7 +1,7 @@
 //! Where the goals ask the motion to end, and how long that may take.
 
 use crate::model::{ConstraintRelation, Model, OptimalControlDeclaration};
-use crate::ocp::problem::{Component, Horizon, Problem, bounds};
+use crate::ocp::problem::{Horizon, Problem, bounds};
 
 /// Singular values below this are zero in the search for a state that fulfils the goals.
 const SINGULAR: f64 = 1e-12;
@@ -35,7 +35,7 @@ pub(in crate::ocp) fn horizon_guess(problem: &Problem, model: &dyn Model) -> f64
 pub(in crate::ocp) fn targets(problem: &Problem, model: &dyn Model) -> Vec<Option<f64>> {
     let n = problem.q.len();
     let mut targets = vec![None; n];
-    if let Some(declared) = problem.declared(model) {
+    if let Some(declared) = model.declaration().optimal_control {
         let mut z = problem.start();
         z.push(match problem.horizon {
             Horizon::Fixed(horizon)
@@ -51,11 +51,6 @@ pub(in crate::ocp) fn targets(problem: &Problem, model: &dyn Model) -> Vec<Optio
             if moved && z[k].is_finite() && lower[k] <= upper[k] {
                 targets[k] = Some(z[k].clamp(lower[k], upper[k]));
             }
-        }
-    }
-    for goal in &problem.goals {
-        if let Component::Coordinate(k) = goal.component {
-            targets[k] = Some(goal.value);
         }
     }
     targets

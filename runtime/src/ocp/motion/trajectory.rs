@@ -127,3 +127,50 @@ pub(in crate::ocp) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     let pairs = a.iter().zip(b);
     pairs.fold(0.0, |largest: f64, (a, b)| largest.max((a - b).abs()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A coordinate that moves at 1 to the time 2, where its velocity jumps to -1, and back until 3.
+    fn bounce() -> Trajectory {
+        Trajectory {
+            horizon: 3.0,
+            controls: ControlGrid::constant(vec![vec![0.0]; 2]),
+            time: vec![0.0, 2.0, 2.0, 3.0],
+            states: vec![
+                vec![0.0, 1.0],
+                vec![2.0, 1.0],
+                vec![2.0, -1.0],
+                vec![1.0, -1.0],
+            ],
+        }
+    }
+
+    #[test]
+    fn state_at_a_jump_is_that_of_the_side_asked_for() {
+        let motion = bounce();
+        assert_eq!(motion.at(2.0, false), [2.0, 1.0]);
+        assert_eq!(motion.at(2.0, true), [2.0, -1.0]);
+        assert_eq!(motion.at(0.5, true), [0.5, 1.0]);
+        assert_eq!(motion.at(9.0, true), [1.0, -1.0]);
+    }
+
+    #[test]
+    fn motion_up_to_a_jump_in_its_last_interval_is_stretched_to_the_whole_length() {
+        let shorter = bounce().up_to_last_jump(2);
+        assert_eq!(shorter.time, [0.0, 3.0, 3.0]);
+        assert_eq!(shorter.at(3.0, true), [2.0, -1.0]);
+        // With three intervals the jump lies at the end of the second one.
+        assert_eq!(bounce().up_to_last_jump(3), bounce());
+    }
+
+    #[test]
+    fn stretched_motion_goes_through_the_same_states() {
+        let longer = bounce().stretched(6.0);
+        assert_eq!(
+            (longer.horizon, longer.at(1.0, true)),
+            (6.0, vec![0.5, 1.0])
+        );
+    }
+}

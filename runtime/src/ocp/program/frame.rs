@@ -7,7 +7,7 @@ use crate::model::{ConstraintDeclaration, ConstraintRelation, Model};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
-use crate::ocp::problem::{Component, Horizon, Problem};
+use crate::ocp::problem::Problem;
 
 /// The variables of a program that do not belong to a phase or element.
 pub(in crate::ocp) struct Frame<'a> {
@@ -15,7 +15,6 @@ pub(in crate::ocp) struct Frame<'a> {
     pub(in crate::ocp) horizon: usize,
     /// Controls on each interval, or at each node.
     pub(in crate::ocp) controls: Vec<Vec<usize>>,
-    shape: ControlShape,
     /// `(q, v)` at the start; fixed but for the free initial values.
     pub(in crate::ocp) start: Vec<usize>,
 }
@@ -67,7 +66,6 @@ impl<'a> Frame<'a> {
             model,
             horizon,
             controls,
-            shape,
             start,
         }
     }
@@ -95,12 +93,16 @@ impl<'a> Frame<'a> {
     pub(in crate::ocp) fn running_cost(
         &self,
         program: &mut Program,
-        problem: &Problem,
         [q, v, u]: [&[usize]; 3],
         scale: usize,
         factor: f64,
     ) {
-        if problem.declared(self.model).is_some_and(|d| d.running_cost) {
+        if self
+            .model
+            .declaration()
+            .optimal_control
+            .is_some_and(|d| d.running_cost)
+        {
             let uses = vec![(OBJECTIVE, 0, factor)];
             program.block(&Kernel::Path, [q, v, u, &[]], Some(scale), uses);
         }
@@ -110,27 +112,24 @@ impl<'a> Frame<'a> {
     pub(in crate::ocp) fn path_rows(
         &self,
         program: &mut Program,
-        problem: &Problem,
         inputs: [&[usize]; 3],
         place: &str,
     ) {
-        let constraints = problem
-            .declared(self.model)
-            .map_or(0, |d| d.constraints.len());
+        let declared = self.model.declaration().optimal_control;
+        let constraints = declared.map_or(0, |d| d.constraints.len());
         let all: Vec<usize> = (0..constraints).collect();
-        self.path_rows_of(program, problem, &all, inputs, place);
+        self.path_rows_of(program, &all, inputs, place);
     }
 
     /// Adds the rows of some path constraints at `(q, v, u)`.
     pub(in crate::ocp) fn path_rows_of(
         &self,
         program: &mut Program,
-        problem: &Problem,
         chosen: &[usize],
         [q, v, u]: [&[usize]; 3],
         place: &str,
     ) {
-        let Some(declared) = problem.declared(self.model) else {
+        let Some(declared) = self.model.declaration().optimal_control else {
             return;
         };
         let first = usize::from(declared.running_cost);
@@ -149,93 +148,22 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Adds the objective and the goals on the final state `(q, v)`.
-    pub(in crate::ocp) fn finish(&self, program: &mut Program, problem: &Problem, last: &[usize]) {
-        let n = last.len() / 2;
-        if let Some(declared) = problem.declared(self.model) {
-            let first = usize::from(declared.final_cost);
-            let mut uses: Vec<(usize, usize, f64)> = Vec::new();
-            if declared.final_cost {
-                uses.push((OBJECTIVE, 0, 1.0));
-            }
-            for (i, goal) in declared.goals.iter().enumerate() {
-                uses.push((row(program, goal, "at the end"), first + i, 1.0));
-            }
-            if !uses.is_empty() {
-                let (q, v) = last.split_at(n);
-                program.block(&Kernel::Terminal, [q, v, &[self.horizon], &[]], None, uses);
-            }
-        }
-        let objective = &problem.objective;
-        if objective.final_time != 0.0 {
-            program.objective_linear(self.horizon, objective.final_time);
-        }
-        for &(index, weight) in &objective.final_coordinates {
-            program.objective_linear(last[index], weight);
-        }
-        for &(index, weight) in &objective.final_velocities {
-            program.objective_linear(last[n + index], weight);
-        }
-        for goal in &problem.goals {
-            let variable = match goal.component {
-                Component::Coordinate(k) => last[k],
-                Component::Velocity(k) => last[n + k],
-            };
-            program.bound(variable, goal.value, goal.value);
-        }
-        if objective.control_effort == 0.0 {
+    /// Adds the final cost and the goals on the final state `(q, v)`.
+    pub(in crate::ocp) fn finish(&self, program: &mut Program, last: &[usize]) {
+        let Some(declared) = self.model.declaration().optimal_control else {
             return;
-        }
-        let weight = objective.control_effort / problem.intervals as f64;
-        let squares = self.squares();
-        match problem.horizon {
-            Horizon::Fixed(horizon) => {
-                for (a, b, share) in squares {
-                    program.objective_bilinear(a, b, share * weight * horizon);
-                }
-            }
-            // The sum of the squares is a variable, so that the objective stays bilinear.
-            Horizon::Free { .. } => {
-                let controls: Vec<usize> = self.controls.iter().flatten().copied().collect();
-                let unit: f64 = controls.iter().map(|&u| program.unit(u).powi(2)).sum();
-                let sum = program.variable("sum of squares", (0.0, f64::INFINITY), unit, unit);
-                let row = program.row_in(unit, "sum of squares", 0.0, f64::INFINITY);
-                program.linear(row, sum, 1.0);
-                for (a, b, share) in squares {
-                    program.bilinear(row, a, b, -share);
-                }
-                program.objective_bilinear(self.horizon, sum, weight);
-            }
-        }
-    }
-}
-
-impl Frame<'_> {
-    /// The integral of `u'u` over the motion in units of intervals, as terms `coefficient a b`: exact, whatever
-    /// the switches.
-    fn squares(&self) -> Vec<(usize, usize, f64)> {
-        let each = |controls: &[usize], share: f64| -> Vec<(usize, usize, f64)> {
-            controls.iter().map(|&u| (u, u, share)).collect()
         };
-        match self.shape {
-            ControlShape::Constant => {
-                let controls = self.controls.iter();
-                controls.flat_map(|controls| each(controls, 1.0)).collect()
-            }
-            // int_0^1 (a + s (b - a))^2 ds = (a^2 + a b + b^2) / 3
-            ControlShape::Linear => {
-                let pairs = self.controls.windows(2);
-                let terms = pairs.flat_map(|pair| {
-                    let third = 1.0 / 3.0;
-                    let mixed = pair[0].iter().zip(&pair[1]);
-                    let mixed = mixed.map(move |(&a, &b)| (a, b, third));
-                    let pure = each(&pair[0], third)
-                        .into_iter()
-                        .chain(each(&pair[1], third));
-                    pure.chain(mixed).collect::<Vec<_>>()
-                });
-                terms.collect()
-            }
+        let first = usize::from(declared.final_cost);
+        let mut uses: Vec<(usize, usize, f64)> = Vec::new();
+        if declared.final_cost {
+            uses.push((OBJECTIVE, 0, 1.0));
+        }
+        for (i, goal) in declared.goals.iter().enumerate() {
+            uses.push((row(program, goal, "at the end"), first + i, 1.0));
+        }
+        if !uses.is_empty() {
+            let (q, v) = last.split_at(last.len() / 2);
+            program.block(&Kernel::Terminal, [q, v, &[self.horizon], &[]], None, uses);
         }
     }
 }

@@ -108,6 +108,79 @@ pub(in crate::ocp) struct Evaluator<'a> {
     pub(in crate::ocp) hessian: Vec<f64>,
 }
 
+/// Which derivatives of a kernel are not always 0.
+struct Structure {
+    /// Dense, row-major, (output, input).
+    jacobian: Vec<bool>,
+    /// Dense, row-major, lower triangle.
+    hessian: Vec<bool>,
+    inputs: usize,
+}
+
+impl Structure {
+    fn of(kernel: &Kernel, declaration: &Declaration, plain: usize, outputs: usize) -> Self {
+        let inputs = plain + kernel.acting().len();
+        let mut structure = Self {
+            jacobian: vec![false; outputs * inputs],
+            hessian: vec![false; inputs * inputs],
+            inputs,
+        };
+        if matches!(kernel, Kernel::Acceleration(_)) {
+            structure.mark_first(declaration.free_jacobian, |row| Some(row));
+            structure.mark_second(declaration.free_hessian);
+        }
+        for (index, &contact) in kernel.acting().iter().enumerate() {
+            let (first, second, skipped) = kernel.side(declaration, contact);
+            structure.mark_first(first, |row| row.checked_sub(skipped));
+            for &(row, column) in first.entries {
+                if row as usize >= skipped {
+                    structure.mark(plain + index, column as usize);
+                }
+            }
+            structure.mark_second(second);
+            for output in 0..declaration.coordinates.len() {
+                structure.jacobian[output * inputs + plain + index] = true;
+            }
+        }
+        if let Some(contact) = kernel.observed() {
+            let (first, second, observed) = kernel.side(declaration, contact);
+            structure.mark_first(first, |row| Some(row).filter(|row| *row < observed));
+            structure.mark_second(second);
+        }
+        if let Some((first, second, _)) = declared(kernel, declaration) {
+            structure.mark_first(first, |row| Some(row));
+            structure.mark_second(second);
+        }
+        structure
+    }
+
+    fn mark(&mut self, i: usize, j: usize) {
+        self.hessian[i.max(j) * self.inputs + i.min(j)] = true;
+    }
+
+    fn mark_second(&mut self, pattern: SparsityPattern) {
+        for &(i, j) in pattern.entries {
+            self.mark(i as usize, j as usize);
+        }
+    }
+
+    /// Marks the first derivatives of those functions that are outputs.
+    fn mark_first(&mut self, pattern: SparsityPattern, output: impl Fn(usize) -> Option<usize>) {
+        for &(row, column) in pattern.entries {
+            if let Some(output) = output(row as usize) {
+                self.jacobian[output * self.inputs + column as usize] = true;
+            }
+        }
+    }
+
+    fn entries(&self, flags: &[bool]) -> Vec<(usize, usize)> {
+        let marked = flags.iter().enumerate().filter(|&(_, &flag)| flag);
+        marked
+            .map(|(i, _)| (i / self.inputs, i % self.inputs))
+            .collect()
+    }
+}
+
 impl<'a> Evaluator<'a> {
     pub(in crate::ocp) fn new(model: &'a dyn Model, kernel: Kernel) -> Self {
         let declaration = model.declaration();
@@ -124,55 +197,7 @@ impl<'a> Evaluator<'a> {
             Kernel::Path | Kernel::Terminal => functions.map_or(0, |f| f.2),
             Kernel::Acceleration(_) | Kernel::Push(_) | Kernel::Friction(_) => n,
         };
-        let mut jacobian = vec![false; outputs * inputs];
-        let mut hessian = vec![false; inputs * inputs];
-        let mut mark = |i: usize, j: usize| hessian[i.max(j) * inputs + i.min(j)] = true;
-        if matches!(kernel, Kernel::Acceleration(_)) {
-            for &(row, column) in declaration.free_jacobian.entries {
-                jacobian[row as usize * inputs + column as usize] = true;
-            }
-            for &(i, j) in declaration.free_hessian.entries {
-                mark(i as usize, j as usize);
-            }
-        }
-        for (index, &contact) in kernel.acting().iter().enumerate() {
-            let (first, second, skipped) = kernel.side(declaration, contact);
-            for &(row, column) in first.entries {
-                if row as usize >= skipped {
-                    jacobian[(row as usize - skipped) * inputs + column as usize] = true;
-                    mark(plain + index, column as usize);
-                }
-            }
-            for &(i, j) in second.entries {
-                mark(i as usize, j as usize);
-            }
-            for output in 0..n {
-                jacobian[output * inputs + plain + index] = true;
-            }
-        }
-        if let Some(contact) = kernel.observed() {
-            let (first, second, observed) = kernel.side(declaration, contact);
-            for &(row, column) in first.entries {
-                if (row as usize) < observed {
-                    jacobian[row as usize * inputs + column as usize] = true;
-                }
-            }
-            for &(i, j) in second.entries {
-                mark(i as usize, j as usize);
-            }
-        }
-        if let Some((first, second, _)) = functions {
-            for &(row, column) in first.entries {
-                jacobian[row as usize * inputs + column as usize] = true;
-            }
-            for &(i, j) in second.entries {
-                mark(i as usize, j as usize);
-            }
-        }
-        let entries = |flags: &[bool]| {
-            let marked = flags.iter().enumerate().filter(|&(_, &flag)| flag);
-            marked.map(|(i, _)| (i / inputs, i % inputs)).collect()
-        };
+        let structure = Structure::of(&kernel, declaration, plain, outputs);
         let values = declaration
             .contacts
             .iter()
@@ -193,8 +218,8 @@ impl<'a> Evaluator<'a> {
             model,
             plain,
             coordinates: n,
-            jacobian_pattern: entries(&jacobian),
-            hessian_pattern: entries(&hessian),
+            jacobian_pattern: structure.entries(&structure.jacobian),
+            hessian_pattern: structure.entries(&structure.hessian),
             point: vec![0.0; contact_point::length(n)],
             weights: vec![0.0; 2 + n],
             values: vec![0.0; values.unwrap_or(0)],

@@ -4,7 +4,7 @@
 //! c_i(x) = constant_i + sum linear + sum bilinear + sum coefficient scale kernel_output
 //! ```
 //!
-//! and the objective alike, where `scale` is a variable (a duration) or 1. Values that callers give and get are physical; the
+//! and the objective as a sum of kernels, where `scale` is a variable (a duration) or 1. Values that callers give and get are physical; the
 //! solver sees each variable divided by its own unit, so that all of them are of order one.
 
 use super::kernel::{Evaluator, Kernel};
@@ -43,29 +43,49 @@ struct Terms {
     bilinear: Vec<(usize, usize, usize, f64)>,
 }
 
+/// The unknowns.
+#[derive(Default)]
+struct Variables {
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    guess: Vec<f64>,
+    unit: Vec<f64>,
+    names: Vec<String>,
+}
+
+/// The rows.
+#[derive(Default)]
+struct Rows {
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    unit: Vec<f64>,
+    names: Vec<String>,
+}
+
+/// Memory of the evaluations.
+#[derive(Default)]
+struct Scratch {
+    /// Inputs of a kernel.
+    local: Vec<f64>,
+    /// Values of the unknowns.
+    physical: Vec<f64>,
+    /// Multipliers of the outputs of a kernel.
+    weights: Vec<f64>,
+}
+
 /// The program.
 pub(in crate::ocp) struct Program<'a> {
     model: &'a dyn Model,
     evaluators: Vec<Evaluator<'a>>,
     blocks: Vec<Block>,
     terms: Terms,
-    objective: Terms,
-    lower: Vec<f64>,
-    upper: Vec<f64>,
-    guess: Vec<f64>,
-    unit: Vec<f64>,
-    names: Vec<String>,
-    row_lower: Vec<f64>,
-    row_upper: Vec<f64>,
-    row_unit: Vec<f64>,
+    variables: Variables,
+    rows: Rows,
     objective_unit: f64,
-    row_names: Vec<String>,
     pairs: Vec<(usize, usize)>,
     jacobian: Pattern,
     hessian: Pattern,
-    local: Vec<f64>,
-    physical: Vec<f64>,
-    weights: Vec<f64>,
+    scratch: Scratch,
 }
 
 impl<'a> Program<'a> {
@@ -75,23 +95,13 @@ impl<'a> Program<'a> {
             evaluators: Vec::new(),
             blocks: Vec::new(),
             terms: Terms::default(),
-            objective: Terms::default(),
-            lower: Vec::new(),
-            upper: Vec::new(),
-            guess: Vec::new(),
-            unit: Vec::new(),
-            names: Vec::new(),
-            row_lower: Vec::new(),
-            row_upper: Vec::new(),
-            row_unit: Vec::new(),
+            variables: Variables::default(),
+            rows: Rows::default(),
             objective_unit: 1.0,
-            row_names: Vec::new(),
             pairs: Vec::new(),
             jacobian: Pattern::default(),
             hessian: Pattern::default(),
-            local: Vec::new(),
-            physical: Vec::new(),
-            weights: Vec::new(),
+            scratch: Scratch::default(),
         }
     }
 
@@ -103,29 +113,32 @@ impl<'a> Program<'a> {
         guess: f64,
         unit: f64,
     ) -> usize {
-        self.names.push(name.into());
-        self.lower.push(lower);
-        self.upper.push(upper);
-        self.guess.push(guess.clamp(lower, upper));
-        self.unit.push(unit);
-        self.names.len() - 1
+        self.variables.names.push(name.into());
+        self.variables.lower.push(lower);
+        self.variables.upper.push(upper);
+        self.variables.guess.push(guess.clamp(lower, upper));
+        self.variables.unit.push(unit);
+        self.variables.names.len() - 1
     }
 
     /// Bounds of a variable.
     pub(in crate::ocp) fn bounds(&self, variable: usize) -> (f64, f64) {
-        (self.lower[variable], self.upper[variable])
+        (
+            self.variables.lower[variable],
+            self.variables.upper[variable],
+        )
     }
 
     /// Where the solver starts, in physical values.
     pub(in crate::ocp) fn guessed(&self, variable: usize) -> f64 {
-        self.guess[variable]
+        self.variables.guess[variable]
     }
 
     /// Narrows the bounds of a variable.
     pub(in crate::ocp) fn bound(&mut self, variable: usize, lower: f64, upper: f64) {
-        self.lower[variable] = lower;
-        self.upper[variable] = upper;
-        self.guess[variable] = self.guess[variable].clamp(lower, upper);
+        self.variables.lower[variable] = lower;
+        self.variables.upper[variable] = upper;
+        self.variables.guess[variable] = self.variables.guess[variable].clamp(lower, upper);
     }
 
     /// Adds a row `lower <= c <= upper` without terms.
@@ -141,11 +154,11 @@ impl<'a> Program<'a> {
         lower: f64,
         upper: f64,
     ) -> usize {
-        self.row_unit.push(unit);
-        self.row_names.push(name.into());
-        self.row_lower.push(lower);
-        self.row_upper.push(upper);
-        self.row_names.len() - 1
+        self.rows.unit.push(unit);
+        self.rows.names.push(name.into());
+        self.rows.lower.push(lower);
+        self.rows.upper.push(upper);
+        self.rows.names.len() - 1
     }
 
     /// Adds `coefficient x_i` to a row.
@@ -158,16 +171,6 @@ impl<'a> Program<'a> {
     /// Adds `coefficient x_i x_j` to a row.
     pub(in crate::ocp) fn bilinear(&mut self, row: usize, i: usize, j: usize, coefficient: f64) {
         self.terms.bilinear.push((row, i, j, coefficient));
-    }
-
-    /// Adds `coefficient x_i` to the objective.
-    pub(in crate::ocp) fn objective_linear(&mut self, i: usize, coefficient: f64) {
-        self.objective.linear.push((0, i, coefficient));
-    }
-
-    /// Adds `coefficient x_i x_j` to the objective.
-    pub(in crate::ocp) fn objective_bilinear(&mut self, i: usize, j: usize, coefficient: f64) {
-        self.objective.bilinear.push((0, i, j, coefficient));
     }
 
     /// Adds `coefficient scale output` for each (row, output, coefficient); the inputs are the variables of
@@ -212,7 +215,7 @@ impl<'a> Program<'a> {
     /// in its unit, where the `controls` are one unit off the guess. The solver itself takes derivatives above 100
     /// back to that.
     fn measure_objective(&mut self, controls: &[Vec<usize>]) {
-        let mut x = vec![0.0; self.names.len()];
+        let mut x = vec![0.0; self.variables.names.len()];
         let mut gradient = vec![0.0; x.len()];
         self.initial_point(&mut x);
         for &u in controls.iter().flatten() {
@@ -242,18 +245,27 @@ impl<'a> Program<'a> {
 
     /// Physical values of a solver's point.
     pub(in crate::ocp) fn physical(&self, x: &[f64]) -> Vec<f64> {
-        x.iter().zip(&self.unit).map(|(x, unit)| x * unit).collect()
+        x.iter()
+            .zip(&self.variables.unit)
+            .map(|(x, unit)| x * unit)
+            .collect()
     }
 
     /// Unit of a variable: multipliers of its bounds are per that unit.
     pub(in crate::ocp) fn unit(&self, variable: usize) -> f64 {
-        self.unit[variable]
+        self.variables.unit[variable]
+    }
+
+    /// Unit of a row: its multiplier is per that unit.
+    pub(in crate::ocp) fn row_unit(&self, row: usize) -> f64 {
+        self.rows.unit[row]
     }
 
     fn gather(&mut self, block: usize, x: &[f64]) {
-        self.local.clear();
+        self.scratch.local.clear();
         let inputs = self.blocks[block].inputs.iter();
-        self.local
+        self.scratch
+            .local
             .extend(inputs.map(|slot| slot.map_or(0.0, |i| x[i])));
     }
 
@@ -274,7 +286,7 @@ impl<'a> Program<'a> {
             if let Some(x) = x {
                 self.gather(index, x);
                 let evaluator = self.blocks[index].evaluator;
-                self.evaluators[evaluator].differentiate(&self.local);
+                self.evaluators[evaluator].differentiate(&self.scratch.local);
             }
             let block = &self.blocks[index];
             let evaluator = &self.evaluators[block.evaluator];
@@ -300,27 +312,22 @@ impl<'a> Program<'a> {
         add: &mut dyn FnMut(usize, usize, f64),
         point: Option<(&[f64], f64, &[f64])>,
     ) {
-        let weight = point.map_or(0.0, |(_, weight, _)| weight);
         let multiplier = |row: usize| match point {
             Some((_, weight, _)) if row == OBJECTIVE => weight,
             Some((_, _, y)) => y[row],
             None => 0.0,
         };
-        let objective = self.objective.bilinear.iter();
-        let rows = self.terms.bilinear.iter();
-        let products = objective
-            .map(|&(_, i, j, c)| (i, j, c * weight))
-            .chain(rows.map(|&(row, i, j, c)| (i, j, c * multiplier(row))));
-        for (i, j, c) in products {
+        for &(row, i, j, c) in &self.terms.bilinear {
+            let c = c * multiplier(row);
             add(i, j, if i == j { 2.0 * c } else { c });
         }
         for index in 0..self.blocks.len() {
             let block = &self.blocks[index];
             let evaluator = &mut self.evaluators[block.evaluator];
-            self.weights.clear();
-            self.weights.resize(evaluator.outputs.len(), 0.0);
+            self.scratch.weights.clear();
+            self.scratch.weights.resize(evaluator.outputs.len(), 0.0);
             for &(row, output, c) in &block.uses {
-                self.weights[output] += c * multiplier(row);
+                self.scratch.weights[output] += c * multiplier(row);
             }
             let mut scale = 1.0;
             if let Some((x, ..)) = point {
@@ -328,8 +335,8 @@ impl<'a> Program<'a> {
                 let block = &self.blocks[index];
                 scale = block.scale.map_or(1.0, |i| x[i]);
                 let evaluator = &mut self.evaluators[block.evaluator];
-                evaluator.differentiate(&self.local);
-                evaluator.curve(&self.local, &self.weights);
+                evaluator.differentiate(&self.scratch.local);
+                evaluator.curve(&self.scratch.local, &self.scratch.weights);
             }
             let block = &self.blocks[index];
             let evaluator = &self.evaluators[block.evaluator];
@@ -345,61 +352,59 @@ impl<'a> Program<'a> {
                     && block.uses.iter().any(|used| used.1 == output)
                 {
                     let value = evaluator.jacobian[output * inputs + input];
-                    add(scale, variable, self.weights[output] * value);
+                    add(scale, variable, self.scratch.weights[output] * value);
                 }
             }
         }
     }
 
-    fn terms_value(terms: &Terms, x: &[f64]) -> f64 {
-        let linear: f64 = terms.linear.iter().map(|&(_, i, c)| c * x[i]).sum();
-        let bilinear = terms.bilinear.iter();
-        linear + bilinear.map(|&(_, i, j, c)| c * x[i] * x[j]).sum::<f64>()
-    }
-
     /// Runs `work` with the physical values of `x`.
     fn with_physical<R>(&mut self, x: &[f64], work: impl FnOnce(&mut Self, &[f64]) -> R) -> R {
-        let mut physical = std::mem::take(&mut self.physical);
+        let mut physical = std::mem::take(&mut self.scratch.physical);
         physical.clear();
-        physical.extend(x.iter().zip(&self.unit).map(|(x, unit)| x * unit));
+        physical.extend(x.iter().zip(&self.variables.unit).map(|(x, unit)| x * unit));
         let result = work(self, &physical);
-        self.physical = physical;
+        self.scratch.physical = physical;
         result
     }
 }
 
 impl NlpProblem for Program<'_> {
     fn variables(&self) -> usize {
-        self.names.len()
+        self.variables.names.len()
     }
 
     fn constraints(&self) -> usize {
-        self.row_names.len()
+        self.rows.names.len()
     }
 
     fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        for (i, unit) in self.unit.iter().enumerate() {
-            lower[i] = self.lower[i] / unit;
-            upper[i] = self.upper[i] / unit;
+        for (i, unit) in self.variables.unit.iter().enumerate() {
+            lower[i] = self.variables.lower[i] / unit;
+            upper[i] = self.variables.upper[i] / unit;
         }
     }
 
     fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        for (i, unit) in self.row_unit.iter().enumerate() {
-            lower[i] = self.row_lower[i] / unit;
-            upper[i] = self.row_upper[i] / unit;
+        for (i, unit) in self.rows.unit.iter().enumerate() {
+            lower[i] = self.rows.lower[i] / unit;
+            upper[i] = self.rows.upper[i] / unit;
         }
     }
 
     fn initial_point(&self, x: &mut [f64]) {
-        for ((x, guess), unit) in x.iter_mut().zip(&self.guess).zip(&self.unit) {
+        for ((x, guess), unit) in x
+            .iter_mut()
+            .zip(&self.variables.guess)
+            .zip(&self.variables.unit)
+        {
             *x = guess / unit;
         }
     }
 
     fn objective(&mut self, x: &[f64]) -> f64 {
         let value = self.with_physical(x, |program, x| {
-            let mut value = Self::terms_value(&program.objective, x);
+            let mut value = 0.0;
             for index in 0..program.blocks.len() {
                 if !program.blocks[index].serves_objective() {
                     continue;
@@ -407,7 +412,7 @@ impl NlpProblem for Program<'_> {
                 program.gather(index, x);
                 let block = &program.blocks[index];
                 let evaluator = &mut program.evaluators[block.evaluator];
-                evaluator.evaluate(&program.local);
+                evaluator.evaluate(&program.scratch.local);
                 let scale = block.scale.map_or(1.0, |i| x[i]);
                 for &(_, output, c) in block.uses.iter().filter(|used| used.0 == OBJECTIVE) {
                     value += c * scale * evaluator.outputs[output];
@@ -421,13 +426,6 @@ impl NlpProblem for Program<'_> {
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
         gradient.fill(0.0);
         self.with_physical(x, |program, x| {
-            for &(_, i, c) in &program.objective.linear {
-                gradient[i] += c * program.unit[i];
-            }
-            for &(_, i, j, c) in &program.objective.bilinear {
-                gradient[i] += c * x[j] * program.unit[i];
-                gradient[j] += c * x[i] * program.unit[j];
-            }
             for index in 0..program.blocks.len() {
                 if !program.blocks[index].serves_objective() {
                     continue;
@@ -435,19 +433,20 @@ impl NlpProblem for Program<'_> {
                 program.gather(index, x);
                 let block = &program.blocks[index];
                 let evaluator = &mut program.evaluators[block.evaluator];
-                evaluator.differentiate(&program.local);
+                evaluator.differentiate(&program.scratch.local);
                 let scale = block.scale.map_or(1.0, |i| x[i]);
                 let inputs = block.inputs.len();
                 for &(_, output, c) in block.uses.iter().filter(|used| used.0 == OBJECTIVE) {
                     for &(_, input) in evaluator.jacobian_pattern.iter().filter(|e| e.0 == output) {
                         if let Some(variable) = block.inputs[input] {
                             let value = evaluator.jacobian[output * inputs + input];
-                            gradient[variable] += c * scale * value * program.unit[variable];
+                            gradient[variable] +=
+                                c * scale * value * program.variables.unit[variable];
                         }
                     }
                     if let Some(variable) = block.scale {
                         gradient[variable] +=
-                            c * evaluator.outputs[output] * program.unit[variable];
+                            c * evaluator.outputs[output] * program.variables.unit[variable];
                     }
                 }
             }
@@ -471,7 +470,7 @@ impl NlpProblem for Program<'_> {
                 program.gather(index, x);
                 let block = &program.blocks[index];
                 let evaluator = &mut program.evaluators[block.evaluator];
-                evaluator.evaluate(&program.local);
+                evaluator.evaluate(&program.scratch.local);
                 let scale = block.scale.map_or(1.0, |i| x[i]);
                 let rows = block.uses.iter().filter(|used| used.0 != OBJECTIVE);
                 for &(row, output, coefficient) in rows {
@@ -479,7 +478,7 @@ impl NlpProblem for Program<'_> {
                 }
             }
         });
-        for (c, unit) in c.iter_mut().zip(&self.row_unit) {
+        for (c, unit) in c.iter_mut().zip(&self.rows.unit) {
             *c /= unit;
         }
     }
@@ -493,8 +492,8 @@ impl NlpProblem for Program<'_> {
         let places = std::mem::take(&mut self.jacobian.places);
         let mut next = places.iter();
         self.with_physical(x, |program, x| {
-            let unit = program.unit.clone();
-            let row_unit = program.row_unit.clone();
+            let unit = program.variables.unit.clone();
+            let row_unit = program.rows.unit.clone();
             let mut add = |row: usize, column: usize, value: f64| {
                 if let Some(&place) = next.next() {
                     values[place] += value * unit[column] / row_unit[row];
@@ -514,10 +513,10 @@ impl NlpProblem for Program<'_> {
         let places = std::mem::take(&mut self.hessian.places);
         let mut next = places.iter();
         let weight = weight / self.objective_unit;
-        let scaled = multipliers.iter().zip(&self.row_unit);
+        let scaled = multipliers.iter().zip(&self.rows.unit);
         let multipliers: Vec<f64> = scaled.map(|(y, unit)| y / unit).collect();
         self.with_physical(x, |program, x| {
-            let unit = program.unit.clone();
+            let unit = program.variables.unit.clone();
             let mut add = |i: usize, j: usize, value: f64| {
                 if let Some(&place) = next.next() {
                     values[place] += value * unit[i] * unit[j];
@@ -529,11 +528,11 @@ impl NlpProblem for Program<'_> {
     }
 
     fn variable_name(&self, index: usize) -> String {
-        self.names[index].clone()
+        self.variables.names[index].clone()
     }
 
     fn constraint_name(&self, index: usize) -> String {
-        self.row_names[index].clone()
+        self.rows.names[index].clone()
     }
 }
 

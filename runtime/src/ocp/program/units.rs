@@ -91,6 +91,25 @@ impl Units {
     }
 }
 
+impl Units {
+    /// The same with controls that have no bounds measured by those of a known motion.
+    pub(in crate::ocp) fn measured_by(
+        mut self,
+        controls: &[Vec<f64>],
+        bounds: (&[f64], &[f64]),
+    ) -> Self {
+        let first = bounds.0.len() - self.controls.len();
+        for (i, unit) in self.controls.iter_mut().enumerate() {
+            let range = bounds.1[first + i] - bounds.0[first + i];
+            let values = controls.iter().map(|u| u[i].abs());
+            if !range.is_finite() {
+                *unit = nearest_power(THOUSAND, values.fold(0.0, f64::max));
+            }
+        }
+        self
+    }
+}
+
 /// The power of a base nearest to a size; 1 for none.
 pub(in crate::ocp) fn nearest_power(base: f64, size: f64) -> f64 {
     let exponent = (size.log10() / base.log10()).round();

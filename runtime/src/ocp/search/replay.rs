@@ -1,7 +1,7 @@
 //! Event-driven motions under given controls, and their contact sequences.
 
 use crate::ocp::collocation::discretization::Setting;
-use crate::ocp::motion::read_sequence::read;
+use crate::ocp::motion::read_sequence::Replay;
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::simulation::{Event, EventDriven, EventKind, InputError, Simulation, Simulator as _};
@@ -29,7 +29,7 @@ pub(in crate::ocp) fn simulate(
         ..EventDriven::default()
     };
     let motion = problem.initial_value_problem(&start, trajectory.horizon, trajectory.signal());
-    simulator.simulate(model, &motion, &mut |_| {})
+    simulator.simulate(model, &motion, &mut |_| true)
 }
 
 /// The contact sequence of a simulation under the controls of a trajectory.
@@ -56,5 +56,11 @@ pub(in crate::ocp) fn read_replay(
                 first.kind != EventKind::LiftOff && first.time < AT_ONCE * interval
             });
     }
-    read(model, &closed, replay, interval, intervals)
+    let replay = Replay {
+        model,
+        simulation: replay,
+        interval,
+        intervals,
+    };
+    replay.sequence(&closed)
 }

@@ -52,7 +52,7 @@ pub(in crate::ocp) fn ride(runner: &Runner, setting: Setting) -> Result<Option<R
         ..EventDriven::default()
     };
     let motion = problem.initial_value_problem(&start, longest, controls.signal(longest));
-    let whole = simulator.simulate(model, &motion, &mut |_| {})?;
+    let whole = simulator.simulate(model, &motion, &mut |_| true)?;
     let trajectory = &whole.trajectory;
     let states: Vec<Vec<f64>> = (0..trajectory.time.len())
         .map(|i| {
@@ -146,9 +146,9 @@ fn end_of(setting: Setting, state: Vec<f64>, met: Option<usize>) -> End {
 /// What is missing from each goal at `(q, v, T)`: its value where it is to be 0, its negative part where it is to be
 /// at least 0.
 fn goal_values(setting: Setting, z: &[f64]) -> Vec<f64> {
-    let Setting { model, problem, .. } = setting;
+    let model = setting.model;
     let mut values = Vec::new();
-    if let Some(declared) = problem.declared(model) {
+    if let Some(declared) = model.declaration().optimal_control {
         let mut all = vec![0.0; declared.terminal_functions()];
         model.terminal_functions(z, &mut all);
         let own = &all[usize::from(declared.final_cost)..];
@@ -175,7 +175,7 @@ fn is_within(setting: Setting, z: &[f64], controls: &[f64]) -> bool {
         let room = NEAR * units.states[k];
         (bounds.0[k] - room..=bounds.1[k] + room).contains(&z[k])
     });
-    let Some(declared) = problem.declared(model) else {
+    let Some(declared) = model.declaration().optimal_control else {
         return coordinates;
     };
     let mut values = vec![0.0; declared.path_functions()];

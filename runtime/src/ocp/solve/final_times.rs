@@ -12,8 +12,11 @@ use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Stationarity, Status};
 use crate::simulation::InputError;
 
-/// How often the range is moved, each time by a factor of 20.
-const MOVES: usize = 4;
+/// How often the range is moved, each time by a factor of 20 at most.
+const MOVES: usize = 5;
+/// Factor from the centre of a moved range within which a plan is measured in units of its own size: one that is
+/// further away may be no more than flat in those of its program.
+const NEAR: f64 = 1.5;
 
 /// Solves on the grid of the problem, around the final times that its plans ask for.
 pub(super) fn solve_grid<'s>(
@@ -26,6 +29,8 @@ pub(super) fn solve_grid<'s>(
     let mut centre: Option<f64> = None;
     // The last plan that lies at an end of its range.
     let mut at_the_end: Option<Solution> = None;
+    // Why there was none where the scene itself suggests to look.
+    let mut failed: Option<Solution> = None;
     let mut looked_at = None;
     let mut moves = 0;
     loop {
@@ -37,7 +42,8 @@ pub(super) fn solve_grid<'s>(
             ..problem.clone()
         };
         let coarser = start.coarser.clone();
-        let round = solve_round(model, &moved, settings, start, centre)?;
+        let known = at_the_end.as_ref().map_or(&[][..], |plan| &plan.controls);
+        let round = solve_round(model, &moved, settings, start, centre, known)?;
         let Round {
             mut solution,
             watch,
@@ -47,6 +53,11 @@ pub(super) fn solve_grid<'s>(
         let all = range.with(looked_at.unwrap_or(range));
         looked_at = Some(all);
         solution.final_times = (all.shortest, all.longest);
+        let off_centre = centre.is_some_and(|centre| {
+            let factor = solution.horizon / centre;
+            solution.motion.is_some() && !(1.0 / NEAR..=NEAR).contains(&factor)
+        });
+        let next = next.or_else(|| off_centre.then_some(solution.horizon));
         let next = next.filter(|_| solution.status != Status::Interrupted && moves < MOVES);
         if let Some(next) = next {
             start = Start {
@@ -56,24 +67,29 @@ pub(super) fn solve_grid<'s>(
             };
             if solution.motion.is_some() {
                 at_the_end = Some(solution);
+            } else {
+                failed.get_or_insert(solution);
             }
             centre = Some(next);
             moves += 1;
             continue;
         }
+        let (counts, final_times, status) =
+            (solution.counts, solution.final_times, solution.status);
+        let found = solution.motion.is_some();
         // What was found at an end, and is not found any more beyond it, has no optimum there either.
-        let counts = solution.counts;
-        let solution = match at_the_end {
-            Some(found) if solution.motion.is_none() => Solution {
-                counts,
-                final_times: solution.final_times,
-                ..unbounded(found, solution.status)
-            },
-            _ if solution.motion.is_some() && range.end_at(solution.horizon).is_some() => {
-                let status = solution.status;
+        let solution = match at_the_end.filter(|_| !found) {
+            Some(plan) => unbounded(plan, status),
+            None if found && (off_centre || range.end_at(solution.horizon).is_some()) => {
                 unbounded(solution, status)
             }
-            _ => solution,
+            None if found || status == Status::Interrupted => solution,
+            None => failed.unwrap_or(solution),
+        };
+        let solution = Solution {
+            counts,
+            final_times,
+            ..solution
         };
         return Ok((solution, watch));
     }

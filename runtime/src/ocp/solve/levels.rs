@@ -7,9 +7,10 @@ use cpu_time::ThreadTime;
 
 use super::final_times::solve_grid;
 use super::one_grid::Start;
+use crate::Observer;
 use crate::model::Model;
 use crate::ocp::problem::Problem;
-use crate::ocp::progress::{Observer, Watch};
+use crate::ocp::progress::Watch;
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Status};
 use crate::simulation::InputError;

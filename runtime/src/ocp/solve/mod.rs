@@ -7,9 +7,9 @@ mod one_grid;
 mod starts;
 
 use super::problem::Problem;
-use super::progress::Observer;
 use super::settings::Settings;
 use super::solution::Solution;
+use crate::Observer;
 use crate::model::Model;
 use crate::simulation::InputError;
 

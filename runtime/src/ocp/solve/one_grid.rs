@@ -42,13 +42,15 @@ pub(super) struct Round<'s> {
     pub(super) next: Option<f64>,
 }
 
-/// Solves on the grid of the problem, with final times around the given one, or else around the guess.
+/// Solves on the grid of the problem, with final times around the given one, or else around the guess, and units
+/// for the sizes of known controls.
 pub(super) fn solve_round<'s>(
     model: &dyn Model,
     problem: &Problem,
     settings: &'s Settings,
     start: Start<'s>,
     centre: Option<f64>,
+    known: &[Vec<f64>],
 ) -> Result<Round<'s>, InputError> {
     let (lower, upper) = bounds(model);
     let bounds = (&lower[..], &upper[..]);
@@ -61,7 +63,7 @@ pub(super) fn solve_round<'s>(
         Some(centre) => guessed.stretched(centre),
         None => guessed,
     };
-    let units = Units::new(model, &guessed, bounds);
+    let units = Units::new(model, &guessed, bounds).measured_by(known, bounds);
     let stages = (settings.stages..=ButcherTableau::MAX_STAGES).step_by(MORE_STAGES);
     let tableaus: Vec<ButcherTableau> = stages
         .filter_map(|stages| ButcherTableau::new(Scheme::RadauIia, stages))

@@ -5,9 +5,9 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 
 use super::levels::solve_once;
+use crate::Observer;
 use crate::model::Model;
 use crate::ocp::problem::Problem;
-use crate::ocp::progress::Observer;
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Optimum, Solution, Status};
 use crate::simulation::InputError;

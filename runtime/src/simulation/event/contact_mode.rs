@@ -43,13 +43,22 @@ struct Candidate {
     stops: bool,
 }
 
+/// How far what follows is looked at.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::simulation) struct Outlook {
+    /// A time over which the motion is smooth, such as a step size.
+    pub(in crate::simulation) moment: f64,
+    /// How many of the earliest moments are passed over: those that have led back to the same instant.
+    pub(in crate::simulation) skipped: usize,
+}
+
 /// Chooses the contact mode: the active contacts among those closed and at rest, and which of them stick. They
 /// follow from `0 <= r _|_ n' a + curvature + D r >= 0` and Coulomb's law for the rates of the sliding
 /// velocities that are zero; where these are undecided, from the same a moment later. On return the mode of
 /// `dynamics` is the new one, and the state `y` fulfils its constraints.
 ///
 /// `vanished` is a switching function of the mode before that is known to vanish now, whatever rounding error
-/// has left of it; `moment` is a time over which the motion is smooth, such as a step size.
+/// has left of it.
 pub(in crate::simulation) fn change(
     dynamics: &mut Dynamics<'_>,
     probe: &mut Dop853,
@@ -57,7 +66,7 @@ pub(in crate::simulation) fn change(
     y: &mut [f64],
     resting: &[usize],
     vanished: Option<Switch>,
-    moment: f64,
+    outlook: Outlook,
 ) -> Result<(), Undetermined> {
     let undetermined = |dynamics: &Dynamics<'_>, message: &str| {
         Err(Undetermined {
@@ -66,7 +75,7 @@ pub(in crate::simulation) fn change(
         })
     };
     for _ in 0..ATTEMPTS {
-        select(dynamics, probe, t, y, resting, vanished, moment)?;
+        select(dynamics, probe, t, y, resting, vanished, outlook)?;
         if !dynamics.project(t, y) {
             return undetermined(
                 dynamics,
@@ -102,7 +111,7 @@ fn select(
     y: &[f64],
     resting: &[usize],
     vanished: Option<Switch>,
-    moment: f64,
+    outlook: Outlook,
 ) -> Result<(), Undetermined> {
     let mut mode = vec![ContactState::Open; dynamics.contacts];
     dynamics.set_mode(&mode);
@@ -130,7 +139,8 @@ fn select(
             undecided.len()
         ),
     })?;
-    for (share, multiple) in MOMENTS {
+    let skipped = outlook.skipped.min(MOMENTS.len() - 1);
+    for &(share, multiple) in &MOMENTS[skipped..] {
         neutral = None;
         for combination in &combinations {
             for (candidate, &state) in undecided.iter().zip(combination) {
@@ -142,10 +152,15 @@ fn select(
                 probe,
                 (t, y),
                 &undecided,
-                share * moment,
+                share * outlook.moment,
                 multiple,
             ) {
-                Sign::Positive => return Ok(()),
+                Sign::Positive => {
+                    for &(share, _) in &MOMENTS[..skipped] {
+                        accept_after(dynamics, probe, (t, y), share * outlook.moment);
+                    }
+                    return Ok(());
+                }
                 Sign::Zero if neutral.is_none() => neutral = Some(dynamics.mode().to_vec()),
                 Sign::Zero | Sign::Negative => {}
             }
@@ -343,6 +358,25 @@ enum Sign {
     Positive,
     Zero,
     Negative,
+}
+
+/// Accepts the forces of the mode after a time `delta`.
+fn accept_after(
+    dynamics: &mut Dynamics<'_>,
+    probe: &mut Dop853,
+    (t, y): (f64, &[f64]),
+    delta: f64,
+) {
+    let mut start = y.to_vec();
+    if !dynamics.project(t, &mut start) {
+        return;
+    }
+    probe.begin(dynamics, t, &start);
+    probe.step(dynamics, t, &start, delta);
+    if dynamics.project(t + delta, probe.end_mut()) {
+        probe.finish(dynamics, t, delta);
+        dynamics.accept_forces();
+    }
 }
 
 /// Looks at undecided contacts after a time `delta` in the mode of `dynamics`; `multiple` of their remainders

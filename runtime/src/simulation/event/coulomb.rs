@@ -126,6 +126,40 @@ impl CoulombProblem<'_> {
             .sum()
     }
 
+    /// `w_n` and `w_t` with these forces, if they obey the laws of the states.
+    fn motions(
+        &self,
+        states: &[ContactState],
+        p: &[f64],
+        s: &[f64],
+        zero: f64,
+    ) -> Option<(Vec<f64>, Vec<f64>)> {
+        let m = self.laws.len();
+        let (mut normal, mut tangential) = (vec![0.0; m], vec![0.0; m]);
+        for i in 0..m {
+            if states[i].is_open() {
+                normal[i] = self.normal[i] + self.product(i, p, s);
+                if normal[i] < -zero || normal[i].is_nan() {
+                    return None;
+                }
+            }
+            if self.laws[i] == TangentialLaw::None || states[i] == ContactState::Stick {
+                continue;
+            }
+            tangential[i] = self.tangential[i] + self.product(m + i, p, s);
+            if tangential[i].is_nan() {
+                return None;
+            }
+            if let (TangentialLaw::Coulomb(_), ContactState::Slip(direction)) =
+                (self.laws[i], states[i])
+                && direction.sign() * tangential[i] < -zero
+            {
+                return None;
+            }
+        }
+        Some((normal, tangential))
+    }
+
     /// The solution with the contacts in `states`, if there is one.
     fn basic(&self, states: Vec<ContactState>, zero: f64) -> Option<CoulombSolution> {
         let m = self.laws.len();
@@ -179,28 +213,7 @@ impl CoulombProblem<'_> {
             }
             s[i] = value;
         }
-        let (mut normal, mut tangential) = (vec![0.0; m], vec![0.0; m]);
-        for i in 0..m {
-            if states[i].is_open() {
-                normal[i] = self.normal[i] + self.product(i, &p, &s);
-                if normal[i] < -zero || normal[i].is_nan() {
-                    return None;
-                }
-            }
-            if self.laws[i] == TangentialLaw::None || states[i] == ContactState::Stick {
-                continue;
-            }
-            tangential[i] = self.tangential[i] + self.product(m + i, &p, &s);
-            if tangential[i].is_nan() {
-                return None;
-            }
-            if let (TangentialLaw::Coulomb(_), ContactState::Slip(direction)) =
-                (self.laws[i], states[i])
-                && direction.sign() * tangential[i] < -zero
-            {
-                return None;
-            }
-        }
+        let (normal, tangential) = self.motions(&states, &p, &s, zero)?;
         Some(CoulombSolution {
             states,
             p,

@@ -73,7 +73,6 @@ pub(in crate::simulation) fn impact(
     closing: Option<usize>,
     lowest: LowestBounce,
 ) -> Result<Impact, Undetermined> {
-    let n = dynamics.n;
     let closed = closed_contacts(dynamics, t, y, closing);
     let mut velocities: Vec<f64> = closed
         .iter()
@@ -88,99 +87,112 @@ pub(in crate::simulation) fn impact(
             .collect(),
         ..Impact::default()
     };
-    if let Some(&contact) = outcome.struck.first() {
+    if !outcome.struck.is_empty() {
         for (&i, velocity) in closed.iter().zip(&mut velocities) {
             if velocity.abs() <= dynamics.zero_normal_velocity(i) {
                 *velocity = 0.0;
             }
         }
         outcome.ended = ended_bounces(dynamics, t, y, &outcome.struck, lowest);
-        let bounces = |&(&i, &velocity): &(&usize, &f64)| {
-            velocity < 0.0 && outcome.ended.iter().all(|end| end.contact != i)
-        };
-        // Velocities that the law sends back, `-e v_n-`.
-        let returned: Vec<f64> = closed
-            .iter()
-            .zip(&velocities)
-            .map(|pair| {
-                if bounces(&pair) {
-                    -dynamics.restitution[*pair.0] * pair.1
-                } else {
-                    0.0
-                }
-            })
-            .collect();
-        let normal: Vec<f64> = velocities
-            .iter()
-            .zip(&returned)
-            .map(|(velocity, returned)| velocity - returned)
-            .collect();
-        let (mut laws, mut tangential) = (Vec::new(), Vec::new());
-        for &i in &closed {
-            if dynamics.has_friction(i) {
-                let velocity = dynamics.sliding_velocity(i);
-                laws.push(TangentialLaw::Coulomb(dynamics.friction[i]));
-                tangential.push(if velocity.abs() <= dynamics.zero_sliding_velocity(i) {
-                    0.0
-                } else {
-                    velocity
-                });
-            } else {
-                laws.push(TangentialLaw::None);
-                tangential.push(0.0);
-            }
-        }
-        let problem = ContactProblem {
-            what: "impact",
-            contacts: &closed,
-            normal: &normal,
-            tangential: &tangential,
-            laws: &laws,
-        };
-        let solution = problem
-            .solve(dynamics)
-            .map_err(|message| Undetermined { contact, message })?;
-        let elastic = returned.iter().any(|&velocity| velocity > 0.0);
-        let before = if elastic {
-            dynamics.kinetic_energy(y)
-        } else {
-            0.0
-        };
-        let change = problem.change(dynamics, &solution);
-        for (v, change) in y[n..2 * n].iter_mut().zip(change) {
-            *v += change;
-        }
-        if elastic {
-            let after = dynamics.kinetic_energy(y);
-            outcome.energy_gain = (after > before * (1.0 + SAME_ENERGY)).then_some((before, after));
-        }
-        outcome.impulse = largest(&solution.p);
-        velocities = solution
-            .normal
-            .iter()
-            .zip(&returned)
-            .map(|(velocity, returned)| velocity + returned)
-            .collect();
+        velocities = strike(dynamics, y, &closed, &velocities, &mut outcome)?;
     }
     dynamics.load(t, y);
     dynamics.evaluate_free_acceleration();
     for (i, velocity) in closed.into_iter().zip(velocities) {
-        dynamics.evaluate_contact(i);
-        let (acceleration, _) = dynamics.free_normal_acceleration(i);
         // A gap that falls through zero at once, although it grows, has been negative all the time.
         let never_open = closing == Some(i) && outcome.struck.is_empty();
-        let highest = if never_open {
-            dynamics.closed_gap(i)
-        } else {
-            dynamics.lowest_flight(i)
-        };
-        let room = highest - dynamics.point(i)[contact_point::GAP];
-        let returns = velocity > 0.0 && velocity * velocity <= -2.0 * acceleration * room;
-        if velocity.abs() <= dynamics.zero_normal_velocity(i) || returns {
+        if rests(dynamics, i, velocity, never_open) {
             outcome.resting.push(i);
         }
     }
     Ok(outcome)
+}
+
+/// Whether a closed contact with this normal velocity stays: it has none, or its flight is too low to be one.
+fn rests(dynamics: &mut Dynamics<'_>, contact: usize, velocity: f64, never_open: bool) -> bool {
+    dynamics.evaluate_contact(contact);
+    let (acceleration, _) = dynamics.free_normal_acceleration(contact);
+    let highest = if never_open {
+        dynamics.closed_gap(contact)
+    } else {
+        dynamics.lowest_flight(contact)
+    };
+    let room = highest - dynamics.point(contact)[contact_point::GAP];
+    let returns = velocity > 0.0 && velocity * velocity <= -2.0 * acceleration * room;
+    velocity.abs() <= dynamics.zero_normal_velocity(contact) || returns
+}
+
+/// Changes the velocities in `y` by the impulses of the law, at the contacts `closed` with the normal `velocities`.
+/// Returns their normal velocities afterwards.
+fn strike(
+    dynamics: &mut Dynamics<'_>,
+    y: &mut [f64],
+    closed: &[usize],
+    velocities: &[f64],
+    outcome: &mut Impact,
+) -> Result<Vec<f64>, Undetermined> {
+    let n = dynamics.n;
+    // Velocities that the law sends back, `-e v_n-`.
+    let returned: Vec<f64> = closed
+        .iter()
+        .zip(velocities)
+        .map(|(&i, &velocity)| {
+            if velocity < 0.0 && outcome.ended.iter().all(|end| end.contact != i) {
+                -dynamics.restitution[i] * velocity
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    let normal: Vec<f64> = velocities
+        .iter()
+        .zip(&returned)
+        .map(|(velocity, returned)| velocity - returned)
+        .collect();
+    let (laws, tangential): (Vec<TangentialLaw>, Vec<f64>) = closed
+        .iter()
+        .map(|&i| {
+            if !dynamics.has_friction(i) {
+                return (TangentialLaw::None, 0.0);
+            }
+            let velocity = dynamics.sliding_velocity(i);
+            let slides = velocity.abs() > dynamics.zero_sliding_velocity(i);
+            let law = TangentialLaw::Coulomb(dynamics.friction[i]);
+            (law, if slides { velocity } else { 0.0 })
+        })
+        .unzip();
+    let problem = ContactProblem {
+        what: "impact",
+        contacts: closed,
+        normal: &normal,
+        tangential: &tangential,
+        laws: &laws,
+    };
+    let solution = problem.solve(dynamics).map_err(|message| Undetermined {
+        contact: outcome.struck.first().copied().unwrap_or_default(),
+        message,
+    })?;
+    let elastic = returned.iter().any(|&velocity| velocity > 0.0);
+    let before = if elastic {
+        dynamics.kinetic_energy(y)
+    } else {
+        0.0
+    };
+    let change = problem.change(dynamics, &solution);
+    for (v, change) in y[n..2 * n].iter_mut().zip(change) {
+        *v += change;
+    }
+    if elastic {
+        let after = dynamics.kinetic_energy(y);
+        outcome.energy_gain = (after > before * (1.0 + SAME_ENERGY)).then_some((before, after));
+    }
+    outcome.impulse = largest(&solution.p);
+    Ok(solution
+        .normal
+        .iter()
+        .zip(&returned)
+        .map(|(velocity, returned)| velocity + returned)
+        .collect())
 }
 
 /// Contacts that are closed, evaluated.

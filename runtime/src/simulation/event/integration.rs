@@ -3,7 +3,8 @@
 use cpu_time::ThreadTime;
 
 use super::EventDriven;
-use super::contact_mode;
+use super::audit::Audit;
+use super::contact_mode::{self, Outlook};
 use super::contact_problem;
 use super::contact_state::ContactState;
 use super::dop853::{Dop853, System};
@@ -12,7 +13,9 @@ use super::error_scale::ErrorScale;
 use super::impact::{self, Impact, LowestBounce, Undetermined};
 use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
+use crate::Observer;
 use crate::model::{Model, contact_point};
+use crate::simulation::watch::Watch;
 use crate::simulation::{
     Diagnosis, Event, EventKind, InitialValueProblem, Residuals, Simulation, SimulationStatus,
 };
@@ -27,6 +30,10 @@ const GLANCE: f64 = 1e-6;
 const SAME_INSTANT: f64 = 1e-14;
 /// Steps at the same instant, for each contact, before the contact mode counts as undetermined.
 const REPEATS: usize = 20;
+/// Where inside a step the signs of forces and gaps are measured.
+const AUDITED: [f64; 3] = [0.25, 0.5, 0.75];
+/// Steps at the same instant after which a contact mode is chosen by what follows later.
+const PATIENCE: usize = 2;
 
 /// Gain of a sliding contact below which steps that shrink to nothing approach a pole of its force.
 const JAMMING: f64 = 1e-2;
@@ -57,6 +64,7 @@ pub(super) struct Integration<'a> {
     /// Sign of the determinant of the equations of the mode.
     orientation: f64,
     remarks: Remarks,
+    audit: Audit,
     result: Simulation,
 }
 
@@ -94,17 +102,23 @@ impl<'a> Integration<'a> {
             repeats: 0,
             orientation: 1.0,
             remarks: Remarks::default(),
+            audit: Audit::new(settings.tolerance),
             result: dynamics.empty_result(),
             dynamics,
         }
     }
 
-    pub(super) fn run(mut self, progress: &mut dyn FnMut(f64)) -> Simulation {
+    pub(super) fn run(mut self, observer: &mut Observer<'_>) -> Simulation {
         let clock = ThreadTime::try_now();
-        if let Err(status) = self.integrate(progress) {
+        let mut watch = Watch::new(self.problem, observer);
+        let ended = self.integrate(&mut watch).err();
+        let residuals = &mut self.result.residuals;
+        residuals.dual = self.audit.largest;
+        if let Some(status) = ended.or_else(|| self.audit.verdict()) {
             self.result.status = status;
         }
         self.result.notes = self.remarks.notes(self.dynamics.model.declaration());
+        watch.finish(&mut self.result);
         self.result.counts.evaluations = self.dynamics.evaluations;
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             self.result.seconds.total = elapsed.as_secs_f64();
@@ -112,7 +126,7 @@ impl<'a> Integration<'a> {
         self.result
     }
 
-    fn integrate(&mut self, progress: &mut dyn FnMut(f64)) -> Result<(), SimulationStatus> {
+    fn integrate(&mut self, watch: &mut Watch<'_>) -> Result<(), SimulationStatus> {
         let horizon = self.problem.horizon;
         let longest = self.settings.max_step.unwrap_or(horizon / 16.0);
         self.h = longest;
@@ -136,6 +150,7 @@ impl<'a> Integration<'a> {
             let event = match self.find_event(h) {
                 Outcome::Nothing => None,
                 Outcome::Event(event) => Some(event),
+                Outcome::Pole(function) => return Err(self.pole(function)),
                 Outcome::Unresolved(function) => {
                     self.shorten(h, self.dynamics.switch(function).contact())?;
                     continue;
@@ -144,14 +159,18 @@ impl<'a> Integration<'a> {
             self.result.counts.elements += 1;
             let until = event.map_or(h, |event| event.h);
             let switch = event.map(|event| self.dynamics.switch(event.function));
-            self.guard_progress(switch.map(Switch::contact), until)?;
+            self.guard_progress(switch, until)?;
             self.write_outputs(h, until);
+            if event.is_some() || EventSearch::is_needed(&self.dynamics) {
+                self.audit_inside(h, until);
+            }
             match event {
                 Some(event) => {
                     self.t += event.h;
                     self.y.copy_from_slice(self.method.end());
                     self.method.finish(&mut self.dynamics, self.t, 0.0);
                     let measured = self.measure();
+                    self.audit_now();
                     self.keep(measured);
                     self.record();
                     self.enter_mode(switch, false)?;
@@ -161,6 +180,9 @@ impl<'a> Integration<'a> {
                     self.y.copy_from_slice(self.method.end());
                     self.method.advance();
                     self.keep(self.at_end);
+                    let step = self.result.counts.elements;
+                    self.audit
+                        .look(&self.dynamics, &self.end_values, self.t, step);
                     std::mem::swap(&mut self.start_values, &mut self.end_values);
                     self.record();
                     self.observe();
@@ -170,7 +192,8 @@ impl<'a> Integration<'a> {
                     }
                 }
             }
-            progress(self.t);
+            let count = self.result.counts.elements;
+            watch.reach(self.t, count, &mut self.result.trajectory)?;
         }
         Ok(())
     }
@@ -237,7 +260,7 @@ impl<'a> Integration<'a> {
                 error = f64::NAN;
             }
             let mut numbers = self.method.end_slope().iter().chain(&self.dynamics.values);
-            if numbers.any(|number| !number.is_finite()) {
+            if self.dynamics.undefined.is_some() || numbers.any(|number| !number.is_finite()) {
                 error = f64::NAN;
             }
         }
@@ -292,7 +315,7 @@ impl<'a> Integration<'a> {
     /// Refuses endless switching at one instant.
     fn guard_progress(
         &mut self,
-        contact: Option<usize>,
+        switch: Option<Switch>,
         until: f64,
     ) -> Result<(), SimulationStatus> {
         if until > SAME_INSTANT * self.problem.horizon.max(self.t) {
@@ -306,10 +329,49 @@ impl<'a> Integration<'a> {
         if let Some(status) = self.jamming() {
             return Err(status);
         }
-        Err(SimulationStatus::AmbiguousContact(self.diagnosis(
-            contact,
-            format!("{} steps at one instant", self.repeats),
-        )))
+        let Some(switch) = switch else {
+            return Err(self.unbounded());
+        };
+        let contact = switch.contact();
+        let name = self.dynamics.model.declaration().contacts[contact].name;
+        let message = format!(
+            "{} events at one instant, the last where {} of `{name}` vanishes; start from a slightly different state",
+            self.repeats,
+            switch.words()
+        );
+        Err(SimulationStatus::AmbiguousContact(
+            self.diagnosis(Some(contact), message),
+        ))
+    }
+
+    /// The status where steps shrink to nothing without an event.
+    fn unbounded(&self) -> SimulationStatus {
+        let n = self.dynamics.n;
+        let slope = &self.method.slope()[n..2 * n];
+        let fastest = (0..n).max_by(|&a, &b| slope[a].abs().total_cmp(&slope[b].abs()));
+        let name = fastest.map_or("", |k| {
+            self.dynamics.model.declaration().coordinates[k].name
+        });
+        SimulationStatus::NotFinite(self.diagnosis(
+            None,
+            format!(
+                "the acceleration of `{name}` grows without bound; check divisions and poles of the scene"
+            ),
+        ))
+    }
+
+    /// The status where a switching function changes its sign through infinity.
+    fn pole(&self, function: usize) -> SimulationStatus {
+        let switch = self.dynamics.switch(function);
+        let contact = switch.contact();
+        let name = self.dynamics.model.declaration().contacts[contact].name;
+        SimulationStatus::NotFinite(self.diagnosis(
+            Some(contact),
+            format!(
+                "{} of `{name}` changes its sign through infinity; check divisions and poles of the scene",
+                switch.words()
+            ),
+        ))
     }
 
     /// Applies the impact law and finds the contact mode right after the present instant, records both
@@ -322,8 +384,11 @@ impl<'a> Integration<'a> {
         let n = self.dynamics.n;
         let before = self.y[n..2 * n].to_vec();
         let previously = self.dynamics.mode().to_vec();
-        let moment = self.h;
-        self.dynamics.observe_rounding(self.t, &self.y, moment);
+        let outlook = Outlook {
+            moment: self.h,
+            skipped: self.repeats / PATIENCE,
+        };
+        self.dynamics.observe_rounding(self.t, &self.y, self.h);
         let impact = self.impact(vanished)?;
         if at_start && !impact.struck.is_empty() {
             let after = self.y[n..2 * n].to_vec();
@@ -340,7 +405,7 @@ impl<'a> Integration<'a> {
             &mut self.y,
             &impact.resting,
             vanished,
-            moment,
+            outlook,
         )
         .map_err(|problem| self.undetermined(problem))?;
         if at_start {
@@ -434,6 +499,7 @@ impl<'a> Integration<'a> {
         self.method.begin(&mut self.dynamics, self.t, &self.y);
         self.start_values.copy_from_slice(&self.dynamics.values);
         let measured = self.measure();
+        self.audit_now();
         self.keep(measured);
         if self.method.slope().iter().all(|slope| slope.is_finite()) {
             self.orientation = self.dynamics.orientation;
@@ -448,10 +514,7 @@ impl<'a> Integration<'a> {
         let dynamics = &self.dynamics;
         dynamics.forces(&mut self.forces);
         dynamics.friction_forces(&mut self.friction_forces);
-        let mut residuals = Residuals {
-            dual: dynamics.values.iter().fold(0.0, |s, value| s.max(-value)),
-            ..Residuals::default()
-        };
+        let mut residuals = Residuals::default();
         for &i in &dynamics.active {
             let point = dynamics.point(i);
             let gap = point[contact_point::GAP].abs();
@@ -468,10 +531,16 @@ impl<'a> Integration<'a> {
         residuals
     }
 
+    /// Looks at the signs of the functions last evaluated.
+    fn audit_now(&mut self) {
+        let step = self.result.counts.elements;
+        let values = &self.dynamics.values;
+        self.audit.look(&self.dynamics, values, self.t, step);
+    }
+
     fn keep(&mut self, measured: Residuals) {
         let residuals = &mut self.result.residuals;
         residuals.primal = residuals.primal.max(measured.primal);
-        residuals.dual = residuals.dual.max(measured.dual);
         residuals.complementarity = residuals.complementarity.max(measured.complementarity);
     }
 
@@ -489,6 +558,22 @@ impl<'a> Integration<'a> {
         );
         if self.dynamics.declares_friction {
             trajectory.friction_force.push(self.friction_forces.clone());
+        }
+    }
+
+    /// Looks at forces and gaps inside the first `until` of the step of length `h`, whose continuous extension is
+    /// ready.
+    fn audit_inside(&mut self, h: f64, until: f64) {
+        for share in AUDITED {
+            let time = self.t + share * until;
+            self.method.interpolate(share * until / h, &mut self.output);
+            if self.dynamics.project(time, &mut self.output) {
+                self.dynamics
+                    .derivative(time, &self.output, &mut self.slope);
+                let step = self.result.counts.elements;
+                let values = &self.dynamics.values;
+                self.audit.look(&self.dynamics, values, time, step);
+            }
         }
     }
 
@@ -580,7 +665,7 @@ impl<'a> Integration<'a> {
     fn not_finite(&self) -> SimulationStatus {
         let n = self.dynamics.n;
         let declaration = self.dynamics.model.declaration();
-        let contact = (0..self.dynamics.contacts).find(|&i| !self.dynamics.values[i].is_finite());
+        let contact = self.dynamics.undefined;
         let slope = self.method.slope();
         let what = match (0..n).find(|&k| !slope[n + k].is_finite()) {
             Some(k) => format!("the acceleration of `{}`", declaration.coordinates[k].name),

@@ -1,9 +1,10 @@
 //! Event-driven simulation; see [`EventDriven`].
 //!
 //! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
-//! mode, `dop853` integrates it, `search` and `locate` find where the mode ends, `impact` and `contact_mode`
-//! (with `contact_problem` and `coulomb`) what follows.
+//! mode, `dop853` integrates it (`error_scale` says how accurately), `search` and `locate` find where the mode ends,
+//! `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `audit` measures the signs.
 
+mod audit;
 pub(super) mod contact_mode;
 pub(super) mod contact_problem;
 mod contact_state;
@@ -20,6 +21,7 @@ mod small_system;
 mod tableau;
 
 use super::{InitialValueProblem, InputError, Simulation, Simulator};
+use crate::Observer;
 use crate::model::Model;
 
 /// Admissible tolerances: below the first, rounding error of one step exceeds the tolerance; above the
@@ -57,29 +59,51 @@ const TOLERANCES: (f64, f64) = (1e-14, 1e-2);
 /// beyond all bounds. An impact that raises the kinetic energy, as Newton's law does where friction or several
 /// contacts couple, is noted.
 ///
-/// Gaps below `1e-12 max(1, |q|)` are closed, dips below zero of a few times that are no impacts, and a flight
-/// lower than `1e-14 max(1, |q|)` is none, which ends geometric sequences of impacts. Up to twelve contacts can
+/// What counts as zero is a share of what the scene itself has shown, so that results depend neither on where it is
+/// nor on its units: gaps below `1e-12` of the range of that gap so far, or below some roundings of it, are closed,
+/// dips below zero of a few times that are no impacts, and a flight lower than `1e-14` of the range is none, which ends
+/// geometric sequences of impacts; velocities and forces below `1e-12` of their terms are zero. The root of a switching
+/// function is where its sign changes. After the events have been found, the signs of forces and gaps are measured on
+/// the continuous extension as well: a run that missed an event by more than errors of integration ends as
+/// [`StepFailed`](super::SimulationStatus::StepFailed), and the largest violation is `residuals.dual`. Up to twelve contacts can
 /// close at one instant; one with friction that may stick counts twice.
 ///
 /// It shares nothing with the finite element simulation but the model, so that each can check the other.
 ///
 /// ```
-/// use hangtime::simulation::EventDriven;
-/// let accurate = EventDriven { tolerance: 1e-12, ..EventDriven::default() };
-/// assert_eq!(accurate.max_events, 10_000);
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, e = 0.5, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: restitution e
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let method = EventDriven { tolerance: 1e-12, max_events: 100, ..EventDriven::default() };
+/// let run = simulate(&ball).method(method).run()?;
+/// assert!((run.events[0].time - (2.0_f64 / 9.81).sqrt()).abs() < 1e-14);
+/// # Ok::<(), InputError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventDriven {
-    /// Error per step, absolute and relative, in `1e-14..=1e-2`; default `1e-9`. A tenth of it costs
-    /// about a third more evaluations.
+    /// Error per step as a share of the fastest velocity so far (among the coordinates of one unit), and of the way
+    /// covered with it in the step; in `1e-14..=1e-2`, default `1e-9`. A tenth of it costs about a third more
+    /// evaluations.
     pub tolerance: f64,
     /// Longest step \[s\]; default none, which means a sixteenth of the horizon. Lower it if the ground
     /// has features that are passed faster than that.
     pub max_step: Option<f64>,
     /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
     /// ends infinite sequences of bounces, with a note; default none, which means `sqrt(2 a h)` where the
-    /// contact is pressed with the acceleration `a`: bounces lower than `h = max(tolerance^2, 1e-11)` times
-    /// `max(1, |q|)` are left out.
+    /// contact is pressed with the acceleration `a`: bounces lower than `h`, `max(tolerance^2, 1e-11)` times
+    /// the range of the gap so far, are left out.
     pub rest_velocity: Option<f64>,
     /// Largest number of events before the run ends as
     /// [`AmbiguousContact`](super::SimulationStatus::AmbiguousContact); default 10 000.
@@ -159,10 +183,26 @@ impl Simulator for EventDriven {
         &self,
         model: &dyn Model,
         problem: &InitialValueProblem,
-        progress: &mut dyn FnMut(f64),
+        observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         self.check()?;
         problem.check(model)?;
-        Ok(integration::Integration::new(self, model, problem).run(progress))
+        if self.output_times > problem.points {
+            return Err(InputError::OutOfRange {
+                what: "output times".into(),
+                value: self.output_times as f64,
+                unit: String::new(),
+                bound: format!(
+                    "at most {}; raise `points` of the problem for more",
+                    problem.points
+                ),
+            });
+        }
+        Ok(integration::Integration::new(self, model, problem).run(observer))
+    }
+
+    fn set_tolerance(&mut self, tolerance: f64) -> Result<(), InputError> {
+        self.tolerance = tolerance;
+        Ok(())
     }
 }

@@ -67,10 +67,14 @@ impl Remarks {
             );
         }
         for end in &self.ends {
-            let (name, unit) = (contact(end.contact).name, contact(end.contact).unit);
+            let name = contact(end.contact).name;
+            let (unit, speed_unit) = match contact(end.contact).unit {
+                "" => (String::new(), "1/s".into()),
+                unit => (format!(" {unit}"), format!("{unit}/s")),
+            };
             let height = if end.height.is_finite() {
                 format!(
-                    ", which leaves out bounces up to {:.1e} {unit} high",
+                    ", which leaves out bounces up to {:.1e}{unit} high",
                     end.height
                 )
             } else {
@@ -81,7 +85,7 @@ impl Remarks {
                 count => format!("; so it does {} more times", count - 1),
             };
             notes.push(format!(
-                "`{name}` stops bouncing at {:.6} s, where it is struck with {:.1e} {unit}/s{height}{more}",
+                "`{name}` stops bouncing at {:.6} s, where it is struck with {:.1e} {speed_unit}{height}{more}",
                 end.time, end.speed
             ));
         }

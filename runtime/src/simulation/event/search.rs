@@ -2,8 +2,9 @@
 //! true steps of the method.
 
 use super::dop853::Dop853;
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, Switch};
 use super::locate::{self, Sample};
+use crate::model::contact_point;
 
 /// Crossings of one switching function on the continuous extension that true steps may refute before the step
 /// counts as too long.
@@ -29,6 +30,8 @@ pub(super) struct EventSearch {
     zero: Vec<f64>,
     false_alarms: Vec<usize>,
     from: Vec<Option<Sample>>,
+    /// Value of the function at the last root.
+    root_value: f64,
 }
 
 /// The step that was just made, from `(t, y)` with length `h`.
@@ -83,6 +86,8 @@ pub(super) enum Outcome {
     Nothing,
     /// The earliest event.
     Event(Found),
+    /// This function changes its sign through infinity.
+    Pole(usize),
     /// The continuous extension is too far from the solution to find the zeros of this function: the step
     /// is too long.
     Unresolved(usize),
@@ -97,6 +102,7 @@ impl EventSearch {
             zero: vec![0.0; functions],
             false_alarms: vec![0; functions],
             from: vec![None; functions],
+            root_value: 0.0,
         }
     }
 
@@ -127,7 +133,16 @@ impl EventSearch {
         while let Some(crossing) = self.first_crossing(dynamics, method, step) {
             let function = crossing.function;
             match self.polish(dynamics, method, step, crossing) {
-                Ok(h) => return Outcome::Event(Found { function, h }),
+                Ok(h) => {
+                    // A function changes its sign at a pole as well.
+                    let Crossing { left, right, .. } = crossing;
+                    let largest = left.value.abs().max(right.value.abs());
+                    return if self.root_value.abs() > largest.max(self.zero[function]) {
+                        Outcome::Pole(function)
+                    } else {
+                        Outcome::Event(Found { function, h })
+                    };
+                }
                 Err(value) => {
                     let Sample { at, value: wrong } = crossing.right;
                     self.false_alarms[function] += 1;
@@ -213,6 +228,19 @@ impl EventSearch {
         dynamics.switching_value(function, t, &self.state, &mut self.slope)
     }
 
+    /// Normal velocity of a contact at the end of the last true step.
+    fn normal_velocity(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &Dop853,
+        t: f64,
+        contact: usize,
+    ) -> f64 {
+        dynamics.load(t, method.end());
+        dynamics.evaluate_contact(contact);
+        dynamics.point(contact)[contact_point::NORMAL_VELOCITY]
+    }
+
     /// Value of a switching function after a true step of length `h`, which ends in `method.end()`.
     fn stepped(
         &mut self,
@@ -280,7 +308,7 @@ impl EventSearch {
     }
 
     /// The same where the continuous extension is positive nowhere before it falls; the true solution may be, for a
-    /// while.
+    /// while. A flight too low to be seen in the gap ends where it begins to fall.
     fn sink(
         &mut self,
         dynamics: &mut Dynamics<'_>,
@@ -296,6 +324,7 @@ impl EventSearch {
         } = crossing;
         let rounding = ROUNDING * dynamics.zero_value(function);
         let mut width = right.at - left.at;
+        let (mut rises, mut falls) = (None, right.at);
         let positive = (0..HALVINGS).find_map(|_| {
             width *= 0.5;
             let at = left.at + width;
@@ -303,11 +332,26 @@ impl EventSearch {
             if value <= 0.0 {
                 right = Sample { at, value };
             }
+            if let Switch::Gap(contact) = dynamics.switch(function)
+                && rises.is_none()
+            {
+                let t = step.t + at * step.h;
+                let velocity = self.normal_velocity(dynamics, method, t, contact);
+                if velocity > ROUNDING * dynamics.zero_normal_velocity(contact) {
+                    rises = Some((contact, at));
+                } else {
+                    falls = at;
+                }
+            }
             (value > rounding).then_some(Sample { at, value })
         });
-        match positive {
-            Some(sample) => left = sample,
-            None => right = left,
+        match (positive, rises) {
+            (Some(sample), _) => left = sample,
+            (None, Some((contact, at))) => {
+                let flight = (at * step.h, falls * step.h);
+                return Ok(self.end_of_rise(dynamics, method, step, contact, flight));
+            }
+            (None, None) => right = left,
         }
         let bracket = Bracket {
             low: left.at * step.h,
@@ -316,6 +360,32 @@ impl EventSearch {
             slope: (right.value - left.value) / ((right.at - left.at) * step.h),
         };
         self.refine(dynamics, method, step, function, bracket)
+    }
+
+    /// Length of the true step at whose end a contact that rises at the first end of the bracket and falls at the
+    /// second one begins to fall, by bisection.
+    fn end_of_rise(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &mut Dop853,
+        step: Step<'_>,
+        contact: usize,
+        (mut rises, mut falls): (f64, f64),
+    ) -> f64 {
+        for _ in 0..POLISHING {
+            let middle = 0.5 * (rises + falls);
+            if falls - rises <= step.resolution() {
+                break;
+            }
+            self.stepped(dynamics, method, step, contact, middle);
+            if self.normal_velocity(dynamics, method, step.t + middle, contact) > 0.0 {
+                rises = middle;
+            } else {
+                falls = middle;
+            }
+        }
+        self.root_value = self.stepped(dynamics, method, step, contact, falls);
+        falls
     }
 
     /// Length of the true step in the bracket at whose end the function vanishes, to the resolution of time; if it
@@ -371,6 +441,7 @@ impl EventSearch {
             }
             (h, f) = (next, f_next);
         }
+        self.root_value = f;
         if f <= zero { Ok(h) } else { Err(f) }
     }
 }

@@ -8,6 +8,7 @@ use super::settings::Fesd;
 use crate::fesd::finite_element::MotionSize;
 use crate::model::Model;
 use crate::rk::ButcherTableau;
+use crate::simulation::watch::Watch;
 use crate::simulation::{Diagnosis, Event, InitialValueProblem, Simulation, SimulationStatus};
 
 /// Runs after the first one.
@@ -23,19 +24,28 @@ pub(super) fn promised(
     promise: f64,
     tableau: &ButcherTableau,
     (model, problem): (&dyn Model, &InitialValueProblem),
-    progress: &mut dyn FnMut(f64),
+    watch: &mut Watch<'_>,
 ) -> Simulation {
     let run = |tolerance| Driver::new(settings, tableau, model, problem).controlled(tolerance);
     // The estimate has order `s`, the result about twice that; a tenth is in hand. The run that is returned
     // keeps the promise inside its elements too.
     let s = tableau.stages() as f64;
     let mut tolerance = 0.1 * promise.powf((s + 1.0) / (2.0 * s));
-    let (mut looser, _) = run(tolerance).forgetful().run(&mut |_| {});
+    watch.restart(false);
+    let (mut looser, _) = run(tolerance).forgetful().run(watch);
+    let stopped = |run: &Simulation| matches!(run.status, SimulationStatus::Interrupted(_));
+    if stopped(&looser) {
+        return looser;
+    }
     tolerance = promise.min(0.1 * tolerance);
     let mut spent = Spent::of(&looser);
     for runs in 1..=MAX_RUNS {
-        let (mut tighter, motion) = run(tolerance.max(SMALLEST)).run(progress);
+        watch.restart(true);
+        let (mut tighter, motion) = run(tolerance.max(SMALLEST)).run(watch);
         spent.add(&tighter);
+        if stopped(&tighter) {
+            return spent.charge(tighter);
+        }
         let failed = [&looser, &tighter].map(|run| run.status != SimulationStatus::Solved);
         if failed == [false, false] {
             let error = difference(&looser, &tighter, &motion);

@@ -8,6 +8,7 @@ use crate::fesd::contacts::{Contacts, ModeError, dot};
 use crate::fesd::finite_element::{ElementError, FiniteElement, MotionSize, State};
 use crate::model::{ControlPiece, ImpactLaw, Model};
 use crate::rk::ButcherTableau;
+use crate::simulation::watch::Watch;
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, Event, InitialValueProblem, ProblemSize, Residuals,
     Seconds, Simulation, SimulationStatus, Trajectory,
@@ -212,9 +213,12 @@ impl<'a> Driver<'a> {
     }
 
     /// Runs to the horizon, or until it fails; returns the result and the size of its motion.
-    pub(super) fn run(mut self, progress: &mut dyn FnMut(f64)) -> (Simulation, MotionSize) {
+    pub(super) fn run(mut self, watch: &mut Watch<'_>) -> (Simulation, MotionSize) {
         let clock = ThreadTime::now();
-        let status = self.steps(progress);
+        let status = match self.steps(watch) {
+            Ok(()) => SimulationStatus::Solved,
+            Err(status) => status,
+        };
         if !self.keeps_trajectory {
             self.keeps_trajectory = true;
             self.record();
@@ -262,12 +266,12 @@ impl<'a> Driver<'a> {
         }
     }
 
-    fn steps(&mut self, progress: &mut dyn FnMut(f64)) -> SimulationStatus {
+    fn steps(&mut self, watch: &mut Watch<'_>) -> Result<(), SimulationStatus> {
         self.take_piece(0.0);
         self.active.clear();
         if let Err(error) = self.settle(&[]) {
             self.record();
-            return self.stopped(0, &Stop::Mode(error));
+            return Err(self.stopped(0, &Stop::Mode(error)));
         }
         self.initial_modes = self.modes();
         self.record();
@@ -279,12 +283,10 @@ impl<'a> Driver<'a> {
             } else {
                 self.horizon * (step + 1) as f64 / steps as f64
             };
-            if let Err(status) = self.step(step, end) {
-                return status;
-            }
-            progress(self.state.time);
+            self.step(step, end, watch)?;
+            watch.reach(self.state.time, self.counts.elements, &mut self.trajectory)?;
         }
-        SimulationStatus::Solved
+        Ok(())
     }
 
     /// First element length: a share of the horizon and of the time in which the velocity changes, which falls
@@ -304,7 +306,12 @@ impl<'a> Driver<'a> {
     }
 
     /// Advances to `end`, with as many segments as there are switches and pieces of the controls.
-    fn step(&mut self, step: usize, end: f64) -> Result<(), SimulationStatus> {
+    fn step(
+        &mut self,
+        step: usize,
+        end: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<(), SimulationStatus> {
         let begin = self.state.time;
         let shortest = 1e-14 * self.horizon;
         let mut halvings = 0;
@@ -312,6 +319,7 @@ impl<'a> Driver<'a> {
         let mut counted_from = begin;
         let mut size = ProblemSize::default();
         while end - self.state.time > shortest {
+            watch.reach(self.state.time, self.counts.elements, &mut self.trajectory)?;
             self.take_up_controls(step)?;
             let segment_end = self
                 .controls

@@ -29,7 +29,9 @@ mod switch;
 
 pub use settings::{Fesd, StepFormulation};
 
+use super::watch::Watch;
 use super::{InitialValueProblem, InputError, Simulation, Simulator};
+use crate::Observer;
 use crate::model::Model;
 
 impl Simulator for Fesd {
@@ -41,19 +43,32 @@ impl Simulator for Fesd {
         &self,
         model: &dyn Model,
         problem: &InitialValueProblem,
-        progress: &mut dyn FnMut(f64),
+        observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         let tableau = self.tableau()?;
         problem.check(model)?;
-        Ok(match self.promise() {
+        let mut watch = Watch::new(problem, observer);
+        let mut result = match self.promise() {
             Some(promise) => {
-                accuracy::promised(self, promise, &tableau, (model, problem), progress)
+                accuracy::promised(self, promise, &tableau, (model, problem), &mut watch)
             }
             None => {
                 driver::Driver::new(self, &tableau, model, problem)
-                    .run(progress)
+                    .run(&mut watch)
                     .0
             }
-        })
+        };
+        watch.finish(&mut result);
+        Ok(result)
+    }
+
+    fn set_tolerance(&mut self, tolerance: f64) -> Result<(), InputError> {
+        self.tolerance = Some(tolerance);
+        Ok(())
+    }
+
+    fn set_steps(&mut self, steps: usize) -> Result<(), InputError> {
+        self.steps = Some(steps);
+        Ok(())
     }
 }

@@ -19,6 +19,28 @@ pub enum StepFormulation {
 }
 
 /// Simulator by finite elements with switch detection.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let fesd = Fesd::default().with_grid(10, 2);
+/// let run = simulate(&ball).method(fesd).run()?;
+/// assert!((run.events[0].time - (2.0_f64 / 9.81).sqrt()).abs() < 1e-9);
+/// # Ok::<(), InputError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Fesd {

@@ -19,7 +19,7 @@ pub(crate) fn run(
     problem: &InitialValueProblem,
 ) -> Simulation {
     simulator
-        .simulate(model, problem, &mut |_| {})
+        .simulate(model, problem, &mut |_| true)
         .expect("the problem is accepted")
 }
 

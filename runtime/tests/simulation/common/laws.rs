@@ -11,7 +11,7 @@ hangtime::model! {
     pub(crate) Ground {
         parameters {
             mass: kg = 1, g: m/s^2 = 9.81, stiffness: N/m = 0,
-            slope = 0, offset: m = 0, height: m = 0, number: 1/m = 1, curvature: 1/m = 0, scale = 1,
+            slope = 0, offset: m = 0, height: m = 0, number: 1/m = 1, curvature: 1/m = 0, scale: 1 = 1,
             e = 0, mu = 0,
         }
         coordinates { y: m, z: m }

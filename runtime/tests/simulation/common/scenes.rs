@@ -39,7 +39,7 @@ hangtime::model! {
     pub(crate) SkiJump {
         parameters { mass: kg = 80, g: m/s^2 = 9.81 }
         coordinates { y: m, z: m }
-        fn table(y) = -0.0001524[1/m^3]*y^4 - 0.002149[1/m^2]*y^3 + 0.4162[1/m]*y^2 - 9.154*y + 99.15[m]
+        fn table(y) = (((-0.0001524[1/m^3]*y - 0.002149[1/m^2])*y + 0.4162[1/m])*y - 9.154)*y + 99.15[m]
         lagrangian mass/2*|dot((y, z))|^2 - mass*g*z
         surface table_surface: z >= table(y)
         surface slope: z >= 45[m] - y/2

@@ -43,10 +43,8 @@ impl Walk<'_> {
                 Ok(())
             }
             Statement::Let { name, value } => {
-                let units = self.units(value);
-                if let Ok(units) = units {
-                    self.values.insert(name.text.clone(), units);
-                }
+                let units = self.units(value)?;
+                self.values.insert(name.text.clone(), units);
                 Ok(())
             }
             Statement::Function {
@@ -77,20 +75,7 @@ impl Walk<'_> {
             }
             Statement::Surface {
                 name, left, right, ..
-            } => {
-                let (own, its) = (self.scalar(left), self.scalar(right));
-                let (own, its) = (own?, its?);
-                if !self.unifier.unify(&own, &its) {
-                    return Err(self.differ(
-                        left.place.to(right.place),
-                        (left, &own),
-                        (right, &its),
-                        &format!("both sides of surface `{}`", name.text),
-                    ));
-                }
-                self.gaps.push((name.text.clone(), own));
-                Ok(())
-            }
+            } => self.surface(name, left, right),
             Statement::Impact { surfaces, law } => self.law(surfaces, law),
             Statement::Minimize { value, .. } => self.scalar(value).map(|_| ()),
             Statement::Constraint { name, condition } => {
@@ -119,14 +104,27 @@ impl Walk<'_> {
                 }
                 Ok(())
             }
+            Statement::Horizon { value, .. } if is_bare(value) => Ok(()),
             Statement::Horizon { value, .. } => {
-                if is_bare(value) {
-                    return Ok(());
-                }
                 let own = self.scalar(value)?;
                 self.expect(value, &own, &Dimension::second(), "the horizon is a time")
             }
         }
+    }
+
+    fn surface(&mut self, name: &Name, left: &Expr, right: &Expr) -> Checked<()> {
+        let (own, its) = (self.scalar(left), self.scalar(right));
+        let (own, its) = (own?, its?);
+        if !self.unifier.unify(&own, &its) {
+            return Err(self.differ(
+                left.place.to(right.place),
+                (left, &own),
+                (right, &its),
+                &format!("both sides of surface `{}`", name.text),
+            ));
+        }
+        self.gaps.push((name.text.clone(), own));
+        Ok(())
     }
 
     fn quantity(&mut self, quantity: &Quantity) -> Checked<()> {

@@ -149,6 +149,18 @@ impl Builder<'_> {
         format!("let mut out = [0.0_f64]; {call}; out[0]")
     }
 
+    /// Jacobian and Hessian of rows that are formulas; `kernel` as below.
+    fn formulas(&mut self, kernel: &str, rows: &Explicit) -> Derivatives {
+        let (jacobian, hessian) = (&rows.jacobian, &rows.hessian);
+        let kernels = ["jacobian", "hessian"].map(|what| kernel.replace("{}", what));
+        Derivatives {
+            jacobian: self.call(&kernels[0], &jacobian.values, "x", "&[]", "values"),
+            hessian: self.call(&kernels[1], &hessian.values, "x", "multipliers", "values"),
+            jacobian_pattern: Pattern::of(jacobian),
+            hessian_pattern: Pattern::of(hessian),
+        }
+    }
+
     /// Jacobian and Hessian of rows that are formulas, followed by the solution of a linear system with
     /// this name if there is one. `kernel` is the name of the functions, `{}` in it what they compute.
     fn derivatives(
@@ -157,29 +169,12 @@ impl Builder<'_> {
         rows: &Explicit,
         solved: Option<(&str, &Implicit)>,
     ) -> Derivatives {
+        let Some((system, solved)) = solved else {
+            return self.formulas(kernel, rows);
+        };
         let jacobian_kernel = kernel.replace("{}", "jacobian");
         let hessian_kernel = kernel.replace("{}", "hessian");
         let first = rows.jacobian.values.len();
-        let Some((system, solved)) = solved else {
-            return Derivatives {
-                jacobian: self.call(
-                    &jacobian_kernel,
-                    &rows.jacobian.values,
-                    "x",
-                    "&[]",
-                    "values",
-                ),
-                hessian: self.call(
-                    &hessian_kernel,
-                    &rows.hessian.values,
-                    "x",
-                    "multipliers",
-                    "values",
-                ),
-                jacobian_pattern: Pattern::of(&rows.jacobian),
-                hessian_pattern: Pattern::of(&rows.hessian),
-            };
-        };
         let formulas = rows.values.len();
         let n = self.scene.coordinates.len();
         let geometry_jacobian = self.call(

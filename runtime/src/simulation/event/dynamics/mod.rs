@@ -45,6 +45,8 @@ pub(in crate::simulation) struct Dynamics<'a> {
     pub(in crate::simulation) lowest: Vec<f64>,
     /// Largest of `values` since [`sample_from`](Self::sample_from).
     pub(in crate::simulation) highest: Vec<f64>,
+    /// A contact one of whose functions could not be evaluated since [`sample_from`](Self::sample_from).
+    pub(in crate::simulation) undefined: Option<usize>,
     /// Whether a contact declares friction, if only with the coefficient 0.
     pub(in crate::simulation) declares_friction: bool,
     /// Coefficients of restitution.
@@ -71,6 +73,8 @@ pub(in crate::simulation) struct Dynamics<'a> {
     /// Accelerations that are nothing to a contact: `sqrt(D_i a'M a)`, the largest normal acceleration that
     /// forces of the size of those present could give, at the last change of the mode.
     force_floor: Vec<f64>,
+    /// Forces that pull no more than this are zero: so much was accepted with the mode.
+    accepted_pull: Vec<f64>,
     /// What counts as zero at each contact.
     scales: Vec<ContactScale>,
     auxiliary_acceleration: f64,
@@ -111,6 +115,7 @@ impl<'a> Dynamics<'a> {
             values: vec![0.0; functions],
             lowest: vec![0.0; functions],
             highest: vec![0.0; functions],
+            undefined: None,
             declares_friction: declaration.contacts.iter().any(|c| c.friction.is_some()),
             restitution: (0..contacts).map(|i| model.restitution(i)).collect(),
             friction,
@@ -123,6 +128,7 @@ impl<'a> Dynamics<'a> {
             s: vec![0.0; contacts],
             force_scale: vec![0.0; functions],
             force_floor: vec![0.0; functions],
+            accepted_pull: vec![0.0; functions],
             scales: vec![ContactScale::default(); contacts],
             auxiliary_acceleration,
             explicit_time: declaration.explicit_time,

@@ -231,6 +231,9 @@ impl System for Dynamics<'_> {
             dy[2 * n] = self.speed_of_numerical_time();
         }
         self.evaluate_switches(rows);
+        if let Some(function) = self.values.iter().position(|value| value.is_nan()) {
+            self.undefined = Some(self.switch(function).contact());
+        }
         for ((value, lowest), highest) in self
             .values
             .iter()

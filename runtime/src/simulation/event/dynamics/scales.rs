@@ -10,6 +10,8 @@ const CLOSED_GAP: f64 = 1e-12;
 const ROUNDINGS: f64 = 64.0;
 /// Velocities below this share of the largest terms they have been sums of are zero.
 const ZERO_VELOCITY: f64 = 1e-12;
+/// Normal velocities below this multiple of what rounding of the place leaves of them are zero.
+const TURNS: f64 = 4.0;
 /// A flight lower than this share of the range of the gap is none. It ends the geometric sequence of impacts of,
 /// for example, a rocking block.
 const LOWEST_FLIGHT: f64 = 1e-14;
@@ -31,6 +33,10 @@ pub(super) struct ContactScale {
     normal_velocity: f64,
     /// The same for the sliding velocity.
     sliding_velocity: f64,
+    /// Rounding error that the place leaves in the normal velocity.
+    turn: f64,
+    /// Longest moment so far.
+    longest: f64,
 }
 
 /// State and acceleration at an instant, and a time over which the motion is smooth.
@@ -74,6 +80,8 @@ impl Default for ContactScale {
             highest: f64::NEG_INFINITY,
             normal_velocity: 0.0,
             sliding_velocity: 0.0,
+            turn: 0.0,
+            longest: 0.0,
         }
     }
 }
@@ -82,12 +90,13 @@ impl ContactScale {
     /// Takes note of a contact, laid out as in [`contact_point`], and of its tangent if it has friction.
     pub(super) fn observe(&mut self, point: &[f64], tangent: Option<&[f64]>, instant: Instant<'_>) {
         let gap = point[contact_point::GAP];
+        self.longest = self.longest.max(instant.moment);
         self.lowest = self.lowest.min(gap);
         self.highest = self.highest.max(gap);
         let normal = &point[contact_point::NORMAL..][..instant.q.len()];
-        let curvature = instant.moment * point[contact_point::CURVATURE].abs();
-        let terms = instant.velocity_terms(normal);
-        self.normal_velocity = self.normal_velocity.max(terms + curvature);
+        let curvature = point[contact_point::CURVATURE].abs();
+        let terms = instant.velocity_terms(normal) + instant.moment * curvature;
+        self.normal_velocity = self.normal_velocity.max(terms);
         if let Some(tangent) = tangent {
             let terms = instant.velocity_terms(tangent);
             self.sliding_velocity = self.sliding_velocity.max(terms);
@@ -97,8 +106,14 @@ impl ContactScale {
             .zip(instant.q)
             .map(|(n, q)| (n * q).abs())
             .sum();
-        let way = instant.moment * (terms + curvature);
+        let way = instant.moment * self.normal_velocity;
         self.rounding = f64::EPSILON * (position + way);
+        // The normal turns while the motion covers the rounding error of the coordinates.
+        self.turn = if terms > 0.0 {
+            curvature * f64::EPSILON * position / terms
+        } else {
+            0.0
+        };
     }
 
     /// Takes note of gaps at five points at equal distances along the motion: what is left of their fourth
@@ -132,7 +147,22 @@ impl ContactScale {
 
     /// Below this normal velocity the contact is at rest.
     pub(super) fn zero_normal_velocity(&self) -> f64 {
-        ZERO_VELOCITY * self.normal_velocity
+        (ZERO_VELOCITY * self.normal_velocity).max(TURNS * self.turn)
+    }
+
+    /// Accelerations with which those of the contact are compared however small their terms are: they would give its
+    /// velocities in the longest moment.
+    pub(super) fn acceleration(&self) -> f64 {
+        if self.longest > 0.0 {
+            self.normal_velocity.max(self.sliding_velocity) / self.longest
+        } else {
+            0.0
+        }
+    }
+
+    /// Largest terms of the sliding velocity so far.
+    pub(super) fn sliding_velocity(&self) -> f64 {
+        self.sliding_velocity
     }
 
     /// Below this sliding velocity the contact does not slide.

@@ -41,6 +41,17 @@ impl Switch {
         }
     }
 
+    /// What it is, in words.
+    pub(in crate::simulation) fn words(self) -> &'static str {
+        match self {
+            Self::Gap(_) => "the gap",
+            Self::NormalForce(_) => "the normal force",
+            Self::FrictionLimit(..) => "the reserve of friction",
+            Self::SlidingVelocity(..) | Self::HeldVelocity(_) => "the sliding velocity",
+            Self::Constant(_) => "nothing",
+        }
+    }
+
     fn is_force(self) -> bool {
         matches!(self, Self::NormalForce(_) | Self::FrictionLimit(..))
     }
@@ -85,11 +96,16 @@ impl Dynamics<'_> {
             .sum();
         for &i in contacts {
             let inverse_inertia = self.point(i)[contact_point::INVERSE_INERTIA];
-            let floor = (inverse_inertia * square).max(0.0).sqrt();
+            let floor = f64::max(
+                (inverse_inertia * square).max(0.0).sqrt(),
+                self.scales[i].acceleration(),
+            );
             self.force_floor[i] = floor;
+            self.accepted_pull[i] = 0.0;
             if let Some(slot) = self.frictional.iter().position(|&other| other == i) {
                 let first = self.contacts + 2 * slot;
                 self.force_floor[first..first + 2].fill((1.0 + self.friction[i]) * floor);
+                self.accepted_pull[first..first + 2].fill(0.0);
             }
         }
     }
@@ -99,14 +115,14 @@ impl Dynamics<'_> {
         self.force_floor[contact]
     }
 
-    /// Accepts the contact forces of a new mode: one that is negative by rounding error is no reason to leave
-    /// the mode again.
+    /// Accepts the contact forces last evaluated: one that is negative by rounding error, or for an instant only, is
+    /// no reason to leave a new mode again.
     pub(in crate::simulation) fn accept_forces(&mut self) {
         for function in 0..self.functions() {
             if self.switch(function).is_force() {
                 let pull = -self.values[function];
-                let floor = &mut self.force_floor[function];
-                *floor = floor.max(2.0 * pull / ZERO_FORCE);
+                let accepted = &mut self.accepted_pull[function];
+                *accepted = accepted.max(2.0 * pull);
             }
         }
     }
@@ -115,6 +131,7 @@ impl Dynamics<'_> {
     pub(in crate::simulation) fn sample_from(&mut self, values: &[f64]) {
         self.lowest.copy_from_slice(values);
         self.highest.copy_from_slice(values);
+        self.undefined = None;
     }
 
     /// Below this gap a contact is closed.
@@ -158,9 +175,23 @@ impl Dynamics<'_> {
             Switch::Gap(i) => self.closed_gap(i),
             Switch::SlidingVelocity(i, _) => self.zero_sliding_velocity(i),
             Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
-                ZERO_FORCE * self.force_scale[function].max(self.force_floor[function])
+                (ZERO_FORCE * self.size(function)).max(self.accepted_pull[function])
             }
             Switch::HeldVelocity(_) | Switch::Constant(_) => 0.0,
+        }
+    }
+
+    /// Size of a switching function: the range of a gap, the terms of forces, the largest sliding velocity.
+    pub(in crate::simulation) fn size(&self, function: usize) -> f64 {
+        match self.switch(function) {
+            Switch::Gap(i) => self.gap_range(i),
+            Switch::SlidingVelocity(i, _) | Switch::HeldVelocity(i) => {
+                self.scales[i].sliding_velocity()
+            }
+            Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
+                self.force_scale[function].max(self.force_floor[function])
+            }
+            Switch::Constant(_) => CONSTANT,
         }
     }
 

@@ -54,16 +54,16 @@ mod hostile {
 
 #[allow(non_camel_case_types)]
 mod named {
-    hangtime::model! { pub Copy { coordinates { z } lagrangian dot(z)^2/2 - 5*z } }
-    hangtime::model! { pub hangtime { coordinates { z } lagrangian dot(z)^2/2 - 6*z } }
-    hangtime::model! { pub gen { parameters { gen = 7 } coordinates { z } lagrangian dot(z)^2/2 - gen*z } }
+    ::hangtime::model! { pub Copy { coordinates { z } lagrangian dot(z)^2/2 - 5*z } }
+    ::hangtime::model! { pub hangtime { coordinates { z } lagrangian dot(z)^2/2 - 6*z } }
+    ::hangtime::model! { pub gen { parameters { gen = 7 } coordinates { z } lagrangian dot(z)^2/2 - gen*z } }
 }
 
 /// What a macro hands over is one expression.
 macro_rules! falling {
     ($name:ident, $force:expr, $power:expr, $unit:ty, $least:literal) => {
         hangtime::model! {
-            pub $name {
+            pub(crate) $name {
                 parameters { m: $unit = 1, w: N = 1 }
                 coordinates { z: m in $least..=9 }
                 lagrangian m/2*dot(z)^2 - 3*$force*w*z - $power^2*w*z
@@ -79,12 +79,16 @@ fn acceleration(model: &dyn hangtime::model::Model) -> f64 {
     a[0]
 }
 
-fn main() {
+#[test]
+fn scenes_mean_the_same_whatever_names_are_in_scope() {
     assert_eq!(acceleration(&named::Copy::default()), -5.0);
     assert_eq!(acceleration(&named::hangtime::default()), -6.0);
     assert_eq!(acceleration(&named::r#gen { r#gen: 8.0 }), -8.0);
     assert_eq!(acceleration(&named::r#gen::default().with_gen(9.0)), -9.0);
-    assert_eq!(acceleration(&Thrown::default()), -f64::from(3 * (2 + 5) + (-4) * (-4)));
+    assert_eq!(
+        acceleration(&Thrown::default()),
+        -f64::from(3 * (2 + 5) + (-4) * (-4))
+    );
     assert_eq!(hostile::Option::default().m, 2.0);
     assert_eq!(hostile::Ring::default().r#gen, 2.0);
 }

@@ -1,0 +1,257 @@
+//! What the documents have in common.
+
+use hangtime::model::{ContactDeclaration, Declaration, Model};
+use hangtime::simulation::{Counts, Diagnosis, Event, ProblemSize, Residuals, Seconds, Trajectory};
+use serde::{Serialize, Serializer};
+
+use crate::published::Quantity;
+use crate::quantity;
+use crate::settings::ChosenScene;
+use crate::thinning;
+
+/// Version of the document's layout.
+pub(crate) const SCHEMA: u32 = 1;
+
+/// One line of JSON with its line end.
+pub(crate) fn to_line(value: &impl Serialize) -> String {
+    // Maps with keys that are not text and failing writers are the only errors of this writer; the
+    // documents have neither.
+    serde_json::to_string(value).unwrap_or_default() + "\n"
+}
+
+/// Parameter values by name, in order of declaration, then the choices of the scene's form.
+pub(crate) struct ParameterValues<'a> {
+    model: &'a dyn Model,
+    choices: &'static [(&'static str, &'static str)],
+}
+
+impl<'a> ParameterValues<'a> {
+    /// The values of a scene with its settings applied.
+    pub(crate) fn of(chosen: &'a ChosenScene) -> Self {
+        Self {
+            model: chosen.model.as_ref(),
+            choices: chosen.choices,
+        }
+    }
+}
+
+impl Serialize for ParameterValues<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        use serde::ser::SerializeMap as _;
+        let mut map = serializer.serialize_map(None)?;
+        for (index, parameter) in self.model.declaration().parameters.iter().enumerate() {
+            map.serialize_entry(parameter.name, &self.model.parameter(index))?;
+        }
+        for (name, choice) in self.choices {
+            map.serialize_entry(name, choice)?;
+        }
+        map.end()
+    }
+}
+
+#[derive(Serialize)]
+pub(super) struct DiagnosisEntry<'a> {
+    time: f64,
+    step: usize,
+    contact: Option<&'static str>,
+    message: &'a str,
+}
+
+impl<'a> DiagnosisEntry<'a> {
+    pub(super) fn new(diagnosis: &'a Diagnosis, contacts: &[ContactDeclaration]) -> Self {
+        Self {
+            time: diagnosis.time,
+            step: diagnosis.step,
+            contact: diagnosis.contact.map(|contact| contacts[contact].name),
+            message: &diagnosis.message,
+        }
+    }
+}
+
+#[derive(Serialize)]
+pub(super) struct EventEntry<'a> {
+    time: f64,
+    kind: &'static str,
+    contact: &'static str,
+    q: &'a [f64],
+    v_before: &'a [f64],
+    v_after: &'a [f64],
+}
+
+impl<'a> EventEntry<'a> {
+    pub(super) fn new(event: &'a Event, contacts: &[ContactDeclaration]) -> Self {
+        Self {
+            time: event.time,
+            kind: event.kind.name(),
+            contact: contacts[event.contact].name,
+            q: &event.q,
+            v_before: &event.v_before,
+            v_after: &event.v_after,
+        }
+    }
+}
+
+/// The instants of a trajectory, thinned to the number asked for.
+#[derive(Default, Serialize)]
+pub(super) struct TrajectoryEntry<'a> {
+    time: Vec<f64>,
+    numerical_time: Vec<f64>,
+    q: Vec<&'a [f64]>,
+    v: Vec<&'a [f64]>,
+    u: Vec<&'a [f64]>,
+    contact_force: Vec<&'a [f64]>,
+    /// Only for scenes with friction.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    friction_force: Vec<&'a [f64]>,
+}
+
+impl<'a> TrajectoryEntry<'a> {
+    /// At most `most` of the rows before the first number that is not finite.
+    pub(super) fn new(trajectory: &'a Trajectory, most: usize) -> Self {
+        let rows = finite_instants(trajectory);
+        let kept = thinning::kept(&trajectory.time[..rows], most);
+        let numbers = |column: &[f64]| kept.iter().map(|&k| column[k]).collect();
+        let vectors = |column: &'a [Vec<f64>]| -> Vec<&'a [f64]> {
+            kept.iter()
+                .filter_map(|&k| column.get(k))
+                .map(Vec::as_slice)
+                .collect()
+        };
+        Self {
+            time: numbers(&trajectory.time),
+            numerical_time: numbers(&trajectory.numerical_time),
+            q: vectors(&trajectory.q),
+            v: vectors(&trajectory.v),
+            u: vectors(&trajectory.u),
+            contact_force: vectors(&trajectory.contact_force),
+            friction_force: vectors(&trajectory.friction_force),
+        }
+    }
+
+    /// What the notes say about rows that were left out.
+    pub(super) fn note(&self, trajectory: &Trajectory) -> Option<String> {
+        thinning::note(finite_instants(trajectory), self.time.len())
+    }
+
+    pub(super) fn last(&self) -> Option<FinalEntry<'a>> {
+        Some(FinalEntry {
+            time: *self.time.last()?,
+            q: self.q.last()?,
+            v: self.v.last()?,
+        })
+    }
+}
+
+/// Instants before the first number that is not finite.
+fn finite_instants(trajectory: &Trajectory) -> usize {
+    let finite = |row: &[f64]| row.iter().all(|value| value.is_finite());
+    (0..trajectory.time.len())
+        .take_while(|&k| {
+            trajectory.time[k].is_finite()
+                && trajectory.numerical_time[k].is_finite()
+                && [
+                    &trajectory.q[k],
+                    &trajectory.v[k],
+                    &trajectory.u[k],
+                    &trajectory.contact_force[k],
+                ]
+                .into_iter()
+                .chain(trajectory.friction_force.get(k))
+                .all(|row| finite(row))
+        })
+        .count()
+}
+
+/// Name and unit of every column of a trajectory.
+#[derive(Serialize)]
+pub(super) struct QuantitiesEntry {
+    time: &'static str,
+    q: Vec<QuantityEntry>,
+    v: Vec<QuantityEntry>,
+    u: Vec<QuantityEntry>,
+    contact_force: Vec<QuantityEntry>,
+    /// Only for scenes with friction.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    friction_force: Vec<QuantityEntry>,
+}
+
+#[derive(Serialize)]
+struct QuantityEntry {
+    /// Name of the coordinate, control or contact; of a velocity `dy/dt`.
+    name: String,
+    /// Its unit; empty for a number.
+    unit: String,
+}
+
+impl QuantitiesEntry {
+    pub(super) fn of(declaration: &Declaration) -> Self {
+        let columns = |count: usize, quantity: fn(usize) -> Quantity| {
+            let entry = |index| {
+                let quantity = quantity(index);
+                QuantityEntry {
+                    name: quantity::name(declaration, quantity),
+                    unit: quantity::unit(declaration, quantity),
+                }
+            };
+            (0..count).map(entry).collect()
+        };
+        let coordinates = declaration.coordinates.len();
+        let contacts = declaration.contacts.len();
+        let rub = declaration.contacts.iter().any(|c| c.friction.is_some());
+        Self {
+            time: "s",
+            q: columns(coordinates, Quantity::Coordinate),
+            v: columns(coordinates, Quantity::Velocity),
+            u: columns(declaration.controls.len(), Quantity::Control),
+            contact_force: columns(contacts, Quantity::ContactForce),
+            friction_force: columns(if rub { contacts } else { 0 }, Quantity::FrictionForce),
+        }
+    }
+}
+
+#[derive(Serialize)]
+pub(super) struct FinalEntry<'a> {
+    time: f64,
+    q: &'a [f64],
+    v: &'a [f64],
+}
+
+#[derive(Serialize)]
+#[serde(remote = "Residuals")]
+pub(super) struct ResidualsEntry {
+    primal: f64,
+    dual: f64,
+    complementarity: f64,
+}
+
+#[derive(Serialize)]
+#[serde(remote = "ProblemSize")]
+pub(super) struct SizeEntry {
+    variables: usize,
+    equalities: usize,
+    inequalities: usize,
+    complementarities: usize,
+    jacobian_nonzeros: usize,
+    hessian_nonzeros: usize,
+}
+
+#[derive(Serialize)]
+#[serde(remote = "Counts")]
+pub(super) struct IterationsEntry {
+    interior_point: usize,
+    crossover: usize,
+    newton: usize,
+    factorizations: usize,
+    evaluations: usize,
+    elements: usize,
+    fallbacks: usize,
+}
+
+#[derive(Serialize)]
+#[serde(remote = "Seconds")]
+pub(super) struct SecondsEntry {
+    total: f64,
+    evaluate: f64,
+    factorize: f64,
+    solve: f64,
+}

@@ -1,0 +1,143 @@
+//! The JSON document of a simulation.
+
+use hangtime::simulation::{Counts, ProblemSize, Residuals, Seconds, Simulation};
+use serde::Serialize;
+
+use super::parts::{
+    DiagnosisEntry, EventEntry, FinalEntry, IterationsEntry, ParameterValues, QuantitiesEntry,
+    ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
+};
+use crate::method::MethodSettings;
+use crate::settings::ChosenScene;
+
+/// The document; its fields are those of the contract, in their order.
+#[derive(Serialize)]
+pub(crate) struct Document<'a> {
+    schema: u32,
+    scene: &'static str,
+    parameters: ParameterValues<'a>,
+    horizon: f64,
+    method: MethodSettings,
+    status: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    diagnosis: Option<DiagnosisEntry<'a>>,
+    events: Vec<EventEntry<'a>>,
+    trajectory: TrajectoryEntry<'a>,
+    #[serde(rename = "final")]
+    last: Option<FinalEntry<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error_estimate: Option<f64>,
+    #[serde(with = "ResidualsEntry")]
+    residuals: Residuals,
+    #[serde(with = "SizeEntry")]
+    size: ProblemSize,
+    #[serde(with = "IterationsEntry")]
+    iterations: Counts,
+    #[serde(with = "SecondsEntry")]
+    seconds: Seconds,
+    notes: Vec<String>,
+    quantities: QuantitiesEntry,
+}
+
+impl<'a> Document<'a> {
+    /// The document of one simulation of `chosen` over `horizon`, with at most `rows` rows of its trajectory.
+    pub(crate) fn new(
+        chosen: &'a ChosenScene,
+        horizon: f64,
+        method: &'a MethodSettings,
+        simulation: &'a Simulation,
+        rows: usize,
+    ) -> Self {
+        let declaration = chosen.model.declaration();
+        let contacts = declaration.contacts;
+        let trajectory = TrajectoryEntry::new(&simulation.trajectory, rows);
+        let notes = simulation.notes.iter().cloned();
+        let notes = notes.chain(trajectory.note(&simulation.trajectory));
+        Self {
+            schema: SCHEMA,
+            scene: chosen.scene.name,
+            parameters: ParameterValues::of(chosen),
+            horizon,
+            method: method.with_steps_of(simulation),
+            status: simulation.status.name(),
+            diagnosis: simulation
+                .status
+                .diagnosis()
+                .map(|diagnosis| DiagnosisEntry::new(diagnosis, contacts)),
+            events: simulation
+                .events
+                .iter()
+                .map(|event| EventEntry::new(event, contacts))
+                .collect(),
+            last: trajectory.last(),
+            trajectory,
+            error_estimate: simulation.error_estimate,
+            residuals: simulation.residuals,
+            size: simulation.size,
+            iterations: simulation.counts,
+            seconds: simulation.seconds,
+            notes: notes.collect(),
+            quantities: QuantitiesEntry::of(declaration),
+        }
+    }
+
+    /// The document as one line of text.
+    pub(crate) fn text(&self) -> String {
+        to_line(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use hangtime::simulation::{Diagnosis, Simulation, SimulationStatus, Trajectory};
+
+    use super::Document;
+    use crate::method::MethodSettings;
+    use crate::settings::{ChosenScene, find};
+
+    #[test]
+    fn document_of_a_run_that_became_infinite_ends_before_the_first_infinite_row() {
+        let chosen = ChosenScene::new(find(crate::testing::SCENES, "slide").unwrap(), &[]).unwrap();
+        let mut trajectory = Trajectory::default();
+        trajectory.push(0.0, 0.0, &[1.0, 0.1], &[0.0, 0.0], &[], &[0.0, 0.0]);
+        trajectory.push(0.5, 0.5, &[2.0, 0.2], &[1e300, 0.0], &[], &[0.0, 0.0]);
+        trajectory.push(
+            1.0,
+            1.0,
+            &[3.0, 0.3],
+            &[f64::INFINITY, 0.0],
+            &[],
+            &[0.0, 0.0],
+        );
+        let simulation = Simulation {
+            declaration: chosen.model.declaration(),
+            initial_modes: Vec::new(),
+            status: SimulationStatus::NotFinite(Diagnosis {
+                time: 1.0,
+                step: 2,
+                contact: Some(1),
+                message: "velocity is infinite".into(),
+            }),
+            events: Vec::new(),
+            trajectory,
+            error_estimate: None,
+            residuals: hangtime::simulation::Residuals {
+                primal: f64::NAN,
+                ..Default::default()
+            },
+            size: Default::default(),
+            counts: Default::default(),
+            seconds: Default::default(),
+            notes: Vec::new(),
+        };
+        let settings = MethodSettings::default();
+        let text = Document::new(&chosen, 5.0, &settings, &simulation, 100).text();
+        let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(document["status"], "not_finite");
+        assert_eq!(document["diagnosis"]["contact"], "slope");
+        assert_eq!(document["trajectory"]["time"].as_array().unwrap().len(), 2);
+        assert_eq!(document["final"]["q"], serde_json::json!([2.0, 0.2]));
+        assert!(document["residuals"]["primal"].is_null());
+        assert!(text.contains("1e+300") && text.contains("0.1"), "{text}");
+    }
+}

@@ -1,0 +1,127 @@
+//! Pieces that several statements are made of: names, blocks, lists, ranges, targets.
+
+use super::cursor::Cursor;
+use super::expression::expression;
+use super::unexpected;
+use crate::ast::{Expr, Name};
+use crate::diagnostics::{Checked, Diagnostics, Reported};
+use crate::words;
+use proc_macro2::{Delimiter, TokenTree};
+
+/// A name that is no word of the language; `what` it names.
+pub(super) fn name(
+    cursor: &mut Cursor,
+    what: &str,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Name> {
+    if cursor
+        .ident()
+        .is_some_and(|ident| words::is_keyword(&ident.to_string()))
+    {
+        return Err(diagnostics.report(
+            "E11",
+            cursor.place(),
+            format!(
+                "{} is a word of the language; choose another name",
+                cursor.describe()
+            ),
+        ));
+    }
+    if let Some(number) = cursor.decimal_comma() {
+        let message = format!("a number has a decimal point, not a comma; write `{number}`");
+        return Err(diagnostics.syntax(cursor.place(), message));
+    }
+    match cursor.eat_name() {
+        Some(name) => Ok(name),
+        None => Err(unexpected(cursor, diagnostics, what)),
+    }
+}
+
+/// The sign `=`.
+pub(super) fn equals(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<()> {
+    if cursor.eat_symbol("=") {
+        Ok(())
+    } else {
+        Err(unexpected(cursor, diagnostics, "`=`"))
+    }
+}
+
+/// The inside of the block behind a word.
+pub(super) fn block(
+    cursor: &mut Cursor,
+    word: &Name,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Cursor> {
+    match cursor.eat_group(Delimiter::Brace) {
+        Some(group) => Ok(Cursor::inside(&group)),
+        None => Err(unexpected(
+            cursor,
+            diagnostics,
+            &format!("`{{` after `{}`", word.text),
+        )),
+    }
+}
+
+/// Entries between commas; a faulty entry is skipped, the others are kept.
+pub(super) fn entries<T>(
+    mut inner: Cursor,
+    diagnostics: &mut Diagnostics,
+    mut entry: impl FnMut(&mut Cursor, &mut Diagnostics) -> Checked<T>,
+) -> Vec<T> {
+    let mut found = Vec::new();
+    while !inner.is_empty() {
+        let result = entry(&mut inner, diagnostics);
+        match result {
+            Ok(item) => {
+                found.push(item);
+                if !inner.is_empty() && !inner.at_symbol(",") {
+                    unexpected(&inner, diagnostics, "`,` or `}`");
+                    inner.skip_until(|cursor| cursor.at_symbol(","));
+                }
+            }
+            Err(Reported) => inner.skip_until(|cursor| cursor.at_symbol(",")),
+        }
+        inner.eat_symbol(",");
+    }
+    found
+}
+
+/// Bounds of a quantity, if it has any.
+pub(super) type Bounds = Option<(Expr, Expr)>;
+
+/// `in lower..=upper`, if it stands there.
+pub(super) fn range(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Bounds> {
+    if !cursor.eat_word("in") {
+        return Ok(None);
+    }
+    let lower = expression(cursor, diagnostics)?;
+    if !cursor.eat_symbol("..=") {
+        return Err(unexpected(
+            cursor,
+            diagnostics,
+            "`..=` between lower and upper bound",
+        ));
+    }
+    let upper = expression(cursor, diagnostics)?;
+    Ok(Some((lower, upper)))
+}
+
+/// `name` or `dot(name)`; whether it is the latter.
+pub(super) fn target(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<(Name, bool)> {
+    let velocity = cursor.at_word("dot")
+        && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
+            if group.delimiter() == Delimiter::Parenthesis);
+    if !velocity {
+        return Ok((name(cursor, "a coordinate", diagnostics)?, false));
+    }
+    cursor.advance();
+    let group = cursor.eat_group(Delimiter::Parenthesis);
+    let mut inner = group
+        .as_ref()
+        .map_or_else(|| cursor.clone(), Cursor::inside);
+    let target = name(&mut inner, "a coordinate", diagnostics)?;
+    if !inner.is_empty() {
+        return Err(unexpected(&inner, diagnostics, "`)`"));
+    }
+    Ok((target, true))
+}

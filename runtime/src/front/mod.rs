@@ -1,0 +1,43 @@
+//! The front door: [`simulate`](simulate::simulate) and [`solve`](solve::solve) with everything that is not said left
+//! to the declaration of the scene.
+
+pub(crate) mod simulate;
+pub(crate) mod solve;
+
+use crate::model::Declaration;
+use crate::simulation::{InputError, Quantity};
+
+/// Initial values that replace declared ones, by name.
+#[derive(Debug, Clone, Default)]
+struct StartValues(Vec<(String, f64)>);
+
+impl StartValues {
+    fn set(&mut self, name: &str, value: f64) {
+        self.0.push((name.to_owned(), value));
+    }
+
+    /// Puts the values into the start `(q, v)`.
+    fn write(
+        &self,
+        declaration: &'static Declaration,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<(), InputError> {
+        for (name, value) in &self.0 {
+            match Quantity::named(declaration, name) {
+                Some(Quantity::Coordinate(k)) => q[k] = *value,
+                Some(Quantity::Velocity(k)) => v[k] = *value,
+                _ => {
+                    let known = declaration.coordinates.iter();
+                    let known = known.map(|c| format!("{0}, dot({0})", c.name));
+                    return Err(InputError::UnknownName {
+                        what: format!("the start of `{}`", declaration.name),
+                        name: name.clone(),
+                        known: known.collect::<Vec<_>>().join(", "),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,165 @@
+//! `simulate(&model)`.
+
+use super::StartValues;
+use crate::model::Model;
+use crate::simulation::{
+    ControlSignal, Fesd, InitialValueProblem, InputError, Simulation, Simulator,
+};
+use crate::{Observer, Progress};
+
+/// Simulates a scene as it declares: from its start over its horizon, without controls, by finite elements.
+/// [`Simulate`] changes any of that.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// hangtime::model! {
+///     /// A ball above a floor.
+///     pub Ball {
+///         parameters { m: kg = 1, g: m/s^2 = 9.81 }
+///         coordinates { z: m }
+///         lagrangian m/2*dot(z)^2 - m*g*z
+///         surface floor: z >= 0
+///         impact floor: inelastic
+///         start { z: 1 [m] }
+///         horizon 1 [s]
+///     }
+/// }
+///
+/// let run = simulate(&Ball::default()).run()?;
+/// println!("{run}");
+/// assert!((run.events[0].time - (2.0_f64 / 9.81).sqrt()).abs() < 1e-9);
+/// assert!(run.at(0.9)?["z"].abs() < 1e-9);
+/// # Ok::<(), InputError>(())
+/// ```
+pub fn simulate(model: &dyn Model) -> Simulate<'_> {
+    Simulate {
+        model,
+        method: Box::new(Fesd::default()),
+        tolerance: None,
+        steps: None,
+        horizon: None,
+        start: StartValues::default(),
+        controls: ControlSignal::Zero,
+        points: InitialValueProblem::DEFAULT_POINTS,
+        observer: None,
+    }
+}
+
+/// A simulation that is about to [`run`](Self::run); made by [`simulate`].
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: 1 [m] }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let run = simulate(&ball)
+///     .method(EventDriven::default())
+///     .tolerance(1e-12)
+///     .start("dot(z)", 2.0)
+///     .horizon(0.2)
+///     .run()?;
+/// assert!((run.at(0.2)?["dot(z)"] - (2.0 - 9.81 * 0.2)).abs() < 1e-12);
+/// # Ok::<(), InputError>(())
+/// ```
+#[must_use = "nothing is simulated before `run`"]
+pub struct Simulate<'a> {
+    model: &'a dyn Model,
+    method: Box<dyn Simulator + 'a>,
+    tolerance: Option<f64>,
+    steps: Option<usize>,
+    horizon: Option<f64>,
+    start: StartValues,
+    controls: ControlSignal,
+    points: usize,
+    observer: Option<Box<Observer<'a>>>,
+}
+
+impl<'a> Simulate<'a> {
+    /// The method, with its settings; default [`Fesd`].
+    pub fn method(mut self, method: impl Simulator + 'a) -> Self {
+        self.method = Box::new(method);
+        self
+    }
+
+    /// Tolerance of the method, see [`Fesd::tolerance`], [`EventDriven::tolerance`](crate::simulation::EventDriven) and
+    /// [`Smooth::tolerance`](crate::simulation::Smooth); the others are refused.
+    pub fn tolerance(mut self, tolerance: f64) -> Self {
+        self.tolerance = Some(tolerance);
+        self
+    }
+
+    /// Number of equal steps of the method: of [`Fesd`], [`Moreau`](crate::simulation::Moreau) or
+    /// [`FixedStep`](crate::simulation::FixedStep); the others are refused.
+    pub fn steps(mut self, steps: usize) -> Self {
+        self.steps = Some(steps);
+        self
+    }
+
+    /// Length of the simulation \[s\]; default the declared one.
+    pub fn horizon(mut self, seconds: f64) -> Self {
+        self.horizon = Some(seconds);
+        self
+    }
+
+    /// Initial value of a coordinate, `"z"`, or of a velocity, `"dot(z)"`, in the unit of the coordinate; default the
+    /// declared one.
+    pub fn start(mut self, name: &str, value: f64) -> Self {
+        self.start.set(name, value);
+        self
+    }
+
+    /// Controls over time; default all zero.
+    pub fn controls(mut self, controls: ControlSignal) -> Self {
+        self.controls = controls;
+        self
+    }
+
+    /// Most points of the trajectory, see [`InitialValueProblem::points`].
+    pub fn points(mut self, points: usize) -> Self {
+        self.points = points;
+        self
+    }
+
+    /// Sees the progress after every step; where it returns `false`, the run ends as
+    /// [`Interrupted`](crate::simulation::SimulationStatus::Interrupted).
+    pub fn observer(mut self, observer: impl FnMut(&Progress) -> bool + Send + 'a) -> Self {
+        self.observer = Some(Box::new(observer));
+        self
+    }
+
+    /// Simulates.
+    ///
+    /// # Errors
+    /// [`InputError`] if anything that was asked for is refused before the first step; what happens later is the
+    /// [`status`](Simulation::status) of the result.
+    pub fn run(mut self) -> Result<Simulation, InputError> {
+        if let Some(steps) = self.steps {
+            self.method.set_steps(steps)?;
+        }
+        if let Some(tolerance) = self.tolerance {
+            self.method.set_tolerance(tolerance)?;
+        }
+        let mut problem = InitialValueProblem::of(self.model, self.horizon)?;
+        let declaration = self.model.declaration();
+        self.start
+            .write(declaration, &mut problem.q, &mut problem.v)?;
+        problem.controls = self.controls;
+        problem.points = self.points;
+        match self.observer {
+            Some(mut observer) => self.method.simulate(self.model, &problem, &mut *observer),
+            None => self.method.simulate(self.model, &problem, &mut |_| true),
+        }
+    }
+}

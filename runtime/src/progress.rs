@@ -1,0 +1,97 @@
+//! What a run tells whoever waits for it, and how it is stopped.
+
+use std::fmt;
+
+/// What a simulation or an optimal control run is doing.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// hangtime::model! {
+///     /// A stone falls into a well.
+///     pub Stone {
+///         parameters { m: kg = 1, g: m/s^2 = 9.81 }
+///         coordinates { z: m }
+///         lagrangian m/2*dot(z)^2 - m*g*z
+///         surface water: z + 5[m] >= 0
+///         impact water: inelastic
+///         horizon 2 [s]
+///     }
+/// }
+///
+/// let stone = Stone::default();
+/// let run = simulate(&stone).observer(|progress| progress.time < 0.5).run()?;
+/// assert_eq!(run.status.name(), "interrupted");
+/// # Ok::<(), InputError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Progress {
+    /// Name of the step: `"simulation"`, or the phase of the optimal control solver.
+    pub step: &'static str,
+    /// Physical time that a simulation has reached \[s\]; 0 in optimal control.
+    pub time: f64,
+    /// Steps or elements that a simulation has accepted, or interior point iterations, those of the program under way
+    /// included.
+    pub iterations: usize,
+    /// Programs solved so far.
+    pub programs: usize,
+    /// Objective of the iterate; it may be infeasible.
+    pub objective: f64,
+    /// Scaled violation of the constraints of the iterate.
+    pub primal_infeasibility: f64,
+    /// Scaled gradient of the Lagrangian of the iterate.
+    pub dual_infeasibility: f64,
+    /// Largest complementarity of the iterate.
+    pub complementarity: f64,
+    /// Best objective of a motion with a consistent contact sequence so far.
+    pub best: Option<f64>,
+    /// Wall-clock time since the start \[s\].
+    pub seconds: f64,
+}
+
+impl Progress {
+    /// Nothing done yet.
+    pub(crate) fn new(step: &'static str) -> Self {
+        Self {
+            step,
+            time: 0.0,
+            iterations: 0,
+            programs: 0,
+            objective: f64::NAN,
+            primal_infeasibility: f64::NAN,
+            dual_infeasibility: f64::NAN,
+            complementarity: f64::NAN,
+            best: None,
+            seconds: 0.0,
+        }
+    }
+}
+
+impl fmt::Display for Progress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.step)?;
+        if self.objective.is_nan() {
+            return write!(f, "t = {:.6} s, {} steps", self.time, self.iterations);
+        }
+        write!(
+            f,
+            "program {}, iteration {}, residuals primal {:.0e} dual {:.0e} complementarity {:.0e}",
+            self.programs + 1,
+            self.iterations,
+            self.primal_infeasibility,
+            self.dual_infeasibility,
+            self.complementarity
+        )?;
+        match self.best {
+            Some(best) => write!(f, ", best objective {best:.7}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Sees the progress after every accepted step of a simulation, or every interior point iteration; `false` stops the
+/// run, which then ends with the status `interrupted` and what was found so far.
+///
+/// Solvers that run side by side share one observer, hence `Send`.
+pub type Observer<'a> = dyn FnMut(&Progress) -> bool + Send + 'a;

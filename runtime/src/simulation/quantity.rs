@@ -1,0 +1,120 @@
+//! Names of what a result holds, and how its numbers are written.
+
+use crate::model::Declaration;
+
+/// Digits of a number for people.
+const DIGITS: usize = 7;
+
+/// Something that a state holds, by its index in the declaration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Quantity {
+    Time,
+    Coordinate(usize),
+    Velocity(usize),
+    Control(usize),
+    /// Normal force of a contact.
+    Force(usize),
+    /// Tangential force of a contact.
+    Friction(usize),
+}
+
+impl Quantity {
+    /// The quantity with a name such as `z`, `dot(z)`, `u`, `force(floor)`, `friction(floor)`, `time`.
+    pub(crate) fn named(declaration: &Declaration, name: &str) -> Option<Self> {
+        let argument = |function: &str| {
+            let rest = name.strip_prefix(function)?.trim_start();
+            Some(rest.strip_prefix('(')?.strip_suffix(')')?.trim())
+        };
+        let coordinate = |name: &str| declaration.coordinates.iter().position(|c| c.name == name);
+        let contact = |name: &str| declaration.contacts.iter().position(|c| c.name == name);
+        if let Some(name) = argument("dot") {
+            return coordinate(name).map(Self::Velocity);
+        }
+        if let Some(name) = argument("force") {
+            return contact(name).map(Self::Force);
+        }
+        if let Some(name) = argument("friction") {
+            return contact(name).map(Self::Friction);
+        }
+        let control = || declaration.controls.iter().position(|c| c.name == name);
+        let time = (name == "time").then_some(Self::Time);
+        coordinate(name)
+            .map(Self::Coordinate)
+            .or_else(|| control().map(Self::Control))
+            .or(time)
+    }
+
+    /// Why `name` is none, with the names that there are.
+    pub(super) fn unknown(declaration: &Declaration, name: &str) -> String {
+        let coordinates = declaration.coordinates.iter().map(|c| c.name.to_owned());
+        let velocities = declaration
+            .coordinates
+            .iter()
+            .map(|c| format!("dot({})", c.name));
+        let controls = declaration.controls.iter().map(|c| c.name.to_owned());
+        let forces = declaration
+            .contacts
+            .iter()
+            .map(|c| format!("force({})", c.name));
+        let rubbing = declaration.contacts.iter().filter(|c| c.friction.is_some());
+        let frictions = rubbing.map(|c| format!("friction({})", c.name));
+        let all = coordinates
+            .chain(velocities)
+            .chain(controls)
+            .chain(forces)
+            .chain(frictions);
+        let names: Vec<String> = all.collect();
+        format!(
+            "`{}` has no `{name}`; it has {}, time",
+            declaration.name,
+            names.join(", ")
+        )
+    }
+}
+
+/// The unit of a velocity whose coordinate has `unit`, or of an angle's.
+pub(super) fn per_second(unit: &str) -> String {
+    format!("{}/s", if unit.is_empty() { "1" } else { unit })
+}
+
+/// A number for people: up to seven digits.
+pub(crate) fn number(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        return "0".into();
+    }
+    if !(1e-4..1e7).contains(&size) {
+        return format!("{value:.*e}", DIGITS - 1);
+    }
+    let whole = size.log10().floor() as i32 + 1;
+    let decimals = (DIGITS as i32 - whole.max(1)).max(0) as usize;
+    let text = format!("{value:.decimals$}");
+    if decimals == 0 {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn number_has_up_to_seven_digits_whatever_its_size() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1000.0, "1000"),
+            (-1.2 - 1e-12, "-1.2"),
+            (9_999_999.0, "9999999"),
+            (1.406_262_14, "1.406262"),
+            (-123.456_789, "-123.4568"),
+            (0.012_345_678, "0.012346"),
+            (2.5e-7, "2.500000e-7"),
+            (1e9, "1.000000e9"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+    }
+}

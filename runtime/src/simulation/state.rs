@@ -1,0 +1,142 @@
+//! States of a simulation by name and time.
+
+use std::fmt;
+use std::ops::Index;
+
+use super::quantity::{Quantity, number, per_second};
+use crate::model::Declaration;
+
+/// State of a simulation at one instant, see [`Simulation::at`](super::Simulation::at).
+///
+/// Values are read by name: a coordinate `"z"`, its velocity `"dot(z)"`, a control `"u"`, the normal and the tangential
+/// force of a contact `"force(floor)"` and `"friction(floor)"`, `"time"`.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: 1 [m] }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let state = simulate(&ball).run()?.at(0.3)?;
+/// assert!((state["z"] - (1.0 - 9.81 / 2.0 * 0.09)).abs() < 1e-9);
+/// assert!((state["dot(z)"] + 9.81 * 0.3).abs() < 1e-9);
+/// assert_eq!(state["force(floor)"], 0.0);
+/// # Ok::<(), InputError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct State {
+    /// Physical time \[s\].
+    pub time: f64,
+    /// Coordinates, in order of declaration.
+    pub q: Vec<f64>,
+    /// Velocities.
+    pub v: Vec<f64>,
+    /// Controls.
+    pub u: Vec<f64>,
+    /// Normal contact forces, 0 for open contacts.
+    pub contact_force: Vec<f64>,
+    /// Tangential contact forces; empty if no contact declares friction.
+    pub friction_force: Vec<f64>,
+    pub(super) declaration: &'static Declaration,
+}
+
+impl State {
+    /// The value of that name, if there is one.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<f64> {
+        let values = |vector: &[f64], index| vector.get(index).copied();
+        match Quantity::named(self.declaration, name)? {
+            Quantity::Time => Some(self.time),
+            Quantity::Coordinate(k) => values(&self.q, k),
+            Quantity::Velocity(k) => values(&self.v, k),
+            Quantity::Control(k) => values(&self.u, k),
+            Quantity::Force(i) => values(&self.contact_force, i),
+            Quantity::Friction(i) => values(&self.friction_force, i),
+        }
+    }
+
+    /// The state at a time between two of different times, see [`Simulation::at`](super::Simulation::at).
+    pub(super) fn between(from: &Self, to: &Self, time: f64) -> Self {
+        let h = to.time - from.time;
+        let s = (time - from.time) / h;
+        let linear = |from: &[f64], to: &[f64]| -> Vec<f64> {
+            let ends = from.iter().zip(to);
+            ends.map(|(from, to)| from + s * (to - from)).collect()
+        };
+        let (mut q, mut v) = (linear(&from.q, &to.q), linear(&from.v, &to.v));
+        for k in 0..q.len() {
+            let (q_0, q_1, v_0, v_1) = (from.q[k], to.q[k], from.v[k], to.v[k]);
+            let mean = (q_1 - q_0) / h;
+            q[k] += h * s * (1.0 - s) * ((1.0 - s) * (v_0 - mean) - s * (v_1 - mean));
+            // On the shortest steps the difference of the positions holds nothing but rounding.
+            let excess = mean - 0.5 * (v_0 + v_1);
+            if excess.abs() * h > 4.0 * f64::EPSILON * q_0.abs().max(q_1.abs()) {
+                v[k] += 6.0 * s * (1.0 - s) * excess;
+            }
+        }
+        Self {
+            time,
+            q,
+            v,
+            u: linear(&from.u, &to.u),
+            contact_force: linear(&from.contact_force, &to.contact_force),
+            friction_force: linear(&from.friction_force, &to.friction_force),
+            declaration: from.declaration,
+        }
+    }
+}
+
+impl Index<&str> for State {
+    type Output = f64;
+
+    /// The value of that name.
+    ///
+    /// # Panics
+    /// If the scene knows no such name; [`State::get`] asks.
+    fn index(&self, name: &str) -> &f64 {
+        let value = match Quantity::named(self.declaration, name) {
+            None => None,
+            Some(Quantity::Time) => Some(&self.time),
+            Some(Quantity::Coordinate(k)) => self.q.get(k),
+            Some(Quantity::Velocity(k)) => self.v.get(k),
+            Some(Quantity::Control(k)) => self.u.get(k),
+            Some(Quantity::Force(i)) => self.contact_force.get(i),
+            Some(Quantity::Friction(i)) => self.friction_force.get(i),
+        };
+        value.unwrap_or_else(|| panic!("{}", Quantity::unknown(self.declaration, name)))
+    }
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "t = {} s:", number(self.time))?;
+        for (k, known) in self.declaration.coordinates.iter().enumerate() {
+            let comma = if k == 0 { "" } else { "," };
+            write!(
+                f,
+                "{comma} {} = {} {}",
+                known.name,
+                number(self.q[k]),
+                known.unit
+            )?;
+        }
+        for (k, known) in self.declaration.coordinates.iter().enumerate() {
+            let unit = per_second(known.unit);
+            write!(f, ", dot({}) = {} {unit}", known.name, number(self.v[k]))?;
+        }
+        for (known, value) in self.declaration.controls.iter().zip(&self.u) {
+            write!(f, ", {} = {} {}", known.name, number(*value), known.unit)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,125 @@
+//! States over time, as a simulation records them.
+
+use std::sync::OnceLock;
+
+/// States over time; entry `k` of every field belongs to the same instant.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let Trajectory { time, q, .. } = simulate(&ball).run()?.trajectory;
+/// assert_eq!((time[0], q[0][0]), (0.0, 1.0));
+/// # Ok::<(), InputError>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct Trajectory {
+    /// Physical time \[s\], not decreasing (equal across an impact).
+    pub time: Vec<f64>,
+    /// Numerical time of the time-freezing system \[s\]: grows faster in contact, and alone during a jump.
+    pub numerical_time: Vec<f64>,
+    /// Coordinates, one vector an instant.
+    pub q: Vec<Vec<f64>>,
+    /// Velocities, one vector an instant.
+    pub v: Vec<Vec<f64>>,
+    /// Controls, one vector an instant.
+    pub u: Vec<Vec<f64>>,
+    /// Normal contact forces [N for a gap in metres], one vector an instant, 0 for open contacts.
+    pub contact_force: Vec<Vec<f64>>,
+    /// Tangential contact forces, one vector an instant, 0 for contacts that carry none; no vector at
+    /// all if no contact declares friction.
+    pub friction_force: Vec<Vec<f64>>,
+    /// The same by quantity instead of instant, gathered when first asked for.
+    columns: OnceLock<Vec<Vec<f64>>>,
+}
+
+impl Trajectory {
+    /// Keeps the first `instants` instants.
+    pub(crate) fn truncate(&mut self, instants: usize) {
+        self.columns.take();
+        self.time.truncate(instants);
+        self.numerical_time.truncate(instants);
+        self.q.truncate(instants);
+        self.v.truncate(instants);
+        self.u.truncate(instants);
+        self.contact_force.truncate(instants);
+        self.friction_force.truncate(instants);
+    }
+
+    /// Keeps one of `stride` instants from entry `first` on, besides the last one and both sides of every jump.
+    pub(super) fn thin(&mut self, first: usize, stride: usize) {
+        let last = self.time.len().saturating_sub(1);
+        let jumps = |k: usize| {
+            (k > 0 && self.time[k - 1] == self.time[k])
+                || (k < last && self.time[k + 1] == self.time[k])
+        };
+        let keeps: Vec<bool> = (0..self.time.len())
+            .map(|k| k < first || k == last || (k - first).is_multiple_of(stride) || jumps(k))
+            .collect();
+        fn select<T>(rows: &mut Vec<T>, keeps: &[bool]) {
+            let mut keeps = keeps.iter();
+            rows.retain(|_| keeps.next().is_none_or(|&keep| keep));
+        }
+        self.columns.take();
+        select(&mut self.time, &keeps);
+        select(&mut self.numerical_time, &keeps);
+        select(&mut self.q, &keeps);
+        select(&mut self.v, &keeps);
+        select(&mut self.u, &keeps);
+        select(&mut self.contact_force, &keeps);
+        select(&mut self.friction_force, &keeps);
+    }
+
+    /// Appends one instant.
+    pub fn push(
+        &mut self,
+        time: f64,
+        numerical_time: f64,
+        q: &[f64],
+        v: &[f64],
+        u: &[f64],
+        force: &[f64],
+    ) {
+        self.columns.take();
+        self.time.push(time);
+        self.numerical_time.push(numerical_time);
+        self.q.push(q.to_vec());
+        self.v.push(v.to_vec());
+        self.u.push(u.to_vec());
+        self.contact_force.push(force.to_vec());
+    }
+
+    /// Component `index` of all rows `(q, v, u, contact_force, friction_force)`.
+    pub(super) fn column(&self, index: usize) -> Option<&[f64]> {
+        let columns = self.columns.get_or_init(|| {
+            let parts = [
+                &self.q,
+                &self.v,
+                &self.u,
+                &self.contact_force,
+                &self.friction_force,
+            ];
+            let widths = parts.map(|rows| rows.first().map_or(0, Vec::len));
+            let columns = parts.iter().zip(widths).flat_map(|(rows, width)| {
+                (0..width).map(|k| {
+                    let value = |row: &Vec<f64>| row.get(k).copied().unwrap_or(f64::NAN);
+                    rows.iter().map(value).collect::<Vec<f64>>()
+                })
+            });
+            columns.collect()
+        });
+        columns.get(index).map(Vec::as_slice)
+    }
+}

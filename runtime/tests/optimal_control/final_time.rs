@@ -1,0 +1,159 @@
+//! Final times far from the guess, problems without an optimum, and goals that the motion without controls reaches.
+
+use hangtime::model::Model;
+use hangtime::ocp::{self, Formulation, Guess, Problem, Settings, Solution, Status};
+use hangtime::ocp::{ControlShape, TimeFreezingSettings};
+
+fn solve(model: &dyn Model, settings: &Settings) -> Solution {
+    ocp::solve(model, &Problem::of(model, 6), settings, &mut |_| true).unwrap()
+}
+
+hangtime::model! {
+    /// A cart that is pushed from rest over a line.
+    Cart {
+        parameters { m: kg = 3, far: m = 2 }
+        coordinates { y: m }
+        controls { u: N in -1..=1.5 }
+        lagrangian m/2*dot(y)^2
+        forces { y: u }
+        minimize time
+        finally { y == far }
+    }
+}
+
+#[test]
+fn least_time_is_found_however_far_it_is_from_the_guess() {
+    // Pushed all the way, 1.5 t^2 / 2 / 3 = y: the guess is 1 s.
+    for far in [4e-4, 2.0, 900.0, 4e4] {
+        let cart = Cart {
+            far,
+            ..Cart::default()
+        };
+        let time = (4.0 * far).sqrt();
+        for controls in [ControlShape::Constant, ControlShape::Linear] {
+            let mut settings = Settings::default();
+            settings.controls = controls;
+            settings.largest_distance *= far.max(1.0);
+            let solution = solve(&cart, &settings);
+            assert_eq!(
+                solution.status,
+                Status::Solved,
+                "{far}: {:?}",
+                solution.diagnosis()
+            );
+            // The goal is met to 1e-9 m, and the time goes with its root.
+            assert!(
+                (solution.horizon / time - 1.0).abs() < 2e-6,
+                "{far}: {} against {time}",
+                solution.horizon
+            );
+            let (shortest, longest) = solution.final_times;
+            assert!(shortest < time && time < longest, "{shortest} {longest}");
+        }
+    }
+}
+
+#[test]
+fn guess_of_the_final_time_does_not_decide_about_the_optimum() {
+    let cart = Cart::default();
+    let time = 8.0_f64.sqrt();
+    for guess in [0.02, 70.0, 400.0] {
+        let mut problem = Problem::of(&cart, 6);
+        problem.horizon = ocp::Horizon::Free { guess: Some(guess) };
+        for formulation in [
+            Formulation::Phases,
+            Formulation::TimeFreezing(TimeFreezingSettings::default()),
+        ] {
+            let mut settings = Settings::default();
+            settings.formulation = formulation;
+            let solution = ocp::solve(&cart, &problem, &settings, &mut |_| true).unwrap();
+            assert_eq!(
+                solution.status,
+                Status::Solved,
+                "{guess}: {:?}",
+                solution.diagnosis()
+            );
+            assert!(
+                (solution.horizon - time).abs() < 1e-6,
+                "{guess}: {}",
+                solution.horizon
+            );
+        }
+    }
+}
+
+#[test]
+fn previous_motion_of_quite_another_length_is_a_start_as_well() {
+    let near = Cart {
+        far: 1e-3,
+        ..Cart::default()
+    };
+    let mut settings = Settings::default();
+    let previous = solve(&near, &settings).previous.unwrap();
+    settings.guess = Guess::Previous(Box::new(previous));
+    let solution = solve(&Cart::default(), &settings);
+    assert!((solution.horizon - 8.0_f64.sqrt()).abs() < 1e-6);
+}
+
+hangtime::model! {
+    /// A cart that is to take as long as it can.
+    Idler {
+        parameters { m: kg = 3 }
+        coordinates { y: m }
+        controls { u: N in -1..=1 }
+        lagrangian m/2*dot(y)^2
+        forces { y: u }
+        minimize -time
+        finally { y >= -1[m] }
+    }
+}
+
+hangtime::model! {
+    /// A cart that is pushed as hard as one likes.
+    Rocket {
+        parameters { m: kg = 3 }
+        coordinates { y: m }
+        controls { u: N }
+        lagrangian m/2*dot(y)^2
+        forces { y: u }
+        minimize time
+        finally { y == 2[m], dot(y) == 0[m/s] }
+    }
+}
+
+#[test]
+fn problem_without_an_optimum_is_called_unbounded() {
+    for model in [&Idler::default() as &dyn Model, &Rocket::default()] {
+        let solution = solve(model, &Settings::default());
+        let name = model.declaration().name;
+        assert_eq!(solution.status, Status::Unbounded, "{name}");
+        assert_eq!(solution.status.name(), "unbounded");
+        let diagnosis = solution.diagnosis().unwrap();
+        assert!(diagnosis.contains("bound the controls"), "{diagnosis}");
+        // The range was moved by at least a factor of twenty.
+        let (shortest, longest) = solution.final_times;
+        assert!(longest / shortest > 1e3, "{shortest} {longest}");
+    }
+}
+
+#[test]
+fn goal_beyond_every_final_time_is_infeasible_with_those_that_were_looked_at() {
+    let cart = Walled::default();
+    let solution = solve(&cart, &Settings::default());
+    assert_eq!(solution.status, Status::Infeasible);
+    let diagnosis = solution.diagnosis().unwrap();
+    assert!(diagnosis.contains("with final times from"), "{diagnosis}");
+}
+
+hangtime::model! {
+    /// A cart that is to be where its bounds do not let it go.
+    Walled {
+        parameters { m: kg = 3 }
+        coordinates { y: m in -1..=1 }
+        controls { u: N in -1..=1 }
+        lagrangian m/2*dot(y)^2
+        forces { y: u }
+        minimize time
+        finally { y == 1.5[m] }
+    }
+}
