@@ -431,7 +431,7 @@ fn time_freezing_program_estimates_its_error_by_the_length_of_its_elements() {
     let mut problem = InitialValueProblem::of(&model, Some(0.9)).unwrap();
     problem.q[1] = 0.3;
     let end_of = |simulator: &Fesd| {
-        let simulation = simulator.simulate(&model, &problem, &mut |_| {}).unwrap();
+        let simulation = simulator.simulate(&model, &problem, &mut |_| true).unwrap();
         assert_eq!(simulation.status, SimulationStatus::Solved);
         simulation
     };
