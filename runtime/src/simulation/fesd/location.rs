@@ -47,7 +47,8 @@ impl Driver<'_> {
                 length = self.earliest_release(switch.contact, length, longest, count)?;
             }
             if count == 1 && length == self.element.length() {
-                // The element of the last evaluation is the located one.
+                // The element of the last evaluation is the located one; the present state is its end already.
+                self.state.copy_from(&self.segment_start);
                 self.accept_element()?;
             } else {
                 self.state.copy_from(&self.segment_start);
