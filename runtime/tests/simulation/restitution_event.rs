@@ -111,7 +111,7 @@ fn ball_comes_to_rest_at_the_limit_of_the_geometric_series() {
     assert!(note.contains("`ground` stops bouncing at 1.354"), "{note}");
     let height = (0.5 * event.v_before[1]).powi(2) / (2.0 * GRAVITY);
     assert!(height < 1e-11);
-    assert!(note.contains(&format!("{height:.1e} high")), "{note}");
+    assert!(note.contains(&format!("{height:.1e} m high")), "{note}");
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn rest_velocity_ends_the_bounces_at_that_speed() {
     assert!(*end <= 0.5 && bounces.iter().all(|&speed| speed > 0.5));
     let height = (0.9 * end).powi(2) / (2.0 * GRAVITY);
     let note = &simulation.notes[0];
-    assert!(note.contains(&format!("{height:.1e} high")), "{note}");
+    assert!(note.contains(&format!("{height:.1e} m high")), "{note}");
     for velocity in [-1.0, f64::NAN, f64::INFINITY] {
         let refused = EventDriven {
             rest_velocity: Some(velocity),
