@@ -11,12 +11,13 @@ hangtime::model! {
 
         lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
         forces { y: push, z: lift }
-        surface snow: z + hollow*exp(-((y - 5[m])/1[m])^2) >= 0
+        fn snow_line(y) = -hollow*exp(-((y - 5[m])/1[m])^2)
+        surface snow: z - snow_line(y) >= 0
         impact snow: inelastic
 
         minimize time
         finally { y == 10[m], dot(y) == 0[m/s] }
-        start { z: 0[m] }
+        start { z: snow_line(0[m]) }
         horizon 5 [s]
     }
 }

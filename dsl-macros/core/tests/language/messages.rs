@@ -361,9 +361,8 @@ texts! {
         "a comma is missing before `b`";
     restitution_without_a_number: beside "surface wall: y >= 0 impact wall: restitution start { y: 1 }" =>
         "`restitution` needs its coefficient, as in `restitution 0.5`";
-    unit_error_beside_other_mistakes: with "lagrangian m/2*|dot((y, z))|^2 - m*g surface a: z >= 0 surface b: 3*z >= 0 impact a, b: restitution 7" =>
+    unit_error_beside_other_mistakes: with "lagrangian m/2*|dot((y, z))|^2 - m*g surface a: z >= 0 surface b: 3*z >= 0 impact a, b: inelastic" =>
         "E03: units differ: `m/2*|dot((y, z))|^2` is in J, `m*g` is in N; both sides of `-` must agree",
-        "E10: coefficient of restitution 7 is outside [0, 1]: 0 keeps no normal velocity, 1 all of it",
         "E18: surfaces `a` and `b` are the same, so they are always touched together and no rule says which of their laws holds; leave one out";
     unused_name_beside_other_mistakes: beside "let a = y surface ground: z <= 0 impact ground: inelastic start { z: 2 }" =>
         "E16: abbreviation `a` is never used; leave it out",

@@ -32,6 +32,8 @@ const MAX_ATTEMPTS: usize = 20_000;
 const LONGEST: f64 = 0.1;
 /// Largest share of the horizon that the first element may take, for a tolerance of one.
 const FIRST: f64 = 0.25;
+/// Share of the horizon below which slow starts do not shorten the first element.
+const LEAST_FIRST: f64 = 1e-9;
 /// Error estimate of a run without error control above which it says so: what a curve in a figure shows.
 const SUSPECT_ESTIMATE: f64 = 1e-3;
 /// Largest and smallest change of the element length by the error control.
@@ -300,7 +302,8 @@ impl<'a> Driver<'a> {
         let mut length = FIRST * self.horizon;
         let (speed, acceleration) = (largest(&self.state.v), largest(&self.acceleration));
         if speed > 0.0 && acceleration > 0.0 {
-            length = length.min(speed / acceleration);
+            // What an impact leaves of a velocity may be rounding error, which says nothing of the motion that follows.
+            length = length.min((speed / acceleration).max(LEAST_FIRST * self.horizon));
         }
         self.proposed_length = share * length;
     }
