@@ -3,7 +3,7 @@
 
 use crate::ast::{Expr, Kind, Operator, Scene, Statement};
 use crate::graph::{Sym, Variable};
-use crate::tape::{Op, Tape};
+use crate::tape::{self, Op};
 use std::collections::HashMap;
 use std::rc::Rc;
 

@@ -1,6 +1,6 @@
 //! Straight-line code: operations in order of evaluation.
 
-use crate::graph::{Function, Function2, Sym, Variable};
+use crate::graph::{Compose, Function, Function2, Sym, Variable};
 
 /// One operation; operands are positions in the tape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
