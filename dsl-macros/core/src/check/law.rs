@@ -6,7 +6,7 @@ use crate::ast::{Expr, Law, Name};
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::evaluate::Value;
-use crate::graph::{self, Sym, Variable};
+use crate::graph::{self, Compose, Sym, Variable};
 use crate::parse::law_of;
 use crate::scene::{self, Contact, Friction};
 

@@ -15,7 +15,7 @@ pub(crate) use start::at_start;
 use crate::ast::{Assignment, Documentation, Expr, Name, Relation, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
 use crate::evaluate::{Meaning, Scope, UserFunction};
-use crate::graph::{self, Sym, Variable};
+use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, CheckedScene, Coordinate, Parameter};
 use std::collections::HashSet;
 use std::rc::Rc;

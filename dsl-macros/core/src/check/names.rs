@@ -4,7 +4,7 @@ use super::Checker;
 use crate::ast::{Name, Quantity, Statement};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::{Meaning, Value};
-use crate::graph::{Sym, Variable};
+use crate::graph::{Compose, Sym, Variable};
 use crate::scene::{self, Coordinate, Parameter};
 use crate::words;
 

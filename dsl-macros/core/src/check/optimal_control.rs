@@ -5,7 +5,7 @@ use super::{Checker, units};
 use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::Role;
-use crate::graph::{self, Sym, Variable};
+use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, OptimalControl};
 use crate::words;
 

@@ -4,7 +4,7 @@ use super::Checker;
 use crate::ast::{Assignment, Expr, Kind, Name, Quantity, WrittenUnit};
 use crate::diagnostics::{Checked, Place, Reported, closest, list};
 use crate::evaluate::unrepresentable;
-use crate::graph::{self, Sym, Variable};
+use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, Coordinate};
 
 impl Checker<'_> {
