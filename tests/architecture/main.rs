@@ -19,7 +19,7 @@ mod modules;
 mod tokens;
 
 /// Folders and files that do not obey yet; what stands here is let through by all three rules.
-const PENDING: [&str; 11] = [
+const PENDING: [&str; 10] = [
     "dsl-macros/core/src/check",
     "dsl-macros/core/src/derive",
     "dsl-macros/core/src/emit",
@@ -28,7 +28,6 @@ const PENDING: [&str; 11] = [
     "dsl-macros/core/src/parse",
     "dsl-macros/core/src/tape",
     "runtime/src/fesd",
-    "runtime/src/simulation/event",
     "runtime/src/simulation/fesd",
     "units/src/parse.rs",
 ];
