@@ -28,7 +28,7 @@ const PENDING: [&str; 10] = [
     "dsl-macros/core/src/parse",
     "dsl-macros/core/src/tape",
     "runtime/src/fesd",
-    "runtime/src/simulation/fesd",
+    "runtime/src/simulation/fesd/mode_change.rs",
     "units/src/parse.rs",
 ];
 
