@@ -19,7 +19,7 @@ mod modules;
 mod tokens;
 
 /// Folders and files that do not obey yet; what stands here is let through by all three rules.
-const PENDING: [&str; 15] = [
+const PENDING: [&str; 10] = [
     "dsl-macros/core/src/check",
     "dsl-macros/core/src/derive",
     "dsl-macros/core/src/emit",
@@ -27,13 +27,8 @@ const PENDING: [&str; 15] = [
     "dsl-macros/core/src/graph",
     "dsl-macros/core/src/parse",
     "dsl-macros/core/src/tape",
-    "runtime/src/dcs",
     "runtime/src/fesd",
-    "runtime/src/linalg/multifrontal",
-    "runtime/src/mpcc/elastic.rs",
-    "runtime/src/nlp/elements",
-    "runtime/src/simulation/event",
-    "runtime/src/simulation/fesd",
+    "runtime/src/simulation/fesd/mode_change.rs",
     "units/src/parse.rs",
 ];
 

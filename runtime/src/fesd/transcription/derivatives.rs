@@ -1,6 +1,7 @@
 //! Jacobian and Hessian of the program, assembled from the local ones.
 
 use super::{EQUILIBRATION, SUMS, Transcription};
+use crate::dcs;
 use crate::nlp::Pattern;
 
 impl Transcription<'_> {
@@ -22,7 +23,7 @@ impl Transcription<'_> {
         for e in 0..self.elements.len() {
             self.add_element_jacobian(x, e, add);
         }
-        let time = self.dcs.time();
+        let time = self.dcs.layout.time();
         let count = self.intervals.len() as f64;
         for (k, interval) in self.intervals.iter().enumerate() {
             let end = self.end_state((k + 1) * self.task.elements - 1)[time];
@@ -46,7 +47,7 @@ impl Transcription<'_> {
         e: usize,
         add: &mut dyn FnMut(usize, usize, f64),
     ) {
-        let states = self.dcs.states();
+        let states = self.dcs.layout.states();
         let interval = &self.intervals[self.elements[e].interval];
         let (row, scale) = (interval.rows, interval.length);
         let length = self.elements[e].length;
@@ -83,7 +84,7 @@ impl Transcription<'_> {
                 }
             }
             let mut entries = Vec::new();
-            self.dcs.jacobian(&local, |row, column, value| {
+            dcs::jacobian(&mut self.dcs, &local, |row, column, value| {
                 entries.push((row, column, value))
             });
             let block = &self.elements[e].blocks[j];
@@ -155,13 +156,13 @@ impl Transcription<'_> {
         multipliers: &[f64],
         add: &mut dyn FnMut(usize, usize, f64),
     ) {
-        let states = self.dcs.states();
+        let states = self.dcs.layout.states();
         let scale = self.intervals[self.elements[e].interval].length;
         let length = self.elements[e].length;
         let (h, s) = (x[length], x[scale]);
         let rows = self.elements[e].collocation_rows;
         let blocks = self.elements[e].blocks.len();
-        let mut local_weights = vec![0.0; states + self.dcs.algebraic_equations()];
+        let mut local_weights = vec![0.0; states + self.dcs.layout.algebraic_equations()];
         for j in 0..blocks {
             self.gather(x, e, j);
             let local = std::mem::take(&mut self.local);
@@ -178,7 +179,7 @@ impl Transcription<'_> {
                 let product: f64 = by_field.iter().zip(&values).map(|(w, f)| w * f).sum();
                 add(length, scale, product);
                 let mut entries = Vec::new();
-                self.dcs.jacobian(&local, |row, column, value| {
+                dcs::jacobian(&mut self.dcs, &local, |row, column, value| {
                     entries.push((row, column, value))
                 });
                 for (row, column, value) in entries {
@@ -202,7 +203,7 @@ impl Transcription<'_> {
             }
             let variables = &block.variables;
             let mut entries = Vec::new();
-            self.dcs.hessian(&local, &local_weights, |i, j, value| {
+            dcs::hessian(&mut self.dcs, &local, &local_weights, |i, j, value| {
                 if let (Some(a), Some(b)) = (variables[i], variables[j]) {
                     entries.push((a, b, (i, j), value));
                 }

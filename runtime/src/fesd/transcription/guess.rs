@@ -94,7 +94,7 @@ impl Transcription<'_> {
             }
         }
         let count = self.task.elements;
-        let states = self.dcs.states();
+        let states = self.dcs.layout.states();
         let ends: Vec<Vec<f64>> = intervals
             .iter()
             .map(|sampled| sampled.ends(count, states))
@@ -133,16 +133,16 @@ impl Transcription<'_> {
     /// Local vector for states and shares of the groups. Lifted gaps are those of the coordinates, where
     /// they do not move alone.
     fn set_local(&mut self, y: &[f64], shares: &[f64]) {
-        let states = self.dcs.states();
+        let states = self.dcs.layout.states();
         self.local.fill(0.0);
         self.local[..states].copy_from_slice(y);
         for (k, &control) in self.task.controls.values().iter().enumerate() {
             self.local[states + k] = control;
         }
         self.dcs.rows(&self.local, &mut self.rows);
-        for contact in 0..self.dcs.contacts() {
-            if !self.dcs.bounces(contact) {
-                let place = self.dcs.lifted_gap(contact);
+        for contact in 0..self.dcs.layout.contacts() {
+            if !self.dcs.layout.bounces(contact) {
+                let place = self.dcs.layout.lifted_gap(contact);
                 self.local[place] = self.dcs.system.gap(contact);
             }
         }
@@ -152,8 +152,8 @@ impl Transcription<'_> {
 
     /// The guessed motion of each interval.
     fn sample(&mut self) -> Vec<Sampled> {
-        let (groups, contacts) = (self.groups.len(), self.dcs.contacts());
-        let states = self.dcs.states();
+        let (groups, contacts) = (self.groups.len(), self.dcs.layout.contacts());
+        let states = self.dcs.layout.states();
         let duration = self.task.horizon / self.task.intervals as f64;
         let mut y = self.start.clone();
         (0..self.task.intervals)
@@ -185,7 +185,7 @@ impl Transcription<'_> {
 
     /// Explicit Euler steps of the time-freezing system from `y` until `duration` has passed on its clock.
     fn simulate(&mut self, y: &mut [f64], duration: f64) -> Sampled {
-        let time = self.dcs.time();
+        let time = self.dcs.layout.time();
         let end = y[time] + duration;
         let step = duration / STEPS as f64;
         let most = (self.speed_bound * STEPS as f64) as usize;

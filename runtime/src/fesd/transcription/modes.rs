@@ -25,14 +25,16 @@ impl Transcription<'_> {
         let zero = BOTH_ZERO * products.fold(0.0, f64::max).sqrt();
         let modes = self.modes(x, zero);
         self.mark_modes(x, zero, &modes, vanishes);
-        let contacts = self.dcs.contacts();
+        let contacts = self.dcs.layout.contacts();
         for e in 0..self.elements.len() {
-            for group in (0..self.groups.len()).filter(|&g| g >= contacts || self.dcs.bounces(g)) {
+            for group in
+                (0..self.groups.len()).filter(|&g| g >= contacts || self.dcs.layout.bounces(g))
+            {
                 self.mark_group(x, zero, (e, group), vanishes);
             }
         }
-        for (k, (first, second)) in self.dcs.stage_pairs().into_iter().enumerate() {
-            if k < contacts && !self.dcs.bounces(k) {
+        for (k, (first, second)) in self.dcs.layout.stage_pairs().into_iter().enumerate() {
+            if k < contacts && !self.dcs.layout.bounces(k) {
                 continue;
             }
             for block in self.elements.iter().flat_map(|element| &element.blocks) {
@@ -64,9 +66,9 @@ impl Transcription<'_> {
     /// Mode of each contact in each element near the relaxed point `x`, contacts of an element side by side;
     /// `zero` is the size up to which both sides of a pair count as zero.
     fn modes(&self, x: &[f64], zero: f64) -> Vec<Mode> {
-        let mut modes = Vec::with_capacity(self.elements.len() * self.dcs.contacts());
+        let mut modes = Vec::with_capacity(self.elements.len() * self.dcs.layout.contacts());
         for element in &self.elements {
-            for contact in 0..self.dcs.contacts() {
+            for contact in 0..self.dcs.layout.contacts() {
                 let sum = |k: usize| x[element.sums + SUMS * contact + k];
                 let (alpha, ln, beta, lp) = (sum(0), sum(1), sum(2), sum(3));
                 modes.push(if alpha < ln || alpha <= zero {
@@ -93,9 +95,9 @@ impl Transcription<'_> {
     ///   the end of an element without a stage there only `p = 0` follows.
     /// - in a jump `G` does not change. From gap zero, `ln = p = 0`.
     pub(super) fn mark_modes(&self, x: &[f64], zero: f64, modes: &[Mode], vanishes: &mut [bool]) {
-        let contacts = self.dcs.contacts();
+        let contacts = self.dcs.layout.contacts();
         for (e, element) in self.elements.iter().enumerate() {
-            for contact in (0..contacts).filter(|&contact| !self.dcs.bounces(contact)) {
+            for contact in (0..contacts).filter(|&contact| !self.dcs.layout.bounces(contact)) {
                 let mut mode = modes[e * contacts + contact];
                 if mode == Mode::Contact && self.mark_contact(x, e, contact, vanishes) {
                     mode = Mode::Jump;
@@ -116,7 +118,8 @@ impl Transcription<'_> {
                     continue;
                 }
                 for block in &element.blocks {
-                    let place = |offset| block.variables[self.dcs.algebraic(contact, offset)];
+                    let place =
+                        |offset| block.variables[self.dcs.layout.algebraic(contact, offset)];
                     if let (Some(p), Some(w)) = (place(P), place(W)) {
                         let p_vanishes = x[p] < x[w] || mode == Mode::Jump && from_zero;
                         vanishes[p] = p_vanishes;
@@ -132,7 +135,8 @@ impl Transcription<'_> {
     fn mark_contact(&self, x: &[f64], e: usize, contact: usize, vanishes: &mut [bool]) -> bool {
         let mut jumps = true;
         for block in &self.elements[e].blocks {
-            let place = |contact, offset| block.variables[self.dcs.algebraic(contact, offset)];
+            let place =
+                |contact, offset| block.variables[self.dcs.layout.algebraic(contact, offset)];
             let (Some(p), Some(w)) = (place(contact, P), place(contact, W)) else {
                 continue;
             };
@@ -141,7 +145,7 @@ impl Transcription<'_> {
                 continue;
             }
             let step = |i| place(i, ALPHA).map_or(1.0, |alpha| x[alpha]);
-            let steps = (0..self.dcs.contacts()).map(step);
+            let steps = (0..self.dcs.layout.contacts()).map(step);
             let theta: f64 = steps.clone().product();
             if theta >= x[w] {
                 vanishes[w] = true;
@@ -166,9 +170,9 @@ impl Transcription<'_> {
 
     /// Modes that a choice of vanishing variables stands for.
     pub(super) fn fixed_modes(&self, vanishes: &[bool]) -> Vec<Mode> {
-        let mut modes = Vec::with_capacity(self.elements.len() * self.dcs.contacts());
+        let mut modes = Vec::with_capacity(self.elements.len() * self.dcs.layout.contacts());
         for element in &self.elements {
-            for contact in 0..self.dcs.contacts() {
+            for contact in 0..self.dcs.layout.contacts() {
                 let first = element.sums + SUMS * contact;
                 modes.push(if vanishes[first] {
                     Mode::Jump

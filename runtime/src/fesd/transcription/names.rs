@@ -48,16 +48,16 @@ impl Transcription<'_> {
         if k < 2 * n {
             return format!("dot({})", coordinate(k - n));
         }
-        if k == self.dcs.time() {
+        if k == self.dcs.layout.time() {
             return "clock".into();
         }
-        if k < self.dcs.states() {
+        if k < self.dcs.layout.states() {
             return format!(
                 "lifted gap of {}",
-                self.contact_name(k - self.dcs.lifted_gap(0))
+                self.contact_name(k - self.dcs.layout.lifted_gap(0))
             );
         }
-        match self.dcs.algebraic_symbol(k) {
+        match self.dcs.layout.algebraic_symbol(k) {
             Some((symbol, contact)) => format!("{symbol} of {}", self.contact_name(contact)),
             None => "product of step functions".into(),
         }
@@ -66,7 +66,7 @@ impl Transcription<'_> {
     /// Symbol and contact of what cross complementarity sum `sum`, counted over all groups, adds up.
     fn summed(&self, sum: usize) -> (&'static str, usize) {
         let place = self.groups[sum / SUMS].places[sum % SUMS];
-        self.dcs.algebraic_symbol(place).unwrap_or(("", 0))
+        self.dcs.layout.algebraic_symbol(place).unwrap_or(("", 0))
     }
 
     pub(super) fn name_of_variable(&self, index: usize) -> String {
@@ -143,10 +143,10 @@ impl Transcription<'_> {
             );
         }
         for (block, at) in element.blocks.iter().enumerate() {
-            for (first, second) in self.dcs.stage_pairs() {
+            for (first, second) in self.dcs.layout.stage_pairs() {
                 let symbols = (
-                    self.dcs.algebraic_symbol(first),
-                    self.dcs.algebraic_symbol(second),
+                    self.dcs.layout.algebraic_symbol(first),
+                    self.dcs.layout.algebraic_symbol(second),
                 );
                 if at.variables[first] == Some(i)
                     && let (Some((first, contact)), Some((second, _))) = symbols

@@ -12,7 +12,7 @@ impl Transcription<'_> {
     /// that vanish and a point to start from; `false` if there is no such choice, or if there is friction or
     /// restitution, whose modes are not ordered like this.
     pub(super) fn shift_switch(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
-        let contacts = self.dcs.contacts();
+        let contacts = self.dcs.layout.contacts();
         if self.groups.len() > contacts {
             return false;
         }
@@ -66,7 +66,7 @@ impl Transcription<'_> {
         let blocks = self.elements[target].blocks.iter();
         let blocks = blocks.zip(&self.elements[source].blocks).skip(first);
         for (target, source) in blocks {
-            for k in self.dcs.states() + self.dcs.controls()..target.variables.len() {
+            for k in self.dcs.layout.states() + self.dcs.layout.controls()..target.variables.len() {
                 if let (Some(variable), Some(source)) = (target.variables[k], source.variables[k]) {
                     to[variable] = from[source];
                 }
@@ -77,7 +77,7 @@ impl Transcription<'_> {
     /// Computes the cross complementarity sums.
     fn set_sums(&self, x: &mut [f64]) {
         for e in 0..self.elements.len() {
-            for contact in 0..self.dcs.contacts() {
+            for contact in 0..self.dcs.layout.contacts() {
                 for sum in 0..SUMS {
                     x[self.elements[e].sums + SUMS * contact + sum] = self.sum(x, e, contact, sum);
                 }
@@ -138,7 +138,7 @@ impl Transcription<'_> {
         }
         let length = from[self.elements[source].length].max(f64::MIN_POSITIVE);
         let place = ((share - start) / length).clamp(0.0, 1.0);
-        let states = self.dcs.states();
+        let states = self.dcs.layout.states();
         let blocks = &self.elements[source].blocks;
         let after = (0..blocks.len())
             .find(|&j| self.abscissa(j) >= place)
@@ -170,7 +170,7 @@ impl Transcription<'_> {
             .filter(|&j| blocks[j].boundary == target.boundary)
             .min_by(|i, j| distance(i).total_cmp(&distance(j)))
             .unwrap_or(0);
-        for k in states + self.dcs.controls()..target.variables.len() {
+        for k in states + self.dcs.layout.controls()..target.variables.len() {
             if let (Some(variable), Some(source)) =
                 (target.variables[k], blocks[nearest].variables[k])
             {

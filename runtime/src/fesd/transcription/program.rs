@@ -59,7 +59,7 @@ impl NlpProblem for Transcription<'_> {
             lower[element.length] = SHORTEST * self.nominal();
             upper[element.length] = 1.0;
             for block in &element.blocks {
-                for place in self.dcs.first_algebraic()..self.dcs.first_product() {
+                for place in self.dcs.layout.first_algebraic()..self.dcs.layout.first_product() {
                     if let Some(variable) = block.variables[place] {
                         // alpha + beta = 1 bounds both from above, and with them their parts
                         lower[variable] = 0.0;
@@ -129,7 +129,7 @@ impl NlpProblem for Transcription<'_> {
     }
 
     fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-        let states = self.dcs.states();
+        let states = self.dcs.layout.states();
         for interval in &self.intervals {
             c[interval.rows] = -1.0;
         }
@@ -175,7 +175,7 @@ impl NlpProblem for Transcription<'_> {
                 }
             }
         }
-        let time = self.dcs.time();
+        let time = self.dcs.layout.time();
         for (k, interval) in self.intervals.iter().enumerate() {
             let end = self.end_state((k + 1) * self.task.elements - 1)[time];
             let share = (k as f64 + 1.0) / self.intervals.len() as f64;
