@@ -99,7 +99,7 @@ pub struct TimeFreezingSettings {
     /// Whether to start at a coarse simulation under the guessed controls instead of the straight line to
     /// the goals; default false. Good where the motion that is looked for touches and leaves surfaces much
     /// as it does without control. Without goals it is always so.
-    pub simulated_guess: bool,
+    pub(crate) simulated_guess: bool,
     /// Largest product of a pair, and optimality error, at which [`solve`](super::solve) takes the program for
     /// solved before it polishes the motion; default 1e-6, in (0, 1). Below that the iterations double without
     /// another contact sequence.
@@ -174,18 +174,18 @@ pub struct Settings {
     /// 1e-5, > 0. A grazing plan is not one that a motion can follow: a hair lower it would land.
     pub gap_margin: f64,
     /// Most motions of the global phase that are refined, the best first; default 2, at least 1.
-    pub refined_motions: usize,
+    pub(crate) refined_motions: usize,
     /// Elements an interval of the contact-implicit programs that are refined; default 4, at least 1. With few intervals
     /// there are more.
-    pub refined_elements: usize,
+    pub(crate) refined_elements: usize,
     /// Most programs, those of the global phase included; default 60.
     pub maximum_programs: usize,
     /// Most iterations of one program; default 500.
     pub maximum_iterations: usize,
     /// Tolerance of the simulation that reads the contact sequence; default 1e-9.
-    pub replay_tolerance: f64,
+    pub(crate) replay_tolerance: f64,
     /// Tolerance of the re-simulation that judges the result; default 1e-12.
-    pub resimulation_tolerance: f64,
+    pub(crate) resimulation_tolerance: f64,
     /// Largest distance between planned and re-simulated final coordinates of a confirmed result;
     /// default 1e-6 \[unit of the coordinates\], > 0.
     pub largest_distance: f64,
