@@ -105,7 +105,7 @@ fn solve_warm_start_of_wrong_length_is_an_input_error() {
     let mut problem = hock_schittkowski("hs71");
     let error =
         nlp::solve_from(&mut problem, &Settings::default(), Some(&start), None).unwrap_err();
-    insta::assert_snapshot!(error, @"warm start: expected 2 entries of the constraint multipliers, got 1");
+    insta::assert_snapshot!(error, @"warm start: expected 2 entries of the constraint multipliers, got 4");
 }
 
 #[test]
