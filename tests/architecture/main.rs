@@ -19,7 +19,7 @@ mod modules;
 mod tokens;
 
 /// Folders and files that do not obey yet; what stands here is let through by all three rules.
-const PENDING: [&str; 10] = [
+const PENDING: [&str; 13] = [
     "dsl-macros/core/src/check",
     "dsl-macros/core/src/derive",
     "dsl-macros/core/src/emit",
@@ -27,7 +27,10 @@ const PENDING: [&str; 10] = [
     "dsl-macros/core/src/graph",
     "dsl-macros/core/src/parse",
     "dsl-macros/core/src/tape",
-    "runtime/src/fesd",
+    "runtime/src/fesd/contact_mode.rs",
+    "runtime/src/fesd/finite_element",
+    "runtime/src/fesd/impact.rs",
+    "runtime/src/fesd/sharing.rs",
     "runtime/src/simulation/fesd/mode_change.rs",
     "units/src/parse.rs",
 ];
