@@ -19,8 +19,11 @@ mod modules;
 mod tokens;
 
 /// Folders and files that do not obey yet; what stands here is let through by all three rules.
-const PENDING: [&str; 2] = [
-    "runtime/src/fesd",
+const PENDING: [&str; 5] = [
+    "runtime/src/fesd/contact_mode.rs",
+    "runtime/src/fesd/finite_element",
+    "runtime/src/fesd/impact.rs",
+    "runtime/src/fesd/sharing.rs",
     "runtime/src/simulation/fesd/mode_change.rs",
 ];
 

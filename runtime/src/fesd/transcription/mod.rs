@@ -29,6 +29,7 @@ mod neighbours;
 mod program;
 mod task;
 
+pub(crate) use program::transcribe;
 pub(crate) use task::{Controls, Guess, Task, Weights};
 
 use crate::dcs::{Group, HeavisideSystem};
@@ -116,8 +117,8 @@ pub(crate) struct Transcription<'a> {
 }
 
 impl<'a> Transcription<'a> {
-    /// The program of `task`, which has at least one interval and element.
-    pub(crate) fn new(mut dcs: HeavisideSystem<'a>, tableau: &ButcherTableau, task: Task) -> Self {
+    /// The variables and constraints of `task`, without guess and patterns.
+    fn new(mut dcs: HeavisideSystem<'a>, tableau: &ButcherTableau, task: Task) -> Self {
         let mut y: Vec<f64> = task.start.q.iter().chain(&task.start.v).copied().collect();
         y.push(task.start.time);
         y.resize(dcs.layout.states(), 0.0);
@@ -169,8 +170,6 @@ impl<'a> Transcription<'a> {
             task,
         };
         problem.lay_out();
-        problem.set_guess();
-        problem.set_patterns();
         problem
     }
 
@@ -492,7 +491,7 @@ mod tests {
                 final_state: vec![(1, 0.3)],
             };
         }
-        let mut program = Transcription::new(dcs, tableau, task);
+        let mut program = transcribe(dcs, tableau, task);
         // A point off every bound and symmetry.
         let mut x = vec![0.0; program.variables()];
         program.initial_point(&mut x);
@@ -535,7 +534,7 @@ mod tests {
             };
             let task = Task::step(&start, &[0.8], 0.25, 3);
             let system = TimeFreezingSystem::new(model, 50.0);
-            let program = Transcription::new(HeavisideSystem::new(system), &tableau, task);
+            let program = transcribe(HeavisideSystem::new(system), &tableau, task);
             (program.variables, program.constraints, program.pairs.len())
         };
         let (plain, rough) = (sizes(&Bead::default()), sizes(&RoughBead::default()));

@@ -2,7 +2,7 @@
 
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
-use crate::fesd::transcription::{Controls, Guess, Task, Transcription, Weights};
+use crate::fesd::transcription::{Controls, Guess, Task, Transcription, Weights, transcribe};
 use crate::model::{ConstraintRelation, ImpactLaw, Model, OptimalControlDeclaration};
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
@@ -98,7 +98,7 @@ impl<'a> TimeFreezing<'a> {
         let system = TimeFreezingSystem::new(model, a_bar);
         let task = task(model, problem, settings)?;
         Ok(Self {
-            transcription: Transcription::new(HeavisideSystem::new(system), &tableau, task),
+            transcription: transcribe(HeavisideSystem::new(system), &tableau, task),
             intervals: problem.intervals,
         })
     }

@@ -10,7 +10,7 @@ use super::stop::Stop;
 use crate::dcs::HeavisideSystem;
 use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::finite_element::State;
-use crate::fesd::transcription::{Task, Transcription};
+use crate::fesd::transcription::{Task, Transcription, transcribe};
 use crate::mpcc;
 use crate::simulation::EventKind;
 use crate::time_freezing::TimeFreezingSystem;
@@ -147,7 +147,7 @@ fn try_program(
     for elements in fewest..fewest + ATTEMPTS {
         let system =
             TimeFreezingSystem::new(driver.model, AUXILIARY_ACCELERATION).without_bounces(resting);
-        let mut program = Transcription::new(
+        let mut program = transcribe(
             HeavisideSystem::new(system).driven(driver.state.time, driver.piece.slopes()),
             driver.tableau,
             Task::step(&driver.state, &driver.u, end - driver.state.time, elements),
