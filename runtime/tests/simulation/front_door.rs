@@ -332,7 +332,8 @@ fn long_trajectory_is_thinned_with_a_note_and_keeps_its_motion() {
         let run = method.simulate(&spring, &problem, &mut |_| true).unwrap();
         let name = method.name();
         assert!(
-            (300..=600).contains(&run["time"].len()),
+            // Beyond half of the most points every other one goes.
+            (150..=600).contains(&run["time"].len()),
             "{name}: {}",
             run["time"].len()
         );
