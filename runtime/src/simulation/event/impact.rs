@@ -1,5 +1,6 @@
 //! The impact law, for all closed contacts at once, and the end of sequences of bounces.
 
+use super::cluster;
 use super::contact_problem::ContactProblem;
 use super::coulomb::TangentialLaw;
 use super::dop853::System;
@@ -50,6 +51,8 @@ pub(in crate::simulation) struct Impact {
     pub(in crate::simulation) impulse: f64,
     /// Contacts with restitution that were struck and stay.
     pub(in crate::simulation) ended: Vec<EndOfBounces>,
+    /// What a user should know of a cluster of impacts.
+    pub(in crate::simulation) cluster: Option<&'static str>,
     /// Kinetic energy before and after, if the law has raised it.
     pub(in crate::simulation) energy_gain: Option<(f64, f64)>,
 }
@@ -62,7 +65,8 @@ pub(in crate::simulation) struct Impact {
 /// |s_i| <= mu_i p_i,   s_i v_t,i+ = -mu_i p_i |v_t,i+|
 /// ```
 ///
-/// `closing` counts as closed whatever its gap.
+/// `closing` counts as closed whatever its gap. Contacts that strike too fast one after the other since
+/// `last_impacts` \[s\] do so in one cluster.
 ///
 /// Source: Moreau, *Unilateral contact and dry friction in finite freedom dynamics* (1988); restitution in
 /// the normal direction alone, as Newton's law.
@@ -72,8 +76,9 @@ pub(in crate::simulation) fn impact(
     y: &mut [f64],
     closing: Option<usize>,
     lowest: LowestBounce,
+    last_impacts: &[f64],
 ) -> Result<Impact, Undetermined> {
-    let closed = closed_contacts(dynamics, t, y, closing);
+    let mut closed = closed_contacts(dynamics, t, y, closing);
     let mut velocities: Vec<f64> = closed
         .iter()
         .map(|&i| dynamics.point(i)[contact_point::NORMAL_VELOCITY])
@@ -87,7 +92,18 @@ pub(in crate::simulation) fn impact(
             .collect(),
         ..Impact::default()
     };
-    if !outcome.struck.is_empty() {
+    let near = cluster::collapsing(dynamics, t, &closed, last_impacts);
+    if !near.is_empty() {
+        let carried_out = cluster::resolve(dynamics, t, y, &near, lowest, &mut outcome)?;
+        outcome.cluster = carried_out.note();
+        dynamics.load(t, y);
+        closed = near.iter().map(|near| near.contact).collect();
+        velocities.clear();
+        for &i in &closed {
+            dynamics.evaluate_sides(i);
+            velocities.push(dynamics.point(i)[contact_point::NORMAL_VELOCITY]);
+        }
+    } else if !outcome.struck.is_empty() {
         for (&i, velocity) in closed.iter().zip(&mut velocities) {
             if velocity.abs() <= dynamics.zero_normal_velocity(i) {
                 *velocity = 0.0;
@@ -124,7 +140,7 @@ fn rests(dynamics: &mut Dynamics<'_>, contact: usize, velocity: f64, never_open:
 
 /// Changes the velocities in `y` by the impulses of the law, at the contacts `closed` with the normal `velocities`.
 /// Returns their normal velocities afterwards.
-fn strike(
+pub(super) fn strike(
     dynamics: &mut Dynamics<'_>,
     y: &mut [f64],
     closed: &[usize],
@@ -226,22 +242,13 @@ fn ended_bounces(
     if struck.iter().all(|&i| dynamics.restitution[i] == 0.0) {
         return Vec::new();
     }
-    let n = dynamics.n;
-    let mut slope = vec![0.0; y.len()];
-    dynamics.derivative(t, y, &mut slope);
-    struck
-        .iter()
-        .filter_map(|&i| {
+    let presses = presses(dynamics, t, y, struck);
+    let pressed = struck.iter().zip(presses);
+    pressed
+        .filter_map(|(&i, press)| {
             let e = dynamics.restitution[i];
-            let point = dynamics.point(i);
-            let speed = -point[contact_point::NORMAL_VELOCITY];
-            let press =
-                -(point[contact_point::CURVATURE] + dot(dynamics.normal(i), &slope[n..2 * n]));
-            let height = (lowest.height.max(LOWEST_BOUNCE) * dynamics.gap_range(i))
-                .max(10.0 * dynamics.closed_gap(i));
-            let last = lowest
-                .velocity
-                .unwrap_or_else(|| (2.0 * press.max(0.0) * height).sqrt());
+            let speed = -dynamics.point(i)[contact_point::NORMAL_VELOCITY];
+            let last = lowest_speed(dynamics, i, press, lowest);
             (e > 0.0 && speed <= last).then(|| EndOfBounces {
                 contact: i,
                 speed,
@@ -252,5 +259,43 @@ fn ended_bounces(
                 },
             })
         })
+        .collect()
+}
+
+/// Normal accelerations with which the present mode presses the contacts on their surfaces.
+fn presses(dynamics: &mut Dynamics<'_>, t: f64, y: &[f64], contacts: &[usize]) -> Vec<f64> {
+    let n = dynamics.n;
+    let mut slope = vec![0.0; y.len()];
+    dynamics.derivative(t, y, &mut slope);
+    contacts
+        .iter()
+        .map(|&i| {
+            let curvature = dynamics.point(i)[contact_point::CURVATURE];
+            -(curvature + dot(dynamics.normal(i), &slope[n..2 * n]))
+        })
+        .collect()
+}
+
+/// Speed up to which a contact that is pressed on its surface with the acceleration `press` does not bounce.
+fn lowest_speed(dynamics: &Dynamics<'_>, contact: usize, press: f64, lowest: LowestBounce) -> f64 {
+    let height = (lowest.height.max(LOWEST_BOUNCE) * dynamics.gap_range(contact))
+        .max(10.0 * dynamics.closed_gap(contact));
+    lowest
+        .velocity
+        .unwrap_or_else(|| (2.0 * press.max(0.0) * height).sqrt())
+}
+
+/// Speeds up to which the contacts do not bounce.
+pub(super) fn lowest_speeds(
+    dynamics: &mut Dynamics<'_>,
+    t: f64,
+    y: &[f64],
+    contacts: &[usize],
+    lowest: LowestBounce,
+) -> Vec<f64> {
+    let presses = presses(dynamics, t, y, contacts);
+    let pressed = contacts.iter().zip(presses);
+    pressed
+        .map(|(&i, press)| lowest_speed(dynamics, i, press, lowest))
         .collect()
 }
