@@ -10,11 +10,14 @@ const FACTOR: f64 = 1e3;
 /// Largest shift of a scene \[m\], and in units of its size: rounding leaves `1e-11` of the size.
 const SHIFT: f64 = 1e5;
 
+/// Draws a scene of a kind, whose name is given.
+type Scene = fn(&str, &mut Draw) -> Box<dyn Model>;
+
 /// A kind of scenes.
 pub(crate) struct Kind {
     /// Name in the table.
     pub(crate) name: String,
-    scene: fn(&str, &mut Draw) -> Box<dyn Model>,
+    scene: Scene,
 }
 
 impl Kind {
@@ -71,7 +74,7 @@ fn shipped_scene(name: &str, draw: &mut Draw) -> Box<dyn Model> {
 
 /// Families of random scenes.
 pub(crate) fn random() -> Vec<Kind> {
-    let kinds: [(&str, fn(&str, &mut Draw) -> Box<dyn Model>); 5] = [
+    let kinds: [(&str, Scene); 5] = [
         ("rods", |_, draw| Box::new(rod(draw))),
         ("boxes", |_, draw| Box::new(crate_on_incline(draw))),
         ("springs", |_, draw| Box::new(hopper(draw))),

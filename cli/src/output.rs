@@ -107,7 +107,7 @@ impl OutputDirectory {
             self.stage = stage;
         }
         let replaced = self.stage.move_in(&self.path, files)?;
-        Ok(self.written(files, |name| replaced.iter().any(|old| *old == name)))
+        Ok(self.written(files, |name| replaced.contains(&name)))
     }
 
     fn written(&self, files: &[(String, String)], replaced: impl Fn(&str) -> bool) -> Vec<Written> {

@@ -44,7 +44,6 @@
 //! | [`ocp`] | optimal control: a search for the contact sequence, collocation with that sequence, a certificate, an independent re-simulation |
 //! | [`mpcc`] | complementarity problems: relaxation tied to the barrier, crossover, certificate |
 //! | [`nlp`] | an interior point method for nonlinear programs, with derivatives of small functions by dual numbers |
-//! | [`linalg`] | dense and sparse factorizations |
 //! | [`rk`] | collocation schemes to rounding error |
 //!
 //! Each is usable without those above it.

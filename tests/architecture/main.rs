@@ -19,22 +19,12 @@ mod modules;
 mod tokens;
 
 /// Folders and files that do not obey yet; what stands here is let through by all three rules.
-const PENDING: [&str; 15] = [
-    "dsl-macros/core/src/check",
-    "dsl-macros/core/src/derive",
-    "dsl-macros/core/src/emit",
-    "dsl-macros/core/src/evaluate",
-    "dsl-macros/core/src/graph",
-    "dsl-macros/core/src/parse",
-    "dsl-macros/core/src/tape",
-    "runtime/src/dcs",
-    "runtime/src/fesd",
-    "runtime/src/linalg/multifrontal",
-    "runtime/src/mpcc/elastic.rs",
-    "runtime/src/nlp/elements",
-    "runtime/src/simulation/event",
-    "runtime/src/simulation/fesd",
-    "units/src/parse.rs",
+const PENDING: [&str; 5] = [
+    "runtime/src/fesd/contact_mode.rs",
+    "runtime/src/fesd/finite_element",
+    "runtime/src/fesd/impact.rs",
+    "runtime/src/fesd/sharing.rs",
+    "runtime/src/simulation/fesd/mode_change.rs",
 ];
 
 /// Whether findings in a file count: with `HANGTIME_ARROWS` all in the chosen folder, otherwise all that are not pending.

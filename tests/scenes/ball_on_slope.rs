@@ -4,7 +4,7 @@ use hangtime::simulation::{EventKind, SimulationStatus};
 
 #[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/ball_on_slope.rs"]
-mod example;
+pub(crate) mod example;
 
 #[test]
 fn ball_on_slope_lands_slides_and_stops_where_the_closed_form_says() {

@@ -1,10 +1,7 @@
 //! README shows programs that are compiled and run elsewhere: the texts must not part.
 
+use crate::ball_on_slope::example::BallOnSlope;
 use hangtime::prelude::*;
-
-#[expect(dead_code, reason = "the example is a program with a main function")]
-#[path = "../../examples/ball_on_slope.rs"]
-mod ball_on_slope;
 
 #[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/sledge.rs"]
@@ -60,9 +57,9 @@ fn reproducible(text: &str) -> Vec<&str> {
 
 #[test]
 fn readme_shows_what_its_programs_print() {
-    let ball = ball_on_slope::BallOnSlope {
+    let ball = BallOnSlope {
         tilt: 0.4,
-        ..ball_on_slope::BallOnSlope::default()
+        ..BallOnSlope::default()
     };
     let printed = simulate(&ball).run().unwrap().to_string();
     assert_eq!(

@@ -17,7 +17,7 @@ impl<'a> Quantity<'a> {
     /// beginning that is a number counts as the number.
     ///
     /// # Errors
-    /// [`UnitError::NotANumber`] if there is none; the errors of [`Unit::parse`] for the rest.
+    /// [`UnitError::NotANumber`] if there is none; those of reading a [`Unit`] for the rest.
     pub fn parse(text: &'a str) -> Result<Self, UnitError> {
         let text = text.trim();
         let end = number_length(text);
@@ -28,7 +28,7 @@ impl<'a> Quantity<'a> {
         if unit.is_empty() {
             return Ok(Self { value, unit: None });
         }
-        Unit::parse(unit)?;
+        unit.parse::<Unit>()?;
         Ok(Self {
             value,
             unit: Some(unit),
@@ -38,7 +38,7 @@ impl<'a> Quantity<'a> {
     /// The number in the unit `to`; a bare number is taken to be in that unit already.
     ///
     /// # Errors
-    /// [`UnitError::Different`] if the units measure different things, or those of [`Unit::parse`].
+    /// [`UnitError::Different`] if the units measure different things, or those of reading a [`Unit`].
     pub fn in_unit(&self, to: &str) -> Result<f64, UnitError> {
         match self.unit {
             None => Ok(self.value),
@@ -74,9 +74,9 @@ fn number_length(text: &str) -> usize {
 /// Converts a number from one unit to another.
 ///
 /// # Errors
-/// [`UnitError::Different`] if the units measure different things, or those of [`Unit::parse`].
+/// [`UnitError::Different`] if the units measure different things, or those of reading a [`Unit`].
 pub fn convert(value: f64, from: &str, to: &str) -> Result<f64, UnitError> {
-    let (source, target) = (Unit::parse(from)?, Unit::parse(to)?);
+    let (source, target) = (from.parse::<Unit>()?, to.parse::<Unit>()?);
     if !source.same_dimension(target) {
         let show = |text: &str| if text.is_empty() { "1" } else { text }.to_owned();
         return Err(UnitError::Different {

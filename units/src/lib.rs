@@ -3,9 +3,9 @@
 //! ```
 //! use hangtime_units::{Quantity, Unit, convert};
 //!
-//! let force = Unit::parse("kg m/s^2")?;
+//! let force: Unit = "kg m/s^2".parse()?;
 //! assert_eq!(force.to_string(), "N");
-//! assert_eq!(force, Unit::parse("N")?);
+//! assert_eq!(force, "N".parse()?);
 //!
 //! let speed = Quantity::parse("18km/h")?;
 //! assert_eq!(speed.unit, Some("km/h"));

@@ -9,14 +9,16 @@ use std::str::FromStr;
 /// Deepest nesting of parentheses, against texts made to exhaust the stack.
 const DEPTH: usize = 32;
 
-impl Unit {
+impl FromStr for Unit {
+    type Err = UnitError;
+
     /// Reads a unit: symbols with SI prefixes, powers `^`, products by a blank, `*` or `.`, quotients
     /// by `/`, parentheses, and `1`. The empty text is the unit of pure numbers.
     ///
     /// # Errors
     /// [`UnitError::Unknown`] for a symbol that is no unit; [`UnitError::Malformed`] for anything else,
     /// also for the ambiguous `J/kg K`.
-    pub fn parse(text: &str) -> Result<Self, UnitError> {
+    fn from_str(text: &str) -> Result<Self, UnitError> {
         let mut parser = Parser {
             text,
             rest: text.trim(),
@@ -30,13 +32,6 @@ impl Unit {
         } else {
             Err(parser.malformed("this does not read as a unit; write e.g. `kg m/s^2`"))
         }
-    }
-}
-
-impl FromStr for Unit {
-    type Err = UnitError;
-    fn from_str(text: &str) -> Result<Self, UnitError> {
-        Self::parse(text)
     }
 }
 
@@ -169,7 +164,7 @@ mod tests {
     use super::*;
 
     fn unit(text: &str) -> Unit {
-        Unit::parse(text).unwrap()
+        text.parse().unwrap()
     }
 
     #[test]
@@ -196,7 +191,7 @@ mod tests {
 
     #[test]
     fn parse_mistakes_are_named() {
-        let text = |text: &str| Unit::parse(text).unwrap_err().to_string();
+        let text = |text: &str| text.parse::<Unit>().unwrap_err().to_string();
         assert_eq!(text("sec"), "unknown unit `sec`; did you mean `s`?");
         assert_eq!(
             text("furlong").split(';').next(),

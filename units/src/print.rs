@@ -20,7 +20,7 @@ impl fmt::Display for Unit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.scale != 1.0 {
             for text in COMMON {
-                if Self::parse(text).is_ok_and(|common| common == *self) {
+                if text.parse::<Self>().is_ok_and(|common| common == *self) {
                     return f.write_str(text);
                 }
             }
@@ -94,10 +94,10 @@ mod tests {
             "N", "J", "W", "Pa", "N/m", "N s/m", "N s", "kg m^2", "m/s", "m/s^2", "1/s", "1",
             "km/h", "deg", "kg/m", "1/(m s)", "m^(1/2)", "cm", "A",
         ] {
-            let unit = Unit::parse(text).unwrap();
+            let unit: Unit = text.parse().unwrap();
             assert_eq!(unit.to_string(), text);
         }
-        assert_eq!(Unit::parse("kg m^2/s^2").unwrap().to_string(), "J");
+        assert_eq!("kg m^2/s^2".parse::<Unit>().unwrap().to_string(), "J");
         let odd = Unit {
             scale: 12.0,
             ..Unit::mechanical(1, 0, 0)

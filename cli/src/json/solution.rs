@@ -1,12 +1,12 @@
 //! The JSON document of an optimal control problem.
 
-use hangtime::ocp::{Formulation, Optimum, Settings, Size, Solution, TimeFreezingReport};
+use hangtime::ocp::{Formulation, Optimum, Settings, Solution, TimeFreezingReport};
 use hangtime::rk::Scheme;
-use hangtime::simulation::Residuals;
+use hangtime::simulation::{ProblemSize, Residuals};
 use serde::Serialize;
 
 use super::parts::{
-    EventEntry, FinalEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA,
+    EventEntry, FinalEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA, SizeEntry,
     TrajectoryEntry, to_line,
 };
 use crate::bounds::Ending;
@@ -64,7 +64,8 @@ struct TimeFreezingEntry {
     objective: f64,
     horizon: f64,
     residuals: TimeFreezingResiduals,
-    size: SolutionSize,
+    #[serde(with = "SizeEntry")]
+    size: ProblemSize,
     iterations: usize,
     seconds: f64,
 }
@@ -85,7 +86,7 @@ impl TimeFreezingEntry {
                 primal: report.primal,
                 complementarity: report.complementarity,
             },
-            size: SolutionSize::new(&report.size),
+            size: report.size,
             iterations: report.iterations,
             seconds: report.seconds,
         }
@@ -138,7 +139,8 @@ pub(crate) struct SolutionDocument<'a> {
     controls: &'a [Vec<f64>],
     #[serde(with = "ResidualsEntry")]
     residuals: Residuals,
-    size: SolutionSize,
+    #[serde(with = "SizeEntry")]
+    size: ProblemSize,
     iterations: SolutionCounts,
     seconds: SolutionSeconds,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -146,29 +148,6 @@ pub(crate) struct SolutionDocument<'a> {
     optima: Vec<OptimumEntry<'a>>,
     notes: Vec<String>,
     quantities: QuantitiesEntry,
-}
-
-#[derive(Serialize)]
-struct SolutionSize {
-    variables: usize,
-    equalities: usize,
-    inequalities: usize,
-    complementarities: usize,
-    jacobian_nonzeros: usize,
-    hessian_nonzeros: usize,
-}
-
-impl SolutionSize {
-    fn new(size: &Size) -> Self {
-        Self {
-            variables: size.variables,
-            equalities: size.equalities,
-            inequalities: size.inequalities,
-            complementarities: size.complementarities,
-            jacobian_nonzeros: size.jacobian_nonzeros,
-            hessian_nonzeros: size.hessian_nonzeros,
-        }
-    }
 }
 
 #[derive(Serialize)]
@@ -230,7 +209,7 @@ impl<'a> SolutionDocument<'a> {
             resimulation_error: solution.resimulation_error,
             controls: &solution.controls,
             residuals: solution.residuals,
-            size: SolutionSize::new(&solution.size),
+            size: solution.size,
             iterations: SolutionCounts {
                 interior_point: solution.counts.global_iterations + solution.counts.iterations,
                 crossover: 0,

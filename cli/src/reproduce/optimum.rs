@@ -174,7 +174,12 @@ fn left_bounds(model: &dyn Model, whose: &str, states: &[State]) -> String {
     let left: Vec<String> = coordinates
         .filter_map(|(index, coordinate)| {
             let bounds = quantity::bounds(model, Quantity::Coordinate(index));
-            let values = || states.iter().map(|state| state.q[index]);
+            let turns = || {
+                states
+                    .windows(2)
+                    .filter_map(|pair| turn(&pair[0], &pair[1], index))
+            };
+            let values = || states.iter().map(|state| state.q[index]).chain(turns());
             let low = values().fold(f64::INFINITY, f64::min);
             let high = values().fold(f64::NEG_INFINITY, f64::max);
             let [lower, upper] = bounds[..] else {
@@ -197,6 +202,14 @@ fn left_bounds(model: &dyn Model, whose: &str, states: &[State]) -> String {
             left.join(", ")
         )
     }
+}
+
+/// Where a coordinate turns round between two states: the end of the parabola that its velocities make.
+fn turn(before: &State, after: &State, index: usize) -> Option<f64> {
+    let (v, change) = (before.v[index], after.v[index] - before.v[index]);
+    let share = -v / change;
+    let inside = after.time > before.time && share > 0.0 && share < 1.0;
+    inside.then(|| before.q[index] + 0.5 * v * share * (after.time - before.time))
 }
 
 /// How the published final time compares with ours.

@@ -176,7 +176,7 @@ mod tests {
     use super::*;
 
     fn unit(text: &str) -> Dimension {
-        Dimension::of(Unit::parse(text).unwrap())
+        Dimension::of(text.parse::<Unit>().unwrap())
     }
 
     #[test]
@@ -189,7 +189,7 @@ mod tests {
         assert!(unifier.unify(&c.power(Ratio::integer(2)), &k));
         assert_eq!(
             unifier.known(&c.power(Ratio::integer(2))),
-            Unit::parse("N/m").ok()
+            "N/m".parse::<Unit>().ok()
         );
         assert!(!unifier.unify(&k, &unit("N")));
     }

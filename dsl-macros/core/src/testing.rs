@@ -3,13 +3,13 @@
 
 use crate::ast::{Expr, Kind, Operator, Scene, Statement};
 use crate::graph::{Sym, Variable};
-use crate::tape::{Op, Tape};
+use crate::tape::{self, Op};
 use std::collections::HashMap;
 use std::rc::Rc;
 
 /// Values of `outputs`, by the operations that would be emitted.
 pub(crate) fn run(outputs: &[Sym], input: impl Fn(Variable) -> f64) -> Vec<f64> {
-    let tape = Tape::of(outputs);
+    let tape = tape::shortest(outputs);
     let mut values: Vec<f64> = Vec::with_capacity(tape.ops.len());
     for op in &tape.ops {
         let at = |i: u32| values[i as usize];

@@ -3,4 +3,4 @@
 
 mod heaviside;
 
-pub(crate) use heaviside::{ALPHA, Group, HeavisideSystem, P, W};
+pub(crate) use heaviside::{ALPHA, Group, HeavisideSystem, P, W, hessian, jacobian};

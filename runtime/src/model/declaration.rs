@@ -10,9 +10,9 @@ pub struct Declaration {
     /// Parameters in order of declaration.
     pub parameters: &'static [ParameterDeclaration],
     /// Coordinates in order of declaration; their number is `n_q`.
-    pub coordinates: &'static [CoordinateDeclaration],
+    pub coordinates: &'static [VariableDeclaration],
     /// Controls in order of declaration; their number is `n_u`.
-    pub controls: &'static [ControlDeclaration],
+    pub controls: &'static [VariableDeclaration],
     /// Contacts in order of declaration; their number is `n_c`.
     pub contacts: &'static [ContactDeclaration],
     /// Whether the physical time is the last component of the input vector.
@@ -53,20 +53,9 @@ pub struct ParameterDeclaration {
     pub documentation: &'static str,
 }
 
-/// A generalized coordinate.
+/// A generalized coordinate or a control input.
 #[derive(Debug, Clone, Copy)]
-pub struct CoordinateDeclaration {
-    /// Name, as written.
-    pub name: &'static str,
-    /// Unit, as written; empty if dimensionless or undeclared.
-    pub unit: &'static str,
-    /// Documentation, as written.
-    pub documentation: &'static str,
-}
-
-/// A control input.
-#[derive(Debug, Clone, Copy)]
-pub struct ControlDeclaration {
+pub struct VariableDeclaration {
     /// Name, as written.
     pub name: &'static str,
     /// Unit, as written; empty if dimensionless or undeclared.

@@ -39,9 +39,9 @@ mod declaration;
 pub(crate) use control_piece::ControlPiece;
 
 pub use declaration::{
-    ConstraintDeclaration, ConstraintRelation, ContactDeclaration, ControlDeclaration,
-    CoordinateDeclaration, Declaration, Equation, FrictionDeclaration, ImpactLaw, Kernel,
-    OptimalControlDeclaration, ParameterDeclaration, SparsityPattern,
+    ConstraintDeclaration, ConstraintRelation, ContactDeclaration, Declaration, Equation,
+    FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
+    SparsityPattern, VariableDeclaration,
 };
 
 /// A Lagrangian system with unilateral contacts: the interface between scenes and solvers.

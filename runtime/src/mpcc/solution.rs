@@ -87,7 +87,7 @@ pub struct Solution {
     /// Iterations of the linear programs of certificates, which `iterations` does not hold.
     pub certificate_iterations: usize,
     /// Changes of the fixed sides after the first crossover.
-    pub repairs: usize,
+    pub(crate) repairs: usize,
     /// Neighbouring choices of the fixed sides that were tried for a better objective.
     pub neighbours: usize,
     /// Factorizations of all runs, certificates included.

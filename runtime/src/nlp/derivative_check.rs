@@ -23,7 +23,7 @@ pub struct DerivativeReport {
     /// Worst entries, largest error first.
     pub entries: Vec<DerivativeEntry>,
     /// Number of entries compared.
-    pub compared: usize,
+    pub(crate) compared: usize,
 }
 
 impl DerivativeReport {

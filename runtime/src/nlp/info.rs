@@ -41,7 +41,7 @@ pub struct IterationInfo {
     /// Iteration number; those of the restoration phase count on.
     pub iteration: usize,
     /// Whether the iteration belongs to the restoration phase.
-    pub restoration: bool,
+    pub(crate) restoration: bool,
     /// Objective, unscaled; in the restoration phase that of its own problem.
     pub objective: f64,
     /// Constraint violation `|c|_inf`, scaled.
@@ -55,20 +55,20 @@ pub struct IterationInfo {
     /// Relaxation parameter `sigma` of product constraints, 0 if there are none.
     pub relaxation_parameter: f64,
     /// `|d|_inf` of the step that led here.
-    pub step_norm: f64,
+    pub(crate) step_norm: f64,
     /// Shift `delta_w` of the Hessian that the step used.
-    pub hessian_shift: f64,
+    pub(crate) hessian_shift: f64,
     /// Primal step length.
-    pub step_length_primal: f64,
+    pub(crate) step_length_primal: f64,
     /// Dual step length.
-    pub step_length_dual: f64,
+    pub(crate) step_length_dual: f64,
     /// Trial points of the line search.
-    pub trials: usize,
+    pub(crate) trials: usize,
     /// Factorizations of the iteration.
-    pub factorizations: usize,
+    pub(crate) factorizations: usize,
     /// How the step was accepted: `f` Armijo, `h` filter, `F`/`H` the same after a second-order
     /// correction, `t` tiny step, `R` after restoration, ` ` none.
-    pub acceptance: char,
+    pub(crate) acceptance: char,
 }
 
 impl IterationInfo {

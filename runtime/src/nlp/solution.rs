@@ -23,7 +23,7 @@ pub struct Counts {
     /// Iterations, those of the restoration phase included.
     pub iterations: usize,
     /// Iterations of the restoration phase.
-    pub restoration_iterations: usize,
+    pub(crate) restoration_iterations: usize,
     /// Numeric factorizations.
     pub factorizations: usize,
 }
@@ -54,7 +54,7 @@ pub struct Solution {
     /// Multipliers `z_u >= 0` of the upper bounds of the variables, length `n`.
     pub multipliers_upper: Vec<f64>,
     /// Barrier parameter of the last iteration, for a warm start.
-    pub barrier_parameter: f64,
+    pub(crate) barrier_parameter: f64,
     /// Residuals of the original problem.
     pub residuals: Residuals,
     /// Work done.

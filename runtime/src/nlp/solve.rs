@@ -15,7 +15,7 @@ use super::{Fault, InputError, NlpProblem, Observer, Products, Settings, Solutio
 ///
 /// # Errors
 /// [`InputError`] when the input is wrong; whatever happens after the first iteration is a
-/// [`Status`] of the solution.
+/// [`Status`](super::Status) of the solution.
 ///
 /// # Examples
 /// Minimize `(x_0 - 2)^2 + x_1^2` subject to `x_0 + x_1 = 1`, `x_0 <= 0.75`:

@@ -6,15 +6,15 @@ use super::Solution;
 #[derive(Debug, Clone, PartialEq)]
 pub struct WarmStart {
     /// The point, length `n`.
-    pub x: Vec<f64>,
+    pub(crate) x: Vec<f64>,
     /// Multipliers of the constraints, length `m`.
-    pub multipliers: Vec<f64>,
+    pub(crate) multipliers: Vec<f64>,
     /// Multipliers of the lower bounds, length `n`.
-    pub multipliers_lower: Vec<f64>,
+    pub(crate) multipliers_lower: Vec<f64>,
     /// Multipliers of the upper bounds, length `n`.
-    pub multipliers_upper: Vec<f64>,
+    pub(crate) multipliers_upper: Vec<f64>,
     /// First barrier parameter; the nearer the point, the smaller.
-    pub barrier_parameter: f64,
+    pub(crate) barrier_parameter: f64,
 }
 
 impl WarmStart {

@@ -83,12 +83,12 @@ mod solution;
 mod solve;
 mod summary;
 
-pub use global::time_freezing::{TimeFreezing, TimeFreezingMotion};
+pub use global::time_freezing::TimeFreezing;
 pub use motion::control_grid::ControlShape;
 pub use previous::Previous;
 pub use problem::{Horizon, Problem};
 pub use settings::{BoundsAt, Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
 pub use solution::{
-    Counts, Excess, Margin, Optimum, Size, Solution, Stationarity, Status, TimeFreezingReport,
+    Counts, Excess, Margin, Optimum, Solution, Stationarity, Status, TimeFreezingReport,
 };
 pub use solve::solve;

@@ -3,7 +3,9 @@
 use super::previous::Previous;
 use crate::nlp::{NlpProblem, Violation};
 use crate::ocp::motion::control_grid::{ControlShape, signal};
-use crate::simulation::{ControlSignal, EventKind, InputError, Residuals, Simulation, State};
+use crate::simulation::{
+    ControlSignal, EventKind, InputError, ProblemSize, Residuals, Simulation, State,
+};
 use crate::{mpcc, nlp};
 
 /// Why a run ended.
@@ -99,36 +101,18 @@ impl Stationarity {
 }
 
 /// Size of a program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Size {
-    /// Variables.
-    pub variables: usize,
-    /// Equalities.
-    pub equalities: usize,
-    /// Inequalities, bounds of variables not counted.
-    pub inequalities: usize,
-    /// Complementarity pairs.
-    pub complementarities: usize,
-    /// Nonzeros of the Jacobian.
-    pub jacobian_nonzeros: usize,
-    /// Nonzeros of the Hessian (lower triangle).
-    pub hessian_nonzeros: usize,
-}
-
-impl Size {
-    pub(in crate::ocp) fn of(program: &dyn NlpProblem, complementarities: usize) -> Self {
-        let rows = program.constraints();
-        let (mut lower, mut upper) = (vec![0.0; rows], vec![0.0; rows]);
-        program.constraint_bounds(&mut lower, &mut upper);
-        let equalities = lower.iter().zip(&upper).filter(|(l, u)| l == u).count();
-        Self {
-            variables: program.variables(),
-            equalities,
-            inequalities: rows - equalities,
-            complementarities,
-            jacobian_nonzeros: program.jacobian_pattern().len(),
-            hessian_nonzeros: program.hessian_pattern().len(),
-        }
+pub(in crate::ocp) fn size_of(program: &dyn NlpProblem, complementarities: usize) -> ProblemSize {
+    let rows = program.constraints();
+    let (mut lower, mut upper) = (vec![0.0; rows], vec![0.0; rows]);
+    program.constraint_bounds(&mut lower, &mut upper);
+    let equalities = lower.iter().zip(&upper).filter(|(l, u)| l == u).count();
+    ProblemSize {
+        variables: program.variables(),
+        equalities,
+        inequalities: rows - equalities,
+        complementarities,
+        jacobian_nonzeros: program.jacobian_pattern().len(),
+        hessian_nonzeros: program.hessian_pattern().len(),
     }
 }
 
@@ -150,7 +134,7 @@ pub struct TimeFreezingReport {
     /// Interior point iterations.
     pub iterations: usize,
     /// Size of the problem.
-    pub size: Size,
+    pub size: ProblemSize,
     /// CPU time \[s\].
     pub seconds: f64,
 }
@@ -276,7 +260,7 @@ pub struct Solution {
     /// Worst violated rows, if a program failed.
     pub violations: Vec<Violation>,
     /// Size of a program.
-    pub size: Size,
+    pub size: ProblemSize,
     /// Work done.
     pub counts: Counts,
     /// CPU time of all starts \[s\].
@@ -317,7 +301,7 @@ impl Solution {
             elements: Vec::new(),
             motion: None,
             violations,
-            size: Size::default(),
+            size: ProblemSize::default(),
             counts,
             seconds: 0.0,
             time_freezing: None,

@@ -69,12 +69,6 @@ impl ContactMode {
         self == Self::Open
     }
 
-    /// Whether the contact is sustained.
-    #[must_use]
-    pub fn is_closed(self) -> bool {
-        !self.is_open()
-    }
-
     /// Name used in JSON.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -4,7 +4,7 @@ use cpu_time::ThreadTime;
 
 use super::event::contact_mode;
 use super::event::dop853::{Dop853, System};
-use super::event::dynamics::Dynamics;
+use super::event::dynamics::{Dynamics, motion};
 use super::event::impact::{self, LowestBounce, Undetermined};
 use super::watch::Watch;
 use super::{
@@ -224,7 +224,7 @@ impl<'a> FixedRun<'a> {
         for (k, y) in self.y.iter_mut().enumerate() {
             *y += h / 6.0 * (first[k] + 2.0 * (second[k] + third[k]) + fourth[k]);
         }
-        if !self.dynamics.project(t + h, &mut self.y) {
+        if !motion::project(&mut self.dynamics, t + h, &mut self.y) {
             self.y.fill(f64::NAN);
         }
     }

@@ -125,7 +125,7 @@ impl ControlSignal {
 
     /// The next time after `t` at which the controls jump or change their slope, if any.
     #[must_use]
-    pub fn next_break(&self, t: f64) -> Option<f64> {
+    pub(crate) fn next_break(&self, t: f64) -> Option<f64> {
         let (Self::PiecewiseConstant { times, .. } | Self::PiecewiseLinear { times, .. }) = self
         else {
             return None;

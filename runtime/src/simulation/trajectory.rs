@@ -58,15 +58,19 @@ impl Trajectory {
         self.friction_force.truncate(instants);
     }
 
-    /// Keeps one of `stride` instants from entry `first` on, besides the last one and both sides of every jump.
-    pub(super) fn thin(&mut self, first: usize, stride: usize) {
+    /// Keeps one of `stride` instants from entry `first + skip` on, what stands before entry `first`, the last one, and
+    /// both sides of every jump.
+    pub(super) fn thin(&mut self, first: usize, skip: usize, stride: usize) {
         let last = self.time.len().saturating_sub(1);
         let jumps = |k: usize| {
             (k > 0 && self.time[k - 1] == self.time[k])
                 || (k < last && self.time[k + 1] == self.time[k])
         };
         let keeps: Vec<bool> = (0..self.time.len())
-            .map(|k| k < first || k == last || (k - first).is_multiple_of(stride) || jumps(k))
+            .map(|k| {
+                let regular = k >= first + skip && (k - first - skip).is_multiple_of(stride);
+                k < first || k == last || regular || jumps(k)
+            })
             .collect();
         fn select<T>(rows: &mut Vec<T>, keeps: &[bool]) {
             let mut keeps = keeps.iter();

@@ -20,6 +20,8 @@ pub(super) struct Watch<'o> {
     stride: usize,
     /// Points that have been through this before.
     thinned: usize,
+    /// Points after these before the next one that is kept.
+    skip: usize,
 }
 
 impl<'o> Watch<'o> {
@@ -33,6 +35,7 @@ impl<'o> Watch<'o> {
             shown: true,
             stride: 1,
             thinned: 0,
+            skip: 0,
         }
     }
 
@@ -42,6 +45,7 @@ impl<'o> Watch<'o> {
         self.points = self.most_points;
         self.stride = 1;
         self.thinned = 0;
+        self.skip = 0;
         self.shown = shown;
     }
 
@@ -75,12 +79,18 @@ impl<'o> Watch<'o> {
     }
 
     fn thin(&mut self, trajectory: &mut Trajectory) {
-        trajectory.thin(self.thinned, self.stride);
+        let fresh = trajectory.time.len() - self.thinned;
+        trajectory.thin(self.thinned, self.skip, self.stride);
+        // The last point is kept for now and counted again, so that the distances go on evenly.
+        self.skip = match (fresh - 1).checked_sub(self.skip) {
+            None => self.skip + 1 - fresh,
+            Some(since) => since.next_multiple_of(self.stride) - since,
+        };
         if 2 * trajectory.time.len() > self.points {
-            trajectory.thin(0, 2);
+            trajectory.thin(0, 0, 2);
             self.stride *= 2;
         }
-        self.thinned = trajectory.time.len();
+        self.thinned = trajectory.time.len() - 1;
         // Jumps are kept whatever their number.
         if 4 * self.thinned > 3 * self.points {
             self.points *= 2;

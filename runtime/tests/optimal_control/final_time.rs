@@ -5,7 +5,7 @@ use hangtime::ocp::{self, Formulation, Guess, Problem, Settings, Solution, Statu
 use hangtime::ocp::{ControlShape, TimeFreezingSettings};
 
 fn solve(model: &dyn Model, settings: &Settings) -> Solution {
-    ocp::solve(model, &Problem::of(model, 6), settings, &mut |_| true).unwrap()
+    ocp::solve(model, &Problem::of(model, 6), settings, &mut |_| true).expect("a good problem")
 }
 
 hangtime::model! {

@@ -1,6 +1,8 @@
 //! What counts as zero in the event-driven simulator: releases and grazing against closed forms, and that results
 //! depend neither on the place of a scene nor on its units.
 
+#![allow(clippy::unwrap_used, reason = "test code")]
+
 use hangtime::model::Model;
 use hangtime::simulation::{
     EventDriven, EventKind, InitialValueProblem, Simulation, SimulationStatus, Simulator,

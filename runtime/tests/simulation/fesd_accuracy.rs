@@ -1,6 +1,8 @@
 //! What the default simulation promises, and where it says that it cannot: accuracy, scales of gaps, cascades
 //! of impacts, and what is not a number.
 
+#![allow(clippy::unwrap_used, reason = "test code")]
+
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{

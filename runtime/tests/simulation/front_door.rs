@@ -1,5 +1,7 @@
 //! `simulate(&model)` and what its results say.
 
+#![allow(clippy::unwrap_used, reason = "test code")]
+
 use std::f64::consts::PI;
 
 use hangtime::prelude::*;

@@ -77,7 +77,7 @@ fn solve_landing_moves_the_switch_to_the_best_element() {
     // 7.4e-5 against 1.02e-4
     assert!(with.objective < 0.75 * without.objective);
     // the objective of a step is its equilibration
-    let lengths = program.motion(&with.x).numerical_lengths;
+    let lengths = program.numerical_lengths(&with.x);
     assert!((equilibration(&lengths) - with.objective).abs() < 1e-9);
 }
 

@@ -5,7 +5,7 @@
 //! necessity, and the law cannot say which of them carries the force and which coefficients hold. A
 //! constant in the sum keeps them apart: opposite walls are never touched together.
 
-use super::Checker;
+use super::checker::Checker;
 use crate::ast::Name;
 use crate::diagnostics::list;
 use crate::graph::{self, Sym, Variable};

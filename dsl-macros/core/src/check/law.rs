@@ -1,234 +1,226 @@
 //! Impact laws: what their parts may be, and which surface has which.
 
-use super::Checker;
+use super::checker::{CheckedFriction, CheckedLaw, Checker, Surface};
 use super::rules::is_velocity;
 use crate::ast::{Expr, Law, Name};
 use crate::derive::simplify;
-use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
+use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
 use crate::evaluate::Value;
-use crate::graph::{self, Sym, Variable};
+use crate::graph::{self, Compose, Sym, Variable};
 use crate::parse::law_of;
 use crate::scene::{self, Contact, Friction};
 
-/// The law of one surface.
-#[derive(Clone)]
-pub(super) struct CheckedLaw {
-    surface: Name,
-    restitution: Option<Sym>,
-    friction: Option<CheckedFriction>,
-    along: Option<Vec<Sym>>,
-    held: Vec<usize>,
-}
-
-#[derive(Clone)]
-struct CheckedFriction {
-    coefficient: Sym,
-    sliding: Option<Sym>,
-    place: Place,
-}
-
 /// A surface with its law, before the law is completed from the Lagrangian.
 pub(super) struct Pair {
-    surface: super::Surface,
+    surface: Surface,
     law: CheckedLaw,
 }
 
-impl Checker<'_> {
-    pub(super) fn impact(&mut self, surfaces: &[Name], law: &Law) -> Checked<()> {
-        let before = self.diagnostics.mistakes();
-        let restitution = law
-            .restitution
-            .as_ref()
-            .map(|expr| self.coefficient(expr, "restitution", 1.0));
-        let friction = law
-            .friction
-            .as_ref()
-            .map(|expr| self.coefficient(expr, "friction", f64::INFINITY));
-        let sliding = law.sliding.as_ref().map(|expr| self.sliding(expr));
-        let along = law.along.as_ref().map(|expr| self.direction(expr));
-        let held = self.held(&law.holding);
-        let (Ok(restitution), Ok(friction), Ok(sliding), Ok(along), Ok(held)) = (
-            restitution.transpose(),
-            friction.transpose(),
-            sliding.transpose(),
-            along.transpose(),
-            held,
-        ) else {
-            for surface in surfaces {
-                self.diagnostics.poison(&law_of(&surface.text));
-            }
-            return Err(Reported);
-        };
-        let friction = friction.zip(law.friction.as_ref());
+pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) -> Checked<()> {
+    let before = checker.diagnostics.mistakes();
+    let restitution = law
+        .restitution
+        .as_ref()
+        .map(|expr| coefficient(checker, expr, "restitution", 1.0));
+    let friction = law
+        .friction
+        .as_ref()
+        .map(|expr| coefficient(checker, expr, "friction", f64::INFINITY));
+    let sliding = law.sliding.as_ref().map(|expr| sliding(checker, expr));
+    let along = law.along.as_ref().map(|expr| direction(checker, expr));
+    let held = held(checker, &law.holding);
+    let (Ok(restitution), Ok(friction), Ok(sliding), Ok(along), Ok(held)) = (
+        restitution.transpose(),
+        friction.transpose(),
+        sliding.transpose(),
+        along.transpose(),
+        held,
+    ) else {
         for surface in surfaces {
-            if let Some(known) = self
-                .impacts
-                .iter()
-                .find(|known| known.surface.text == surface.text)
-            {
-                let text = known.surface.text.clone();
-                self.diagnostics.report(
-                    "E20",
-                    surface.place(),
-                    format!("surface `{text}` has two impact laws; keep one"),
-                );
-                continue;
-            }
-            self.impacts.push(CheckedLaw {
-                surface: surface.clone(),
-                restitution,
-                friction: friction.map(|(coefficient, expr)| CheckedFriction {
-                    coefficient,
-                    sliding,
-                    place: expr.place,
-                }),
-                along: along.clone(),
-                held: held.clone(),
-            });
+            checker.diagnostics.poison(&law_of(&surface.text));
         }
-        if self.diagnostics.mistakes() > before {
-            return Err(Reported);
-        }
-        Ok(())
-    }
-
-    /// E10: a coefficient between 0 and a bound, for the defaults of the parameters.
-    fn coefficient(&mut self, expr: &Expr, of: &str, most: f64) -> Checked<Sym> {
-        let sym = self.scope.scalar(expr, self.diagnostics)?;
-        let sym = self.constant(sym, expr, &format!("the coefficient of {of}"))?;
-        let Some(value) = self.at_default(sym) else {
-            return Ok(sym);
-        };
-        if (0.0..=most).contains(&value) {
-            return Ok(sym);
-        }
-        let shown = match expr.to_string() {
-            text if text == value.to_string() => text,
-            text => format!("{text} = {value}"),
-        };
-        let message = if most.is_finite() {
-            format!(
-                "coefficient of {of} {shown} is outside [0, 1]: 0 keeps no normal velocity, 1 all of it"
-            )
-        } else {
-            format!(
-                "coefficient of {of} {shown} is below 0: the force would drive the sliding instead of \
-                 braking it; change its sign"
-            )
-        };
-        Err(self.diagnostics.report("E10", expr.place, message))
-    }
-
-    /// The sliding velocity, which must be `b(q, t)' v`.
-    fn sliding(&mut self, expr: &Expr) -> Checked<Sym> {
-        let sliding = self.scope.scalar(expr, self.diagnostics)?;
-        if let Some(variable) = graph::variables(&[sliding])
-            .into_iter()
-            .find(|variable| matches!(variable, Variable::Control(_)))
+        return Err(Reported);
+    };
+    let friction = friction.zip(law.friction.as_ref());
+    for surface in surfaces {
+        if let Some(known) = checker
+            .impacts
+            .iter()
+            .find(|known| known.surface.text == surface.text)
         {
-            let message = format!(
-                "the sliding velocity depends on {}; it may depend on positions and velocities only",
-                self.in_words(variable)
+            let text = known.surface.text.clone();
+            checker.diagnostics.report(
+                "E20",
+                surface.place(),
+                format!("surface `{text}` has two impact laws; keep one"),
             );
-            return Err(self.diagnostics.report("E07", expr.place, message));
+            continue;
         }
-        let n = self.coordinates.len();
-        let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
-        let tangent = graph::gradient(sliding, &velocities);
-        let at_rest = graph::substitute(&[sliding], |variable| {
-            is_velocity(variable).then_some(Sym::ZERO)
-        })[0];
-        let linear = tangent
-            .iter()
-            .all(|&component| !graph::depends_on(simplify(component), is_velocity));
-        if !linear || !simplify(at_rest).is_structural_zero() {
-            return Err(self.diagnostics.report(
-                "E07",
-                expr.place,
-                format!(
-                    "`{expr}` is no sliding velocity: that is a sum of velocities times functions of \
-                     positions, zero at rest, such as `dot(y)`"
-                ),
-            ));
-        }
-        if tangent
-            .iter()
-            .all(|component| component.is_structural_zero())
-        {
-            return Err(self.diagnostics.report(
-                "E07",
-                expr.place,
-                format!("the sliding velocity `{expr}` contains no velocity; write e.g. `dot(y)`"),
-            ));
-        }
-        Ok(sliding)
+        checker.impacts.push(CheckedLaw {
+            surface: surface.clone(),
+            restitution,
+            friction: friction.map(|(coefficient, expr)| CheckedFriction {
+                coefficient,
+                sliding,
+                place: expr.place,
+            }),
+            along: along.clone(),
+            held: held.clone(),
+        });
     }
+    if checker.diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    Ok(())
+}
 
-    /// Indices of held coordinates, increasing.
-    fn held(&mut self, names: &[Name]) -> Checked<Vec<usize>> {
-        let mut held = Vec::with_capacity(names.len());
-        let mut failed = false;
-        for name in names {
-            match self.coordinate_index(name) {
-                Ok(index) if held.contains(&index) => {
-                    self.diagnostics.report(
-                        "E20",
-                        name.place(),
-                        format!("`{}` is held twice; keep one", name.text),
-                    );
-                    failed = true;
-                }
-                Ok(index) => held.push(index),
-                Err(Reported) => failed = true,
+/// E10: a coefficient between 0 and a bound, for the defaults of the parameters.
+fn coefficient(checker: &mut Checker<'_>, expr: &Expr, of: &str, most: f64) -> Checked<Sym> {
+    let sym = checker.scope.scalar(expr, checker.diagnostics)?;
+    let sym = checker.constant(sym, expr, &format!("the coefficient of {of}"))?;
+    let Some(value) = checker.at_default(sym) else {
+        return Ok(sym);
+    };
+    if (0.0..=most).contains(&value) {
+        return Ok(sym);
+    }
+    let shown = match expr.to_string() {
+        text if text == value.to_string() => text,
+        text => format!("{text} = {value}"),
+    };
+    let message = if most.is_finite() {
+        format!(
+            "coefficient of {of} {shown} is outside [0, 1]: 0 keeps no normal velocity, 1 all of it"
+        )
+    } else {
+        format!(
+            "coefficient of {of} {shown} is below 0: the force would drive the sliding instead of \
+             braking it; change its sign"
+        )
+    };
+    Err(checker.diagnostics.report("E10", expr.place, message))
+}
+
+/// The sliding velocity, which must be `b(q, t)' v`.
+fn sliding(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
+    let sliding = checker.scope.scalar(expr, checker.diagnostics)?;
+    if let Some(variable) = graph::variables(&[sliding])
+        .into_iter()
+        .find(|variable| matches!(variable, Variable::Control(_)))
+    {
+        let message = format!(
+            "the sliding velocity depends on {}; it may depend on positions and velocities only",
+            checker.in_words(variable)
+        );
+        return Err(checker.diagnostics.report("E07", expr.place, message));
+    }
+    let n = checker.coordinates.len();
+    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+    let tangent = graph::gradient(sliding, &velocities);
+    let at_rest = graph::substitute(&[sliding], |variable| {
+        is_velocity(variable).then_some(Sym::ZERO)
+    })[0];
+    let linear = tangent
+        .iter()
+        .all(|&component| !graph::depends_on(simplify(component), is_velocity));
+    if !linear || !simplify(at_rest).is_structural_zero() {
+        return Err(checker.diagnostics.report(
+            "E07",
+            expr.place,
+            format!(
+                "`{expr}` is no sliding velocity: that is a sum of velocities times functions of \
+                 positions, zero at rest, such as `dot(y)`"
+            ),
+        ));
+    }
+    if tangent
+        .iter()
+        .all(|component| component.is_structural_zero())
+    {
+        return Err(checker.diagnostics.report(
+            "E07",
+            expr.place,
+            format!("the sliding velocity `{expr}` contains no velocity; write e.g. `dot(y)`"),
+        ));
+    }
+    Ok(sliding)
+}
+
+/// Indices of held coordinates, increasing.
+fn held(checker: &mut Checker<'_>, names: &[Name]) -> Checked<Vec<usize>> {
+    let mut held = Vec::with_capacity(names.len());
+    let mut failed = false;
+    for name in names {
+        match checker.coordinate_index(name) {
+            Ok(index) if held.contains(&index) => {
+                checker.diagnostics.report(
+                    "E20",
+                    name.place(),
+                    format!("`{}` is held twice; keep one", name.text),
+                );
+                failed = true;
             }
+            Ok(index) => held.push(index),
+            Err(Reported) => failed = true,
         }
-        if failed {
-            return Err(Reported);
-        }
-        held.sort_unstable();
-        Ok(held)
     }
+    if failed {
+        return Err(Reported);
+    }
+    held.sort_unstable();
+    Ok(held)
+}
 
-    /// The impulse direction as velocities in declared units.
-    fn direction(&mut self, expr: &Expr) -> Checked<Vec<Sym>> {
-        let value = self.scope.value(expr, self.diagnostics)?;
-        let n = self.coordinates.len();
-        let components = value.components();
-        if components.len() != n
-            || (matches!(value, Value::Scalar(_)) && n != 1)
-            || matches!(value, Value::Matrix(_))
-        {
-            return Err(self.diagnostics.report(
-                "E02",
-                expr.place,
-                format!(
-                    "the impulse direction has {} component{}; it needs one for each of the {n} \
-                     coordinates, in their order",
-                    components.len(),
-                    if components.len() == 1 { "" } else { "s" },
-                ),
-            ));
+/// The impulse direction as velocities in declared units.
+fn direction(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Vec<Sym>> {
+    let value = checker.scope.value(expr, checker.diagnostics)?;
+    let n = checker.coordinates.len();
+    let components = value.components();
+    if components.len() != n
+        || (matches!(value, Value::Scalar(_)) && n != 1)
+        || matches!(value, Value::Matrix(_))
+    {
+        return Err(checker.diagnostics.report(
+            "E02",
+            expr.place,
+            format!(
+                "the impulse direction has {} component{}; it needs one for each of the {n} \
+                 coordinates, in their order",
+                components.len(),
+                if components.len() == 1 { "" } else { "s" },
+            ),
+        ));
+    }
+    if let Some(variable) = graph::variables(components)
+        .into_iter()
+        .find(|variable| matches!(variable, Variable::Velocity(_) | Variable::Control(_)))
+    {
+        return Err(checker.diagnostics.report(
+            "E07",
+            expr.place,
+            format!(
+                "the impulse direction depends on {}; it may depend on positions only",
+                checker.in_words(variable)
+            ),
+        ));
+    }
+    Ok(components
+        .iter()
+        .zip(&checker.coordinates)
+        .map(|(component, coordinate)| {
+            component.scaled(1.0 / scene::scale(coordinate.unit.as_ref()))
+        })
+        .collect())
+}
+
+/// A coefficient for an example in a message.
+fn shown_coefficient(checker: &Checker<'_>, friction: &CheckedFriction) -> String {
+    match friction.coefficient.node() {
+        graph::Node::Variable(Variable::Parameter(i)) => {
+            checker.parameters[usize::from(i)].name.text.clone()
         }
-        if let Some(variable) = graph::variables(components)
-            .into_iter()
-            .find(|variable| matches!(variable, Variable::Velocity(_) | Variable::Control(_)))
-        {
-            return Err(self.diagnostics.report(
-                "E07",
-                expr.place,
-                format!(
-                    "the impulse direction depends on {}; it may depend on positions only",
-                    self.in_words(variable)
-                ),
-            ));
-        }
-        Ok(components
-            .iter()
-            .zip(&self.coordinates)
-            .map(|(component, coordinate)| {
-                component.scaled(1.0 / scene::scale(coordinate.unit.as_ref()))
-            })
-            .collect())
+        graph::Node::Number(bits) => f64::from_bits(bits).to_string(),
+        _ => "mu".to_owned(),
     }
 }
 
@@ -286,7 +278,7 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
 }
 
 /// E09: an impulse changes the normal velocity.
-fn impulse(surface: &super::Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diagnostics) {
+fn impulse(surface: &Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diagnostics) {
     let normal = normal(surface.gap, n);
     if let Some(along) = &law.along {
         let product: Sym = normal.iter().zip(along).map(|(&n, &w)| n * w).sum();
@@ -354,7 +346,7 @@ pub(super) fn contacts(
 /// the surface, `n_z y' - n_y z'`.
 fn complete(
     friction: CheckedFriction,
-    surface: &super::Surface,
+    surface: &Surface,
     held: &[usize],
     lagrangian: Sym,
     checker: &mut Checker<'_>,
@@ -377,7 +369,7 @@ fn complete(
                  in two Cartesian coordinates on a surface at rest only; add that of the touching point along \
                  the surface, scaled like the gap, as in `impact {0}: ..., friction {1}, sliding dot({first})`",
                 surface.name.text,
-                checker.shown_coefficient(&friction)
+                shown_coefficient(checker, &friction)
             );
             return Err(checker.diagnostics.report("E20", friction.place, message));
         }
@@ -392,7 +384,7 @@ fn complete(
 fn braked(
     sliding: Sym,
     friction: &CheckedFriction,
-    surface: &super::Surface,
+    surface: &Surface,
     held: &[usize],
     checker: &mut Checker<'_>,
 ) -> Checked<()> {
@@ -414,21 +406,8 @@ fn braked(
     ))
 }
 
-impl Checker<'_> {
-    /// A coefficient for an example in a message.
-    fn shown_coefficient(&self, friction: &CheckedFriction) -> String {
-        match friction.coefficient.node() {
-            graph::Node::Variable(Variable::Parameter(i)) => {
-                self.parameters[usize::from(i)].name.text.clone()
-            }
-            graph::Node::Number(bits) => f64::from_bits(bits).to_string(),
-            _ => "mu".to_owned(),
-        }
-    }
-}
-
 /// Whether a surface does not move: of one that moves, the gap does not tell how it moves along itself.
-fn is_at_rest(surface: &super::Surface) -> bool {
+fn is_at_rest(surface: &Surface) -> bool {
     !graph::depends_on(surface.gap, |variable| variable == Variable::Time)
 }
 

@@ -1,374 +1,355 @@
 //! Optimal control: what a cost, a constraint and a terminal condition may be.
 
+use super::checker::{Checker, Cost, Free, Task};
 use super::rules::smooth;
-use super::{Checker, units};
+use super::{units, values};
 use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::Role;
-use crate::graph::{self, Sym, Variable};
+use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, OptimalControl};
 use crate::words;
 
-/// The task of optimal control as far as it is declared.
-#[derive(Default)]
-pub(super) struct Task {
-    cost: Option<Cost>,
-    constraints: Vec<scene::Condition>,
-    goals: Vec<scene::Condition>,
-    free: Vec<Free>,
+pub(super) fn minimize(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {
+    if checker.task.cost.is_some() {
+        return Err(checker.diagnostics.syntax(
+            keyword,
+            "a scene has one `minimize`; add the terms up in it",
+        ));
+    }
+    let mut cost = Cost::default();
+    let split = split(checker, expr, Sym::ONE, &mut cost);
+    checker.task.cost = Some(cost);
+    split
 }
 
-/// The two parts of an objective.
-#[derive(Default)]
-struct Cost {
-    running: Option<Sym>,
-    terminal: Option<Sym>,
-}
-
-/// An initial value that is to be found.
-struct Free {
-    /// Index into `(q, v)`.
-    index: usize,
-    bounds: Option<(Sym, Sym)>,
-    shown: String,
-    place: Place,
-}
-
-impl Checker<'_> {
-    pub(super) fn minimize(&mut self, keyword: Place, expr: &Expr) -> Checked<()> {
-        if self.task.cost.is_some() {
-            return Err(self.diagnostics.syntax(
-                keyword,
-                "a scene has one `minimize`; add the terms up in it",
-            ));
-        }
-        let mut cost = Cost::default();
-        let split = self.split(expr, Sym::ONE, &mut cost);
-        self.task.cost = Some(cost);
-        split
+/// E15: adds an expression times a weight to the two parts of the objective.
+fn split(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Cost) -> Checked<()> {
+    if !has_integral(expr) {
+        return final_term(checker, expr, weight, cost);
     }
-
-    /// E15: adds an expression times a weight to the two parts of the objective.
-    fn split(&mut self, expr: &Expr, weight: Sym, cost: &mut Cost) -> Checked<()> {
-        if !has_integral(expr) {
-            return self.final_term(expr, weight, cost);
-        }
-        match &expr.kind {
-            Kind::Negate(inner) => self.split(inner, -weight, cost),
-            Kind::Chain(first, rest) if rest[0].operator.is_additive() => {
-                let mut result = self.split(first, weight, cost);
-                for link in rest {
-                    let sign = if link.operator == Operator::Add {
-                        1.0
-                    } else {
-                        -1.0
-                    };
-                    result = result.and(self.split(&link.operand, weight.scaled(sign), cost));
-                }
-                result
-            }
-            Kind::Chain(first, rest) if is_weighted_integral(expr, rest) => {
-                let (mut weight, mut integral) = (weight, &**first);
-                for link in rest.iter().rev() {
-                    if has_integral(&link.operand) {
-                        integral = &link.operand;
-                        continue;
-                    }
-                    let factor = self.weight(&link.operand)?;
-                    weight = match link.operator {
-                        Operator::Divide => weight / factor,
-                        _ => weight * factor,
-                    };
-                }
-                if !has_integral(first) {
-                    weight *= self.weight(first)?;
-                }
-                self.split(integral, weight, cost)
-            }
-            Kind::Call {
-                function,
-                arguments,
-            } if function.text == words::INTEGRAL => match arguments.as_slice() {
-                [argument] if !has_integral(argument) => self.running_term(argument, weight, cost),
-                [argument] => Err(self.meaningless(
-                    argument.place,
-                    "`integral` inside `integral`: a running cost is integrated once, over the motion; \
-                     add a coordinate for the inner one"
-                        .to_owned(),
-                )),
-                other => Err(self.diagnostics.report(
-                    "E02",
-                    expr.place,
-                    format!("`integral` takes 1 argument, found {}", other.len()),
-                )),
-            },
-            _ => Err(self.meaningless(
-                expr.place,
-                format!(
-                    "`integral` inside `{expr}`: an objective is a sum of final terms and of integrals, \
-                     each possibly times a constant"
-                ),
-            )),
-        }
-    }
-
-    fn meaningless(&mut self, place: Place, message: String) -> Reported {
-        self.diagnostics.report("E15", place, message)
-    }
-
-    /// What an integral is multiplied by.
-    fn weight(&mut self, expr: &Expr) -> Checked<Sym> {
-        let value = self.in_role(Role::Running, |checker| {
-            checker.scope.scalar(expr, checker.diagnostics)
-        })?;
-        let moving = graph::variables(&[value])
-            .into_iter()
-            .find(|variable| !matches!(variable, Variable::Parameter(_)));
-        match moving {
-            None => Ok(value),
-            Some(variable) => {
-                let message = format!(
-                    "an integral times `{expr}`, which depends on {}: a weight may depend on parameters \
-                     only; move it into the integral",
-                    self.in_words(variable)
-                );
-                Err(self.meaningless(expr.place, message))
-            }
-        }
-    }
-
-    fn running_term(&mut self, expr: &Expr, weight: Sym, cost: &mut Cost) -> Checked<()> {
-        let value = self.in_role(Role::Running, |checker| {
-            checker.scope.scalar(expr, checker.diagnostics)
-        })?;
-        if !moves(value) {
-            return Err(self.meaningless(
-                expr.place,
-                format!(
-                    "the integral of the constant `{expr}` is that times the final time; write `{}`",
-                    match &expr.kind {
-                        Kind::Number { value, unit: None, .. } if *value == 1.0 => "time".to_owned(),
-                        Kind::Chain(_, rest) if rest[0].operator.is_additive() && !expr.parenthesized => {
-                            format!("({expr})*time")
-                        }
-                        _ => format!("{expr}*time"),
-                    }
-                ),
-            ));
-        }
-        smooth(value, expr, self)?;
-        let known = cost.running.unwrap_or(Sym::ZERO);
-        cost.running = Some(known + weight * value);
-        Ok(())
-    }
-
-    fn final_term(&mut self, expr: &Expr, weight: Sym, cost: &mut Cost) -> Checked<()> {
-        let value = self.at_the_end(expr, "the final cost")?;
-        if !moves(value) {
-            return Err(self.meaningless(
-                expr.place,
-                format!(
-                    "`{expr}` is the same for every motion, so it cannot be minimized; leave it out"
-                ),
-            ));
-        }
-        let known = cost.terminal.unwrap_or(Sym::ZERO);
-        cost.terminal = Some(known + weight * value);
-        Ok(())
-    }
-
-    /// A number at the final instant, where a control has no value.
-    fn at_the_end(&mut self, expr: &Expr, what: &str) -> Checked<Sym> {
-        let value = self.in_role(Role::End, |checker| {
-            checker.scope.scalar(expr, checker.diagnostics)
-        })?;
-        let control = graph::variables(&[value])
-            .into_iter()
-            .find(|variable| matches!(variable, Variable::Control(_)));
-        if let Some(variable) = control {
-            let message = format!(
-                "{what} depends on {}, which acts over a time and has no value at the final instant; \
-                 {}",
-                self.in_words(variable),
-                if what == "the final cost" {
-                    format!("write `integral({expr})`")
+    match &expr.kind {
+        Kind::Negate(inner) => split(checker, inner, -weight, cost),
+        Kind::Chain(first, rest) if rest[0].operator.is_additive() => {
+            let mut result = split(checker, first, weight, cost);
+            for link in rest {
+                let sign = if link.operator == Operator::Add {
+                    1.0
                 } else {
-                    "a condition on it is a `constraint`".to_owned()
+                    -1.0
+                };
+                result = result.and(split(checker, &link.operand, weight.scaled(sign), cost));
+            }
+            result
+        }
+        Kind::Chain(first, rest) if is_weighted_integral(expr, rest) => {
+            let (mut weight, mut integral) = (weight, &**first);
+            for link in rest.iter().rev() {
+                if has_integral(&link.operand) {
+                    integral = &link.operand;
+                    continue;
                 }
-            );
-            return Err(self.meaningless(expr.place, message));
-        }
-        smooth(value, expr, self)?;
-        Ok(value)
-    }
-
-    fn in_role<T>(&mut self, role: Role, run: impl FnOnce(&mut Self) -> T) -> T {
-        self.scope.role = role;
-        let result = run(self);
-        self.scope.role = Role::Motion;
-        result
-    }
-
-    pub(super) fn finally(&mut self, goals: &[Condition]) -> Checked<()> {
-        let before = self.diagnostics.mistakes();
-        for goal in goals {
-            let left = self.at_the_end(&goal.left, "a terminal condition");
-            let right = self.at_the_end(&goal.right, "a terminal condition");
-            let (Ok(left), Ok(right)) = (left, right) else {
-                continue;
-            };
-            let name = shown(goal);
-            if let Ok(goal) = self.condition(goal, name, left, right) {
-                self.task.goals.push(goal);
+                let factor = factor(checker, &link.operand)?;
+                weight = match link.operator {
+                    Operator::Divide => weight / factor,
+                    _ => weight * factor,
+                };
             }
+            if !has_integral(first) {
+                weight *= factor(checker, first)?;
+            }
+            split(checker, integral, weight, cost)
         }
-        if self.diagnostics.mistakes() > before {
-            return Err(Reported);
-        }
-        Ok(())
-    }
-
-    pub(super) fn constraint(&mut self, name: &Name, condition: &Condition) -> Checked<()> {
-        if self
-            .task
-            .constraints
-            .iter()
-            .any(|known| known.name == name.text)
-        {
-            return Err(self.diagnostics.report(
-                "E19",
-                name.place(),
-                format!("constraint `{}` is declared twice; rename one", name.text),
-            ));
-        }
-        let mut side = |expr: &Expr| {
-            self.in_role(Role::Running, |checker| {
-                let value = checker.scope.scalar(expr, checker.diagnostics)?;
-                smooth(value, expr, checker)?;
-                Ok(value)
-            })
-        };
-        let (left, right) = (side(&condition.left), side(&condition.right));
-        let constraint = self.condition(condition, name.text.clone(), left?, right?)?;
-        self.task.constraints.push(constraint);
-        Ok(())
-    }
-
-    /// A condition with its sides evaluated.
-    fn condition(
-        &mut self,
-        condition: &Condition,
-        name: String,
-        left: Sym,
-        right: Sym,
-    ) -> Checked<scene::Condition> {
-        let function = match condition.relation {
-            Relation::AtMost => right - left,
-            Relation::AtLeast | Relation::Equal => left - right,
-        };
-        if !moves(function) {
-            return Err(self.meaningless(
-                condition.left.place.to(condition.right.place),
-                format!(
-                    "`{}` is the same for every motion, so it is no condition; use coordinates, \
-                     velocities or the time",
-                    shown(condition)
-                ),
-            ));
-        }
-        Ok(scene::Condition {
-            name,
-            documentation: condition.documentation.clone(),
+        Kind::Call {
             function,
-            equality: condition.relation == Relation::Equal,
-            unit: None,
-        })
+            arguments,
+        } if function.text == words::INTEGRAL => match arguments.as_slice() {
+            [argument] if !has_integral(argument) => running_term(checker, argument, weight, cost),
+            [argument] => Err(meaningless(checker,
+                argument.place,
+                "`integral` inside `integral`: a running cost is integrated once, over the motion; \
+                 add a coordinate for the inner one"
+                    .to_owned(),
+            )),
+            other => Err(checker.diagnostics.report(
+                "E02",
+                expr.place,
+                format!("`integral` takes 1 argument, found {}", other.len()),
+            )),
+        },
+        _ => Err(meaningless(checker,
+            expr.place,
+            format!(
+                "`integral` inside `{expr}`: an objective is a sum of final terms and of integrals, \
+                 each possibly times a constant"
+            ),
+        )),
     }
+}
 
-    pub(super) fn free(&mut self, values: &[FreeStart]) -> Checked<()> {
-        let before = self.diagnostics.mistakes();
-        for value in values {
-            // Each reports its own mistakes; the next one is checked all the same.
-            let _: Checked<()> = self.free_value(value);
+fn meaningless(checker: &mut Checker<'_>, place: Place, message: String) -> Reported {
+    checker.diagnostics.report("E15", place, message)
+}
+
+/// What an integral is multiplied by.
+fn factor(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
+    let value = in_role(checker, Role::Running, |checker| {
+        checker.scope.scalar(expr, checker.diagnostics)
+    })?;
+    let moving = graph::variables(&[value])
+        .into_iter()
+        .find(|variable| !matches!(variable, Variable::Parameter(_)));
+    match moving {
+        None => Ok(value),
+        Some(variable) => {
+            let message = format!(
+                "an integral times `{expr}`, which depends on {}: a weight may depend on parameters \
+                 only; move it into the integral",
+                checker.in_words(variable)
+            );
+            Err(meaningless(checker, expr.place, message))
         }
-        if self.diagnostics.mistakes() > before {
-            return Err(Reported);
-        }
-        Ok(())
     }
+}
 
-    fn free_value(&mut self, value: &FreeStart) -> Checked<()> {
-        let coordinate = self.coordinate_index(&value.target)?;
-        let n = self.coordinates.len();
-        let (index, shown) = if value.velocity {
-            (n + coordinate, format!("dot({})", value.target.text))
-        } else {
-            (coordinate, value.target.text.clone())
-        };
-        if self.task.free.iter().any(|known| known.index == index) {
-            return Err(self.diagnostics.syntax(
-                value.target.place(),
-                format!("`{shown}` is listed in `free` twice; keep one"),
-            ));
-        }
-        let unit = self.coordinates[coordinate].unit.clone();
-        let bounds = value
-            .bounds
-            .as_ref()
-            .map(|bounds| self.range(bounds, unit.as_ref(), &shown))
-            .transpose()?;
-        self.task.free.push(Free {
-            index,
-            bounds,
-            shown,
-            place: value.target.place(),
-        });
-        Ok(())
+fn running_term(
+    checker: &mut Checker<'_>,
+    expr: &Expr,
+    weight: Sym,
+    cost: &mut Cost,
+) -> Checked<()> {
+    let value = in_role(checker, Role::Running, |checker| {
+        checker.scope.scalar(expr, checker.diagnostics)
+    })?;
+    if !moves(value) {
+        return Err(meaningless(
+            checker,
+            expr.place,
+            format!(
+                "the integral of the constant `{expr}` is that times the final time; write `{}`",
+                match &expr.kind {
+                    Kind::Number {
+                        value, unit: None, ..
+                    } if *value == 1.0 => "time".to_owned(),
+                    Kind::Chain(_, rest)
+                        if rest[0].operator.is_additive() && !expr.parenthesized =>
+                    {
+                        format!("({expr})*time")
+                    }
+                    _ => format!("{expr}*time"),
+                }
+            ),
+        ));
     }
+    smooth(value, expr, checker)?;
+    let known = cost.running.unwrap_or(Sym::ZERO);
+    cost.running = Some(known + weight * value);
+    Ok(())
+}
 
-    /// E17: guesses of free initial values lie between their bounds. `start` is `(q, v)`, with the places
-    /// of the values that are declared.
-    pub(super) fn free_start_within_bounds(&mut self, start: &[(Sym, Option<Place>)]) {
-        for free in std::mem::take(&mut self.task.free) {
-            let (value, place) = start[free.index];
-            if let Some(bounds) = free.bounds {
-                self.within(value, bounds, place.unwrap_or(free.place), &free.shown);
+fn final_term(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Cost) -> Checked<()> {
+    let value = at_the_end(checker, expr, "the final cost")?;
+    if !moves(value) {
+        return Err(meaningless(
+            checker,
+            expr.place,
+            format!(
+                "`{expr}` is the same for every motion, so it cannot be minimized; leave it out"
+            ),
+        ));
+    }
+    let known = cost.terminal.unwrap_or(Sym::ZERO);
+    cost.terminal = Some(known + weight * value);
+    Ok(())
+}
+
+/// A number at the final instant, where a control has no value.
+fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Sym> {
+    let value = in_role(checker, Role::End, |checker| {
+        checker.scope.scalar(expr, checker.diagnostics)
+    })?;
+    let control = graph::variables(&[value])
+        .into_iter()
+        .find(|variable| matches!(variable, Variable::Control(_)));
+    if let Some(variable) = control {
+        let message = format!(
+            "{what} depends on {}, which acts over a time and has no value at the final instant; \
+             {}",
+            checker.in_words(variable),
+            if what == "the final cost" {
+                format!("write `integral({expr})`")
+            } else {
+                "a condition on it is a `constraint`".to_owned()
             }
-            self.task.free.push(free);
-        }
+        );
+        return Err(meaningless(checker, expr.place, message));
     }
+    smooth(value, expr, checker)?;
+    Ok(value)
+}
 
-    /// The task of optimal control, if the scene declares any part of one.
-    pub(super) fn optimal_control(&mut self, units: &units::Inferred) -> Option<OptimalControl> {
-        let Task {
-            cost,
-            mut constraints,
-            mut goals,
-            mut free,
-        } = std::mem::take(&mut self.task);
-        if cost.is_none() && constraints.is_empty() && goals.is_empty() && free.is_empty() {
-            return None;
+fn in_role<T>(checker: &mut Checker<'_>, role: Role, run: impl FnOnce(&mut Checker<'_>) -> T) -> T {
+    checker.scope.role = role;
+    let result = run(checker);
+    checker.scope.role = Role::Motion;
+    result
+}
+
+pub(super) fn finally(checker: &mut Checker<'_>, goals: &[Condition]) -> Checked<()> {
+    let before = checker.diagnostics.mistakes();
+    for goal in goals {
+        let left = at_the_end(checker, &goal.left, "a terminal condition");
+        let right = at_the_end(checker, &goal.right, "a terminal condition");
+        let (Ok(left), Ok(right)) = (left, right) else {
+            continue;
+        };
+        let name = shown(goal);
+        if let Ok(goal) = checked_condition(checker, goal, name, left, right) {
+            checker.task.goals.push(goal);
         }
-        for (condition, unit) in constraints.iter_mut().zip(&units.constraints) {
-            condition.unit = *unit;
-        }
-        for (condition, unit) in goals.iter_mut().zip(&units.goals) {
-            condition.unit = *unit;
-        }
-        free.sort_by_key(|free| free.index);
-        let cost = cost.unwrap_or_default();
-        Some(OptimalControl {
-            running_cost: cost.running,
-            final_cost: cost.terminal,
-            constraints,
-            goals,
-            free_time: self.scope.used.contains(words::FINAL_TIME),
-            free_start: free
-                .into_iter()
-                .map(|free| (free.index, free.bounds))
-                .collect(),
-        })
     }
+    if checker.diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    Ok(())
+}
+
+pub(super) fn constraint(
+    checker: &mut Checker<'_>,
+    name: &Name,
+    condition: &Condition,
+) -> Checked<()> {
+    if checker
+        .task
+        .constraints
+        .iter()
+        .any(|known| known.name == name.text)
+    {
+        return Err(checker.diagnostics.report(
+            "E19",
+            name.place(),
+            format!("constraint `{}` is declared twice; rename one", name.text),
+        ));
+    }
+    let mut side = |expr: &Expr| {
+        in_role(checker, Role::Running, |checker| {
+            let value = checker.scope.scalar(expr, checker.diagnostics)?;
+            smooth(value, expr, checker)?;
+            Ok(value)
+        })
+    };
+    let (left, right) = (side(&condition.left), side(&condition.right));
+    let constraint = checked_condition(checker, condition, name.text.clone(), left?, right?)?;
+    checker.task.constraints.push(constraint);
+    Ok(())
+}
+
+/// A condition with its sides evaluated.
+fn checked_condition(
+    checker: &mut Checker<'_>,
+    condition: &Condition,
+    name: String,
+    left: Sym,
+    right: Sym,
+) -> Checked<scene::Condition> {
+    let function = match condition.relation {
+        Relation::AtMost => right - left,
+        Relation::AtLeast | Relation::Equal => left - right,
+    };
+    if !moves(function) {
+        return Err(meaningless(
+            checker,
+            condition.left.place.to(condition.right.place),
+            format!(
+                "`{}` is the same for every motion, so it is no condition; use coordinates, \
+                 velocities or the time",
+                shown(condition)
+            ),
+        ));
+    }
+    Ok(scene::Condition {
+        name,
+        documentation: condition.documentation.clone(),
+        function,
+        equality: condition.relation == Relation::Equal,
+        unit: None,
+    })
+}
+
+pub(super) fn free(checker: &mut Checker<'_>, values: &[FreeStart]) -> Checked<()> {
+    let before = checker.diagnostics.mistakes();
+    for value in values {
+        // Each reports its own mistakes; the next one is checked all the same.
+        let _: Checked<()> = free_value(checker, value);
+    }
+    if checker.diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    Ok(())
+}
+
+fn free_value(checker: &mut Checker<'_>, value: &FreeStart) -> Checked<()> {
+    let coordinate = checker.coordinate_index(&value.target)?;
+    let n = checker.coordinates.len();
+    let (index, shown) = if value.velocity {
+        (n + coordinate, format!("dot({})", value.target.text))
+    } else {
+        (coordinate, value.target.text.clone())
+    };
+    if checker.task.free.iter().any(|known| known.index == index) {
+        return Err(checker.diagnostics.syntax(
+            value.target.place(),
+            format!("`{shown}` is listed in `free` twice; keep one"),
+        ));
+    }
+    let unit = checker.coordinates[coordinate].unit.clone();
+    let bounds = value
+        .bounds
+        .as_ref()
+        .map(|bounds| values::range(checker, bounds, unit.as_ref(), &shown))
+        .transpose()?;
+    checker.task.free.push(Free {
+        index,
+        bounds,
+        shown,
+        place: value.target.place(),
+    });
+    Ok(())
+}
+
+/// The task of optimal control, if the scene declares any part of one.
+pub(super) fn optimal_control(
+    checker: &mut Checker<'_>,
+    units: &units::Inferred,
+) -> Option<OptimalControl> {
+    let Task {
+        cost,
+        mut constraints,
+        mut goals,
+        mut free,
+    } = std::mem::take(&mut checker.task);
+    if cost.is_none() && constraints.is_empty() && goals.is_empty() && free.is_empty() {
+        return None;
+    }
+    for (condition, unit) in constraints.iter_mut().zip(&units.constraints) {
+        condition.unit = *unit;
+    }
+    for (condition, unit) in goals.iter_mut().zip(&units.goals) {
+        condition.unit = *unit;
+    }
+    free.sort_by_key(|free| free.index);
+    let cost = cost.unwrap_or_default();
+    Some(OptimalControl {
+        running_cost: cost.running,
+        final_cost: cost.terminal,
+        constraints,
+        goals,
+        free_time: checker.scope.used.contains(words::FINAL_TIME),
+        free_start: free
+            .into_iter()
+            .map(|free| (free.index, free.bounds))
+            .collect(),
+    })
 }
 
 /// Whether a value depends on the motion.

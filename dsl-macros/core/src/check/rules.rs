@@ -1,6 +1,6 @@
 //! Rules of mechanics, one function each.
 
-use super::Checker;
+use super::checker::Checker;
 use crate::ast::{Expr, Kind, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, list};
 use crate::graph::{self, Function, Node, Sym, Variable};

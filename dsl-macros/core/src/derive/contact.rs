@@ -13,7 +13,7 @@ use super::residual::{self, Bordered};
 use super::{Explicit, Failure, simplify};
 use crate::check::normal;
 use crate::evaluate::velocity_direction;
-use crate::graph::{self, Sym, Variable};
+use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{Contact, Friction};
 
 /// What belongs to one contact.

@@ -9,8 +9,8 @@
 //!
 //! because `F` is linear in `y`.
 
+use super::explicit::{Sparse, hessian, jacobian};
 use super::ldl::Factorization;
-use super::{Sparse, hessian, jacobian};
 use crate::graph::{self, Sym, Variable};
 use crate::tape;
 use std::collections::BTreeSet;

@@ -1,7 +1,7 @@
 //! `M = L D L'` over symbols, without pivoting: valid because a mass matrix is positive definite.
 
 use super::simplify;
-use crate::graph::Sym;
+use crate::graph::{Compose, Sym};
 
 /// Factors of a symmetric matrix, in the order of elimination that needs the fewest operations.
 pub(crate) struct Factorization {

@@ -6,7 +6,7 @@
 
 use super::ldl::Factorization;
 use super::{Explicit, Implicit, Sparse};
-use crate::graph::{self, Sym, Variable};
+use crate::graph::{self, Compose, Sym, Variable};
 use std::collections::BTreeMap;
 
 /// Solves `K y = b` and `K' mu = lambda` by formulas.

@@ -31,15 +31,15 @@ pub(super) fn write(scene: &CheckedScene, derived: &Equations, plan: &Plan, code
             text(&parameter.documentation)
         );
     }
-    for (field, kind, list) in [
-        ("coordinates", "CoordinateDeclaration", &scene.coordinates),
-        ("controls", "ControlDeclaration", &scene.controls),
+    for (field, list) in [
+        ("coordinates", &scene.coordinates),
+        ("controls", &scene.controls),
     ] {
         let _ = write!(code, "], {field}: &[");
         for quantity in list {
             let _ = write!(
                 code,
-                "::hangtime::model::{kind} {{ name: {:?}, unit: {:?}, documentation: {:?} }},",
+                "::hangtime::model::VariableDeclaration {{ name: {:?}, unit: {:?}, documentation: {:?} }},",
                 quantity.name.text,
                 unit(quantity.unit.as_ref()),
                 text(&quantity.documentation)

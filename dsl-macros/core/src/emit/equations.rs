@@ -4,7 +4,7 @@ use super::readable::{formula, formula_with};
 use crate::derive::{
     ContactEquations, ControlEquations, Equations, InverseInertia, Solution, simplify,
 };
-use crate::graph::{self, Sym, Variable};
+use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{CheckedScene, Condition, Contact, OptimalControl};
 use crate::words;
 

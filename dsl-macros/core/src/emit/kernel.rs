@@ -2,7 +2,7 @@
 
 use crate::graph::{Sym, Variable};
 use crate::scene::CheckedScene;
-use crate::tape::{Op, Tape};
+use crate::tape::{self, Op, Tape};
 use std::fmt::Write;
 
 /// Most operations of one emitted function. Larger ones run slower (1.5 to 2 times at 900, as values no
@@ -27,7 +27,7 @@ impl Kernel {
         Self {
             name: name.to_owned(),
             index,
-            tape: Tape::of(outputs),
+            tape: tape::shortest(outputs),
             listed,
             at_the_end: false,
         }

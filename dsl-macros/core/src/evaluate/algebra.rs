@@ -1,9 +1,9 @@
 //! Sums, products and quotients of numbers and vectors.
 
-use super::Value;
+use super::value::Value;
 use crate::ast::{Expr, Link, Operator, Prefix};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
-use crate::graph::{self, Function2, Sym};
+use crate::graph::{self, Compose, Function2, Sym};
 
 pub(super) fn map(value: &Value, f: impl Fn(Sym) -> Sym) -> Value {
     value.with_components(value.components().iter().map(|&c| f(c)).collect())

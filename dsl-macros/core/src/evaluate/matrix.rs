@@ -1,67 +1,9 @@
 //! Matrices: rows of equal length, as far as mechanics needs them.
 
-use super::Value;
+use super::value::{Matrix, Value};
 use crate::ast::{Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
-use crate::graph::{Function, Sym};
-use std::rc::Rc;
-
-/// A matrix, row by row.
-#[derive(Debug, Clone)]
-pub(crate) struct Matrix {
-    pub(crate) entries: Rc<[Sym]>,
-    pub(crate) columns: usize,
-}
-
-impl Matrix {
-    pub(super) fn new(entries: Vec<Sym>, columns: usize) -> Self {
-        Self {
-            entries: entries.into(),
-            columns,
-        }
-    }
-
-    pub(crate) fn rows(&self) -> usize {
-        self.entries.len() / self.columns.max(1)
-    }
-
-    fn at(&self, i: usize, j: usize) -> Sym {
-        self.entries[i * self.columns + j]
-    }
-
-    pub(super) fn row(&self, i: usize) -> Option<Value> {
-        let row = self.entries.chunks(self.columns.max(1)).nth(i)?;
-        Some(Value::Vector(row.into()))
-    }
-
-    /// `self * vector`, which has as many components as there are columns.
-    pub(super) fn times_vector(&self, vector: &[Sym]) -> Vec<Sym> {
-        self.entries
-            .chunks(self.columns.max(1))
-            .map(|row| row.iter().zip(vector).map(|(&m, &v)| m * v).sum())
-            .collect()
-    }
-
-    /// `self * other`, which has as many rows as there are columns.
-    pub(super) fn times(&self, other: &Self) -> Self {
-        let mut entries = Vec::with_capacity(self.rows() * other.columns);
-        for i in 0..self.rows() {
-            for j in 0..other.columns {
-                let terms = (0..self.columns).map(|k| self.at(i, k) * other.at(k, j));
-                entries.push(terms.sum());
-            }
-        }
-        Self::new(entries, other.columns)
-    }
-
-    fn transposed(&self) -> Self {
-        let mut entries = Vec::with_capacity(self.entries.len());
-        for j in 0..self.columns {
-            entries.extend((0..self.rows()).map(|i| self.at(i, j)));
-        }
-        Self::new(entries, self.rows())
-    }
-}
+use crate::graph::{Compose, Function, Sym};
 
 /// The value of `((a, b), (c, d))` from that of its rows, and of `(a, b)` from that of its components.
 pub(super) fn stacked(

@@ -1,7 +1,7 @@
 //! Expansion into sums of monomials, for cancellation that the normal form does not see.
 
 use super::normal::factors_of;
-use super::{Function, Node, Sym, product, sum};
+use super::{Compose, Function, Node, Sym, product, sum};
 
 /// Products over sums multiplied out, as far as no more than `limit` terms arise; powers of sums with
 /// negative or broken exponents stay as they are.

@@ -1,197 +1,93 @@
-//! Elementary functions: names, values, derivatives.
+//! Powers, multiples and functions of expressions, and first derivatives of functions.
 //!
 //! The derivative rules are the graph's own, because some textbook forms fail where mechanisms go:
 //! `sinh/cosh` overflows in `tanh`, `y/x` divides by zero in `atan2`.
 
+use super::elementary::{Function, Function2};
 use super::limits::checked;
-use super::{Node, Sym, Variable, intern, passes, product};
+use super::node::{Node, Sym, intern};
+use super::normal::{product, sum};
 
-/// Functions of one number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) enum Function {
-    Sin,
-    Cos,
-    Tan,
-    Asin,
-    Acos,
-    Atan,
-    Sinh,
-    Cosh,
-    Tanh,
-    Exp,
-    Ln,
-    Cbrt,
+/// Powers, multiples and functions of an expression.
+pub(crate) trait Compose {
+    /// `self` to a power counted in halves.
+    fn power(self, halves: i32) -> Self;
+    fn square(self) -> Self;
+    fn scaled(self, factor: f64) -> Self;
+    /// The same value as one quantity; see [`Node::Kept`]. Coefficients and signs stay outside.
+    fn kept(self) -> Self;
+    fn call(self, function: Function) -> Self;
+    fn call2(self, function: Function2, other: Self) -> Self;
 }
 
-/// Functions of two numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) enum Function2 {
-    /// `atan2(y, x)`.
-    Atan2,
-    /// `base^exponent` with an exponent that is no multiple of 1/2.
-    Power,
+impl Compose for Sym {
+    fn power(self, halves: i32) -> Self {
+        product([(self, halves)])
+    }
+
+    fn square(self) -> Self {
+        self.power(4)
+    }
+
+    fn scaled(self, factor: f64) -> Self {
+        sum([(self, factor)])
+    }
+
+    fn kept(self) -> Self {
+        match self.node() {
+            Node::Sum(terms) => match terms.as_ref() {
+                [(term, bits)] => sum([(term.kept(), f64::from_bits(*bits))]),
+                _ => intern(Node::Kept(self)),
+            },
+            Node::Product(_) => intern(Node::Kept(self)),
+            _ => self,
+        }
+    }
+
+    fn call(self, function: Function) -> Self {
+        call(function, self)
+    }
+
+    fn call2(self, function: Function2, other: Self) -> Self {
+        call2(function, self, other)
+    }
 }
 
-impl Function {
-    /// The function with this name in the language, which is also its name in `f64`.
-    pub(crate) fn named(name: &str) -> Option<Self> {
-        ALL.into_iter().find(|function| function.name() == name)
+/// `f'(x)`.
+pub(super) fn derivative(function: Function, x: Sym) -> Sym {
+    let own = x.call(function);
+    match function {
+        Function::Sin => x.call(Function::Cos),
+        Function::Cos => -x.call(Function::Sin),
+        Function::Tan => Sym::ONE + own.square(),
+        Function::Asin => (Sym::ONE - x.square()).power(-1),
+        Function::Acos => -(Sym::ONE - x.square()).power(-1),
+        Function::Atan => (Sym::ONE + x.square()).power(-2),
+        Function::Sinh => x.call(Function::Cosh),
+        Function::Cosh => x.call(Function::Sinh),
+        Function::Tanh => Sym::ONE - own.square(),
+        Function::Exp => own,
+        Function::Ln => x.power(-2),
+        Function::Cbrt => own.power(-4).scaled(1.0 / 3.0),
     }
+}
 
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Sin => "sin",
-            Self::Cos => "cos",
-            Self::Tan => "tan",
-            Self::Asin => "asin",
-            Self::Acos => "acos",
-            Self::Atan => "atan",
-            Self::Sinh => "sinh",
-            Self::Cosh => "cosh",
-            Self::Tanh => "tanh",
-            Self::Exp => "exp",
-            Self::Ln => "ln",
-            Self::Cbrt => "cbrt",
+/// Both partial derivatives.
+pub(super) fn derivatives(function: Function2, first: Sym, second: Sym) -> (Sym, Sym) {
+    match function {
+        Function2::Atan2 => {
+            let inverse = (first.square() + second.square()).power(-2);
+            (second * inverse, -first * inverse)
         }
-    }
-
-    pub(crate) fn value(self, x: f64) -> f64 {
-        match self {
-            Self::Sin => x.sin(),
-            Self::Cos => x.cos(),
-            Self::Tan => x.tan(),
-            Self::Asin => x.asin(),
-            Self::Acos => x.acos(),
-            Self::Atan => x.atan(),
-            Self::Sinh => x.sinh(),
-            Self::Cosh => x.cosh(),
-            Self::Tanh => x.tanh(),
-            Self::Exp => x.exp(),
-            Self::Ln => x.ln(),
-            Self::Cbrt => x.cbrt(),
-        }
-    }
-
-    /// `f'(x)`.
-    pub(crate) fn derivative(self, x: Sym) -> Sym {
-        let own = x.call(self);
-        match self {
-            Self::Sin => x.call(Self::Cos),
-            Self::Cos => -x.call(Self::Sin),
-            Self::Tan => Sym::ONE + own.square(),
-            Self::Asin => (Sym::ONE - x.square()).power(-1),
-            Self::Acos => -(Sym::ONE - x.square()).power(-1),
-            Self::Atan => (Sym::ONE + x.square()).power(-2),
-            Self::Sinh => x.call(Self::Cosh),
-            Self::Cosh => x.call(Self::Sinh),
-            Self::Tanh => Sym::ONE - own.square(),
-            Self::Exp => own,
-            Self::Ln => x.power(-2),
-            Self::Cbrt => own.power(-4).scaled(1.0 / 3.0),
-        }
-    }
-
-    /// `f''(x)`, by dual numbers over the rule of the first derivative.
-    pub(crate) fn second_derivative(self, x: Sym) -> Sym {
-        let [hole, _] = holes();
-        let slope = self.derivative(Sym::variable(hole));
-        let second = passes::partial(&[slope], hole);
-        put(second[0], [(hole, x), (hole, x)])
-    }
-
-    /// `f(-x)` in terms of `f(x)`: -1 for odd functions, 1 for even ones.
-    fn parity(self) -> Option<f64> {
-        match self {
-            Self::Sin | Self::Tan | Self::Asin | Self::Atan => Some(-1.0),
-            Self::Sinh | Self::Tanh | Self::Cbrt => Some(-1.0),
-            Self::Cos | Self::Cosh => Some(1.0),
-            Self::Acos | Self::Exp | Self::Ln => None,
+        Function2::Power => {
+            let lowered = call2(function, first, second - Sym::ONE);
+            let own = call2(function, first, second);
+            (second * lowered, own * first.call(Function::Ln))
         }
     }
 }
 
-const ALL: [Function; 12] = [
-    Function::Sin,
-    Function::Cos,
-    Function::Tan,
-    Function::Asin,
-    Function::Acos,
-    Function::Atan,
-    Function::Sinh,
-    Function::Cosh,
-    Function::Tanh,
-    Function::Exp,
-    Function::Ln,
-    Function::Cbrt,
-];
-
-impl Function2 {
-    /// Its name in `f64`.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Atan2 => "atan2",
-            Self::Power => "powf",
-        }
-    }
-
-    pub(crate) fn value(self, first: f64, second: f64) -> f64 {
-        match self {
-            Self::Atan2 => first.atan2(second),
-            Self::Power => first.powf(second),
-        }
-    }
-
-    /// Nonzero second derivatives with respect to pairs of arguments.
-    pub(crate) fn second_derivatives(self, first: Sym, second: Sym) -> Vec<(Sym, Sym, Sym)> {
-        let [x, y] = holes();
-        let (by_x, by_y) = self.derivatives(Sym::variable(x), Sym::variable(y));
-        let slopes = [by_x, by_y];
-        let (by_x, by_y) = (passes::partial(&slopes, x), passes::partial(&slopes, y));
-        let at = |formula| put(formula, [(x, first), (y, second)]);
-        let mut all = vec![(first, first, at(by_x[0])), (second, second, at(by_y[1]))];
-        let mixed = at(by_y[0]);
-        // With equal arguments both mixed derivatives fall on the same pair.
-        all.push(if first == second {
-            (first, second, mixed.scaled(2.0))
-        } else {
-            (first, second, mixed)
-        });
-        all.retain(|(_, _, value)| !value.is_structural_zero());
-        all
-    }
-
-    /// Both partial derivatives.
-    pub(crate) fn derivatives(self, first: Sym, second: Sym) -> (Sym, Sym) {
-        match self {
-            Self::Atan2 => {
-                let inverse = (first.square() + second.square()).power(-2);
-                (second * inverse, -first * inverse)
-            }
-            Self::Power => {
-                let lowered = call2(self, first, second - Sym::ONE);
-                let own = call2(self, first, second);
-                (second * lowered, own * first.call(Function::Ln))
-            }
-        }
-    }
-}
-
-/// Stand-ins for arguments, which no expression of a scene contains.
-fn holes() -> [Variable; 2] {
-    [
-        Variable::Argument(u16::MAX),
-        Variable::Argument(u16::MAX - 1),
-    ]
-}
-
-fn put(formula: Sym, arguments: [(Variable, Sym); 2]) -> Sym {
-    passes::substitute(&[formula], |variable| {
-        let found = arguments.iter().find(|(hole, _)| *hole == variable);
-        found.map(|&(_, argument)| argument)
-    })[0]
-}
-
-pub(super) fn call(function: Function, x: Sym) -> Sym {
+fn call(function: Function, x: Sym) -> Sym {
     if let Some(x) = x.as_number() {
         let vanishes = function == Function::Exp;
         return Sym::number(checked(function.value(x), vanishes, x.is_finite()));
@@ -221,7 +117,7 @@ fn sign_is_reversed(x: Sym) -> bool {
     }
 }
 
-pub(super) fn call2(function: Function2, first: Sym, second: Sym) -> Sym {
+fn call2(function: Function2, first: Sym, second: Sym) -> Sym {
     match (function, first.as_number(), second.as_number()) {
         (_, Some(first), Some(second)) => {
             let vanishes = function == Function2::Power && first != 0.0;

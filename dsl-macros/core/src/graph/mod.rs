@@ -7,212 +7,23 @@
 //! Nodes live in an arena of the thread. It outlives one expansion, as one compiler process runs
 //! many; [`reset`] empties it at the start of each.
 
+mod elementary;
 mod expand;
 mod function;
 mod limits;
+mod node;
 mod normal;
 mod number;
 mod passes;
 mod second_order;
 
+pub(crate) use elementary::{Function, Function2};
 pub(crate) use expand::{expand, pythagoras};
-pub(crate) use function::{Function, Function2};
+pub(crate) use function::Compose;
 pub(crate) use limits::{Fault, is_exhausted, spend, take_fault};
+pub(crate) use node::{Node, Sym, Variable, children, reset};
 pub(crate) use normal::{factors_of, product, sum};
 pub(crate) use passes::{
     depends_on, directional, gradient, is_longer_than, partial, reachable, substitute, variables,
 };
 pub(crate) use second_order::hessian;
-
-use std::cell::RefCell;
-use std::collections::HashMap;
-use std::marker::PhantomData;
-use std::rc::Rc;
-
-/// Handle of an expression. Equality is structural equality. Valid on its own thread only.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) struct Sym {
-    index: u32,
-    not_send: PhantomData<*const ()>,
-}
-
-/// An input of the emitted functions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) enum Variable {
-    /// Parameter, in its declared unit.
-    Parameter(u16),
-    /// Coordinate, in its declared unit.
-    Coordinate(u16),
-    /// Velocity: time derivative of a coordinate.
-    Velocity(u16),
-    /// Control, in its declared unit.
-    Control(u16),
-    /// Physical time, in seconds.
-    Time,
-    /// Multiplier of an output in a Hessian.
-    Multiplier(u16),
-    /// Component of a vector that is solved for at run time (implicit form).
-    Unknown(u16),
-    /// Stands for the argument of a function while it is differentiated.
-    Argument(u16),
-}
-
-/// An expression whose parts are expressions.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub(crate) enum Node {
-    /// A constant, by its bits.
-    Number(u64),
-    Variable(Variable),
-    /// Coefficients (by their bits) times terms; the constant is the coefficient of the number 1.
-    Sum(Rc<[(Sym, u64)]>),
-    /// Factors to powers counted in halves: exponent 2 is the factor itself, 1 its square root, -2
-    /// its reciprocal.
-    Product(Rc<[(Sym, i32)]>),
-    Call(Function, Sym),
-    Call2(Function2, Sym, Sym),
-    /// The value of an expression as one quantity: it is no list of terms or factors to what it is part
-    /// of. Formulas that use a long expression many times stay short by it.
-    Kept(Sym),
-}
-
-#[derive(Default)]
-struct Arena {
-    nodes: Vec<Node>,
-    /// Longest path from each node to a leaf.
-    depths: Vec<u32>,
-    table: HashMap<Node, Sym>,
-}
-
-thread_local! {
-    static ARENA: RefCell<Arena> = RefCell::default();
-}
-
-/// Empties the arena of this thread; handles from before are void.
-pub(crate) fn reset() {
-    ARENA.with_borrow_mut(|arena| {
-        arena.nodes.clear();
-        arena.depths.clear();
-        arena.table.clear();
-    });
-    limits::reset();
-    // Fixed places of the two constants that `Sym::ZERO` and `Sym::ONE` name.
-    intern(Node::Number(0.0_f64.to_bits()));
-    intern(Node::Number(1.0_f64.to_bits()));
-}
-
-/// The handle of a node that is in normal form already.
-fn intern(node: Node) -> Sym {
-    ARENA.with_borrow_mut(|arena| {
-        if let Some(&known) = arena.table.get(&node) {
-            return known;
-        }
-        let sym = Sym::at(arena.nodes.len());
-        let below = children(&node).into_iter();
-        let below = below.filter_map(|part| arena.depths.get(part.index()));
-        let depth = below.max().map_or(0, |depth| depth + 1);
-        arena.depths.push(depth);
-        arena.nodes.push(node.clone());
-        arena.table.insert(node, sym);
-        sym
-    })
-}
-
-impl Sym {
-    pub(crate) const ZERO: Self = Self::at_const(0);
-    pub(crate) const ONE: Self = Self::at_const(1);
-
-    const fn at_const(index: u32) -> Self {
-        Self {
-            index,
-            not_send: PhantomData,
-        }
-    }
-
-    /// Nodes never reach 2^32: an expansion is refused long before.
-    fn at(index: usize) -> Self {
-        Self::at_const(u32::try_from(index).unwrap_or(u32::MAX))
-    }
-
-    pub(crate) fn index(self) -> usize {
-        self.index as usize
-    }
-
-    pub(crate) fn node(self) -> Node {
-        ARENA.with_borrow(|arena| match arena.nodes.get(self.index()) {
-            Some(node) => node.clone(),
-            // Before the first `reset` of a thread only the two constants are named.
-            None => Node::Number(f64::from(self.index).to_bits()),
-        })
-    }
-
-    /// Length of the longest path to a leaf.
-    pub(crate) fn depth(self) -> usize {
-        ARENA.with_borrow(|arena| arena.depths.get(self.index()).map_or(0, |&d| d as usize))
-    }
-
-    pub(crate) fn number(value: f64) -> Self {
-        // One zero only: -0.0 would be a second one.
-        let value = if value == 0.0 { 0.0 } else { value };
-        intern(Node::Number(value.to_bits()))
-    }
-
-    pub(crate) fn variable(variable: Variable) -> Self {
-        intern(Node::Variable(variable))
-    }
-
-    /// The constant that this is, if it is one.
-    pub(crate) fn as_number(self) -> Option<f64> {
-        match self.node() {
-            Node::Number(bits) => Some(f64::from_bits(bits)),
-            _ => None,
-        }
-    }
-
-    pub(crate) fn is_structural_zero(self) -> bool {
-        self == Self::ZERO
-    }
-
-    /// `self` to a power counted in halves.
-    pub(crate) fn power(self, halves: i32) -> Self {
-        product([(self, halves)])
-    }
-
-    pub(crate) fn square(self) -> Self {
-        self.power(4)
-    }
-
-    pub(crate) fn scaled(self, factor: f64) -> Self {
-        sum([(self, factor)])
-    }
-
-    /// The same value as one quantity; see [`Node::Kept`]. Coefficients and signs stay outside.
-    pub(crate) fn kept(self) -> Self {
-        match self.node() {
-            Node::Sum(terms) => match terms.as_ref() {
-                [(term, bits)] => sum([(term.kept(), f64::from_bits(*bits))]),
-                _ => intern(Node::Kept(self)),
-            },
-            Node::Product(_) => intern(Node::Kept(self)),
-            _ => self,
-        }
-    }
-
-    pub(crate) fn call(self, function: Function) -> Self {
-        function::call(function, self)
-    }
-
-    pub(crate) fn call2(self, function: Function2, other: Self) -> Self {
-        function::call2(function, self, other)
-    }
-}
-
-/// Parts of a node.
-pub(crate) fn children(node: &Node) -> Vec<Sym> {
-    match node {
-        Node::Number(_) | Node::Variable(_) => Vec::new(),
-        Node::Sum(terms) => terms.iter().map(|&(term, _)| term).collect(),
-        Node::Product(factors) => factors.iter().map(|&(factor, _)| factor).collect(),
-        Node::Call(_, inner) | Node::Kept(inner) => vec![*inner],
-        Node::Call2(_, first, second) => vec![*first, *second],
-    }
-}

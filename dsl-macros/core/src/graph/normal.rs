@@ -1,7 +1,7 @@
 //! Normal forms of sums and products. Everything that creates a node passes through here.
 
 use super::limits::{Fault, checked, note, spend, times};
-use super::{Node, Sym, intern};
+use super::node::{Node, Sym, intern};
 use std::rc::Rc;
 
 /// Coefficients that cancel up to this many units of rounding are taken to cancel: 0.1 + 0.2 - 0.3
@@ -280,7 +280,7 @@ pub(crate) fn factors_of(term: Sym) -> Vec<(Sym, i32)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Variable, reset};
+    use super::super::{Compose, Variable, reset};
     use super::*;
 
     fn variables() -> (Sym, Sym, Sym) {

@@ -4,7 +4,7 @@
 //! real part of an unknown is NaN. Functions that branch on values (`abs`, Bessel functions) have no
 //! meaning here and give NaN; the parser refuses them long before.
 
-use super::{Function, Function2, Sym, product, sum};
+use super::{Compose, Function, Function2, Sym, product, sum};
 use num_dual::{DualNum, DualStruct, Mappable};
 use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
 use std::fmt;

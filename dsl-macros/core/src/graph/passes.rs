@@ -1,5 +1,6 @@
 //! Passes over the graph: dual numbers forward, adjoints backward, substitution, dependence.
 
+use super::function::{Compose, derivative, derivatives};
 use super::{Node, Sym, Variable, children, product, spend, sum};
 use num_dual::Dual;
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -125,10 +126,10 @@ fn dual_of(
         }
         Node::Kept(inner) => Dual::new(sym, of(inner).eps),
         Node::Call(function, argument) => {
-            Dual::new(sym, of(argument).eps * function.derivative(argument))
+            Dual::new(sym, of(argument).eps * derivative(function, argument))
         }
         Node::Call2(function, first, second) => {
-            let (by_first, by_second) = function.derivatives(first, second);
+            let (by_first, by_second) = derivatives(function, first, second);
             let (first, second) = (of(first).eps, of(second).eps);
             let mut eps = Sym::ZERO;
             if !first.is_structural_zero() {
@@ -175,10 +176,10 @@ pub(crate) fn gradient(root: Sym, by: &[Variable]) -> Vec<Sym> {
             }
             Node::Kept(inner) => add(inner, adjoint, 1.0),
             Node::Call(function, argument) => {
-                add(argument, adjoint * function.derivative(argument), 1.0);
+                add(argument, adjoint * derivative(function, argument), 1.0);
             }
             Node::Call2(function, first, second) => {
-                let (by_first, by_second) = function.derivatives(first, second);
+                let (by_first, by_second) = derivatives(function, first, second);
                 add(first, adjoint * by_first, 1.0);
                 add(second, adjoint * by_second, 1.0);
             }

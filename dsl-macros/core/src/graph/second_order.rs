@@ -6,7 +6,8 @@
 //! variables is the Hessian; it costs each product once, symmetry included (Gower and Mello, A new
 //! framework for the computation of Hessians, Optimization Methods and Software 27, 2012).
 
-use super::{Node, Sym, Variable, product, reachable, sum};
+use super::function::{Compose, derivative, derivatives};
+use super::{Function, Function2, Node, Sym, Variable, passes, product, reachable, sum};
 use std::collections::{BTreeMap, HashMap};
 
 /// Second derivatives of `root` with respect to `inputs`, lower triangle, where they are not zero.
@@ -143,9 +144,13 @@ fn second_partials(node: &Node) -> Vec<(Sym, Sym, Sym)> {
             all
         }
         Node::Call(function, argument) => {
-            vec![(*argument, *argument, function.second_derivative(*argument))]
+            vec![(
+                *argument,
+                *argument,
+                second_derivative(*function, *argument),
+            )]
         }
-        Node::Call2(function, first, second) => function.second_derivatives(*first, *second),
+        Node::Call2(function, first, second) => second_derivatives(*function, *first, *second),
     }
 }
 
@@ -166,22 +171,64 @@ fn partials(node: &Node) -> Vec<(Sym, Sym)> {
                 (factor, partial)
             })
             .collect(),
-        Node::Call(function, argument) => vec![(*argument, function.derivative(*argument))],
+        Node::Call(function, argument) => vec![(*argument, derivative(*function, *argument))],
         Node::Call2(function, first, second) if first == second => {
-            let (by_first, by_second) = function.derivatives(*first, *second);
+            let (by_first, by_second) = derivatives(*function, *first, *second);
             vec![(*first, by_first + by_second)]
         }
         Node::Call2(function, first, second) => {
-            let (by_first, by_second) = function.derivatives(*first, *second);
+            let (by_first, by_second) = derivatives(*function, *first, *second);
             vec![(*first, by_first), (*second, by_second)]
         }
         Node::Kept(inner) => vec![(*inner, Sym::ONE)],
     }
 }
 
+/// `f''(x)`, by dual numbers over the rule of the first derivative.
+fn second_derivative(function: Function, x: Sym) -> Sym {
+    let [hole, _] = holes();
+    let slope = derivative(function, Sym::variable(hole));
+    let second = passes::partial(&[slope], hole);
+    put(second[0], [(hole, x), (hole, x)])
+}
+
+/// Nonzero second derivatives with respect to pairs of arguments.
+fn second_derivatives(function: Function2, first: Sym, second: Sym) -> Vec<(Sym, Sym, Sym)> {
+    let [x, y] = holes();
+    let (by_x, by_y) = derivatives(function, Sym::variable(x), Sym::variable(y));
+    let slopes = [by_x, by_y];
+    let (by_x, by_y) = (passes::partial(&slopes, x), passes::partial(&slopes, y));
+    let at = |formula| put(formula, [(x, first), (y, second)]);
+    let mut all = vec![(first, first, at(by_x[0])), (second, second, at(by_y[1]))];
+    let mixed = at(by_y[0]);
+    // With equal arguments both mixed derivatives fall on the same pair.
+    all.push(if first == second {
+        (first, second, mixed.scaled(2.0))
+    } else {
+        (first, second, mixed)
+    });
+    all.retain(|(_, _, value)| !value.is_structural_zero());
+    all
+}
+
+/// Stand-ins for arguments, which no expression of a scene contains.
+fn holes() -> [Variable; 2] {
+    [
+        Variable::Argument(u16::MAX),
+        Variable::Argument(u16::MAX - 1),
+    ]
+}
+
+fn put(formula: Sym, arguments: [(Variable, Sym); 2]) -> Sym {
+    passes::substitute(&[formula], |variable| {
+        let found = arguments.iter().find(|(hole, _)| *hole == variable);
+        found.map(|&(_, argument)| argument)
+    })[0]
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::{Function, Function2, gradient, partial, reset};
+    use super::super::{gradient, partial, reset};
     use super::*;
 
     #[test]

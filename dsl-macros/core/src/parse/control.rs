@@ -1,9 +1,9 @@
 //! Statements of optimal control: objective, constraints, terminal conditions, free initial values.
 
-use super::cursor::Cursor;
+use super::cursor::{Cursor, unexpected};
+use super::documentation::documentation;
 use super::expression::expression;
 use super::pieces::{block, entries, name, range, target};
-use super::{documentation, unexpected};
 use crate::ast::{Condition, Documentation, FreeStart, Name, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics};
 

@@ -1,7 +1,7 @@
 //! A cursor over token trees that never panics and always knows a place.
 
 use crate::ast::Name;
-use crate::diagnostics::Place;
+use crate::diagnostics::{Diagnostics, Place, Reported};
 use proc_macro2::{Delimiter, Group, Ident, Spacing, Span, TokenStream, TokenTree};
 use std::ops::Range;
 use std::rc::Rc;
@@ -263,4 +263,17 @@ impl Flat {
             }
         }
     }
+}
+
+/// Reports what was found instead of `expected`.
+pub(super) fn unexpected(
+    cursor: &Cursor,
+    diagnostics: &mut Diagnostics,
+    expected: &str,
+) -> Reported {
+    let place = cursor.place();
+    diagnostics.syntax(
+        place,
+        format!("expected {expected}, found {}", cursor.describe()),
+    )
 }

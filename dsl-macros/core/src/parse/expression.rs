@@ -1,7 +1,7 @@
 //! Expressions, by binding powers: `+ -` < `* /` < unary minus < `^` < components and indices.
 
-use super::cursor::Cursor;
-use super::{unexpected, unit};
+use super::cursor::{Cursor, unexpected};
+use super::unit;
 use crate::ast::{Expr, Kind, Link, Name, Operator};
 use crate::diagnostics::{Checked, Diagnostics, Place, closest};
 use crate::words;
@@ -505,7 +505,7 @@ impl Parser<'_> {
         if let Kind::Number {
             text, unit: None, ..
         } = &factor.kind
-            && hangtime_units::Unit::parse(right).is_ok()
+            && right.parse::<hangtime_units::Unit>().is_ok()
         {
             let message = format!(
                 "an operator is missing before `{right}`; write a unit as `{text} [{right}]` and a product as \

@@ -1,9 +1,8 @@
 //! Impact laws: `impact surface, ...: part, part, ...`, the parts in any order.
 
-use super::cursor::Cursor;
+use super::cursor::{Cursor, unexpected};
 use super::expression::expression;
 use super::pieces::name;
-use super::unexpected;
 use crate::ast::{Expr, Law, Name, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;

@@ -3,6 +3,7 @@
 
 mod control;
 mod cursor;
+mod documentation;
 mod expression;
 mod law;
 mod pieces;
@@ -11,11 +12,12 @@ mod unit;
 
 pub(crate) use law::law_of;
 
-use crate::ast::{Documentation, Name, Scene, Statement};
-use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
+use crate::ast::{Name, Scene, Statement};
+use crate::diagnostics::{Checked, Diagnostics};
 use crate::words;
 use cursor::Cursor;
-use proc_macro2::{Delimiter, Literal, Span, TokenStream, TokenTree};
+use documentation::documentation;
+use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
 
 /// Parses one declaration. What could be read is returned even when mistakes were reported.
 pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<Scene> {
@@ -113,50 +115,4 @@ fn visibility(cursor: &mut Cursor) -> TokenStream {
         }
     }
     tokens
-}
-
-/// Doc comments, which reach the macro as `#[doc = "text"]`.
-fn documentation(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Documentation {
-    let mut documentation = Documentation::default();
-    while cursor.at_symbol("#") {
-        let place = cursor.place();
-        cursor.advance();
-        let Some(group) = cursor.eat_group(Delimiter::Bracket) else {
-            diagnostics.syntax(place, "unexpected `#`; only doc comments may stand here");
-            continue;
-        };
-        match doc_line(group.stream()) {
-            Some(line) => documentation.lines.push(line),
-            None => {
-                diagnostics.syntax(
-                    place,
-                    "attributes are not part of the language; only doc comments may stand here",
-                );
-            }
-        }
-    }
-    documentation
-}
-
-/// The text of `doc = "text"`, if the content of an attribute is that.
-fn doc_line(attribute: TokenStream) -> Option<Literal> {
-    let syn::Meta::NameValue(meta) = syn::parse2(attribute).ok()? else {
-        return None;
-    };
-    match meta.value {
-        syn::Expr::Lit(syn::ExprLit {
-            lit: syn::Lit::Str(text),
-            ..
-        }) if meta.path.is_ident("doc") => Some(text.token()),
-        _ => None,
-    }
-}
-
-/// Reports what was found instead of `expected`.
-fn unexpected(cursor: &Cursor, diagnostics: &mut Diagnostics, expected: &str) -> Reported {
-    let place: Place = cursor.place();
-    diagnostics.syntax(
-        place,
-        format!("expected {expected}, found {}", cursor.describe()),
-    )
 }

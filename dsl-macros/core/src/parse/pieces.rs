@@ -1,8 +1,7 @@
 //! Pieces that several statements are made of: names, blocks, lists, ranges, targets.
 
-use super::cursor::Cursor;
+use super::cursor::{Cursor, unexpected};
 use super::expression::expression;
-use super::unexpected;
 use crate::ast::{Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
 use crate::words;

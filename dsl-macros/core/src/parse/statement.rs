@@ -1,10 +1,11 @@
 //! Statements: keyword, then a block, a list or an expression. After a mistake parsing goes on at the
 //! next keyword, or behind the next comma of a list.
 
-use super::cursor::Cursor;
+use super::cursor::{Cursor, unexpected};
+use super::documentation::documentation;
 use super::expression::expression;
 use super::pieces::{Bounds, block, entries, equals, name, range, target};
-use super::{control, documentation, law, unexpected, unit};
+use super::{control, law, unit};
 use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;

@@ -47,7 +47,7 @@ fn read(
     place: crate::diagnostics::Place,
 ) -> Checked<Option<WrittenUnit>> {
     let text = text.trim();
-    match Unit::parse(text) {
+    match text.parse::<Unit>() {
         Ok(_) if text.is_empty() => Err(diagnostics.syntax(
             place,
             "a unit is missing; write e.g. `m/s`, or `1` for none",

@@ -1,6 +1,7 @@
 //! Sums and products of many parts to operations on two.
 
-use super::{Nary, Op, Tape};
+use super::code::{Op, Tape};
+use super::nary::Nary;
 use std::collections::HashMap;
 
 /// The operations that evaluate `roots`, parts first.

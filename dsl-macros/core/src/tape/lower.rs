@@ -1,6 +1,6 @@
 //! Graph to sums and products of any number of parts: coefficients and common factors taken out.
 
-use super::Nary;
+use super::nary::Nary;
 use crate::graph::{self, Node, Sym};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;

@@ -1,7 +1,7 @@
 //! Sharing of parts: a pair of terms or factors that occurs in several sums or products is computed
 //! once. The most frequent pair first, until none occurs twice.
 
-use super::Nary;
+use super::nary::Nary;
 use std::collections::{BinaryHeap, HashMap};
 
 /// Most pairs that are counted; longer sums than fit are left as they are, as the search would take

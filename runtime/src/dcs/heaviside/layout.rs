@@ -1,9 +1,7 @@
 //! Where the variables and rows of the step form stand.
 
-use super::HeavisideSystem;
-
 /// Algebraic variables of one contact.
-const PER_CONTACT: usize = 6;
+pub(super) const PER_CONTACT: usize = 6;
 /// Offsets of the algebraic variables of one contact.
 pub(crate) const ALPHA: usize = 0;
 pub(super) const BETA: usize = 1;
@@ -13,7 +11,7 @@ pub(crate) const P: usize = 4;
 pub(crate) const W: usize = 5;
 
 /// Algebraic variables of one friction, and their offsets.
-const PER_FRICTION: usize = 4;
+pub(super) const PER_FRICTION: usize = 4;
 pub(super) const SLIP_PLUS: usize = 0;
 pub(super) const SLIP_MINUS: usize = 1;
 pub(super) const C_PLUS: usize = 2;
@@ -32,7 +30,22 @@ pub(crate) struct Group {
     pub(crate) places: [usize; 4],
 }
 
-impl HeavisideSystem<'_> {
+/// Numbers of what a system has, from which places and rows follow.
+#[derive(Debug, Clone)]
+pub(crate) struct Layout {
+    /// Number of coordinates.
+    pub(super) n: usize,
+    /// Number of contacts.
+    pub(super) contacts: usize,
+    /// Number of controls.
+    pub(super) controls: usize,
+    /// Contacts with friction.
+    pub(super) rough: Vec<usize>,
+    /// Contacts with restitution.
+    pub(super) elastic: Vec<usize>,
+}
+
+impl Layout {
     /// Length of `y = (q, v, t, G)`.
     pub(crate) fn states(&self) -> usize {
         2 * self.n + 1 + self.contacts
@@ -163,20 +176,6 @@ impl HeavisideSystem<'_> {
         self.rebound_row(self.elastic.len()) + count - 2
     }
 
-    /// Terms (place, factor) of the weight with which a contact presses.
-    pub(super) fn pressing(&self, contact: usize) -> [Option<(usize, f64)>; 2] {
-        match self.rebound(contact) {
-            None => [Some((self.algebraic(contact, BETA), 1.0)), None],
-            Some(j) => {
-                let e = self.system.restitution(contact);
-                [
-                    Some((self.rebound_place(j, FALL), 1.0)),
-                    Some((self.rebound_place(j, RISE), e * e)),
-                ]
-            }
-        }
-    }
-
     /// What is cross-complementary over an element: first the step functions of the contacts, then the signs
     /// of sliding velocities, then those of normal velocities in bounces.
     pub(crate) fn groups(&self) -> Vec<Group> {
@@ -244,92 +243,21 @@ impl HeavisideSystem<'_> {
         }
     }
 
-    /// Sets all algebraic variables in `xi` from the shares of the groups: `alpha` of each contact, the part
-    /// of its friction that opposes forward sliding, the part of its jump that falls. Leaves what
-    /// [`rows`](Self::rows) evaluated at `xi`.
-    pub(crate) fn complete(&mut self, xi: &mut [f64], shares: &[f64]) {
-        let mut rows = vec![0.0; self.states() + self.algebraic_equations()];
-        self.rows(xi, &mut rows);
-        let parts = |value: f64| (value.max(0.0), (-value).max(0.0));
-        let rebounds = self.contacts + self.rough.len();
-        for contact in 0..self.contacts {
-            let velocity = self.system.normal_velocity(contact);
-            let gap = xi[self.lifted_gap(contact)];
-            let bounces = self.rebound(contact);
-            let margin = if bounces.is_some() {
-                gap
-            } else {
-                gap.max(velocity)
-            };
-            let (plus, minus) = parts(margin);
-            let (p, w) = parts(if bounces.is_some() {
-                velocity
-            } else {
-                velocity - gap
-            });
-            let alpha = shares[contact];
-            let first = self.algebraic(contact, ALPHA);
-            xi[first..first + PER_CONTACT].copy_from_slice(&[
-                alpha,
-                1.0 - alpha,
-                plus,
-                minus,
-                p,
-                w,
-            ]);
-            if let Some(j) = bounces {
-                let fall = shares[rebounds + j] * (1.0 - alpha);
-                xi[self.rebound_place(j, FALL)] = fall;
-                xi[self.rebound_place(j, RISE)] = 1.0 - alpha - fall;
-            }
-        }
-        for r in 0..self.rough.len() {
-            let contact = self.rough[r];
-            let pressure = self.pressure(xi, contact);
-            let slip = shares[self.contacts + r] * pressure;
-            let (plus, minus) = parts(self.system.sliding_velocity(contact));
-            let first = self.friction_place(r, SLIP_PLUS);
-            xi[first..first + PER_FRICTION].copy_from_slice(&[slip, pressure - slip, plus, minus]);
-        }
-        for count in 2..=self.contacts {
-            xi[self.product(count)] =
-                xi[self.product(count - 1)] * xi[self.algebraic(count - 1, ALPHA)];
-        }
-        self.rows(xi, &mut rows);
-    }
-
-    /// Shares of the groups as the signs at `xi` demand them; 0.5 where a weight is zero.
-    pub(crate) fn shares(&mut self, xi: &[f64]) -> Vec<f64> {
-        self.write_input(xi);
-        self.system.evaluate(&self.input);
-        let step = |value: f64| if value > 0.0 { 1.0 } else { 0.0 };
-        let margin = |contact: usize| {
-            let gap = xi[self.lifted_gap(contact)];
-            if self.bounces(contact) {
-                gap
-            } else {
-                gap.max(self.system.normal_velocity(contact))
-            }
-        };
-        let alphas: Vec<f64> = (0..self.contacts).map(|i| step(margin(i))).collect();
-        let where_closed = |contact: usize, share: f64| {
-            if alphas[contact] == 1.0 { 0.5 } else { share }
-        };
-        let frictions = self
-            .rough
-            .iter()
-            .map(|&i| where_closed(i, step(self.system.sliding_velocity(i))));
-        let rebounds = self
-            .elastic
-            .iter()
-            .map(|&i| where_closed(i, step(-self.system.normal_velocity(i))));
-        let others: Vec<f64> = frictions.chain(rebounds).collect();
-        alphas.into_iter().chain(others).collect()
-    }
-
     /// Number of the group of the friction of `contact`, if it has any.
     pub(crate) fn slip_group(&self, contact: usize) -> Option<usize> {
         let friction = self.rough.iter().position(|&i| i == contact);
         friction.map(|r| self.contacts + r)
+    }
+
+    /// Place in `xi` of component `k` of the model's input vector.
+    pub(super) fn local_of_input(&self, k: usize) -> usize {
+        let n = self.n;
+        if k < 2 * n {
+            k
+        } else if k < 2 * n + self.controls {
+            self.states() + k - 2 * n
+        } else {
+            2 * n
+        }
     }
 }

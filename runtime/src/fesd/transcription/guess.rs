@@ -80,132 +80,138 @@ impl Sampled {
     }
 }
 
-impl Transcription<'_> {
-    pub(super) fn set_guess(&mut self) {
-        let mut guess = vec![0.0; self.variables];
-        if let Some(horizon) = self.horizon {
-            guess[horizon] = self.task.horizon;
+pub(super) fn set_guess(transcription: &mut Transcription<'_>) {
+    let mut guess = vec![0.0; transcription.variables];
+    if let Some(horizon) = transcription.horizon {
+        guess[horizon] = transcription.task.horizon;
+    }
+    let intervals = sample(transcription);
+    for (interval, sampled) in transcription.intervals.iter().zip(&intervals) {
+        guess[interval.length] = sampled.length;
+        for (k, &control) in interval.controls.iter().enumerate() {
+            guess[control] =
+                transcription.task.controls.values()[k] / transcription.control_units[k];
         }
-        let intervals = self.sample();
-        for (interval, sampled) in self.intervals.iter().zip(&intervals) {
-            guess[interval.length] = sampled.length;
-            for (k, &control) in interval.controls.iter().enumerate() {
-                guess[control] = self.task.controls.values()[k] / self.control_units[k];
+    }
+    let count = transcription.task.elements;
+    let states = transcription.dcs.layout.states();
+    let ends: Vec<Vec<f64>> = intervals
+        .iter()
+        .map(|sampled| sampled.ends(count, states))
+        .collect();
+    for e in 0..transcription.elements.len() {
+        let ends = &ends[e / count];
+        let start = (e % count)
+            .checked_sub(1)
+            .map_or(0.0, |before| ends[before]);
+        let width = ends[e % count] - start;
+        guess[transcription.elements[e].length] = width;
+        for b in 0..transcription.elements[e].blocks.len() {
+            let c = transcription.tableau.c().get(b).copied().unwrap_or(1.0);
+            let share = start + c * width;
+            let window = width / transcription.tableau.stages() as f64;
+            let point = intervals[e / count].at(share, window, states);
+            set_local(transcription, &point[..states], &point[states..]);
+            for k in 0..transcription.local.len() {
+                if let Some(variable) = transcription.elements[e].blocks[b].variables[k] {
+                    guess[variable] = transcription.local[k] / transcription.unit(k);
+                }
             }
         }
-        let count = self.task.elements;
-        let states = self.dcs.states();
-        let ends: Vec<Vec<f64>> = intervals
-            .iter()
-            .map(|sampled| sampled.ends(count, states))
-            .collect();
-        for e in 0..self.elements.len() {
-            let ends = &ends[e / count];
-            let start = (e % count)
-                .checked_sub(1)
-                .map_or(0.0, |before| ends[before]);
-            let width = ends[e % count] - start;
-            guess[self.elements[e].length] = width;
-            for b in 0..self.elements[e].blocks.len() {
-                let c = self.tableau.c().get(b).copied().unwrap_or(1.0);
-                let share = start + c * width;
-                let window = width / self.tableau.stages() as f64;
-                let point = intervals[e / count].at(share, window, states);
-                self.set_local(&point[..states], &point[states..]);
-                for k in 0..self.local.len() {
-                    if let Some(variable) = self.elements[e].blocks[b].variables[k] {
-                        guess[variable] = self.local[k] / self.unit(k);
+    }
+    for e in 0..transcription.elements.len() {
+        for group in 0..transcription.groups.len() {
+            for sum in 0..SUMS {
+                let place = transcription.elements[e].sums + SUMS * group + sum;
+                guess[place] = transcription.sum(&guess, e, group, sum);
+            }
+        }
+    }
+    transcription.guess = guess;
+}
+
+/// Local vector for states and shares of the groups. Lifted gaps are those of the coordinates, where
+/// they do not move alone.
+fn set_local(transcription: &mut Transcription<'_>, y: &[f64], shares: &[f64]) {
+    let states = transcription.dcs.layout.states();
+    transcription.local.fill(0.0);
+    transcription.local[..states].copy_from_slice(y);
+    for (k, &control) in transcription.task.controls.values().iter().enumerate() {
+        transcription.local[states + k] = control;
+    }
+    transcription
+        .dcs
+        .rows(&transcription.local, &mut transcription.rows);
+    for contact in 0..transcription.dcs.layout.contacts() {
+        if !transcription.dcs.layout.bounces(contact) {
+            let place = transcription.dcs.layout.lifted_gap(contact);
+            transcription.local[place] = transcription.dcs.system.gap(contact);
+        }
+    }
+    transcription.dcs.complete(&mut transcription.local, shares);
+    transcription
+        .dcs
+        .rows(&transcription.local, &mut transcription.rows);
+}
+
+/// The guessed motion of each interval.
+fn sample(transcription: &mut Transcription<'_>) -> Vec<Sampled> {
+    let (groups, contacts) = (
+        transcription.groups.len(),
+        transcription.dcs.layout.contacts(),
+    );
+    let states = transcription.dcs.layout.states();
+    let duration = transcription.task.horizon / transcription.task.intervals as f64;
+    let mut y = transcription.start.clone();
+    (0..transcription.task.intervals)
+        .map(|k| match transcription.task.guess.clone() {
+            Guess::Line(velocity) => {
+                let n = velocity.len();
+                let end = |share: f64| {
+                    let elapsed = (k as f64 + share) * duration;
+                    let mut point = transcription.start[..n].to_vec();
+                    for (q, v) in point.iter_mut().zip(&velocity) {
+                        *q += elapsed * v;
                     }
+                    point.extend(&velocity);
+                    point.push(transcription.start[2 * n] + elapsed);
+                    // a gap that moves in jumps alone stays where it is
+                    point.extend(&transcription.start[states - contacts..]);
+                    point.resize(states + groups, 0.5);
+                    point
+                };
+                Sampled {
+                    length: duration,
+                    points: vec![end(0.0), end(1.0)],
                 }
             }
-        }
-        for e in 0..self.elements.len() {
-            for group in 0..self.groups.len() {
-                for sum in 0..SUMS {
-                    let place = self.elements[e].sums + SUMS * group + sum;
-                    guess[place] = self.sum(&guess, e, group, sum);
-                }
-            }
-        }
-        self.guess = guess;
-    }
+            Guess::Simulated => simulate(transcription, &mut y, duration),
+        })
+        .collect()
+}
 
-    /// Local vector for states and shares of the groups. Lifted gaps are those of the coordinates, where
-    /// they do not move alone.
-    fn set_local(&mut self, y: &[f64], shares: &[f64]) {
-        let states = self.dcs.states();
-        self.local.fill(0.0);
-        self.local[..states].copy_from_slice(y);
-        for (k, &control) in self.task.controls.values().iter().enumerate() {
-            self.local[states + k] = control;
+/// Explicit Euler steps of the time-freezing system from `y` until `duration` has passed on its clock.
+fn simulate(transcription: &mut Transcription<'_>, y: &mut [f64], duration: f64) -> Sampled {
+    let time = transcription.dcs.layout.time();
+    let end = y[time] + duration;
+    let step = duration / STEPS as f64;
+    let most = (transcription.speed_bound * STEPS as f64) as usize;
+    let mut points = Vec::new();
+    loop {
+        let open = vec![1.0; transcription.groups.len()];
+        set_local(transcription, y, &open);
+        y.copy_from_slice(&transcription.local[..y.len()]);
+        let shares = transcription.dcs.shares(&transcription.local);
+        let mut point = y.to_vec();
+        point.extend(&shares);
+        points.push(point);
+        if points.len() > most || points.len() > 1 && y[time] >= end - 0.5 * step {
+            let length = step * (points.len() - 1) as f64;
+            return Sampled { length, points };
         }
-        self.dcs.rows(&self.local, &mut self.rows);
-        for contact in 0..self.dcs.contacts() {
-            if !self.dcs.bounces(contact) {
-                let place = self.dcs.lifted_gap(contact);
-                self.local[place] = self.dcs.system.gap(contact);
-            }
-        }
-        self.dcs.complete(&mut self.local, shares);
-        self.dcs.rows(&self.local, &mut self.rows);
-    }
-
-    /// The guessed motion of each interval.
-    fn sample(&mut self) -> Vec<Sampled> {
-        let (groups, contacts) = (self.groups.len(), self.dcs.contacts());
-        let states = self.dcs.states();
-        let duration = self.task.horizon / self.task.intervals as f64;
-        let mut y = self.start.clone();
-        (0..self.task.intervals)
-            .map(|k| match self.task.guess.clone() {
-                Guess::Line(velocity) => {
-                    let n = velocity.len();
-                    let end = |share: f64| {
-                        let elapsed = (k as f64 + share) * duration;
-                        let mut point = self.start[..n].to_vec();
-                        for (q, v) in point.iter_mut().zip(&velocity) {
-                            *q += elapsed * v;
-                        }
-                        point.extend(&velocity);
-                        point.push(self.start[2 * n] + elapsed);
-                        // a gap that moves in jumps alone stays where it is
-                        point.extend(&self.start[states - contacts..]);
-                        point.resize(states + groups, 0.5);
-                        point
-                    };
-                    Sampled {
-                        length: duration,
-                        points: vec![end(0.0), end(1.0)],
-                    }
-                }
-                Guess::Simulated => self.simulate(&mut y, duration),
-            })
-            .collect()
-    }
-
-    /// Explicit Euler steps of the time-freezing system from `y` until `duration` has passed on its clock.
-    fn simulate(&mut self, y: &mut [f64], duration: f64) -> Sampled {
-        let time = self.dcs.time();
-        let end = y[time] + duration;
-        let step = duration / STEPS as f64;
-        let most = (self.speed_bound * STEPS as f64) as usize;
-        let mut points = Vec::new();
-        loop {
-            let open = vec![1.0; self.groups.len()];
-            self.set_local(y, &open);
-            y.copy_from_slice(&self.local[..y.len()]);
-            let shares = self.dcs.shares(&self.local);
-            let mut point = y.to_vec();
-            point.extend(&shares);
-            points.push(point);
-            if points.len() > most || points.len() > 1 && y[time] >= end - 0.5 * step {
-                let length = step * (points.len() - 1) as f64;
-                return Sampled { length, points };
-            }
-            self.set_local(y, &shares);
-            for (value, rate) in y.iter_mut().zip(&self.rows) {
-                *value += step * rate;
-            }
+        set_local(transcription, y, &shares);
+        for (value, rate) in y.iter_mut().zip(&transcription.rows) {
+            *value += step * rate;
         }
     }
 }

@@ -29,6 +29,7 @@ mod neighbours;
 mod program;
 mod task;
 
+pub(crate) use program::transcribe;
 pub(crate) use task::{Controls, Guess, Task, Weights};
 
 use crate::dcs::{Group, HeavisideSystem};
@@ -116,32 +117,32 @@ pub(crate) struct Transcription<'a> {
 }
 
 impl<'a> Transcription<'a> {
-    /// The program of `task`, which has at least one interval and element.
-    pub(crate) fn new(mut dcs: HeavisideSystem<'a>, tableau: &ButcherTableau, task: Task) -> Self {
+    /// The variables and constraints of `task`, without guess and patterns.
+    fn new(mut dcs: HeavisideSystem<'a>, tableau: &ButcherTableau, task: Task) -> Self {
         let mut y: Vec<f64> = task.start.q.iter().chain(&task.start.v).copied().collect();
         y.push(task.start.time);
-        y.resize(dcs.states(), 0.0);
-        let mut local = vec![0.0; dcs.local_variables()];
+        y.resize(dcs.layout.states(), 0.0);
+        let mut local = vec![0.0; dcs.layout.local_variables()];
         local[..y.len()].copy_from_slice(&y);
-        let controls = dcs.states()..dcs.states() + dcs.controls();
+        let controls = dcs.layout.states()..dcs.layout.states() + dcs.layout.controls();
         local[controls].copy_from_slice(task.controls.values());
-        let rows = vec![0.0; dcs.states() + dcs.algebraic_equations()];
+        let rows = vec![0.0; dcs.layout.states() + dcs.layout.algebraic_equations()];
         dcs.shares(&local);
         let duration = task.horizon / task.intervals as f64;
         let mut speed_bound = SPEED_OF_TIME;
-        for contact in 0..dcs.contacts() {
+        for contact in 0..dcs.layout.contacts() {
             let velocity = dcs.system.normal_velocity(contact);
             // A bounce falls at the rate a_bar and rises at e^2 a_bar, to the speed e |v_n|.
             let e = dcs.system.restitution(contact);
             let rise = if e > 0.0 { 1.0 / e } else { 0.0 };
             let speed = velocity.abs() * (1.0 + rise) / dcs.system.auxiliary_acceleration;
             speed_bound = speed_bound.max(2.0 + 2.0 * speed / duration);
-            y[dcs.lifted_gap(contact)] = dcs.system.gap(contact);
+            y[dcs.layout.lifted_gap(contact)] = dcs.system.gap(contact);
         }
         local[..y.len()].copy_from_slice(&y);
         let shares = dcs.shares(&local);
         dcs.complete(&mut local, &shares);
-        let groups = dcs.groups();
+        let groups = dcs.layout.groups();
         let start_values = groups
             .iter()
             .map(|group| group.places.map(|place| local[place]))
@@ -169,8 +170,6 @@ impl<'a> Transcription<'a> {
             task,
         };
         problem.lay_out();
-        problem.set_guess();
-        problem.set_patterns();
         problem
     }
 
@@ -186,7 +185,9 @@ impl<'a> Transcription<'a> {
             let length = self.take(1);
             let controls = match self.task.controls {
                 Controls::Fixed(_) => Vec::new(),
-                Controls::Free { .. } => (0..self.dcs.controls()).map(|_| self.take(1)).collect(),
+                Controls::Free { .. } => (0..self.dcs.layout.controls())
+                    .map(|_| self.take(1))
+                    .collect(),
             };
             let rows = self.constraints;
             self.constraints += 2;
@@ -205,7 +206,7 @@ impl<'a> Transcription<'a> {
 
     /// Adds an element to the last interval.
     fn push_element(&mut self) {
-        let states = self.dcs.states();
+        let states = self.dcs.layout.states();
         let length = self.take(1);
         let interval = self.intervals.len() - 1;
         let mut blocks = Vec::new();
@@ -215,7 +216,7 @@ impl<'a> Transcription<'a> {
         row += states * (self.tableau.stages() + boundary);
         for stage in 0..self.tableau.stages() + boundary {
             let boundary = stage == self.tableau.stages();
-            let mut variables = vec![None; self.dcs.local_variables()];
+            let mut variables = vec![None; self.dcs.layout.local_variables()];
             for slot in variables.iter_mut().take(states) {
                 *slot = Some(self.take(1));
             }
@@ -225,9 +226,10 @@ impl<'a> Transcription<'a> {
             {
                 *slot = Some(control);
             }
-            let first = self.dcs.first_algebraic();
+            let first = self.dcs.layout.first_algebraic();
             for (place, slot) in variables.iter_mut().enumerate().skip(first) {
-                let switching = place < self.dcs.first_product() && self.dcs.is_switching(place);
+                let switching =
+                    place < self.dcs.layout.first_product() && self.dcs.layout.is_switching(place);
                 if !boundary || switching {
                     *slot = Some(self.take(1));
                 }
@@ -238,14 +240,14 @@ impl<'a> Transcription<'a> {
                 boundary,
             });
             row += if boundary {
-                self.dcs.switching_rows()
+                self.dcs.layout.switching_rows()
             } else {
-                self.dcs.algebraic_equations()
+                self.dcs.layout.algebraic_equations()
             };
         }
         let sums = self.take(SUMS * self.groups.len());
         for block in &blocks {
-            for (first, second) in self.dcs.stage_pairs() {
+            for (first, second) in self.dcs.layout.stage_pairs() {
                 let pair = block.variables[first].zip(block.variables[second]);
                 self.pairs.extend(pair);
             }
@@ -269,7 +271,7 @@ impl<'a> Transcription<'a> {
     /// State variables `y` at the end of element `index`.
     fn end_state(&self, index: usize) -> &[Option<usize>] {
         let last = self.elements[index].blocks.last();
-        last.map_or(&[], |block| &block.variables[..self.dcs.states()])
+        last.map_or(&[], |block| &block.variables[..self.dcs.layout.states()])
     }
 
     /// State variables `y` at the end of the motion.
@@ -296,7 +298,7 @@ impl<'a> Transcription<'a> {
 
     /// Unit of local variable `k`: controls are unknowns in units of their own.
     fn unit(&self, k: usize) -> f64 {
-        let control = k.checked_sub(self.dcs.states());
+        let control = k.checked_sub(self.dcs.layout.states());
         control
             .and_then(|k| self.control_units.get(k))
             .copied()
@@ -305,7 +307,7 @@ impl<'a> Transcription<'a> {
 
     /// Local vector of a block.
     fn gather(&mut self, x: &[f64], element: usize, block: usize) {
-        let states = self.dcs.states();
+        let states = self.dcs.layout.states();
         self.local.fill(0.0);
         let given = self.task.controls.values();
         self.local[states..states + given.len()].copy_from_slice(given);
@@ -321,7 +323,7 @@ impl<'a> Transcription<'a> {
         if !block.boundary {
             return Some(block.algebraic_rows + row);
         }
-        let row = self.dcs.switching_row(row)?;
+        let row = self.dcs.layout.switching_row(row)?;
         Some(block.algebraic_rows + row)
     }
 
@@ -360,7 +362,7 @@ impl<'a> Transcription<'a> {
 
     /// Number of contacts.
     pub(crate) fn contacts(&self) -> usize {
-        self.dcs.contacts()
+        self.dcs.layout.contacts()
     }
 
     /// Length of the motion \[s\].
@@ -407,7 +409,7 @@ impl<'a> Transcription<'a> {
     /// Share of the friction of `contact` in element `e` that opposes forward sliding: 1 where it slides
     /// forward, 0 backward, between where it sticks; `None` without friction or without a force.
     pub(crate) fn slip_share(&self, x: &[f64], e: usize, contact: usize) -> Option<f64> {
-        let first = self.elements[e].sums + SUMS * self.dcs.slip_group(contact)?;
+        let first = self.elements[e].sums + SUMS * self.dcs.layout.slip_group(contact)?;
         let (forward, backward) = (x[first], x[first + 2]);
         let force = forward + backward;
         (force > 0.0).then(|| forward / force)
@@ -489,7 +491,7 @@ mod tests {
                 final_state: vec![(1, 0.3)],
             };
         }
-        let mut program = Transcription::new(dcs, tableau, task);
+        let mut program = transcribe(dcs, tableau, task);
         // A point off every bound and symmetry.
         let mut x = vec![0.0; program.variables()];
         program.initial_point(&mut x);
@@ -532,7 +534,7 @@ mod tests {
             };
             let task = Task::step(&start, &[0.8], 0.25, 3);
             let system = TimeFreezingSystem::new(model, 50.0);
-            let program = Transcription::new(HeavisideSystem::new(system), &tableau, task);
+            let program = transcribe(HeavisideSystem::new(system), &tableau, task);
             (program.variables, program.constraints, program.pairs.len())
         };
         let (plain, rough) = (sizes(&Bead::default()), sizes(&RoughBead::default()));

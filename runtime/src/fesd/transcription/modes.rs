@@ -18,167 +18,205 @@ pub(super) enum Mode {
     Contact,
 }
 
-impl Transcription<'_> {
-    /// Which paired variables, and which terms of paired sums, vanish near `x`.
-    pub(super) fn mark_vanishing(&self, x: &[f64], vanishes: &mut [bool]) {
-        let products = self.pairs.iter().map(|&(i, j)| x[i] * x[j]);
-        let zero = BOTH_ZERO * products.fold(0.0, f64::max).sqrt();
-        let modes = self.modes(x, zero);
-        self.mark_modes(x, zero, &modes, vanishes);
-        let contacts = self.dcs.contacts();
-        for e in 0..self.elements.len() {
-            for group in (0..self.groups.len()).filter(|&g| g >= contacts || self.dcs.bounces(g)) {
-                self.mark_group(x, zero, (e, group), vanishes);
-            }
+/// Which paired variables, and which terms of paired sums, vanish near `x`.
+pub(super) fn mark_vanishing(transcription: &Transcription<'_>, x: &[f64], vanishes: &mut [bool]) {
+    let products = transcription.pairs.iter().map(|&(i, j)| x[i] * x[j]);
+    let zero = BOTH_ZERO * products.fold(0.0, f64::max).sqrt();
+    let modes = modes(transcription, x, zero);
+    mark_modes(transcription, x, zero, &modes, vanishes);
+    let contacts = transcription.dcs.layout.contacts();
+    for e in 0..transcription.elements.len() {
+        for group in (0..transcription.groups.len())
+            .filter(|&g| g >= contacts || transcription.dcs.layout.bounces(g))
+        {
+            mark_group(transcription, x, zero, (e, group), vanishes);
         }
-        for (k, (first, second)) in self.dcs.stage_pairs().into_iter().enumerate() {
-            if k < contacts && !self.dcs.bounces(k) {
-                continue;
-            }
-            for block in self.elements.iter().flat_map(|element| &element.blocks) {
-                if let (Some(i), Some(j)) = (block.variables[first], block.variables[second]) {
-                    let both = !block.boundary && x[i].max(x[j]) <= zero;
-                    vanishes[i] |= x[i] < x[j] || both;
-                    vanishes[j] |= x[j] <= x[i] || both;
-                }
+    }
+    for (k, (first, second)) in transcription
+        .dcs
+        .layout
+        .stage_pairs()
+        .into_iter()
+        .enumerate()
+    {
+        if k < contacts && !transcription.dcs.layout.bounces(k) {
+            continue;
+        }
+        for block in transcription
+            .elements
+            .iter()
+            .flat_map(|element| &element.blocks)
+        {
+            if let (Some(i), Some(j)) = (block.variables[first], block.variables[second]) {
+                let both = !block.boundary && x[i].max(x[j]) <= zero;
+                vanishes[i] |= x[i] < x[j] || both;
+                vanishes[j] |= x[j] <= x[i] || both;
             }
         }
     }
+}
 
-    /// Marks the sums of a group that is decided pair by pair: a weight of friction or restitution, or the step
-    /// function of a contact that bounces. What vanishes in a stage vanishes in all of the element; both sides
-    /// vanish where both are small.
-    fn mark_group(&self, x: &[f64], zero: f64, (e, group): (usize, usize), vanishes: &mut [bool]) {
-        let first = self.elements[e].sums + SUMS * group;
-        for pair in [0, 2] {
-            let (weight, multiplier) = (x[first + pair], x[first + pair + 1]);
-            if weight < multiplier || weight <= zero && multiplier <= zero {
-                self.mark_sum(e, group, pair, vanishes);
-            }
-            if weight >= multiplier || multiplier <= zero {
-                self.mark_sum(e, group, pair + 1, vanishes);
-            }
+/// Marks the sums of a group that is decided pair by pair: a weight of friction or restitution, or the step
+/// function of a contact that bounces. What vanishes in a stage vanishes in all of the element; both sides
+/// vanish where both are small.
+fn mark_group(
+    transcription: &Transcription<'_>,
+    x: &[f64],
+    zero: f64,
+    (e, group): (usize, usize),
+    vanishes: &mut [bool],
+) {
+    let first = transcription.elements[e].sums + SUMS * group;
+    for pair in [0, 2] {
+        let (weight, multiplier) = (x[first + pair], x[first + pair + 1]);
+        if weight < multiplier || weight <= zero && multiplier <= zero {
+            mark_sum(transcription, e, group, pair, vanishes);
+        }
+        if weight >= multiplier || multiplier <= zero {
+            mark_sum(transcription, e, group, pair + 1, vanishes);
         }
     }
+}
 
-    /// Mode of each contact in each element near the relaxed point `x`, contacts of an element side by side;
-    /// `zero` is the size up to which both sides of a pair count as zero.
-    fn modes(&self, x: &[f64], zero: f64) -> Vec<Mode> {
-        let mut modes = Vec::with_capacity(self.elements.len() * self.dcs.contacts());
-        for element in &self.elements {
-            for contact in 0..self.dcs.contacts() {
-                let sum = |k: usize| x[element.sums + SUMS * contact + k];
-                let (alpha, ln, beta, lp) = (sum(0), sum(1), sum(2), sum(3));
-                modes.push(if alpha < ln || alpha <= zero {
-                    Mode::Jump
-                } else if beta < lp {
-                    Mode::Free
-                } else {
-                    Mode::Contact
-                });
-            }
-        }
-        modes
-    }
-
-    /// Which variables of the contacts without restitution vanish in these modes, and on which side of the pair `p _|_ w` near `x`.
-    ///
-    /// What vanishes in a stage vanishes in all of the element, terms with their sum, since a sum of zero leaves
-    /// its nonnegative terms no interior. For the same reason everything vanishes that the mode leaves no other
-    /// value:
-    ///
-    /// - in contact `G + p = 0` at every stage. The lifted gap is zero at the start, so that `theta v_n = 0`
-    ///   there: either `v_n = 0`, and `p = w = 0`, or the step function is zero and `w = -v_n > 0`, where a jump
-    ///   shares the element with the contact after it. Which of the two, the smaller of `theta` and `w` says. At
-    ///   the end of an element without a stage there only `p = 0` follows.
-    /// - in a jump `G` does not change. From gap zero, `ln = p = 0`.
-    pub(super) fn mark_modes(&self, x: &[f64], zero: f64, modes: &[Mode], vanishes: &mut [bool]) {
-        let contacts = self.dcs.contacts();
-        for (e, element) in self.elements.iter().enumerate() {
-            for contact in (0..contacts).filter(|&contact| !self.dcs.bounces(contact)) {
-                let mut mode = modes[e * contacts + contact];
-                if mode == Mode::Contact && self.mark_contact(x, e, contact, vanishes) {
-                    mode = Mode::Jump;
-                }
-                let first = element.sums + SUMS * contact;
-                let (alpha, ln, beta, lp) = (0, 1, 2, 3);
-                let from_zero = x[first + ln] <= zero;
-                let sums: &[usize] = match mode {
-                    Mode::Free => &[ln, beta],
-                    Mode::Contact => &[ln, lp],
-                    Mode::Jump if from_zero => &[alpha, ln, lp],
-                    Mode::Jump => &[alpha, lp],
-                };
-                for &sum in sums {
-                    self.mark_sum(e, contact, sum, vanishes);
-                }
-                if mode == Mode::Contact {
-                    continue;
-                }
-                for block in &element.blocks {
-                    let place = |offset| block.variables[self.dcs.algebraic(contact, offset)];
-                    if let (Some(p), Some(w)) = (place(P), place(W)) {
-                        let p_vanishes = x[p] < x[w] || mode == Mode::Jump && from_zero;
-                        vanishes[p] = p_vanishes;
-                        vanishes[w] = !p_vanishes;
-                    }
-                }
-            }
+/// Mode of each contact in each element near the relaxed point `x`, contacts of an element side by side;
+/// `zero` is the size up to which both sides of a pair count as zero.
+fn modes(transcription: &Transcription<'_>, x: &[f64], zero: f64) -> Vec<Mode> {
+    let mut modes =
+        Vec::with_capacity(transcription.elements.len() * transcription.dcs.layout.contacts());
+    for element in &transcription.elements {
+        for contact in 0..transcription.dcs.layout.contacts() {
+            let sum = |k: usize| x[element.sums + SUMS * contact + k];
+            let (alpha, ln, beta, lp) = (sum(0), sum(1), sum(2), sum(3));
+            modes.push(if alpha < ln || alpha <= zero {
+                Mode::Jump
+            } else if beta < lp {
+                Mode::Free
+            } else {
+                Mode::Contact
+            });
         }
     }
+    modes
+}
 
-    /// Marks `p`, `w` and step functions at the stages of an element in contact; `true` if the step function
-    /// vanishes at every stage.
-    fn mark_contact(&self, x: &[f64], e: usize, contact: usize, vanishes: &mut [bool]) -> bool {
-        let mut jumps = true;
-        for block in &self.elements[e].blocks {
-            let place = |contact, offset| block.variables[self.dcs.algebraic(contact, offset)];
-            let (Some(p), Some(w)) = (place(contact, P), place(contact, W)) else {
-                continue;
+/// Which variables of the contacts without restitution vanish in these modes, and on which side of the pair `p _|_ w` near `x`.
+///
+/// What vanishes in a stage vanishes in all of the element, terms with their sum, since a sum of zero leaves
+/// its nonnegative terms no interior. For the same reason everything vanishes that the mode leaves no other
+/// value:
+///
+/// - in contact `G + p = 0` at every stage. The lifted gap is zero at the start, so that `theta v_n = 0`
+///   there: either `v_n = 0`, and `p = w = 0`, or the step function is zero and `w = -v_n > 0`, where a jump
+///   shares the element with the contact after it. Which of the two, the smaller of `theta` and `w` says. At
+///   the end of an element without a stage there only `p = 0` follows.
+/// - in a jump `G` does not change. From gap zero, `ln = p = 0`.
+pub(super) fn mark_modes(
+    transcription: &Transcription<'_>,
+    x: &[f64],
+    zero: f64,
+    modes: &[Mode],
+    vanishes: &mut [bool],
+) {
+    let contacts = transcription.dcs.layout.contacts();
+    for (e, element) in transcription.elements.iter().enumerate() {
+        for contact in (0..contacts).filter(|&contact| !transcription.dcs.layout.bounces(contact)) {
+            let mut mode = modes[e * contacts + contact];
+            if mode == Mode::Contact && mark_contact(transcription, x, e, contact, vanishes) {
+                mode = Mode::Jump;
+            }
+            let first = element.sums + SUMS * contact;
+            let (alpha, ln, beta, lp) = (0, 1, 2, 3);
+            let from_zero = x[first + ln] <= zero;
+            let sums: &[usize] = match mode {
+                Mode::Free => &[ln, beta],
+                Mode::Contact => &[ln, lp],
+                Mode::Jump if from_zero => &[alpha, ln, lp],
+                Mode::Jump => &[alpha, lp],
             };
-            vanishes[p] = true;
-            if block.boundary {
+            for &sum in sums {
+                mark_sum(transcription, e, contact, sum, vanishes);
+            }
+            if mode == Mode::Contact {
                 continue;
             }
-            let step = |i| place(i, ALPHA).map_or(1.0, |alpha| x[alpha]);
-            let steps = (0..self.dcs.contacts()).map(step);
-            let theta: f64 = steps.clone().product();
-            if theta >= x[w] {
-                vanishes[w] = true;
-                jumps = false;
-            } else if steps.fold(f64::INFINITY, f64::min) < step(contact) {
-                // another contact stops the clock
-                jumps = false;
-            } else if let Some(alpha) = place(contact, ALPHA) {
-                vanishes[alpha] = true;
+            for block in &element.blocks {
+                let place =
+                    |offset| block.variables[transcription.dcs.layout.algebraic(contact, offset)];
+                if let (Some(p), Some(w)) = (place(P), place(W)) {
+                    let p_vanishes = x[p] < x[w] || mode == Mode::Jump && from_zero;
+                    vanishes[p] = p_vanishes;
+                    vanishes[w] = !p_vanishes;
+                }
             }
         }
-        jumps
     }
+}
 
-    /// Marks a sum and its terms.
-    fn mark_sum(&self, e: usize, group: usize, sum: usize, vanishes: &mut [bool]) {
-        vanishes[self.elements[e].sums + SUMS * group + sum] = true;
-        for variable in self.sum_variables(e, group, sum) {
-            vanishes[variable] = true;
+/// Marks `p`, `w` and step functions at the stages of an element in contact; `true` if the step function
+/// vanishes at every stage.
+fn mark_contact(
+    transcription: &Transcription<'_>,
+    x: &[f64],
+    e: usize,
+    contact: usize,
+    vanishes: &mut [bool],
+) -> bool {
+    let mut jumps = true;
+    for block in &transcription.elements[e].blocks {
+        let place =
+            |contact, offset| block.variables[transcription.dcs.layout.algebraic(contact, offset)];
+        let (Some(p), Some(w)) = (place(contact, P), place(contact, W)) else {
+            continue;
+        };
+        vanishes[p] = true;
+        if block.boundary {
+            continue;
+        }
+        let step = |i| place(i, ALPHA).map_or(1.0, |alpha| x[alpha]);
+        let steps = (0..transcription.dcs.layout.contacts()).map(step);
+        let theta: f64 = steps.clone().product();
+        if theta >= x[w] {
+            vanishes[w] = true;
+            jumps = false;
+        } else if steps.fold(f64::INFINITY, f64::min) < step(contact) {
+            // another contact stops the clock
+            jumps = false;
+        } else if let Some(alpha) = place(contact, ALPHA) {
+            vanishes[alpha] = true;
         }
     }
+    jumps
+}
 
-    /// Modes that a choice of vanishing variables stands for.
-    pub(super) fn fixed_modes(&self, vanishes: &[bool]) -> Vec<Mode> {
-        let mut modes = Vec::with_capacity(self.elements.len() * self.dcs.contacts());
-        for element in &self.elements {
-            for contact in 0..self.dcs.contacts() {
-                let first = element.sums + SUMS * contact;
-                modes.push(if vanishes[first] {
-                    Mode::Jump
-                } else if vanishes[first + 2] {
-                    Mode::Free
-                } else {
-                    Mode::Contact
-                });
-            }
-        }
-        modes
+/// Marks a sum and its terms.
+fn mark_sum(
+    transcription: &Transcription<'_>,
+    e: usize,
+    group: usize,
+    sum: usize,
+    vanishes: &mut [bool],
+) {
+    vanishes[transcription.elements[e].sums + SUMS * group + sum] = true;
+    for variable in transcription.sum_variables(e, group, sum) {
+        vanishes[variable] = true;
     }
+}
+
+/// Modes that a choice of vanishing variables stands for.
+pub(super) fn fixed_modes(transcription: &Transcription<'_>, vanishes: &[bool]) -> Vec<Mode> {
+    let mut modes =
+        Vec::with_capacity(transcription.elements.len() * transcription.dcs.layout.contacts());
+    for element in &transcription.elements {
+        for contact in 0..transcription.dcs.layout.contacts() {
+            let first = element.sums + SUMS * contact;
+            modes.push(if vanishes[first] {
+                Mode::Jump
+            } else if vanishes[first + 2] {
+                Mode::Free
+            } else {
+                Mode::Contact
+            });
+        }
+    }
+    modes
 }

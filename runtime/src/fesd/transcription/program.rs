@@ -1,23 +1,38 @@
 //! The program as the solver sees it.
 
-use super::{Controls, EQUILIBRATION, SHORTEST, SUMS, Transcription};
+use super::{
+    Controls, EQUILIBRATION, SHORTEST, SUMS, Task, Transcription, derivatives, guess, modes, names,
+    neighbours,
+};
+use crate::dcs::HeavisideSystem;
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
+use crate::rk::ButcherTableau;
 
-impl Transcription<'_> {
-    /// Length of an element over that of its interval, if all are equal.
-    fn nominal(&self) -> f64 {
-        1.0 / self.task.elements as f64
-    }
+/// The program of `task`, which has at least one interval and element.
+pub(crate) fn transcribe<'a>(
+    dcs: HeavisideSystem<'a>,
+    tableau: &ButcherTableau,
+    task: Task,
+) -> Transcription<'a> {
+    let mut transcription = Transcription::new(dcs, tableau, task);
+    guess::set_guess(&mut transcription);
+    derivatives::set_patterns(&mut transcription);
+    transcription
+}
 
-    /// `sum_k u_k'u_k / N`.
-    fn mean_square(&self, x: &[f64]) -> f64 {
-        let squares = self.intervals.iter().flat_map(|interval| {
-            let scaled = interval.controls.iter().zip(&self.control_units);
-            scaled.map(|(&control, unit)| (unit * x[control]).powi(2))
-        });
-        squares.sum::<f64>() / self.intervals.len() as f64
-    }
+/// Length of an element over that of its interval, if all are equal.
+fn nominal(transcription: &Transcription<'_>) -> f64 {
+    1.0 / transcription.task.elements as f64
+}
+
+/// `sum_k u_k'u_k / N`.
+fn mean_square(transcription: &Transcription<'_>, x: &[f64]) -> f64 {
+    let squares = transcription.intervals.iter().flat_map(|interval| {
+        let scaled = interval.controls.iter().zip(&transcription.control_units);
+        scaled.map(|(&control, unit)| (unit * x[control]).powi(2))
+    });
+    squares.sum::<f64>() / transcription.intervals.len() as f64
 }
 
 impl NlpProblem for Transcription<'_> {
@@ -56,10 +71,10 @@ impl NlpProblem for Transcription<'_> {
             }
         }
         for (e, element) in self.elements.iter().enumerate() {
-            lower[element.length] = SHORTEST * self.nominal();
+            lower[element.length] = SHORTEST * nominal(self);
             upper[element.length] = 1.0;
             for block in &element.blocks {
-                for place in self.dcs.first_algebraic()..self.dcs.first_product() {
+                for place in self.dcs.layout.first_algebraic()..self.dcs.layout.first_product() {
                     if let Some(variable) = block.variables[place] {
                         // alpha + beta = 1 bounds both from above, and with them their parts
                         lower[variable] = 0.0;
@@ -89,7 +104,7 @@ impl NlpProblem for Transcription<'_> {
         let equilibration: f64 = self
             .elements
             .iter()
-            .map(|element| (x[element.length] / self.nominal() - 1.0).powi(2))
+            .map(|element| (x[element.length] / nominal(self) - 1.0).powi(2))
             .sum();
         let weights = &self.task.objective;
         let last = self.final_state();
@@ -100,20 +115,20 @@ impl NlpProblem for Transcription<'_> {
         let horizon = self.horizon(x);
         EQUILIBRATION * equilibration
             + weights.final_time * horizon
-            + weights.control_effort * horizon * self.mean_square(x)
+            + weights.control_effort * horizon * mean_square(self, x)
             + finals
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
         gradient.fill(0.0);
-        let nominal = self.nominal();
+        let nominal = nominal(self);
         for element in &self.elements {
             gradient[element.length] =
                 2.0 * EQUILIBRATION * (x[element.length] / nominal - 1.0) / nominal;
         }
         let weights = &self.task.objective;
         if let Some(horizon) = self.horizon {
-            gradient[horizon] = weights.final_time + weights.control_effort * self.mean_square(x);
+            gradient[horizon] = weights.final_time + weights.control_effort * mean_square(self, x);
         }
         let factor = 2.0 * weights.control_effort * self.horizon(x) / self.intervals.len() as f64;
         for interval in &self.intervals {
@@ -129,7 +144,7 @@ impl NlpProblem for Transcription<'_> {
     }
 
     fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-        let states = self.dcs.states();
+        let states = self.dcs.layout.states();
         for interval in &self.intervals {
             c[interval.rows] = -1.0;
         }
@@ -175,7 +190,7 @@ impl NlpProblem for Transcription<'_> {
                 }
             }
         }
-        let time = self.dcs.time();
+        let time = self.dcs.layout.time();
         for (k, interval) in self.intervals.iter().enumerate() {
             let end = self.end_state((k + 1) * self.task.elements - 1)[time];
             let share = (k as f64 + 1.0) / self.intervals.len() as f64;
@@ -196,7 +211,7 @@ impl NlpProblem for Transcription<'_> {
         let pattern = std::mem::take(&mut self.jacobian);
         values.fill(0.0);
         let mut places = pattern.places.iter();
-        self.add_jacobian(x, &mut |_, _, value| {
+        derivatives::add_jacobian(self, x, &mut |_, _, value| {
             if let Some(&place) = places.next() {
                 values[place] += value;
             }
@@ -212,7 +227,7 @@ impl NlpProblem for Transcription<'_> {
         let pattern = std::mem::take(&mut self.hessian);
         values.fill(0.0);
         let mut places = pattern.places.iter();
-        self.add_hessian(x, weight, multipliers, &mut |_, _, value| {
+        derivatives::add_hessian(self, x, weight, multipliers, &mut |_, _, value| {
             if let Some(&place) = places.next() {
                 values[place] += value;
             }
@@ -221,11 +236,11 @@ impl NlpProblem for Transcription<'_> {
     }
 
     fn variable_name(&self, index: usize) -> String {
-        self.name_of_variable(index)
+        names::name_of_variable(self, index)
     }
 
     fn constraint_name(&self, index: usize) -> String {
-        self.name_of_constraint(index)
+        names::name_of_constraint(self, index)
     }
 }
 
@@ -235,15 +250,15 @@ impl Mpcc for Transcription<'_> {
     }
 
     fn complementarity_name(&self, index: usize) -> String {
-        self.name_of_pair(index)
+        names::name_of_pair(self, index)
     }
 
     fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
-        self.mark_vanishing(x, vanishes);
+        modes::mark_vanishing(self, x, vanishes);
         true
     }
 
     fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
-        self.shift_switch(index, x, vanishes)
+        neighbours::shift_switch(self, index, x, vanishes)
     }
 }

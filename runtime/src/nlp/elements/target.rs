@@ -5,6 +5,6 @@
 pub enum Target {
     /// The objective.
     Objective,
-    /// The constraint with this index, as returned by [`ElementProblemBuilder::row`].
+    /// The constraint with this index, as returned by [`ElementProblemBuilder::row`](super::ElementProblemBuilder::row).
     Row(usize),
 }

@@ -129,13 +129,13 @@ fn velocities_after(builder: &mut Builder, label: &str, time: f64) -> (Vec<usize
     let sample = builder.guess.at(time, true);
     let mut after = builder.state[..n].to_vec();
     let mut rows = Vec::with_capacity(n);
-    for k in n..2 * n {
+    for (k, &guess) in sample.iter().enumerate().take(2 * n).skip(n) {
         let name = format!(
             "{} after the impact that ends {label}",
             state_name(model, k)
         );
         let unit = units.states[k];
-        let velocity = program.variable(name, FREE, sample[k], unit);
+        let velocity = program.variable(name, FREE, guess, unit);
         let name = format!("impact on {}, end of {label}", state_name(model, k));
         let row = program.row_in(unit, name, 0.0, 0.0);
         program.linear(row, velocity, 1.0);

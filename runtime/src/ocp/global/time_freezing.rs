@@ -2,7 +2,7 @@
 
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
-use crate::fesd::transcription::{Controls, Guess, Task, Transcription, Weights};
+use crate::fesd::transcription::{Controls, Guess, Task, Transcription, Weights, transcribe};
 use crate::model::{ConstraintRelation, ImpactLaw, Model, OptimalControlDeclaration};
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
@@ -33,22 +33,19 @@ pub struct TimeFreezing<'a> {
 
 /// One motion out of a [`TimeFreezing`] program.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct TimeFreezingMotion {
+pub(in crate::ocp) struct TimeFreezingMotion {
     /// Length \[s\].
-    pub horizon: f64,
+    pub(in crate::ocp) horizon: f64,
     /// Controls of each interval.
-    pub controls: Vec<Vec<f64>>,
+    pub(in crate::ocp) controls: Vec<Vec<f64>>,
     /// Physical time at the end of each element \[s\].
-    pub time: Vec<f64>,
+    pub(in crate::ocp) time: Vec<f64>,
     /// Coordinates there.
-    pub q: Vec<Vec<f64>>,
+    pub(in crate::ocp) q: Vec<Vec<f64>>,
     /// Velocities there.
-    pub v: Vec<Vec<f64>>,
+    pub(in crate::ocp) v: Vec<Vec<f64>>,
     /// Mean step function of each contact in each element: 1 free, 0 jump, between in sustained contact.
-    pub step_functions: Vec<Vec<f64>>,
-    /// Length of each element in numerical time \[s\].
-    pub numerical_lengths: Vec<f64>,
+    pub(in crate::ocp) step_functions: Vec<Vec<f64>>,
 }
 
 impl<'a> TimeFreezing<'a> {
@@ -101,14 +98,23 @@ impl<'a> TimeFreezing<'a> {
         let system = TimeFreezingSystem::new(model, a_bar);
         let task = task(model, problem, settings)?;
         Ok(Self {
-            transcription: Transcription::new(HeavisideSystem::new(system), &tableau, task),
+            transcription: transcribe(HeavisideSystem::new(system), &tableau, task),
             intervals: problem.intervals,
         })
     }
 
+    /// Length of each element in numerical time \[s\], at the point `x` of the program.
+    #[must_use]
+    pub fn numerical_lengths(&self, x: &[f64]) -> Vec<f64> {
+        let program = &self.transcription;
+        (0..program.elements())
+            .map(|e| program.numerical_length(x, e))
+            .collect()
+    }
+
     /// The motion at the point `x` of the program.
     #[must_use]
-    pub fn motion(&self, x: &[f64]) -> TimeFreezingMotion {
+    pub(in crate::ocp) fn motion(&self, x: &[f64]) -> TimeFreezingMotion {
         let program = &self.transcription;
         let elements = 0..program.elements();
         let states: Vec<State> = elements.clone().map(|e| program.state(x, e)).collect();
@@ -126,7 +132,6 @@ impl<'a> TimeFreezing<'a> {
                         .collect()
                 })
                 .collect(),
-            numerical_lengths: elements.map(|e| program.numerical_length(x, e)).collect(),
             q: states.iter().map(|state| state.q.clone()).collect(),
             v: states.into_iter().map(|state| state.v).collect(),
         }
@@ -501,7 +506,12 @@ mod tests {
         let last = motion.q.len() - 1;
         assert!(motion.q[last][0].abs() < 1e-7 && motion.v[last][0].abs() < 1e-7);
         // The numerical time is longer by the jump and by the contact after it.
-        let numerical: f64 = motion.numerical_lengths.iter().sum();
+        let settings = TimeFreezingSettings {
+            simulated_guess: true,
+            ..TimeFreezingSettings::default()
+        };
+        let program = TimeFreezing::new(&stone, &Problem::of(&stone, 2), &settings).expect("valid");
+        let numerical: f64 = program.numerical_lengths(&solution.x).iter().sum();
         let (jump, contact) = (9.81 * fall / 20.0, (1.0 - fall) * 9.81 / 20.0);
         assert!(
             (numerical - 1.0 - jump - contact).abs() < 1e-6,

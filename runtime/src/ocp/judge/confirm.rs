@@ -17,7 +17,7 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::search::replay::{read_replay, simulate};
 use crate::ocp::settings::Settings;
-use crate::ocp::solution::{Size, Solution, Stationarity, Status};
+use crate::ocp::solution::{Solution, Stationarity, Status, size_of};
 use crate::rk::ButcherTableau;
 use crate::simulation::{EventKind, InputError, Residuals, Simulation, SimulationStatus};
 
@@ -158,7 +158,7 @@ fn confirm(
         previous: Some(Previous::new(trajectory, sequence)),
         motion: Some(replay),
         violations: solution.violations,
-        size: Size::of(&program.program, 0),
+        size: size_of(&program.program, 0),
         counts: runner.counts,
         seconds: 0.0,
         time_freezing: None,

@@ -126,7 +126,7 @@ impl Structure {
             inputs,
         };
         if matches!(kernel, Kernel::Acceleration(_)) {
-            structure.mark_first(declaration.free_jacobian, |row| Some(row));
+            structure.mark_first(declaration.free_jacobian, Some);
             structure.mark_second(declaration.free_hessian);
         }
         for (index, &contact) in kernel.acting().iter().enumerate() {
@@ -148,7 +148,7 @@ impl Structure {
             structure.mark_second(second);
         }
         if let Some((first, second, _)) = declared(kernel, declaration) {
-            structure.mark_first(first, |row| Some(row));
+            structure.mark_first(first, Some);
             structure.mark_second(second);
         }
         structure

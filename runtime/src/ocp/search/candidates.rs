@@ -36,7 +36,7 @@ pub(in crate::ocp) struct Search<'a, 'e> {
 
 impl<'a> Search<'a, '_> {
     /// Adds the local optima that the motions of the global phase lead to.
-    pub(in crate::ocp) fn from_guess(
+    pub(in crate::ocp) fn try_guess(
         &mut self,
         runner: &mut Runner,
         guess: &Trajectory,
@@ -65,7 +65,7 @@ impl<'a> Search<'a, '_> {
             if runner.stopped() {
                 break;
             }
-            self.from_candidate(runner, candidate, false)?;
+            self.try_candidate(runner, candidate, false)?;
         }
         Ok(())
     }
@@ -78,7 +78,7 @@ impl<'a> Search<'a, '_> {
 
     /// Adds the local optimum that a candidate leads to; of one that is known to be near, by the first sequence that
     /// allows a motion.
-    pub(in crate::ocp) fn from_candidate(
+    pub(in crate::ocp) fn try_candidate(
         &mut self,
         runner: &mut Runner,
         candidate: Candidate,

@@ -131,12 +131,12 @@ fn find(
     known.extend(previous.map(|previous| previous.candidate(guessed, intervals)));
     for candidate in known {
         if search.found.optima.is_empty() && !runner.stopped() {
-            search.from_candidate(runner, candidate, coarser.is_some())?;
+            search.try_candidate(runner, candidate, coarser.is_some())?;
         }
     }
     // Without a previous motion, or too far from it: search.
     if search.found.optima.is_empty() {
-        search.from_guess(runner, guessed)?;
+        search.try_guess(runner, guessed)?;
     }
     // The ride without controls obeys the dynamics, which is what other guesses may be too far from.
     let none = search.found.optima.is_empty();
@@ -148,7 +148,7 @@ fn find(
             ..
         } = setting;
         let ride = guess(model, problem, &Guess::Ride, bounds)?;
-        search.from_guess(runner, &ride)?;
+        search.try_guess(runner, &ride)?;
     }
     // Up to where it comes nearest to the goals it is a motion itself.
     if !search.found.optima.is_empty() || runner.stopped() {
@@ -157,7 +157,7 @@ fn find(
     let Some(ride) = ride(runner, setting)? else {
         return Ok(false);
     };
-    search.from_candidate(runner, ride.candidate, true)?;
+    search.try_candidate(runner, ride.candidate, true)?;
     Ok(ride.reaches)
 }
 

@@ -1,6 +1,6 @@
 //! Whether forces and gaps kept their sign, measured along a run after its events have been found.
 
-use super::dynamics::{Dynamics, Switch};
+use super::dynamics::{Dynamics, Switch, switching};
 use crate::simulation::{Diagnosis, SimulationStatus};
 
 /// A violation above this share of the size of a function, or this multiple of the tolerance, is no error of
@@ -37,11 +37,11 @@ impl Audit {
             }
             let switch = dynamics.switch(function);
             self.largest = self.largest.max(-value);
-            let share = -value / dynamics.size(function);
+            let share = -value / switching::size(dynamics, function);
             let known = self.worst.as_ref().map_or(self.limit, |(worst, _)| *worst);
             // The range of a gap that has always been closed is rounding error.
-            let closed =
-                matches!(switch, Switch::Gap(_)) && -value <= dynamics.zero_value(function);
+            let closed = matches!(switch, Switch::Gap(_))
+                && -value <= switching::zero_value(dynamics, function);
             if !closed && (share > known || share.is_nan()) {
                 let contact = switch.contact();
                 let name = dynamics.model.declaration().contacts[contact].name;

@@ -5,7 +5,7 @@ use super::contact_problem::ContactProblem;
 use super::contact_state::{ContactState, Direction};
 use super::coulomb::{CoulombSolution, TangentialLaw};
 use super::dop853::{Dop853, System};
-use super::dynamics::{Dynamics, Switch};
+use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::impact::Undetermined;
 
 /// Accelerations below this share of those they balance are compared by what follows a moment later: event
@@ -76,7 +76,7 @@ pub(in crate::simulation) fn change(
     };
     for _ in 0..ATTEMPTS {
         select(dynamics, probe, t, y, resting, vanished, outlook)?;
-        if !dynamics.project(t, y) {
+        if !motion::project(dynamics, t, y) {
             return undetermined(
                 dynamics,
                 "the state cannot be moved onto the surfaces in contact: their normals are dependent",
@@ -217,7 +217,7 @@ fn candidates(
             },
         );
     }
-    dynamics.set_force_floors(resting);
+    switching::set_force_floors(dynamics, resting);
     let solution = ContactProblem {
         what: "balance of contact forces",
         contacts: resting,
@@ -346,7 +346,7 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
         let (_, acceleration) = dynamics.contact_accelerations(i, &slope[n..2 * n]);
         let rests = dynamics.sliding_velocity(i).abs() <= dynamics.zero_sliding_velocity(i)
             && acceleration.abs() <= BIACTIVE * dynamics.sliding_acceleration_scale(i);
-        if rests && dynamics.holds(i) {
+        if rests && motion::holds(dynamics, i) {
             *state = ContactState::Held(direction);
         }
     }
@@ -368,14 +368,14 @@ fn accept_after(
     delta: f64,
 ) {
     let mut start = y.to_vec();
-    if !dynamics.project(t, &mut start) {
+    if !motion::project(dynamics, t, &mut start) {
         return;
     }
     probe.begin(dynamics, t, &start);
     probe.step(dynamics, t, &start, delta);
-    if dynamics.project(t + delta, probe.end_mut()) {
+    if motion::project(dynamics, t + delta, probe.end_mut()) {
         probe.finish(dynamics, t, delta);
-        dynamics.accept_forces();
+        switching::accept_forces(dynamics);
     }
 }
 
@@ -390,12 +390,12 @@ fn sign_after(
     multiple: f64,
 ) -> Sign {
     let mut start = y.to_vec();
-    if !dynamics.project(t, &mut start) {
+    if !motion::project(dynamics, t, &mut start) {
         return Sign::Negative;
     }
     probe.begin(dynamics, t, &start);
     probe.step(dynamics, t, &start, delta);
-    if !dynamics.project(t + delta, probe.end_mut()) {
+    if !motion::project(dynamics, t + delta, probe.end_mut()) {
         return Sign::Negative;
     }
     probe.finish(dynamics, t, delta);

@@ -2,17 +2,17 @@
 
 use cpu_time::ThreadTime;
 
-use super::EventDriven;
 use super::audit::Audit;
 use super::contact_mode::{self, Outlook};
 use super::contact_problem;
 use super::contact_state::ContactState;
 use super::dop853::{Dop853, System};
-use super::dynamics::{Dynamics, Switch};
+use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::error_scale::ErrorScale;
 use super::impact::{self, Impact, LowestBounce, Undetermined};
 use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
+use super::settings::EventDriven;
 use crate::Observer;
 use crate::model::{Model, contact_point};
 use crate::simulation::watch::Watch;
@@ -253,7 +253,7 @@ impl<'a> Integration<'a> {
             .method
             .error(h, |component, _| tolerance * scale.of(component, h));
         if error <= 1.0 {
-            if self.dynamics.project(self.t + h, self.method.end_mut()) {
+            if motion::project(&mut self.dynamics, self.t + h, self.method.end_mut()) {
                 self.method.finish(&mut self.dynamics, self.t, h);
             } else {
                 error = f64::NAN;
@@ -415,7 +415,7 @@ impl<'a> Integration<'a> {
             self.result.initial_modes = self.dynamics.contact_modes();
         }
         self.begin()?;
-        self.dynamics.accept_forces();
+        switching::accept_forces(&mut self.dynamics);
         self.record();
         self.observe();
         self.write_events(&before, &previously, &impact.struck, at_start)
@@ -580,7 +580,7 @@ impl<'a> Integration<'a> {
         for share in AUDITED {
             let time = self.t + share * until;
             self.method.interpolate(share * until / h, &mut self.output);
-            if self.dynamics.project(time, &mut self.output) {
+            if motion::project(&mut self.dynamics, time, &mut self.output) {
                 self.dynamics
                     .derivative(time, &self.output, &mut self.slope);
                 let step = self.result.counts.elements;
@@ -611,7 +611,7 @@ impl<'a> Integration<'a> {
             }
             self.method
                 .interpolate((time - self.t) / h, &mut self.output);
-            if !self.dynamics.project(time, &mut self.output) {
+            if !motion::project(&mut self.dynamics, time, &mut self.output) {
                 continue;
             }
             self.dynamics

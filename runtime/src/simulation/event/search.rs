@@ -2,7 +2,7 @@
 //! true steps of the method.
 
 use super::dop853::Dop853;
-use super::dynamics::{Dynamics, Switch};
+use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::locate::{self, Sample};
 use crate::model::contact_point;
 
@@ -167,7 +167,7 @@ impl EventSearch {
     /// What counts as zero for the value of a switching function if the continuous extension is exact: one that
     /// starts below zero and grows is no crossing.
     fn least_zero(&self, dynamics: &Dynamics<'_>, step: Step<'_>, function: usize) -> f64 {
-        let zero = dynamics.zero_value(function);
+        let zero = switching::zero_value(dynamics, function);
         zero.max(-2.0 * step.start_values[function])
     }
 
@@ -184,7 +184,7 @@ impl EventSearch {
                 continue;
             };
             let zero = self.zero[function];
-            let rounding = ROUNDING * dynamics.zero_value(function);
+            let rounding = ROUNDING * switching::zero_value(dynamics, function);
             let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
             let to = match earliest {
                 None => Sample {
@@ -225,7 +225,7 @@ impl EventSearch {
     ) -> f64 {
         let t = step.t + theta * step.h;
         method.interpolate(theta, &mut self.state[..2 * dynamics.n]);
-        dynamics.switching_value(function, t, &self.state, &mut self.slope)
+        switching::switching_value(dynamics, function, t, &self.state, &mut self.slope)
     }
 
     /// Normal velocity of a contact at the end of the last true step.
@@ -251,10 +251,16 @@ impl EventSearch {
         h: f64,
     ) -> f64 {
         method.step(dynamics, step.t, step.y, h);
-        if !dynamics.project(step.t + h, method.end_mut()) {
+        if !motion::project(dynamics, step.t + h, method.end_mut()) {
             return f64::NAN;
         }
-        dynamics.switching_value(function, step.t + h, method.end(), &mut self.slope)
+        switching::switching_value(
+            dynamics,
+            function,
+            step.t + h,
+            method.end(),
+            &mut self.slope,
+        )
     }
 
     /// Length of the true step at whose end the value of the function vanishes; if there is none in the
@@ -276,7 +282,7 @@ impl EventSearch {
         let zero = self.least_zero(dynamics, step, function);
         let range = dynamics.highest[function] - dynamics.lowest[function];
         let resolution = step.resolution();
-        let rounding = ROUNDING * dynamics.zero_value(function);
+        let rounding = ROUNDING * switching::zero_value(dynamics, function);
         let sinks = left.value <= rounding || (theta - left.at) * step.h <= resolution;
         if right.at < 1.0 && (sinks || -right.value < SHALLOW * range) {
             let value = self.stepped(dynamics, method, step, function, right.at * step.h);
@@ -322,7 +328,7 @@ impl EventSearch {
             mut right,
             ..
         } = crossing;
-        let rounding = ROUNDING * dynamics.zero_value(function);
+        let rounding = ROUNDING * switching::zero_value(dynamics, function);
         let mut width = right.at - left.at;
         let (mut rises, mut falls) = (None, right.at);
         let positive = (0..HALVINGS).find_map(|_| {

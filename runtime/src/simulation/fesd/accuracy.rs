@@ -5,6 +5,7 @@
 
 use super::driver::Driver;
 use super::settings::Fesd;
+use super::stepping;
 use crate::fesd::finite_element::MotionSize;
 use crate::model::Model;
 use crate::rk::ButcherTableau;
@@ -32,7 +33,7 @@ pub(super) fn promised(
     let s = tableau.stages() as f64;
     let mut tolerance = 0.1 * promise.powf((s + 1.0) / (2.0 * s));
     watch.restart(false);
-    let (mut looser, _) = run(tolerance).forgetful().run(watch);
+    let (mut looser, _) = stepping::run(run(tolerance).forgetful(), watch);
     let stopped = |run: &Simulation| matches!(run.status, SimulationStatus::Interrupted(_));
     if stopped(&looser) {
         return looser;
@@ -41,7 +42,7 @@ pub(super) fn promised(
     let mut spent = Spent::of(&looser);
     for runs in 1..=MAX_RUNS {
         watch.restart(true);
-        let (mut tighter, motion) = run(tolerance.max(SMALLEST)).run(watch);
+        let (mut tighter, motion) = stepping::run(run(tolerance.max(SMALLEST)), watch);
         spent.add(&tighter);
         if stopped(&tighter) {
             return spent.charge(tighter);

@@ -1,53 +1,18 @@
-//! The stepping loop: elements, switches, impacts, and what is recorded of them.
+//! The state of a run, its evaluation, and what is recorded of it.
 
-use super::settings::{Fesd, StepFormulation};
+use super::detector::Detector;
+use super::settings::Fesd;
 use super::stop::Stop;
-use super::switch::Detector;
 use crate::fesd::active_contact::{ActiveContact, force_count};
 use crate::fesd::contacts::{Contacts, ModeError, dot};
-use crate::fesd::finite_element::{ElementError, FiniteElement, MotionSize, State};
+use crate::fesd::finite_element::{FiniteElement, MotionSize, State};
 use crate::model::{ControlPiece, ImpactLaw, Model};
 use crate::rk::ButcherTableau;
-use crate::simulation::watch::Watch;
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, Event, InitialValueProblem, ProblemSize, Residuals,
-    Seconds, Simulation, SimulationStatus, Trajectory,
+    Trajectory,
 };
 use crate::time_freezing::clock;
-use cpu_time::ThreadTime;
-
-/// Halvings of the elements of a step before it counts as failed.
-const MAX_HALVINGS: usize = 8;
-/// The same under error control, where each halves the length that lasts.
-const MAX_CONTROLLED_HALVINGS: usize = 24;
-/// Switches within a hundredth of the horizon before the contact mode counts as ambiguous. A ball that keeps
-/// all but a hundredth of its speed takes about 1,400 bounces to rest.
-pub(super) const MAX_SWITCHES: usize = 5_000;
-
-/// Attempts at a segment within a hundredth of the horizon: of them some are rejected, some lead to a switch.
-const MAX_ATTEMPTS: usize = 20_000;
-
-/// Largest share of the horizon that an element may take under error control: a flight has no error, but
-/// passes over ground.
-const LONGEST: f64 = 0.1;
-/// Largest share of the horizon that the first element may take, for a tolerance of one.
-const FIRST: f64 = 0.25;
-/// Share of the horizon below which slow starts do not shorten the first element.
-const LEAST_FIRST: f64 = 1e-9;
-/// Error estimate of a run without error control above which it says so: what a curve in a figure shows.
-const SUSPECT_ESTIMATE: f64 = 1e-3;
-/// Largest and smallest change of the element length by the error control.
-const LENGTH_CHANGE: (f64, f64) = (0.2, 4.0);
-
-/// How a segment ended.
-enum Segment {
-    /// At its planned end.
-    Completed,
-    /// At a switch, which was carried out.
-    Switched,
-    /// Nowhere: the error estimate asks for a shorter element.
-    Rejected,
-}
 
 /// Impacts that raised the kinetic energy.
 #[derive(Debug, Clone, Copy)]
@@ -214,317 +179,11 @@ impl<'a> Driver<'a> {
         self
     }
 
-    /// Runs to the horizon, or until it fails; returns the result and the size of its motion.
-    pub(super) fn run(mut self, watch: &mut Watch<'_>) -> (Simulation, MotionSize) {
-        let clock = ThreadTime::now();
-        let status = match self.steps(watch) {
-            Ok(()) => SimulationStatus::Solved,
-            Err(status) => status,
-        };
-        if !self.keeps_trajectory {
-            self.keeps_trajectory = true;
-            self.record();
-        }
-        let controlled = self.local_tolerance.is_some();
-        if !controlled && self.error_estimate > SUSPECT_ESTIMATE {
-            self.note(&format!(
-                "the error is estimated at {:.0e} of the largest values: take more steps, or leave the number \
-                 of steps to the error control",
-                self.error_estimate
-            ));
-        }
-        self.note_cascades();
-        self.note_energy_gains();
-        let newton = self.element.counts;
-        let other = self.next_element.counts;
-        self.counts.newton = newton.iterations + other.iterations;
-        self.counts.factorizations = newton.factorizations + other.factorizations;
-        self.counts.evaluations =
-            newton.evaluations + other.evaluations + self.contacts.evaluations;
-        let simulation = Simulation {
-            declaration: self.model.declaration(),
-            status,
-            error_estimate: (!controlled).then_some(self.error_estimate),
-            initial_modes: self.initial_modes,
-            events: self.events,
-            trajectory: self.trajectory,
-            residuals: self.residuals,
-            size: self.size,
-            counts: self.counts,
-            seconds: Seconds {
-                total: clock.elapsed().as_secs_f64(),
-                ..Seconds::default()
-            },
-            notes: self.notes,
-        };
-        (simulation, self.motion)
-    }
-
-    /// Steps over the horizon.
-    fn step_count(&self) -> usize {
-        match self.local_tolerance {
-            None => self.settings.steps.unwrap_or(Fesd::DEFAULT_STEPS),
-            Some(_) => self.settings.steps.unwrap_or(1),
-        }
-    }
-
-    fn steps(&mut self, watch: &mut Watch<'_>) -> Result<(), SimulationStatus> {
-        self.take_piece(0.0);
-        self.active.clear();
-        if let Err(error) = self.settle(&[]) {
-            self.record();
-            return Err(self.stopped(0, &Stop::Mode(error)));
-        }
-        self.initial_modes = self.modes();
-        self.record();
-        self.propose_first_length();
-        let steps = self.step_count();
-        for step in 0..steps {
-            let end = if step + 1 == steps {
-                self.horizon
-            } else {
-                self.horizon * (step + 1) as f64 / steps as f64
-            };
-            self.step(step, end, watch)?;
-            watch.reach(self.state.time, self.counts.elements, &mut self.trajectory)?;
-        }
-        Ok(())
-    }
-
-    /// First element length: a share of the horizon and of the time in which the velocity changes, which falls
-    /// with the tolerance, so that two runs do not share their first elements.
-    fn propose_first_length(&mut self) {
-        let Some(tolerance) = self.local_tolerance else {
-            return;
-        };
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let share = tolerance.powf(1.0 / (self.tableau.stages() as f64 + 1.0));
-        let mut length = FIRST * self.horizon;
-        let (speed, acceleration) = (largest(&self.state.v), largest(&self.acceleration));
-        if speed > 0.0 && acceleration > 0.0 {
-            // What an impact leaves of a velocity may be rounding error, which says nothing of the motion that follows.
-            length = length.min((speed / acceleration).max(LEAST_FIRST * self.horizon));
-        }
-        self.proposed_length = share * length;
-    }
-
-    /// Advances to `end`, with as many segments as there are switches and pieces of the controls.
-    fn step(
-        &mut self,
-        step: usize,
-        end: f64,
-        watch: &mut Watch<'_>,
-    ) -> Result<(), SimulationStatus> {
-        let begin = self.state.time;
-        let shortest = 1e-14 * self.horizon;
-        let mut halvings = 0;
-        let (mut switches, mut attempts) = (0, 0);
-        let mut counted_from = begin;
-        let mut size = ProblemSize::default();
-        while end - self.state.time > shortest {
-            watch.reach(self.state.time, self.counts.elements, &mut self.trajectory)?;
-            self.take_up_controls(step)?;
-            let segment_end = self
-                .controls
-                .next_break(self.state.time)
-                .map_or(end, |next| next.min(end));
-            if self.settings.formulation == StepFormulation::TimeFreezing {
-                if let Err(stop) = self.solve_program(segment_end) {
-                    return Err(self.stopped(step, &stop));
-                }
-                continue;
-            }
-            let (segment_end, elements) = self.plan(begin, segment_end, end, halvings);
-            if self.state.time - counted_from > 0.01 * self.horizon {
-                (switches, attempts) = (0, 0);
-                counted_from = self.state.time;
-            }
-            attempts += 1;
-            if self.counts.elements >= self.settings.most_elements {
-                return Err(self.too_many(step));
-            }
-            let vanishes = self.local_tolerance.is_some() && self.proposed_length <= shortest;
-            if attempts > MAX_ATTEMPTS || vanishes {
-                return Err(self.too_short(step, segment_end));
-            }
-            match self.segment(segment_end, elements, shortest, &mut size) {
-                Ok(Segment::Rejected) => {}
-                Ok(Segment::Completed) if self.local_tolerance.is_some() => halvings = 0,
-                Ok(Segment::Completed) => halvings = halvings.saturating_sub(1),
-                Ok(Segment::Switched) => {
-                    self.not_finite = false;
-                    switches += 1;
-                    if switches > MAX_SWITCHES {
-                        return Err(self.unsettled(step));
-                    }
-                }
-                Err(Stop::Mode(ModeError::NotFinite))
-                | Err(Stop::Element(ElementError::NotFinite))
-                    if halvings < self.most_halvings() =>
-                {
-                    halvings += 1;
-                    self.not_finite = true;
-                    self.shorten(segment_end);
-                }
-                Err(stop @ Stop::Mode(_)) => return Err(self.stopped(step, &stop)),
-                Err(_) if halvings < self.most_halvings() => {
-                    halvings += 1;
-                    self.shorten(segment_end);
-                }
-                Err(_) if self.nearly_jams() => {
-                    return Err(self.stopped(step, &Stop::Mode(ModeError::Jammed)));
-                }
-                Err(stop @ Stop::Element(ElementError::NotFinite)) => {
-                    return Err(self.stopped(step, &stop));
-                }
-                Err(_) => {
-                    if let Err(stop) = self.solve_program(segment_end) {
-                        return Err(self.stopped(step, &stop));
-                    }
-                    halvings = 0;
-                }
-            }
-        }
-        self.state.time = end;
-        if let Some(time) = self.trajectory.time.last_mut() {
-            *time = end;
-        }
-        if size.variables > self.size.variables {
-            self.size = size;
-        }
-        Ok(())
-    }
-
-    /// Halves the proposed length after a failed segment that ended at `end`.
-    fn shorten(&mut self, end: f64) {
-        if self.local_tolerance.is_some() {
-            self.proposed_length = 0.5 * (end - self.segment_start.time);
-        }
-    }
-
-    /// Halvings before a segment counts as failed.
-    fn most_halvings(&self) -> usize {
-        match self.local_tolerance {
-            None => MAX_HALVINGS,
-            Some(_) => MAX_CONTROLLED_HALVINGS,
-        }
-    }
-
-    /// End and number of elements of the next segment: equal elements up to `segment_end`, or the length
-    /// that the error control proposes.
-    fn plan(&self, begin: f64, segment_end: f64, end: f64, halvings: usize) -> (f64, usize) {
-        let remaining = segment_end - self.state.time;
-        if self.local_tolerance.is_none() {
-            let share = remaining / (end - begin);
-            let elements = (self.settings.elements as f64 * share).round() as usize;
-            return (segment_end, elements.max(1) << halvings);
-        }
-        let length = self.proposed_length;
-        if remaining <= 1.01 * length {
-            (segment_end, 1)
-        } else {
-            // Two nearly equal elements rather than one and a sliver.
-            (self.state.time + length.min(0.5 * remaining), 1)
-        }
-    }
-
-    /// Updates the proposed element length from the error estimate of the solved element; true if the
-    /// element must be shorter.
-    fn control_error(&mut self) -> bool {
-        let Some(tolerance) = self.local_tolerance else {
-            return false;
-        };
-        let error = self
-            .element
-            .relative_error(&self.acceleration, &self.motion);
-        let ratio = error / tolerance;
-        let order = self.tableau.stages() as f64 + 1.0;
-        let factor = 0.9 * ratio.max(1e-12).powf(-1.0 / order);
-        let proposed = self.element.length() * factor.clamp(LENGTH_CHANGE.0, LENGTH_CHANGE.1);
-        self.proposed_length = proposed.min(LONGEST * self.horizon);
-        ratio > 1.0
-    }
-
-    fn take_piece(&mut self, time: f64) {
+    pub(super) fn take_piece(&mut self, time: f64) {
         self.controls
             .take_piece(time, self.u.len(), &mut self.piece);
         self.piece.write(time, &mut self.u);
         self.contacts.set_control_slopes(self.piece.slopes());
-    }
-
-    /// Controls that hold from now on; a jump of theirs may change the contact mode.
-    fn take_up_controls(&mut self, step: usize) -> Result<(), SimulationStatus> {
-        if self.u.is_empty() {
-            return Ok(());
-        }
-        let before = self.u.clone();
-        // A jump within rounding error of the present time has been reached.
-        let now = self.state.time + 4.0 * f64::EPSILON * self.horizon;
-        self.take_piece(now);
-        if self.controls.jumps() && before != self.u && self.state.time > 0.0 {
-            if let Err(error) = self.settle(&[]) {
-                return Err(self.stopped(step, &Stop::Mode(error)));
-            }
-            self.record();
-        }
-        Ok(())
-    }
-
-    /// Solves `elements` elements of equal length up to `end`, or up to the first switch, which is then
-    /// located, with the elements before it of equal length again, and carried out.
-    fn segment(
-        &mut self,
-        end: f64,
-        elements: usize,
-        shortest: f64,
-        size: &mut ProblemSize,
-    ) -> Result<Segment, Stop> {
-        self.segment_start.copy_from(&self.state);
-        self.segment_acceleration.clone_from(&self.acceleration);
-        let error_estimate = self.error_estimate;
-        let recorded = self.trajectory.time.len();
-        let start_numerical_time = self.numerical_time;
-        let length = (end - self.state.time) / elements as f64;
-        let mut violation = None;
-        for count in 1..=elements {
-            self.element.solve(&self.state, length, &self.piece)?;
-            if self.control_error() {
-                return Ok(Segment::Rejected);
-            }
-            if let Some(switch) = self.violation()? {
-                violation = Some((switch, count));
-                break;
-            }
-            self.accept_element()?;
-        }
-        let Some((switch, count)) = violation else {
-            self.add_size(elements, false, size);
-            return Ok(Segment::Completed);
-        };
-        self.trajectory.truncate(recorded);
-        self.numerical_time = start_numerical_time;
-        self.error_estimate = error_estimate;
-        self.state.copy_from(&self.segment_start);
-        self.acceleration.clone_from(&self.segment_acceleration);
-        let offset = (count - 1) as f64 + switch.theta;
-        if offset * length <= shortest && self.holds_at_start(switch) {
-            self.carry_out(switch)?;
-            return Ok(Segment::Switched);
-        }
-        let located = match self.locate(switch, length, count, recorded) {
-            Ok(located) => located,
-            Err(stop) => {
-                // Whoever tries again starts where this segment did.
-                self.trajectory.truncate(recorded);
-                self.numerical_time = start_numerical_time;
-                self.state.copy_from(&self.segment_start);
-                self.evaluate_state()?;
-                return Err(stop);
-            }
-        };
-        self.add_size(count, true, size);
-        self.carry_out(located)?;
-        Ok(Segment::Switched)
     }
 
     /// Adds the error of the solved element where no tolerance controls it. Its estimate has order `s`, the
@@ -680,21 +339,10 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// Size of the step's system: stage unknowns and one length an element.
-    fn add_size(&self, elements: usize, switched: bool, size: &mut ProblemSize) {
-        let stages = self.tableau.stages();
-        let unknowns = elements * self.element.variables();
-        let block = self.element.variables() / stages;
-        let cones = (0..self.all_contacts.len()).filter(|&i| self.contacts.friction(i) > 0.0);
-        // One condition on the force or the gap of each contact, one on friction or sliding velocity.
-        let conditions = self.all_contacts.len() + cones.count();
-        size.variables += unknowns + elements;
-        // Equal lengths but one, which the end of the segment or the switch condition determines.
-        size.equalities += unknowns + elements;
-        size.inequalities += elements * stages * conditions;
-        size.complementarities += elements * conditions;
-        size.jacobian_nonzeros +=
-            elements * stages * stages * block * block + elements + usize::from(switched);
+    pub(super) fn note(&mut self, text: &str) {
+        if !self.notes.iter().any(|note| note == text) {
+            self.notes.push(text.into());
+        }
     }
 }
 

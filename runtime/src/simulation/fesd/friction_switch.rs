@@ -1,223 +1,223 @@
 //! Detection of the end of sticking and sliding inside a solved element.
 
+use super::detector::Detector;
 use super::stop::Stop;
 use super::switch::{
-    Detector, ElementStart, FORCE_TOLERANCE, Switch, SwitchKind, bisect, keep_first, lowest,
+    ElementStart, FORCE_TOLERANCE, Switch, SwitchKind, bisect, keep_first, lowest,
 };
 use crate::fesd::active_contact::{ActiveContact, find};
 use crate::fesd::contacts::Contacts;
 use crate::fesd::finite_element::FiniteElement;
 
-impl Detector<'_> {
-    /// What the friction of a sticking contact with friction `s` lacks to its bound, or the sliding velocity
-    /// in the sense of the slip.
-    fn friction_value(
-        contacts: &Contacts<'_>,
-        held: ActiveContact,
-        r: f64,
-        s: f64,
-        sliding: f64,
-    ) -> f64 {
+/// What the friction of a sticking contact with friction `s` lacks to its bound, or the sliding velocity
+/// in the sense of the slip.
+fn friction_value(
+    contacts: &Contacts<'_>,
+    held: ActiveContact,
+    r: f64,
+    s: f64,
+    sliding: f64,
+) -> f64 {
+    if held.sticks() {
+        contacts.friction(held.contact) * r - s.abs()
+    } else {
+        held.tangential.sense() * sliding
+    }
+}
+
+/// Stores the friction conditions at the start of the element.
+pub(super) fn start_frictions(
+    detector: &mut Detector<'_>,
+    active: &[ActiveContact],
+    contacts: &Contacts<'_>,
+    start: &ElementStart<'_>,
+) {
+    let row = detector.thetas.len() + 1;
+    let frictions = contacts.frictions(active, start.forces);
+    for ((&held, &r), s) in active.iter().zip(start.forces).zip(frictions) {
+        let sliding = start.sliding[held.contact];
+        detector.frictions[held.contact * row] = friction_value(contacts, held, r, s, sliding);
+    }
+}
+
+/// Contacts that begin to slip, or come to rest, between samples `k - 1` and `k`. The forces at sample `k`
+/// are in `detector.forces`, the contacts are evaluated there.
+pub(super) fn first_friction(
+    detector: &mut Detector<'_>,
+    element: &FiniteElement<'_>,
+    contacts: &mut Contacts<'_>,
+    start: &ElementStart<'_>,
+    k: usize,
+    first: &mut Option<Switch>,
+) -> Result<(), Stop> {
+    let active = element.active();
+    if active
+        .iter()
+        .all(|held| contacts.friction(held.contact) == 0.0)
+    {
+        return Ok(());
+    }
+    let samples = detector.thetas.len();
+    let frictions: Vec<f64> = contacts.frictions(active, &detector.forces).collect();
+    // All values first: what follows evaluates the contacts elsewhere.
+    for (slot, &held) in active.iter().enumerate() {
+        let i = held.contact;
+        if contacts.friction(i) > 0.0 {
+            let sliding = contacts.sliding_velocity(i);
+            detector.frictions[i * (samples + 1) + k + 1] = friction_value(
+                contacts,
+                held,
+                detector.forces[slot],
+                frictions[slot],
+                sliding,
+            );
+        }
+    }
+    for &held in active {
+        let i = held.contact;
+        if contacts.friction(i) == 0.0 {
+            continue;
+        }
+        let row = &detector.frictions[i * (samples + 1)..(i + 1) * (samples + 1)];
+        let (before, value) = (row[k], row[k + 1]);
         if held.sticks() {
-            contacts.friction(held.contact) * r - s.abs()
-        } else {
-            held.tangential.sense() * sliding
-        }
-    }
-
-    /// Stores the friction conditions at the start of the element.
-    pub(super) fn start_frictions(
-        &mut self,
-        active: &[ActiveContact],
-        contacts: &Contacts<'_>,
-        start: &ElementStart<'_>,
-    ) {
-        let row = self.thetas.len() + 1;
-        let frictions = contacts.frictions(active, start.forces);
-        for ((&held, &r), s) in active.iter().zip(start.forces).zip(frictions) {
-            let sliding = start.sliding[held.contact];
-            self.frictions[held.contact * row] =
-                Self::friction_value(contacts, held, r, s, sliding);
-        }
-    }
-
-    /// Contacts that begin to slip, or come to rest, between samples `k - 1` and `k`. The forces at sample `k`
-    /// are in `self.forces`, the contacts are evaluated there.
-    pub(super) fn first_friction(
-        &mut self,
-        element: &FiniteElement<'_>,
-        contacts: &mut Contacts<'_>,
-        start: &ElementStart<'_>,
-        k: usize,
-        first: &mut Option<Switch>,
-    ) -> Result<(), Stop> {
-        let active = element.active();
-        if active
-            .iter()
-            .all(|held| contacts.friction(held.contact) == 0.0)
-        {
-            return Ok(());
-        }
-        let samples = self.thetas.len();
-        let frictions: Vec<f64> = contacts.frictions(active, &self.forces).collect();
-        // All values first: what follows evaluates the contacts elsewhere.
-        for (slot, &held) in active.iter().enumerate() {
-            let i = held.contact;
-            if contacts.friction(i) > 0.0 {
-                let sliding = contacts.sliding_velocity(i);
-                self.frictions[i * (samples + 1) + k + 1] = Self::friction_value(
-                    contacts,
-                    held,
-                    self.forces[slot],
-                    frictions[slot],
-                    sliding,
+            if value < -FORCE_TOLERANCE * contacts.tangential_scale(i) {
+                let kind = SwitchKind::Slipping;
+                keep_first(
+                    first,
+                    detector.between(kind, i, element, k, before.max(0.0), value),
                 );
             }
+            continue;
         }
-        for &held in active {
-            let i = held.contact;
-            if contacts.friction(i) == 0.0 {
-                continue;
-            }
-            let row = &self.frictions[i * (samples + 1)..(i + 1) * (samples + 1)];
-            let (before, value) = (row[k], row[k + 1]);
-            if held.sticks() {
-                if value < -FORCE_TOLERANCE * contacts.tangential_scale(i) {
-                    let kind = SwitchKind::Slipping;
-                    keep_first(
-                        first,
-                        self.between(kind, i, element, k, before.max(0.0), value),
-                    );
+        if held.tangential.sense() == 0.0 {
+            continue;
+        }
+        let rounding = detector.sizes[i].sliding_rounding();
+        let moved = row[..=k].iter().any(|speed| *speed > rounding);
+        let found = if value < -rounding && moved {
+            let kind = SwitchKind::Stopping;
+            Some(detector.between(kind, i, element, k, before.max(0.0), value))
+        } else if value < -rounding {
+            let back = stop_after_start(detector, element, contacts, i, k);
+            if back.is_none() && k + 1 == samples {
+                if starts_in_sense(contacts, start, held) {
+                    // The element is too long to show the slip that the forces demand.
+                    return Err(Stop::Unresolved);
                 }
-                continue;
-            }
-            if held.tangential.sense() == 0.0 {
-                continue;
-            }
-            let rounding = self.sizes[i].sliding_rounding();
-            let moved = row[..=k].iter().any(|speed| *speed > rounding);
-            let found = if value < -rounding && moved {
-                let kind = SwitchKind::Stopping;
-                Some(self.between(kind, i, element, k, before.max(0.0), value))
-            } else if value < -rounding {
-                let back = self.stop_after_start(element, contacts, i, k);
-                if back.is_none() && k + 1 == samples {
-                    if self.starts_in_sense(contacts, start, held) {
-                        // The element is too long to show the slip that the forces demand.
-                        return Err(Stop::Unresolved);
-                    }
-                    // The element starts where the slip ends.
-                    Some(Switch {
-                        kind: SwitchKind::Stopping,
-                        contact: i,
-                        theta: 0.0,
-                        violated: self.thetas[k],
-                        slope: (value - before) / element.length(),
-                    })
-                } else {
-                    back
-                }
-            } else if k > 0
-                && before <= row[k - 1]
-                && before <= value
-                && before < row[k - 1] - before
-            {
-                let lower = self.left(k - 1);
-                self.brief_stop(element, contacts, i, (lower, self.thetas[k]), rounding)
+                // The element starts where the slip ends.
+                Some(Switch {
+                    kind: SwitchKind::Stopping,
+                    contact: i,
+                    theta: 0.0,
+                    violated: detector.thetas[k],
+                    slope: (value - before) / element.length(),
+                })
             } else {
-                None
-            };
-            if let Some(switch) = found {
-                keep_first(first, switch);
+                back
             }
+        } else if k > 0 && before <= row[k - 1] && before <= value && before < row[k - 1] - before {
+            let lower = detector.left(k - 1);
+            brief_stop(
+                detector,
+                element,
+                contacts,
+                i,
+                (lower, detector.thetas[k]),
+                rounding,
+            )
+        } else {
+            None
+        };
+        if let Some(switch) = found {
+            keep_first(first, switch);
         }
-        self.interpolate(element, k);
-        Ok(())
     }
+    detector.interpolate(element, k);
+    Ok(())
+}
 
-    /// Whether the forces at the start of the element accelerate a contact in the sense of its slip.
-    fn starts_in_sense(
-        &self,
-        contacts: &mut Contacts<'_>,
-        start: &ElementStart<'_>,
-        held: ActiveContact,
-    ) -> bool {
-        contacts.evaluate_contacts(start.x, [held.contact]);
-        held.tangential.sense() * contacts.sliding_acceleration(held.contact, start.acceleration)
-            > -FORCE_TOLERANCE * contacts.tangential_scale(held.contact)
-    }
+/// Whether the forces at the start of the element accelerate a contact in the sense of its slip.
+fn starts_in_sense(
+    contacts: &mut Contacts<'_>,
+    start: &ElementStart<'_>,
+    held: ActiveContact,
+) -> bool {
+    contacts.evaluate_contacts(start.x, [held.contact]);
+    held.tangential.sense() * contacts.sliding_acceleration(held.contact, start.acceleration)
+        > -FORCE_TOLERANCE * contacts.tangential_scale(held.contact)
+}
 
-    /// Sliding velocity in the sense of the slip at place `theta`.
-    fn slip_speed(
-        &mut self,
-        element: &FiniteElement<'_>,
-        contacts: &mut Contacts<'_>,
-        contact: usize,
-        theta: f64,
-    ) -> f64 {
-        self.tableau.dense_weights(theta, &mut self.scratch);
-        element.interpolate(theta, &self.scratch, &mut self.x);
-        contacts.evaluate_contacts(&self.x, [contact]);
-        let sense = find(element.active(), contact).map_or(0.0, |held| held.sense());
-        sense * contacts.sliding_velocity(contact)
-    }
+/// Sliding velocity in the sense of the slip at place `theta`.
+fn slip_speed(
+    detector: &mut Detector<'_>,
+    element: &FiniteElement<'_>,
+    contacts: &mut Contacts<'_>,
+    contact: usize,
+    theta: f64,
+) -> f64 {
+    detector.tableau.dense_weights(theta, &mut detector.scratch);
+    element.interpolate(theta, &detector.scratch, &mut detector.x);
+    contacts.evaluate_contacts(&detector.x, [contact]);
+    let sense = find(element.active(), contact).map_or(0.0, |held| held.sense());
+    sense * contacts.sliding_velocity(contact)
+}
 
-    /// The stop of a contact that starts to slip with the element and slides the other way at sample `k`: if
-    /// it moves in its sense somewhere before.
-    fn stop_after_start(
-        &mut self,
-        element: &FiniteElement<'_>,
-        contacts: &mut Contacts<'_>,
-        contact: usize,
-        k: usize,
-    ) -> Option<Switch> {
-        let mut right = self.thetas[k];
-        let mut value = |theta: f64| self.slip_speed(element, contacts, contact, theta);
-        let mut left = 0.5 * right;
-        for _ in 0..30 {
-            if value(left) > 0.0 {
-                break;
-            }
-            right = left;
-            left *= 0.5;
+/// The stop of a contact that starts to slip with the element and slides the other way at sample `k`: if
+/// it moves in its sense somewhere before.
+fn stop_after_start(
+    detector: &mut Detector<'_>,
+    element: &FiniteElement<'_>,
+    contacts: &mut Contacts<'_>,
+    contact: usize,
+    k: usize,
+) -> Option<Switch> {
+    let mut right = detector.thetas[k];
+    let mut value = |theta: f64| slip_speed(detector, element, contacts, contact, theta);
+    let mut left = 0.5 * right;
+    for _ in 0..30 {
+        if value(left) > 0.0 {
+            break;
         }
-        let speed = value(left);
-        if speed <= 0.0 {
-            return None;
-        }
-        let slope = (value(right) - speed) / ((right - left) * element.length());
-        let (left, right) = bisect(&mut value, left, right);
-        Some(Switch {
-            kind: SwitchKind::Stopping,
-            contact,
-            theta: left,
-            violated: right,
-            slope,
-        })
+        right = left;
+        left *= 0.5;
     }
+    let speed = value(left);
+    if speed <= 0.0 {
+        return None;
+    }
+    let slope = (value(right) - speed) / ((right - left) * element.length());
+    let (left, right) = bisect(&mut value, left, right);
+    Some(Switch {
+        kind: SwitchKind::Stopping,
+        contact,
+        theta: left,
+        violated: right,
+        slope,
+    })
+}
 
-    /// A stop between three samples of which the middle one is the slowest.
-    fn brief_stop(
-        &mut self,
-        element: &FiniteElement<'_>,
-        contacts: &mut Contacts<'_>,
-        contact: usize,
-        (lower, upper): (f64, f64),
-        rounding: f64,
-    ) -> Option<Switch> {
-        let mut value = |theta: f64| self.slip_speed(element, contacts, contact, theta);
-        let start = value(lower);
-        let (bottom, depth) = lowest(&mut value, lower, upper);
-        if depth >= -rounding {
-            return None;
-        }
-        let (left, _) = bisect(&mut value, lower, bottom);
-        Some(Switch {
-            kind: SwitchKind::Stopping,
-            contact,
-            theta: left,
-            violated: bottom,
-            slope: (depth - start) / ((bottom - lower) * element.length()),
-        })
+/// A stop between three samples of which the middle one is the slowest.
+fn brief_stop(
+    detector: &mut Detector<'_>,
+    element: &FiniteElement<'_>,
+    contacts: &mut Contacts<'_>,
+    contact: usize,
+    (lower, upper): (f64, f64),
+    rounding: f64,
+) -> Option<Switch> {
+    let mut value = |theta: f64| slip_speed(detector, element, contacts, contact, theta);
+    let start = value(lower);
+    let (bottom, depth) = lowest(&mut value, lower, upper);
+    if depth >= -rounding {
+        return None;
     }
+    let (left, _) = bisect(&mut value, lower, bottom);
+    Some(Switch {
+        kind: SwitchKind::Stopping,
+        contact,
+        theta: left,
+        violated: bottom,
+        slope: (depth - start) / ((bottom - lower) * element.length()),
+    })
 }

@@ -10,6 +10,9 @@
 //! - the friction of a sticking contact reaches its bound: `mu_i r_i - |s_i| = 0`, an exit condition as well;
 //! - a contact that slides comes to rest: `v_t,i = 0`.
 //!
+//! `driver` is the state of a run and `stepping` its loop; `detection` looks for switches (`gap_switch`, `friction_switch`),
+//! `location` finds where they are, `mode_change` carries them out, `program` solves a step as a whole.
+//!
 //! Without a named number of steps the run promises an accuracy and checks it (`accuracy`).
 //!
 //! Elements between two switches of one step have equal length (step equilibration, exact). Impacts follow
@@ -17,13 +20,17 @@
 //! impulses; in the time-freezing system they take numerical time only.
 
 mod accuracy;
+mod detection;
+mod detector;
 mod diagnosis;
 mod driver;
 mod friction_switch;
+mod gap_switch;
 mod location;
 mod mode_change;
 mod program;
 mod settings;
+mod stepping;
 mod stop;
 mod switch;
 
@@ -53,9 +60,11 @@ impl Simulator for Fesd {
                 accuracy::promised(self, promise, &tableau, (model, problem), &mut watch)
             }
             None => {
-                driver::Driver::new(self, &tableau, model, problem)
-                    .run(&mut watch)
-                    .0
+                {
+                    let driver = driver::Driver::new(self, &tableau, model, problem);
+                    stepping::run(driver, &mut watch)
+                }
+                .0
             }
         };
         watch.finish(&mut result);

@@ -10,7 +10,7 @@ use super::stop::Stop;
 use crate::dcs::HeavisideSystem;
 use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::finite_element::State;
-use crate::fesd::transcription::{Task, Transcription};
+use crate::fesd::transcription::{Task, Transcription, transcribe};
 use crate::mpcc;
 use crate::simulation::EventKind;
 use crate::time_freezing::TimeFreezingSystem;
@@ -64,254 +64,262 @@ fn tangential(share: Option<f64>) -> Tangential {
     }
 }
 
-impl Driver<'_> {
-    /// Advances to `end` by one complementarity problem.
-    pub(super) fn solve_program(&mut self, end: f64) -> Result<(), Stop> {
-        // Contacts that rest do not bounce; nor do impacts below the rest velocity, which a second run finds.
-        let resting: Vec<usize> = self.active.iter().map(|held| held.contact).collect();
-        let elastic = |i: &usize| self.restitution[*i] > 0.0 && !resting.contains(i);
-        if self.all_contacts.iter().any(elastic) {
-            if self.try_program(end, &resting, BOUNCE_ELEMENTS)? {
-                return Ok(());
-            }
-            let everything = self.all_contacts.clone();
-            if self.try_program(end, &everything, ELEMENTS)? {
-                return Ok(());
-            }
-            return Err(Stop::Program(
-                "neither Newton's method nor the interior point method solved the step; if bounces \
-                 follow each other faster than the steps, raise the rest velocity",
-            ));
-        }
-        if self.try_program(end, &resting, ELEMENTS)? {
+/// Advances to `end` by one complementarity problem.
+pub(super) fn solve_program(driver: &mut Driver<'_>, end: f64) -> Result<(), Stop> {
+    // Contacts that rest do not bounce; nor do impacts below the rest velocity, which a second run finds.
+    let resting: Vec<usize> = driver.active.iter().map(|held| held.contact).collect();
+    let elastic = |i: &usize| driver.restitution[*i] > 0.0 && !resting.contains(i);
+    if driver.all_contacts.iter().any(elastic) {
+        if try_program(driver, end, &resting, BOUNCE_ELEMENTS)? {
             return Ok(());
         }
-        Err(Stop::Program(
-            "neither Newton's method nor the interior point method solved the step",
-        ))
+        let everything = driver.all_contacts.clone();
+        if try_program(driver, end, &everything, ELEMENTS)? {
+            return Ok(());
+        }
+        return Err(Stop::Program(
+            "neither Newton's method nor the interior point method solved the step; if bounces \
+             follow each other faster than the steps, raise the rest velocity",
+        ));
     }
+    if try_program(driver, end, &resting, ELEMENTS)? {
+        return Ok(());
+    }
+    Err(Stop::Program(
+        "neither Newton's method nor the interior point method solved the step",
+    ))
+}
 
-    /// Bounces that the program leaves out, with the speed at which each contact comes: impacts of the contacts
-    /// in `resting`, and sustained contact of the others, which the equations admit but no bounce leads to.
-    fn bounces_left_out(
-        &mut self,
-        program: &Transcription<'_>,
-        x: &[f64],
-        resting: &[usize],
-    ) -> Vec<(usize, f64)> {
-        let start = self.state.clone();
-        let mut ended = Vec::new();
-        for i in self.all_contacts.clone() {
-            if self.restitution[i] == 0.0 {
+/// Bounces that the program leaves out, with the speed at which each contact comes: impacts of the contacts
+/// in `resting`, and sustained contact of the others, which the equations admit but no bounce leads to.
+fn bounces_left_out(
+    driver: &mut Driver<'_>,
+    program: &Transcription<'_>,
+    x: &[f64],
+    resting: &[usize],
+) -> Vec<(usize, f64)> {
+    let start = driver.state.clone();
+    let mut ended = Vec::new();
+    for i in driver.all_contacts.clone() {
+        if driver.restitution[i] == 0.0 {
+            continue;
+        }
+        let phase = |e: usize| Phase::of(program.mean_alpha(x, e, i));
+        for e in 0..program.elements() {
+            if !resting.contains(&i) {
+                if phase(e) == Phase::Contact {
+                    ended.push((i, f64::INFINITY));
+                }
                 continue;
             }
-            let phase = |e: usize| Phase::of(program.mean_alpha(x, e, i));
-            for e in 0..program.elements() {
-                if !resting.contains(&i) {
-                    if phase(e) == Phase::Contact {
-                        ended.push((i, f64::INFINITY));
-                    }
-                    continue;
-                }
-                let closed = if e == 0 {
-                    find(&self.active, i).is_some()
-                } else {
-                    phase(e - 1) != Phase::Free
-                };
-                if closed || phase(e) == Phase::Free {
-                    continue;
-                }
-                if e > 0 {
-                    self.state = program.state(x, e - 1);
-                }
-                self.write_input();
-                self.contacts.evaluate_contacts(&self.x, [i]);
-                ended.push((i, -self.contacts.normal_velocity(i)));
-                self.state.copy_from(&start);
-            }
-        }
-        self.write_input();
-        ended
-    }
-
-    /// Advances to `end` by one complementarity problem in which the contacts in `resting` do not bounce, on
-    /// `fewest` elements or a few more; false if it was not solved, or leaves out a bounce.
-    fn try_program(&mut self, end: f64, resting: &[usize], fewest: usize) -> Result<bool, Stop> {
-        // A jump that begins to stick has one switch more.
-        let fewest = fewest + usize::from(self.rough);
-        let fewest = self.settings.elements.max(fewest);
-        for elements in fewest..fewest + ATTEMPTS {
-            let system = TimeFreezingSystem::new(self.model, AUXILIARY_ACCELERATION)
-                .without_bounces(resting);
-            let mut program = Transcription::new(
-                HeavisideSystem::new(system).driven(self.state.time, self.piece.slopes()),
-                self.tableau,
-                Task::step(&self.state, &self.u, end - self.state.time, elements),
-            );
-            let mut settings = mpcc::Settings::default();
-            settings.interior_point.initial_barrier_parameter = BARRIER_PARAMETER;
-            settings.interior_point.maximum_iterations = MAX_ITERATIONS;
-            settings.second_opinion = false;
-            settings.maximum_neighbours = 0;
-            let solution = mpcc::solve(&mut program, &settings)
-                .map_err(|_| Stop::Program("the step problem was refused"))?;
-            self.counts.interior_point += solution.iterations - solution.crossover_iterations;
-            self.counts.crossover += solution.crossover_iterations;
-            self.counts.fallbacks += 1;
-            // The step is a root of its equations: feasibility decides, optimality only chooses lengths.
-            let residuals = solution.residuals;
-            if residuals.primal.max(residuals.complementarity) > ACCEPTED {
+            let closed = if e == 0 {
+                find(&driver.active, i).is_some()
+            } else {
+                phase(e - 1) != Phase::Free
+            };
+            if closed || phase(e) == Phase::Free {
                 continue;
             }
-            let ended = self.bounces_left_out(&program, &solution.x, resting);
-            let slow = |&(i, speed): &(usize, f64)| speed <= self.rest_velocity(i);
-            if ended.iter().all(slow) {
-                let (start, events) = (self.state.time, self.events.len());
-                self.take(&program, &solution)?;
-                // The program is solved to its residuals, and a switch lies anywhere in its element.
-                let residuals = solution.residuals;
-                self.error_estimate += residuals.primal.max(residuals.complementarity);
-                if self.events.len() > events && self.motion.distance > 0.0 {
-                    let length = (end - start) / elements as f64;
-                    self.error_estimate += length * self.motion.speed / self.motion.distance;
-                }
-                // The clock of the program ends there up to its residual.
-                self.state.time = end;
-                self.end_cascades(&ended);
-                return Ok(true);
+            if e > 0 {
+                driver.state = program.state(x, e - 1);
             }
+            driver.write_input();
+            driver.contacts.evaluate_contacts(&driver.x, [i]);
+            ended.push((i, -driver.contacts.normal_velocity(i)));
+            driver.state.copy_from(&start);
         }
-        Ok(false)
     }
+    driver.write_input();
+    ended
+}
 
-    /// Makes a solved program part of the trajectory.
-    fn take(&mut self, program: &Transcription<'_>, solution: &mpcc::Solution) -> Result<(), Stop> {
-        let residuals = solution.residuals;
-        self.residuals.primal = self.residuals.primal.max(residuals.primal);
-        self.residuals.complementarity = self
-            .residuals
-            .complementarity
-            .max(residuals.complementarity);
-        self.follow(program, &solution.x)?;
-        self.note(
-            "steps solved as complementarity problems know the time of a switch to the length of an \
-             element only",
+/// Advances to `end` by one complementarity problem in which the contacts in `resting` do not bounce, on
+/// `fewest` elements or a few more; false if it was not solved, or leaves out a bounce.
+fn try_program(
+    driver: &mut Driver<'_>,
+    end: f64,
+    resting: &[usize],
+    fewest: usize,
+) -> Result<bool, Stop> {
+    // A jump that begins to stick has one switch more.
+    let fewest = fewest + usize::from(driver.rough);
+    let fewest = driver.settings.elements.max(fewest);
+    for elements in fewest..fewest + ATTEMPTS {
+        let system =
+            TimeFreezingSystem::new(driver.model, AUXILIARY_ACCELERATION).without_bounces(resting);
+        let mut program = transcribe(
+            HeavisideSystem::new(system).driven(driver.state.time, driver.piece.slopes()),
+            driver.tableau,
+            Task::step(&driver.state, &driver.u, end - driver.state.time, elements),
         );
-        Ok(())
+        let mut settings = mpcc::Settings::default();
+        settings.interior_point.initial_barrier_parameter = BARRIER_PARAMETER;
+        settings.interior_point.maximum_iterations = MAX_ITERATIONS;
+        settings.second_opinion = false;
+        settings.maximum_neighbours = 0;
+        let solution = mpcc::solve(&mut program, &settings)
+            .map_err(|_| Stop::Program("the step problem was refused"))?;
+        driver.counts.interior_point += solution.iterations - solution.crossover_iterations;
+        driver.counts.crossover += solution.crossover_iterations;
+        driver.counts.fallbacks += 1;
+        // The step is a root of its equations: feasibility decides, optimality only chooses lengths.
+        let residuals = solution.residuals;
+        if residuals.primal.max(residuals.complementarity) > ACCEPTED {
+            continue;
+        }
+        let ended = bounces_left_out(driver, &program, &solution.x, resting);
+        let slow = |&(i, speed): &(usize, f64)| speed <= driver.rest_velocity(i);
+        if ended.iter().all(slow) {
+            let (start, events) = (driver.state.time, driver.events.len());
+            take(driver, &program, &solution)?;
+            // The program is solved to its residuals, and a switch lies anywhere in its element.
+            let residuals = solution.residuals;
+            driver.error_estimate += residuals.primal.max(residuals.complementarity);
+            if driver.events.len() > events && driver.motion.distance > 0.0 {
+                let length = (end - start) / elements as f64;
+                driver.error_estimate += length * driver.motion.speed / driver.motion.distance;
+            }
+            // The clock of the program ends there up to its residual.
+            driver.state.time = end;
+            driver.end_cascades(&ended);
+            return Ok(true);
+        }
     }
+    Ok(false)
+}
 
-    /// Records elements and events of a solved program and settles at its end.
-    fn follow(&mut self, program: &Transcription<'_>, x: &[f64]) -> Result<(), Stop> {
-        let mut before = self.state.clone();
-        let mut phases: Vec<Phase> = self
-            .all_contacts
-            .iter()
-            .map(|i| {
-                if find(&self.active, *i).is_some() {
-                    Phase::Contact
-                } else {
-                    Phase::Free
+/// Makes a solved program part of the trajectory.
+fn take(
+    driver: &mut Driver<'_>,
+    program: &Transcription<'_>,
+    solution: &mpcc::Solution,
+) -> Result<(), Stop> {
+    let residuals = solution.residuals;
+    driver.residuals.primal = driver.residuals.primal.max(residuals.primal);
+    driver.residuals.complementarity = driver
+        .residuals
+        .complementarity
+        .max(residuals.complementarity);
+    follow(driver, program, &solution.x)?;
+    driver.note(
+        "steps solved as complementarity problems know the time of a switch to the length of an \
+         element only",
+    );
+    Ok(())
+}
+
+/// Records elements and events of a solved program and settles at its end.
+fn follow(driver: &mut Driver<'_>, program: &Transcription<'_>, x: &[f64]) -> Result<(), Stop> {
+    let mut before = driver.state.clone();
+    let mut phases: Vec<Phase> = driver
+        .all_contacts
+        .iter()
+        .map(|i| {
+            if find(&driver.active, *i).is_some() {
+                Phase::Contact
+            } else {
+                Phase::Free
+            }
+        })
+        .collect();
+    let mut jump_start: Option<State> = None;
+    // Events whose modes are not known yet: those of an instant are known where its jumps have ended.
+    let mut open_from = driver.events.len();
+    for e in 0..program.elements() {
+        let sliding = driver.active.clone();
+        let after = program.state(x, e);
+        driver.state.copy_from(&after);
+        driver.motion.include(&after.q, &after.v);
+        // Jumps and the slowing down by contact are inversely proportional to the acceleration.
+        let physical = after.time - before.time;
+        driver.numerical_time += physical
+            + (program.numerical_length(x, e) - physical) * AUXILIARY_ACCELERATION
+                / driver.settings.auxiliary_acceleration;
+        for i in driver.all_contacts.clone() {
+            let phase = Phase::of(program.mean_alpha(x, e, i));
+            match (phases[i], phase) {
+                (Phase::Free | Phase::Contact, Phase::Jump) => {
+                    jump_start.get_or_insert_with(|| before.clone());
                 }
+                (Phase::Contact, Phase::Free) => {
+                    push_event_at(driver, &before, EventKind::LiftOff, i, before.v.clone());
+                }
+                (Phase::Free, Phase::Contact) => {
+                    push_event_at(driver, &before, EventKind::Contact, i, before.v.clone());
+                }
+                _ => {}
+            }
+            if phases[i] == Phase::Jump && phase != Phase::Jump {
+                finish_jump(driver, i, &mut jump_start, &before);
+            }
+            phases[i] = phase;
+        }
+        driver.active = (0..phases.len())
+            .filter(|&i| phases[i] == Phase::Contact)
+            .map(|contact| ActiveContact {
+                contact,
+                tangential: tangential(program.slip_share(x, e, contact)),
             })
             .collect();
-        let mut jump_start: Option<State> = None;
-        // Events whose modes are not known yet: those of an instant are known where its jumps have ended.
-        let mut open_from = self.events.len();
-        for e in 0..program.elements() {
-            let sliding = self.active.clone();
-            let after = program.state(x, e);
-            self.state.copy_from(&after);
-            self.motion.include(&after.q, &after.v);
-            // Jumps and the slowing down by contact are inversely proportional to the acceleration.
-            let physical = after.time - before.time;
-            self.numerical_time += physical
-                + (program.numerical_length(x, e) - physical) * AUXILIARY_ACCELERATION
-                    / self.settings.auxiliary_acceleration;
-            for i in self.all_contacts.clone() {
-                let phase = Phase::of(program.mean_alpha(x, e, i));
-                match (phases[i], phase) {
-                    (Phase::Free | Phase::Contact, Phase::Jump) => {
-                        jump_start.get_or_insert_with(|| before.clone());
-                    }
-                    (Phase::Contact, Phase::Free) => {
-                        self.push_event_at(&before, EventKind::LiftOff, i, before.v.clone());
-                    }
-                    (Phase::Free, Phase::Contact) => {
-                        self.push_event_at(&before, EventKind::Contact, i, before.v.clone());
-                    }
-                    _ => {}
-                }
-                if phases[i] == Phase::Jump && phase != Phase::Jump {
-                    self.finish_jump(i, &mut jump_start, &before);
-                }
-                phases[i] = phase;
-            }
-            self.active = (0..phases.len())
-                .filter(|&i| phases[i] == Phase::Contact)
-                .map(|contact| ActiveContact {
-                    contact,
-                    tangential: tangential(program.slip_share(x, e, contact)),
-                })
-                .collect();
-            self.write_input();
-            self.contacts
-                .evaluate_contacts(&self.x, 0..self.all_contacts.len());
-            self.contacts.drop_dependent_sticks(&mut self.active)?;
-            for held in self.active.clone() {
-                let earlier = find(&sliding, held.contact);
-                let kind = earlier.and_then(|earlier| sliding_event(earlier, held.tangential));
-                if let Some(kind) = kind {
-                    self.push_event_at(&before, kind, held.contact, before.v.clone());
-                }
-            }
-            if !phases.contains(&Phase::Jump) {
-                self.set_modes(open_from);
-                open_from = self.events.len();
-            }
-            self.evaluate_state()?;
-            self.record();
-            before.copy_from(&after);
-        }
-        for (i, &phase) in phases.iter().enumerate() {
-            if phase == Phase::Jump {
-                self.finish_jump(i, &mut jump_start, &before);
+        driver.write_input();
+        driver
+            .contacts
+            .evaluate_contacts(&driver.x, 0..driver.all_contacts.len());
+        driver.contacts.drop_dependent_sticks(&mut driver.active)?;
+        for held in driver.active.clone() {
+            let earlier = find(&sliding, held.contact);
+            let kind = earlier.and_then(|earlier| sliding_event(earlier, held.tangential));
+            if let Some(kind) = kind {
+                push_event_at(driver, &before, kind, held.contact, before.v.clone());
             }
         }
-        let close: Vec<usize> = (0..phases.len())
-            .filter(|&i| phases[i] != Phase::Free)
-            .collect();
-        self.project(&close)?;
-        self.settle(&close)?;
-        self.set_modes(open_from);
-        Ok(())
+        if !phases.contains(&Phase::Jump) {
+            set_modes(driver, open_from);
+            open_from = driver.events.len();
+        }
+        driver.evaluate_state()?;
+        driver.record();
+        before.copy_from(&after);
     }
-
-    /// Makes the present modes those of all events from `first` on.
-    fn set_modes(&mut self, first: usize) {
-        let modes = self.modes();
-        for event in &mut self.events[first..] {
-            event.modes.clone_from(&modes);
+    for (i, &phase) in phases.iter().enumerate() {
+        if phase == Phase::Jump {
+            finish_jump(driver, i, &mut jump_start, &before);
         }
     }
+    let close: Vec<usize> = (0..phases.len())
+        .filter(|&i| phases[i] != Phase::Free)
+        .collect();
+    driver.project(&close)?;
+    driver.settle(&close)?;
+    set_modes(driver, open_from);
+    Ok(())
+}
 
-    /// The event of a jump that ended at `after`.
-    fn finish_jump(&mut self, contact: usize, start: &mut Option<State>, after: &State) {
-        let Some(begin) = start.take() else {
-            return;
-        };
-        self.push_event_at(after, EventKind::Impact, contact, begin.v);
+/// Makes the present modes those of all events from `first` on.
+fn set_modes(driver: &mut Driver<'_>, first: usize) {
+    let modes = driver.modes();
+    for event in &mut driver.events[first..] {
+        event.modes.clone_from(&modes);
     }
+}
 
-    /// Records an event at `state`, the boundary of two elements.
-    fn push_event_at(
-        &mut self,
-        state: &State,
-        kind: EventKind,
-        contact: usize,
-        v_before: Vec<f64>,
-    ) {
-        let present = std::mem::replace(&mut self.state, state.clone());
-        self.push_event(kind, contact, v_before);
-        self.state = present;
-    }
+/// The event of a jump that ended at `after`.
+fn finish_jump(driver: &mut Driver<'_>, contact: usize, start: &mut Option<State>, after: &State) {
+    let Some(begin) = start.take() else {
+        return;
+    };
+    push_event_at(driver, after, EventKind::Impact, contact, begin.v);
+}
+
+/// Records an event at `state`, the boundary of two elements.
+fn push_event_at(
+    driver: &mut Driver<'_>,
+    state: &State,
+    kind: EventKind,
+    contact: usize,
+    v_before: Vec<f64>,
+) {
+    let present = std::mem::replace(&mut driver.state, state.clone());
+    driver.push_event(kind, contact, v_before);
+    driver.state = present;
 }

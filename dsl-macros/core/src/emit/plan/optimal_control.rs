@@ -1,6 +1,6 @@
 //! The functions of optimal control.
 
-use super::{Builder, Pattern};
+use super::builder::{Builder, Pattern};
 use crate::derive::{ControlEquations, Explicit};
 use crate::graph::Sym;
 use crate::scene::OptimalControl;
@@ -21,74 +21,77 @@ pub(in crate::emit) struct FunctionPlan {
     pub(in crate::emit) hessian_pattern: Pattern,
 }
 
-impl Builder<'_> {
-    pub(super) fn optimal_control(
-        &mut self,
-        declared: &OptimalControl,
-        derived: &ControlEquations,
-    ) -> ControlPlan {
-        let path = self.functions("path", "x", &derived.path);
-        let first = self.kernels.len();
-        let terminal = self.functions("terminal", "z", &derived.terminal);
-        for kernel in &mut self.kernels[first..] {
-            kernel.at_the_end = true;
-        }
-        let free_start_bounds = (!declared.free_start.is_empty()).then(|| {
-            let bound = |open: f64, pick: fn((Sym, Sym)) -> Sym| -> Vec<Sym> {
-                let bounds = declared.free_start.iter();
-                bounds
-                    .map(|&(_, bounds)| bounds.map_or(Sym::number(open), pick))
-                    .collect()
-            };
-            [
-                self.unlisted(
-                    "free_start_lower",
-                    &bound(f64::NEG_INFINITY, |(low, _)| low),
-                    "lower",
-                ),
-                self.unlisted(
-                    "free_start_upper",
-                    &bound(f64::INFINITY, |(_, high)| high),
-                    "upper",
-                ),
-            ]
-        });
-        ControlPlan {
-            path,
-            terminal,
-            free_start_bounds,
-        }
+pub(super) fn optimal_control(
+    builder: &mut Builder<'_>,
+    declared: &OptimalControl,
+    derived: &ControlEquations,
+) -> ControlPlan {
+    let path = functions(builder, "path", "x", &derived.path);
+    let first = builder.kernels.len();
+    let terminal = functions(builder, "terminal", "z", &derived.terminal);
+    for kernel in &mut builder.kernels[first..] {
+        kernel.at_the_end = true;
     }
+    let free_start_bounds = (!declared.free_start.is_empty()).then(|| {
+        let bound = |open: f64, pick: fn((Sym, Sym)) -> Sym| -> Vec<Sym> {
+            let bounds = declared.free_start.iter();
+            bounds
+                .map(|&(_, bounds)| bounds.map_or(Sym::number(open), pick))
+                .collect()
+        };
+        [
+            builder.unlisted(
+                "free_start_lower",
+                &bound(f64::NEG_INFINITY, |(low, _)| low),
+                "lower",
+            ),
+            builder.unlisted(
+                "free_start_upper",
+                &bound(f64::INFINITY, |(_, high)| high),
+                "upper",
+            ),
+        ]
+    });
+    ControlPlan {
+        path,
+        terminal,
+        free_start_bounds,
+    }
+}
 
-    fn functions(&mut self, kind: &str, input: &str, functions: &Explicit) -> FunctionPlan {
-        let Explicit {
-            values,
-            jacobian,
-            hessian,
-        } = functions;
-        let bodies = (!values.is_empty()).then(|| {
-            [
-                self.call(&format!("{kind}_functions"), values, input, "&[]", "values"),
-                self.call(
-                    &format!("{kind}_jacobian"),
-                    &jacobian.values,
-                    input,
-                    "&[]",
-                    "values",
-                ),
-                self.call(
-                    &format!("{kind}_hessian"),
-                    &hessian.values,
-                    input,
-                    "multipliers",
-                    "values",
-                ),
-            ]
-        });
-        FunctionPlan {
-            bodies,
-            jacobian_pattern: Pattern::of(jacobian),
-            hessian_pattern: Pattern::of(hessian),
-        }
+fn functions(
+    builder: &mut Builder<'_>,
+    kind: &str,
+    input: &str,
+    functions: &Explicit,
+) -> FunctionPlan {
+    let Explicit {
+        values,
+        jacobian,
+        hessian,
+    } = functions;
+    let bodies = (!values.is_empty()).then(|| {
+        [
+            builder.call(&format!("{kind}_functions"), values, input, "&[]", "values"),
+            builder.call(
+                &format!("{kind}_jacobian"),
+                &jacobian.values,
+                input,
+                "&[]",
+                "values",
+            ),
+            builder.call(
+                &format!("{kind}_hessian"),
+                &hessian.values,
+                input,
+                "multipliers",
+                "values",
+            ),
+        ]
+    });
+    FunctionPlan {
+        bodies,
+        jacobian_pattern: Pattern::of(jacobian),
+        hessian_pattern: Pattern::of(hessian),
     }
 }

@@ -1,13 +1,18 @@
 //! The constrained dynamics of one contact mode: accelerations, contact forces, switching functions, speed of
 //! numerical time, projection onto the surfaces in contact.
+//!
+//! `rows` are the equations for the contact forces, `switching` the values of the switching functions, `motion` the
+//! derivative of the state and the projection.
 
-mod motion;
+pub(in crate::simulation) mod motion;
+mod rows;
 mod scales;
 mod switch;
+pub(in crate::simulation) mod switching;
 
 pub(in crate::simulation) use switch::Switch;
 
-use super::contact_state::ContactState;
+use super::contact_state::{ContactState, Direction};
 use crate::model::{ControlPiece, Model, contact_point, tangent_point};
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
@@ -465,6 +470,73 @@ impl<'a> Dynamics<'a> {
     /// What a contact that sticks at the last evaluation has left before it slips, `mu r - |s|`.
     pub(in crate::simulation) fn friction_reserve(&self, contact: usize) -> f64 {
         self.friction[contact] * self.r[contact] - self.s[contact].abs()
+    }
+
+    /// What a switching function is in the present mode.
+    pub(in crate::simulation) fn switch(&self, function: usize) -> Switch {
+        if function < self.contacts {
+            return if self.mode[function].is_open() {
+                Switch::Gap(function)
+            } else {
+                Switch::NormalForce(function)
+            };
+        }
+        let index = function - self.contacts;
+        let contact = self.frictional[index / 2];
+        match (self.mode[contact], index % 2) {
+            (ContactState::Stick, 0) => Switch::FrictionLimit(contact, Direction::Forward),
+            (ContactState::Stick, _) => Switch::FrictionLimit(contact, Direction::Backward),
+            (ContactState::Slip(direction), 0) => Switch::SlidingVelocity(contact, direction),
+            (ContactState::Held(_), 0) => Switch::HeldVelocity(contact),
+            _ => Switch::Constant(contact),
+        }
+    }
+
+    /// Number of switching functions.
+    pub(in crate::simulation) fn functions(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Size of forces to which those of a contact are compared.
+    pub(in crate::simulation) fn force_floor(&self, contact: usize) -> f64 {
+        self.force_floor[contact]
+    }
+
+    /// Makes `values` the first sample of a step.
+    pub(in crate::simulation) fn sample_from(&mut self, values: &[f64]) {
+        self.lowest.copy_from_slice(values);
+        self.highest.copy_from_slice(values);
+        self.undefined = None;
+    }
+
+    /// Below this gap a contact is closed.
+    pub(in crate::simulation) fn closed_gap(&self, contact: usize) -> f64 {
+        self.scales[contact].closed_gap()
+    }
+
+    /// Rounding error of a gap.
+    pub(super) fn gap_rounding(&self, contact: usize) -> f64 {
+        self.scales[contact].rounding()
+    }
+
+    /// Range of the values of a gap so far.
+    pub(in crate::simulation) fn gap_range(&self, contact: usize) -> f64 {
+        self.scales[contact].range()
+    }
+
+    /// Flights lower than this are none.
+    pub(in crate::simulation) fn lowest_flight(&self, contact: usize) -> f64 {
+        self.scales[contact].lowest_flight()
+    }
+
+    /// Below this normal velocity a contact is at rest.
+    pub(in crate::simulation) fn zero_normal_velocity(&self, contact: usize) -> f64 {
+        self.scales[contact].zero_normal_velocity()
+    }
+
+    /// Below this sliding velocity a contact does not slide.
+    pub(in crate::simulation) fn zero_sliding_velocity(&self, contact: usize) -> f64 {
+        self.scales[contact].zero_sliding_velocity()
     }
 }
 

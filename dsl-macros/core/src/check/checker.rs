@@ -1,0 +1,234 @@
+//! What a declaration has said so far, and what every rule asks of it.
+
+use crate::ast::{Assignment, Documentation, Expr, Name};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
+use crate::evaluate::Scope;
+use crate::graph::{self, Sym, Variable};
+use crate::scene::{self, Coordinate, Parameter};
+use crate::words;
+
+/// A surface before its law is known.
+pub(super) struct Surface {
+    pub(super) documentation: Documentation,
+    pub(super) name: Name,
+    pub(super) gap: Sym,
+}
+
+/// A sum of which parts are used by name.
+pub(super) struct Abbreviation {
+    pub(super) name: Name,
+    pub(super) what: &'static str,
+}
+
+pub(super) struct Checker<'a> {
+    pub(super) scope: Scope,
+    pub(super) diagnostics: &'a mut Diagnostics,
+    pub(super) parameters: Vec<Parameter>,
+    pub(super) coordinates: Vec<Coordinate>,
+    pub(super) controls: Vec<Coordinate>,
+    pub(super) abbreviations: Vec<Abbreviation>,
+    pub(super) lagrangian: Option<(Sym, Place)>,
+    pub(super) dissipation: Option<Sym>,
+    /// Generalized force in SI units, by coordinate.
+    pub(super) forces: Vec<(usize, Sym)>,
+    pub(super) surfaces: Vec<Surface>,
+    pub(super) impacts: Vec<CheckedLaw>,
+    pub(super) start: Vec<Assignment>,
+    pub(super) horizon: Option<Sym>,
+    pub(super) task: Task,
+}
+
+/// The law of one surface.
+#[derive(Clone)]
+pub(super) struct CheckedLaw {
+    pub(super) surface: Name,
+    pub(super) restitution: Option<Sym>,
+    pub(super) friction: Option<CheckedFriction>,
+    pub(super) along: Option<Vec<Sym>>,
+    pub(super) held: Vec<usize>,
+}
+
+#[derive(Clone)]
+pub(super) struct CheckedFriction {
+    pub(super) coefficient: Sym,
+    pub(super) sliding: Option<Sym>,
+    pub(super) place: Place,
+}
+
+/// The task of optimal control as far as it is declared.
+#[derive(Default)]
+pub(super) struct Task {
+    pub(super) cost: Option<Cost>,
+    pub(super) constraints: Vec<scene::Condition>,
+    pub(super) goals: Vec<scene::Condition>,
+    pub(super) free: Vec<Free>,
+}
+
+/// The two parts of an objective.
+#[derive(Default)]
+pub(super) struct Cost {
+    pub(super) running: Option<Sym>,
+    pub(super) terminal: Option<Sym>,
+}
+
+/// An initial value that is to be found.
+pub(super) struct Free {
+    /// Index into `(q, v)`.
+    pub(super) index: usize,
+    pub(super) bounds: Option<(Sym, Sym)>,
+    pub(super) shown: String,
+    pub(super) place: Place,
+}
+
+impl Checker<'_> {
+    /// A variable as the user knows it.
+    pub(super) fn in_words(&self, variable: Variable) -> String {
+        let name = |list: &[Coordinate], i: u16| {
+            list.get(usize::from(i))
+                .map_or_else(String::new, |known| known.name.text.clone())
+        };
+        match variable {
+            Variable::Coordinate(i) => format!("the coordinate `{}`", name(&self.coordinates, i)),
+            Variable::Velocity(i) => format!("the velocity `dot({})`", name(&self.coordinates, i)),
+            Variable::Control(i) => format!("the control `{}`", name(&self.controls, i)),
+            Variable::Time => "the time `t`".to_owned(),
+            _ => "a parameter".to_owned(),
+        }
+    }
+
+    /// A name whose declaration failed: uses of it are not reported as undeclared, as the stand-in is
+    /// never emitted.
+    pub(super) fn poison(&mut self, name: &Name) -> Checked<()> {
+        self.diagnostics.poison(&name.text);
+        Err(Reported)
+    }
+
+    /// Whether a name may be declared.
+    pub(super) fn new_name(&mut self, name: &Name, what: &str) -> Checked<()> {
+        let text = name.text.as_str();
+        let place = name.place();
+        if self.scope.names.contains_key(text) {
+            return Err(self.diagnostics.report(
+                "E19",
+                place,
+                format!("`{text}` is declared twice; rename this {what}"),
+            ));
+        }
+        if words::RESERVED.contains(&text) {
+            let meaning = match text {
+                "t" | "time" => "the physical time",
+                "pi" => "the number pi",
+                _ => "the clock of the time-freezing reformulation",
+            };
+            return Err(self.diagnostics.report(
+                "E11",
+                place,
+                format!("`{text}` is reserved for {meaning}; choose another name"),
+            ));
+        }
+        if words::is_rust_word(text) {
+            return Err(self.diagnostics.report(
+                "E11",
+                place,
+                format!("`{text}` is a word of Rust and cannot be a field; choose another name"),
+            ));
+        }
+        if text.starts_with("__") || text == "_" {
+            return Err(self.diagnostics.report(
+                "E11",
+                place,
+                format!("`{text}`: names that begin with `__` are reserved; choose another name"),
+            ));
+        }
+        if words::FUNCTIONS.contains(&text)
+            || words::SPECIAL_FUNCTIONS.contains(&text)
+            || words::NONSMOOTH.contains(&text)
+            || text == words::INTEGRAL
+        {
+            return Err(self.diagnostics.report(
+                "E19",
+                place,
+                format!("`{text}` is the name of a function; choose another name"),
+            ));
+        }
+        Ok(())
+    }
+
+    /// A value that may depend on parameters only.
+    pub(super) fn constant(&mut self, sym: Sym, expr: &Expr, what: &str) -> Checked<Sym> {
+        let moving = graph::variables(&[sym])
+            .into_iter()
+            .find(|variable| !matches!(variable, Variable::Parameter(_)));
+        match moving {
+            None => Ok(sym),
+            Some(variable) => Err(self.diagnostics.syntax(
+                expr.place,
+                format!(
+                    "{what} depends on {}; it may depend on parameters only",
+                    self.in_words(variable)
+                ),
+            )),
+        }
+    }
+
+    pub(super) fn coordinate_index(&mut self, name: &Name) -> Checked<usize> {
+        if let Some(index) = self
+            .coordinates
+            .iter()
+            .position(|known| known.name.text == name.text)
+        {
+            return Ok(index);
+        }
+        let names: Vec<String> = self
+            .coordinates
+            .iter()
+            .map(|known| known.name.text.clone())
+            .collect();
+        let names = || names.iter().map(String::as_str);
+        let message = if self.scope.names.contains_key(&name.text) {
+            format!(
+                "`{}` is not a coordinate (coordinates: {})",
+                name.text,
+                list(names())
+            )
+        } else {
+            match closest(&name.text, names()) {
+                Some(near) => format!("`{}` is not declared; did you mean `{near}`?", name.text),
+                None => format!(
+                    "`{}` is not declared (coordinates: {})",
+                    name.text,
+                    list(names())
+                ),
+            }
+        };
+        Err(self.diagnostics.report("E01", name.place(), message))
+    }
+
+    /// The number that a value is for the defaults of the parameters.
+    pub(super) fn at_default(&self, value: Sym) -> Option<f64> {
+        let defaults: Vec<f64> = self.parameters.iter().map(|known| known.default).collect();
+        graph::substitute(&[value], |variable| match variable {
+            Variable::Parameter(i) => defaults.get(usize::from(i)).map(|&v| Sym::number(v)),
+            _ => None,
+        })[0]
+            .as_number()
+    }
+
+    /// E17: a start value lies between bounds, for the defaults of the parameters.
+    pub(super) fn within(&mut self, value: Sym, bounds: (Sym, Sym), place: Place, shown: &str) {
+        let (Some(low), Some(high), Some(value)) = (
+            self.at_default(bounds.0),
+            self.at_default(bounds.1),
+            self.at_default(value),
+        ) else {
+            return;
+        };
+        if !(low..=high).contains(&value) {
+            self.diagnostics.report(
+                "E17",
+                place,
+                format!("`{shown}` starts at {value}, outside its bounds {low}..={high}"),
+            );
+        }
+    }
+}

@@ -1,0 +1,528 @@
+//! Units of expressions.
+
+use super::matrix::Matrix;
+use crate::ast::{Expr, Kind, Link, Name, Operator, Prefix};
+use crate::check::values::is_bare;
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
+use crate::dimension::{Dimension, Unifier};
+use crate::evaluate::BUDGET;
+use crate::words;
+use hangtime_units::Ratio;
+use std::collections::HashMap;
+
+/// Most calls inside each other; the evaluation before this one refuses more.
+const MOST_CALLS: usize = 100;
+
+/// Units of the components; numbers have one.
+#[derive(Debug, Clone)]
+pub(super) enum Units {
+    Scalar(Dimension),
+    Vector(Vec<Dimension>),
+    Matrix(Matrix),
+}
+
+impl Units {
+    pub(super) fn components(&self) -> &[Dimension] {
+        match self {
+            Self::Scalar(dimension) => std::slice::from_ref(dimension),
+            Self::Vector(dimensions) => dimensions,
+            Self::Matrix(matrix) => &matrix.entries,
+        }
+    }
+
+    pub(super) fn map(&self, f: impl Fn(&Dimension) -> Dimension) -> Self {
+        match self {
+            Self::Scalar(dimension) => Self::Scalar(f(dimension)),
+            Self::Vector(dimensions) => Self::Vector(dimensions.iter().map(f).collect()),
+            Self::Matrix(matrix) => Self::Matrix(Matrix {
+                entries: matrix.entries.iter().map(f).collect(),
+                columns: matrix.columns,
+            }),
+        }
+    }
+}
+
+pub(super) struct Walk<'a> {
+    pub(super) diagnostics: &'a mut Diagnostics,
+    pub(super) unifier: Unifier,
+    pub(super) values: HashMap<String, Units>,
+    pub(super) functions: HashMap<String, (Vec<Name>, Expr)>,
+    pub(super) frames: Vec<Vec<(String, Units)>>,
+    pub(super) visited: usize,
+    pub(super) coordinates: Vec<Name>,
+    /// Unit of the Lagrangian.
+    pub(super) energy: Dimension,
+    pub(super) gaps: Vec<(String, Dimension)>,
+    /// Sliding velocities with the surfaces that they belong to.
+    pub(super) sliding: Vec<(Vec<Name>, Expr, Dimension)>,
+    pub(super) constraints: Vec<Dimension>,
+    pub(super) goals: Vec<Dimension>,
+}
+
+impl Walk<'_> {
+    pub(super) fn named(&mut self, name: &Name) -> Dimension {
+        match self.values.get(&name.text) {
+            Some(Units::Scalar(dimension)) => dimension.clone(),
+            _ => self.unifier.unknown(&name.text),
+        }
+    }
+
+    pub(super) fn expect(
+        &mut self,
+        expr: &Expr,
+        own: &Dimension,
+        wanted: &Dimension,
+        reason: &str,
+    ) -> Checked<()> {
+        if self.unifier.unify(own, wanted) {
+            return Ok(());
+        }
+        let message = format!(
+            "units differ: `{expr}` {}, where {} is needed ({reason}){}",
+            self.unifier.is_in(own),
+            match self.unifier.show(wanted).as_str() {
+                "1" => "a pure number",
+                unit => unit,
+            },
+            self.hint(&[(expr, wanted)])
+        );
+        Err(self.diagnostics.report("E03", expr.place, message))
+    }
+
+    pub(super) fn differ(
+        &mut self,
+        place: Place,
+        (left, own): (&Expr, &Dimension),
+        (right, its): (&Expr, &Dimension),
+        what: &str,
+    ) -> Reported {
+        let message = format!(
+            "units differ: `{left}` {}, `{right}` {}; {what} must agree{}",
+            self.unifier.is_in(own),
+            self.unifier.is_in(its),
+            self.hint(&[(left, its), (right, own)])
+        );
+        self.diagnostics.report("E03", place, message)
+    }
+
+    /// What to write if a bare number is to blame: each expression with the unit that would fit.
+    fn hint(&self, candidates: &[(&Expr, &Dimension)]) -> String {
+        match candidates.iter().find(|(expr, _)| is_bare(expr)) {
+            Some((expr, wanted)) => format!(
+                "; a bare number has no unit, write it in brackets, as in `{expr} [{}]`",
+                self.unifier.show(wanted)
+            ),
+            None => String::new(),
+        }
+    }
+
+    pub(super) fn scalar(&mut self, expr: &Expr) -> Checked<Dimension> {
+        match self.units(expr)? {
+            Units::Scalar(dimension) => Ok(dimension),
+            Units::Vector(_) | Units::Matrix(_) => Err(Reported),
+        }
+    }
+
+    pub(super) fn pure(&mut self, expr: &Expr, function: &str) -> Checked<Dimension> {
+        let own = self.scalar(expr)?;
+        if self.unifier.unify(&own, &Dimension::one()) {
+            return Ok(own);
+        }
+        let message = format!(
+            "units differ: `{function}` needs a pure number, `{expr}` is in {}",
+            self.unifier.show(&own)
+        );
+        Err(self.diagnostics.report("E03", expr.place, message))
+    }
+
+    pub(super) fn units(&mut self, expr: &Expr) -> Checked<Units> {
+        // What grows beyond all bounds is reported where it is evaluated.
+        self.visited += 1;
+        if self.visited > BUDGET {
+            return Err(Reported);
+        }
+        match &expr.kind {
+            Kind::Number { value, unit, .. } => Ok(Units::Scalar(match unit {
+                Some(written) => Dimension::of(written.unit),
+                None if *value == 0.0 => self.unifier.unknown(""),
+                None => Dimension::one(),
+            })),
+            Kind::Name(name) => Ok(self.name(name)),
+            Kind::Negate(inner) => self.units(inner),
+            Kind::Chain(first, rest) => self.chain(first, rest),
+            Kind::Power { base, exponent, .. } => {
+                let own = self.units(base);
+                self.pure(exponent, "an exponent")?;
+                let Units::Scalar(own) = own? else {
+                    return Err(Reported);
+                };
+                match constant(exponent).and_then(Ratio::from_f64) {
+                    Some(exponent) => Ok(Units::Scalar(own.power(exponent))),
+                    None => {
+                        let own = self.pure(base, "a power with a variable exponent")?;
+                        Ok(Units::Scalar(own))
+                    }
+                }
+            }
+            Kind::Call {
+                function,
+                arguments,
+            } => self.call(function, arguments),
+            Kind::Derivative {
+                function,
+                order,
+                argument,
+            } => {
+                let at = self.scalar(argument)?;
+                let value = self.apply(function, vec![Units::Scalar(at.clone())])?;
+                let divisor = at.power(Ratio::integer(i32::try_from(*order).unwrap_or(1)));
+                Ok(value.map(|own| own.over(&divisor)))
+            }
+            Kind::Norm(inner) => self.norm(inner),
+            Kind::Vector(items) => self.stacked(items),
+            Kind::Component { vector, name } => {
+                let units = self.units(vector)?;
+                let components = units.components();
+                let index = match (components.len(), name.text.as_str()) {
+                    (2, "y") | (3, "x") => 0,
+                    (2, "z") | (3, "y") => 1,
+                    (3, "z") => 2,
+                    _ => {
+                        let other = self.name(name);
+                        return self.inner(expr, &units, &other);
+                    }
+                };
+                Ok(Units::Scalar(components[index].clone()))
+            }
+            Kind::Index { vector, index } => {
+                let units = self.units(vector)?;
+                if let Units::Matrix(matrix) = &units {
+                    let row = matrix.rows().nth(*index).ok_or(Reported)?;
+                    return Ok(Units::Vector(row.to_vec()));
+                }
+                match units.components().get(*index) {
+                    Some(dimension) => Ok(Units::Scalar(dimension.clone())),
+                    None => Err(Reported),
+                }
+            }
+        }
+    }
+
+    fn norm(&mut self, inner: &Expr) -> Checked<Units> {
+        let units = self.units(inner)?;
+        let components = units.components().to_vec();
+        let first = components.first().cloned().unwrap_or_else(Dimension::one);
+        for component in &components {
+            if !self.unifier.unify(component, &first) {
+                let message = format!(
+                    "units differ: the components of `{inner}` are in {} and {}, so they have \
+                     no common length",
+                    self.unifier.show(&first),
+                    self.unifier.show(component)
+                );
+                return Err(self.diagnostics.report("E03", inner.place, message));
+            }
+        }
+        Ok(Units::Scalar(first))
+    }
+
+    fn name(&mut self, name: &Name) -> Units {
+        let local = self
+            .frames
+            .last()
+            .and_then(|frame| frame.iter().find(|(known, _)| *known == name.text));
+        if let Some((_, units)) = local {
+            return units.clone();
+        }
+        match self.values.get(&name.text) {
+            Some(units) => units.clone(),
+            None if name.text == "pi" => Units::Scalar(Dimension::one()),
+            None if name.text == "t" || name.text == words::FINAL_TIME => {
+                Units::Scalar(Dimension::second())
+            }
+            // Its own declaration has been reported.
+            None => Units::Scalar(self.unifier.unknown(&name.text)),
+        }
+    }
+
+    fn chain(&mut self, first: &Expr, rest: &[Link]) -> Checked<Units> {
+        let mut total = self.units(first);
+        for (i, link) in rest.iter().enumerate() {
+            let its = self.units(&link.operand);
+            let left = Prefix {
+                first,
+                rest: &rest[..i],
+            };
+            total = match (total, its) {
+                (Ok(own), Ok(its)) => self.step(&left, own, link, &its),
+                _ => Err(Reported),
+            };
+        }
+        total
+    }
+
+    /// One step of a chain: what is on the left of an operator, and what stands on its right.
+    fn step(&mut self, left: &Prefix<'_>, own: Units, link: &Link, its: &Units) -> Checked<Units> {
+        match link.operator {
+            Operator::Add | Operator::Subtract => {
+                for (a, b) in own.components().iter().zip(its.components()) {
+                    if self.unifier.unify(a, b) {
+                        continue;
+                    }
+                    // A bare number on the left is a whole side only where it stands alone.
+                    let bare = left.rest.is_empty().then_some((left.first, b));
+                    let candidates: Vec<_> = bare.into_iter().chain([(&link.operand, a)]).collect();
+                    let message = format!(
+                        "units differ: `{left}` {}, `{}` {}; both sides of `{}` must agree{}",
+                        self.unifier.is_in(a),
+                        link.operand,
+                        self.unifier.is_in(b),
+                        link.operator.symbol(),
+                        self.hint(&candidates)
+                    );
+                    return Err(self.diagnostics.report("E03", link.place, message));
+                }
+                Ok(own)
+            }
+            Operator::Multiply => Ok(match (&own, its) {
+                (Units::Matrix(matrix), _) => {
+                    return self.matrix_product(left, matrix, link, its);
+                }
+                (Units::Scalar(a), _) => its.map(|b| a.times(b)),
+                (_, Units::Scalar(b)) => own.map(|a| a.times(b)),
+                _ => return Err(Reported),
+            }),
+            Operator::Divide => match its {
+                Units::Scalar(b) => Ok(own.map(|a| a.over(b))),
+                Units::Vector(_) | Units::Matrix(_) => Err(Reported),
+            },
+        }
+    }
+
+    fn call(&mut self, function: &Name, arguments: &[Expr]) -> Checked<Units> {
+        let text = function.text.as_str();
+        if self.functions.contains_key(text) {
+            let mut units = Vec::with_capacity(arguments.len());
+            for argument in arguments {
+                units.push(self.units(argument)?);
+            }
+            return self.apply(function, units);
+        }
+        match (text, arguments) {
+            ("dot", [argument]) => {
+                let units = self.units(argument)?;
+                Ok(units.map(|own| own.over(&Dimension::second())))
+            }
+            (words::INTEGRAL, [argument]) => {
+                let own = self.scalar(argument)?;
+                Ok(Units::Scalar(own.times(&Dimension::second())))
+            }
+            ("dot", [left, right]) => {
+                let (own, its) = (self.units(left)?, self.units(right)?);
+                self.inner(left, &own, &its)
+            }
+            ("cross", [left, right]) => {
+                let (own, its) = (self.units(left)?, self.units(right)?);
+                let product = |a: usize, b: usize| -> Dimension {
+                    own.components()[a].times(&its.components()[b])
+                };
+                match (own.components().len(), its.components().len()) {
+                    (2, 2) => Ok(Units::Scalar(product(0, 1))),
+                    (3, 3) => Ok(Units::Vector(vec![
+                        product(1, 2),
+                        product(2, 0),
+                        product(0, 1),
+                    ])),
+                    _ => Err(Reported),
+                }
+            }
+            ("atan2", [y, x]) => {
+                let (own, its) = (self.scalar(y)?, self.scalar(x)?);
+                if !self.unifier.unify(&own, &its) {
+                    return Err(self.differ(
+                        function.place(),
+                        (y, &own),
+                        (x, &its),
+                        "both arguments of `atan2`",
+                    ));
+                }
+                Ok(Units::Scalar(Dimension::one()))
+            }
+            ("sqrt" | "cbrt", [argument]) => {
+                let own = self.scalar(argument)?;
+                let exponent = Ratio::new(1, if text == "sqrt" { 2 } else { 3 });
+                Ok(Units::Scalar(own.power(exponent.unwrap_or(Ratio::ONE))))
+            }
+            (_, [argument]) if words::FUNCTIONS.contains(&text) => {
+                Ok(Units::Scalar(self.pure(argument, text)?))
+            }
+            _ if words::MATRIX_FUNCTIONS.contains(&text) => {
+                self.matrix_function(function, arguments)
+            }
+            _ => Err(Reported),
+        }
+    }
+
+    fn inner(&mut self, whole: &Expr, left: &Units, right: &Units) -> Checked<Units> {
+        let products: Vec<Dimension> = left
+            .components()
+            .iter()
+            .zip(right.components())
+            .map(|(a, b)| a.times(b))
+            .collect();
+        let first = products.first().cloned().ok_or(Reported)?;
+        for product in &products {
+            if !self.unifier.unify(product, &first) {
+                let message = format!(
+                    "units differ: the terms of the inner product are in {} and {}",
+                    self.unifier.show(&first),
+                    self.unifier.show(product)
+                );
+                return Err(self.diagnostics.report("E03", whole.place, message));
+            }
+        }
+        Ok(Units::Scalar(first))
+    }
+
+    fn apply(&mut self, function: &Name, units: Vec<Units>) -> Checked<Units> {
+        // A function that uses itself has been reported.
+        if self.frames.len() > MOST_CALLS {
+            return Err(Reported);
+        }
+        let Some((arguments, body)) = self.functions.get(&function.text).cloned() else {
+            return Err(Reported);
+        };
+        let frame = arguments
+            .into_iter()
+            .map(|argument| argument.text)
+            .zip(units)
+            .collect();
+        self.frames.push(frame);
+        let result = self.units(&body);
+        self.frames.pop();
+        result
+    }
+
+    /// Units of `((a, b), (c, d))`, or of `(a, b)`.
+    fn stacked(&mut self, items: &[Expr]) -> Checked<Units> {
+        let mut entries = Vec::with_capacity(items.len());
+        let mut columns = None;
+        for item in items {
+            match self.units(item)? {
+                Units::Scalar(dimension) => entries.push(dimension),
+                Units::Vector(row) => {
+                    columns = Some(row.len());
+                    entries.extend(row);
+                }
+                Units::Matrix(_) => return Err(Reported),
+            }
+        }
+        Ok(match columns {
+            Some(columns) => Units::Matrix(Matrix { entries, columns }),
+            None => Units::Vector(entries),
+        })
+    }
+
+    /// Units of a product in which a matrix stands on the left.
+    fn matrix_product(
+        &mut self,
+        left: &Prefix<'_>,
+        own: &Matrix,
+        link: &Link,
+        its: &Units,
+    ) -> Checked<Units> {
+        let (columns, width) = match its {
+            Units::Vector(vector) => (vec![vector.clone()], None),
+            Units::Matrix(other) => (
+                (0..other.columns).map(|j| other.column(j)).collect(),
+                Some(other.columns),
+            ),
+            Units::Scalar(factor) => {
+                let entries = own.entries.iter().map(|entry| entry.times(factor));
+                return Ok(Units::Matrix(Matrix {
+                    entries: entries.collect(),
+                    columns: own.columns,
+                }));
+            }
+        };
+        let mut entries = Vec::new();
+        for row in own.rows() {
+            for column in &columns {
+                let products: Vec<Dimension> =
+                    row.iter().zip(column).map(|(a, b)| a.times(b)).collect();
+                let first = products.first().cloned().ok_or(Reported)?;
+                for product in &products {
+                    if !self.unifier.unify(product, &first) {
+                        let message = format!(
+                            "units differ: the terms of the product `{left}*{}` are in {} and {}",
+                            link.operand,
+                            self.unifier.show(&first),
+                            self.unifier.show(product)
+                        );
+                        return Err(self.diagnostics.report("E03", link.place, message));
+                    }
+                }
+                entries.push(first);
+            }
+        }
+        Ok(match width {
+            Some(columns) => Units::Matrix(Matrix { entries, columns }),
+            None => Units::Vector(entries),
+        })
+    }
+
+    /// Units of what the functions of matrices make.
+    fn matrix_function(&mut self, function: &Name, arguments: &[Expr]) -> Checked<Units> {
+        match (function.text.as_str(), arguments) {
+            ("transpose", [argument]) => match self.units(argument)? {
+                Units::Matrix(matrix) => {
+                    let entries = (0..matrix.columns).flat_map(|j| matrix.column(j)).collect();
+                    let columns = matrix.rows().count();
+                    Ok(Units::Matrix(Matrix { entries, columns }))
+                }
+                _ => Err(Reported),
+            },
+            ("diagonal", items) => {
+                let n = items.len();
+                // Zeros fit anywhere.
+                let mut entries: Vec<Dimension> =
+                    (0..n * n).map(|_| self.unifier.unknown("")).collect();
+                for (i, item) in items.iter().enumerate() {
+                    entries[i * n + i] = self.scalar(item)?;
+                }
+                Ok(Units::Matrix(Matrix {
+                    entries,
+                    columns: n,
+                }))
+            }
+            (name, [angle]) => {
+                self.pure(angle, name)?;
+                let columns = if name == "rotation" { 2 } else { 3 };
+                Ok(Units::Matrix(Matrix {
+                    entries: vec![Dimension::one(); columns * columns],
+                    columns,
+                }))
+            }
+            _ => Err(Reported),
+        }
+    }
+}
+
+/// The value of an expression made of numbers only.
+fn constant(expr: &Expr) -> Option<f64> {
+    match &expr.kind {
+        Kind::Number { value, unit, .. } => unit.is_none().then_some(*value),
+        Kind::Negate(inner) => Some(-constant(inner)?),
+        Kind::Chain(first, rest) => rest.iter().try_fold(constant(first)?, |a, link| {
+            let b = constant(&link.operand)?;
+            Some(match link.operator {
+                Operator::Add => a + b,
+                Operator::Subtract => a - b,
+                Operator::Multiply => a * b,
+                Operator::Divide => a / b,
+            })
+        }),
+        Kind::Power { base, exponent, .. } => Some(constant(base)?.powf(constant(exponent)?)),
+        _ => None,
+    }
+}

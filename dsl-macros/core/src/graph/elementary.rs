@@ -1,0 +1,110 @@
+//! Elementary functions: names and values.
+
+/// Functions of one number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) enum Function {
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Sinh,
+    Cosh,
+    Tanh,
+    Exp,
+    Ln,
+    Cbrt,
+}
+
+/// Functions of two numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) enum Function2 {
+    /// `atan2(y, x)`.
+    Atan2,
+    /// `base^exponent` with an exponent that is no multiple of 1/2.
+    Power,
+}
+
+impl Function {
+    /// The function with this name in the language, which is also its name in `f64`.
+    pub(crate) fn named(name: &str) -> Option<Self> {
+        ALL.into_iter().find(|function| function.name() == name)
+    }
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Sin => "sin",
+            Self::Cos => "cos",
+            Self::Tan => "tan",
+            Self::Asin => "asin",
+            Self::Acos => "acos",
+            Self::Atan => "atan",
+            Self::Sinh => "sinh",
+            Self::Cosh => "cosh",
+            Self::Tanh => "tanh",
+            Self::Exp => "exp",
+            Self::Ln => "ln",
+            Self::Cbrt => "cbrt",
+        }
+    }
+
+    pub(crate) fn value(self, x: f64) -> f64 {
+        match self {
+            Self::Sin => x.sin(),
+            Self::Cos => x.cos(),
+            Self::Tan => x.tan(),
+            Self::Asin => x.asin(),
+            Self::Acos => x.acos(),
+            Self::Atan => x.atan(),
+            Self::Sinh => x.sinh(),
+            Self::Cosh => x.cosh(),
+            Self::Tanh => x.tanh(),
+            Self::Exp => x.exp(),
+            Self::Ln => x.ln(),
+            Self::Cbrt => x.cbrt(),
+        }
+    }
+
+    /// `f(-x)` in terms of `f(x)`: -1 for odd functions, 1 for even ones.
+    pub(super) fn parity(self) -> Option<f64> {
+        match self {
+            Self::Sin | Self::Tan | Self::Asin | Self::Atan => Some(-1.0),
+            Self::Sinh | Self::Tanh | Self::Cbrt => Some(-1.0),
+            Self::Cos | Self::Cosh => Some(1.0),
+            Self::Acos | Self::Exp | Self::Ln => None,
+        }
+    }
+}
+
+const ALL: [Function; 12] = [
+    Function::Sin,
+    Function::Cos,
+    Function::Tan,
+    Function::Asin,
+    Function::Acos,
+    Function::Atan,
+    Function::Sinh,
+    Function::Cosh,
+    Function::Tanh,
+    Function::Exp,
+    Function::Ln,
+    Function::Cbrt,
+];
+
+impl Function2 {
+    /// Its name in `f64`.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Atan2 => "atan2",
+            Self::Power => "powf",
+        }
+    }
+
+    pub(crate) fn value(self, first: f64, second: f64) -> f64 {
+        match self {
+            Self::Atan2 => first.atan2(second),
+            Self::Power => first.powf(second),
+        }
+    }
+}

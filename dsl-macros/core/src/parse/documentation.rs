@@ -1,0 +1,43 @@
+//! Doc comments.
+
+use super::cursor::Cursor;
+use crate::ast::Documentation;
+use crate::diagnostics::Diagnostics;
+use proc_macro2::{Delimiter, Literal, TokenStream};
+
+/// Doc comments, which reach the macro as `#[doc = "text"]`.
+pub(super) fn documentation(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Documentation {
+    let mut documentation = Documentation::default();
+    while cursor.at_symbol("#") {
+        let place = cursor.place();
+        cursor.advance();
+        let Some(group) = cursor.eat_group(Delimiter::Bracket) else {
+            diagnostics.syntax(place, "unexpected `#`; only doc comments may stand here");
+            continue;
+        };
+        match doc_line(group.stream()) {
+            Some(line) => documentation.lines.push(line),
+            None => {
+                diagnostics.syntax(
+                    place,
+                    "attributes are not part of the language; only doc comments may stand here",
+                );
+            }
+        }
+    }
+    documentation
+}
+
+/// The text of `doc = "text"`, if the content of an attribute is that.
+fn doc_line(attribute: TokenStream) -> Option<Literal> {
+    let syn::Meta::NameValue(meta) = syn::parse2(attribute).ok()? else {
+        return None;
+    };
+    match meta.value {
+        syn::Expr::Lit(syn::ExprLit {
+            lit: syn::Lit::Str(text),
+            ..
+        }) if meta.path.is_ident("doc") => Some(text.token()),
+        _ => None,
+    }
+}

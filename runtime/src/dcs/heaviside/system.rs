@@ -1,0 +1,244 @@
+//! The step form with its local rows.
+
+use super::layout::{
+    ALPHA, BETA, C_MINUS, C_PLUS, FALL, LAMBDA_MINUS, LAMBDA_PLUS, Layout, P, PER_CONTACT,
+    PER_FRICTION, RISE, SLIP_MINUS, SLIP_PLUS, W,
+};
+use crate::time_freezing::TimeFreezingSystem;
+
+/// The step form of a time-freezing system; evaluates local rows and their derivatives.
+#[derive(Clone)]
+pub(crate) struct HeavisideSystem<'a> {
+    pub(crate) system: TimeFreezingSystem<'a>,
+    /// Where variables and rows stand.
+    pub(crate) layout: Layout,
+    pub(super) input: Vec<f64>,
+    pub(super) force_weights: Vec<f64>,
+    /// Time at which the controls have their values, and their rates, empty where they are constant.
+    pub(super) drive: (f64, Vec<f64>),
+}
+
+impl<'a> HeavisideSystem<'a> {
+    pub(crate) fn new(system: TimeFreezingSystem<'a>) -> Self {
+        let declaration = system.model.declaration();
+        let contacts = 0..system.contacts();
+        Self {
+            layout: Layout {
+                n: system.coordinates(),
+                contacts: system.contacts(),
+                controls: declaration.controls.len(),
+                rough: contacts
+                    .clone()
+                    .filter(|&i| system.friction(i) > 0.0)
+                    .collect(),
+                elastic: contacts.filter(|&i| system.restitution(i) > 0.0).collect(),
+            },
+            input: vec![0.0; declaration.inputs()],
+            force_weights: vec![0.0; system.coordinates()],
+            drive: (0.0, Vec::new()),
+            system,
+        }
+    }
+
+    /// The system under controls that change at given rates of physical time: those in `xi` hold at `time`.
+    pub(crate) fn driven(mut self, time: f64, slopes: &[f64]) -> Self {
+        self.drive = (time, slopes.to_vec());
+        self
+    }
+
+    /// Input vector of the model from `xi`.
+    pub(super) fn write_input(&mut self, xi: &[f64]) {
+        let (n, states) = (self.layout.n, self.layout.states());
+        self.input[..2 * n].copy_from_slice(&xi[..2 * n]);
+        self.input[2 * n..2 * n + self.layout.controls]
+            .copy_from_slice(&xi[states..states + self.layout.controls]);
+        let elapsed = xi[2 * n] - self.drive.0;
+        for (control, slope) in self.input[2 * n..].iter_mut().zip(&self.drive.1) {
+            *control += slope * elapsed;
+        }
+        if let Some(time) = self.input.get_mut(2 * n + self.layout.controls) {
+            *time = xi[2 * n];
+        }
+    }
+
+    /// Weight with which a contact presses, in units of `a_bar`.
+    pub(crate) fn pressure(&self, xi: &[f64], contact: usize) -> f64 {
+        let terms = self.pressing(contact).into_iter().flatten();
+        terms.map(|(place, factor)| factor * xi[place]).sum()
+    }
+
+    /// Sum over the contacts of the auxiliary acceleration in direction `k`.
+    fn auxiliary(&self, xi: &[f64], k: usize) -> f64 {
+        let normal: f64 = (0..self.layout.contacts)
+            .map(|contact| self.pressure(xi, contact) * self.system.auxiliary(contact, k))
+            .sum();
+        let tangential: f64 = self
+            .layout
+            .rough
+            .iter()
+            .enumerate()
+            .map(|(r, &contact)| {
+                self.friction_share(xi, r) * self.system.auxiliary_friction(contact, k)
+            })
+            .sum();
+        normal + tangential
+    }
+
+    /// Friction `b- - b+` of friction `r`, in units of its bound for `beta = 1`.
+    pub(super) fn friction_share(&self, xi: &[f64], r: usize) -> f64 {
+        xi[self.layout.friction_place(r, SLIP_MINUS)] - xi[self.layout.friction_place(r, SLIP_PLUS)]
+    }
+
+    /// Rate of the lifted gap for a unit normal velocity.
+    pub(super) fn gap_rate(&self, xi: &[f64], contact: usize) -> f64 {
+        let theta = self.layout.theta().map_or(1.0, |place| xi[place]);
+        if self.layout.rebound(contact).is_some() {
+            theta + xi[self.layout.algebraic(contact, BETA)]
+        } else {
+            theta
+        }
+    }
+
+    /// Local rows at `xi`.
+    pub(crate) fn rows(&mut self, xi: &[f64], rows: &mut [f64]) {
+        self.write_input(xi);
+        self.system.evaluate(&self.input);
+        let n = self.layout.n;
+        let theta = self.layout.theta().map_or(1.0, |place| xi[place]);
+        for k in 0..n {
+            rows[k] = theta * xi[n + k];
+            rows[n + k] = theta * self.system.acceleration[k] + self.auxiliary(xi, k);
+        }
+        rows[self.layout.time()] = theta;
+        for contact in 0..self.layout.contacts {
+            let row = self.layout.contact_row(contact);
+            let z = |offset: usize| xi[self.layout.algebraic(contact, offset)];
+            let (gap, velocity) = (
+                xi[self.layout.lifted_gap(contact)],
+                self.system.normal_velocity(contact),
+            );
+            rows[self.layout.lifted_gap(contact)] = self.gap_rate(xi, contact) * velocity;
+            rows[row] = z(ALPHA) + z(BETA) - 1.0;
+            rows[row + 1] = z(P) - z(W) - velocity;
+            rows[row + 2] = gap - z(LAMBDA_PLUS) + z(LAMBDA_MINUS);
+            if self.layout.rebound(contact).is_none() {
+                rows[row + 1] += gap;
+                rows[row + 2] += z(P);
+            }
+        }
+        for (r, &contact) in self.layout.rough.iter().enumerate() {
+            let row = self.layout.friction_row(r);
+            let z = |offset: usize| xi[self.layout.friction_place(r, offset)];
+            rows[row] = z(SLIP_PLUS) + z(SLIP_MINUS) - self.pressure(xi, contact);
+            rows[row + 1] = self.system.sliding_velocity(contact) - z(C_PLUS) + z(C_MINUS);
+        }
+        for (j, &contact) in self.layout.elastic.iter().enumerate() {
+            let z = |offset: usize| xi[self.layout.rebound_place(j, offset)];
+            rows[self.layout.rebound_row(j)] =
+                z(FALL) + z(RISE) - xi[self.layout.algebraic(contact, BETA)];
+        }
+        for count in 2..=self.layout.contacts {
+            rows[self.layout.product_row(count)] = xi[self.layout.product(count)]
+                - xi[self.layout.product(count - 1)] * xi[self.layout.algebraic(count - 1, ALPHA)];
+        }
+    }
+
+    /// Terms (place, factor) of the weight with which a contact presses.
+    pub(super) fn pressing(&self, contact: usize) -> [Option<(usize, f64)>; 2] {
+        match self.layout.rebound(contact) {
+            None => [Some((self.layout.algebraic(contact, BETA), 1.0)), None],
+            Some(j) => {
+                let e = self.system.restitution(contact);
+                [
+                    Some((self.layout.rebound_place(j, FALL), 1.0)),
+                    Some((self.layout.rebound_place(j, RISE), e * e)),
+                ]
+            }
+        }
+    }
+
+    /// Sets all algebraic variables in `xi` from the shares of the groups: `alpha` of each contact, the part
+    /// of its friction that opposes forward sliding, the part of its jump that falls. Leaves what
+    /// [`rows`](Self::rows) evaluated at `xi`.
+    pub(crate) fn complete(&mut self, xi: &mut [f64], shares: &[f64]) {
+        let mut rows = vec![0.0; self.layout.states() + self.layout.algebraic_equations()];
+        self.rows(xi, &mut rows);
+        let parts = |value: f64| (value.max(0.0), (-value).max(0.0));
+        let rebounds = self.layout.contacts + self.layout.rough.len();
+        for contact in 0..self.layout.contacts {
+            let velocity = self.system.normal_velocity(contact);
+            let gap = xi[self.layout.lifted_gap(contact)];
+            let bounces = self.layout.rebound(contact);
+            let margin = if bounces.is_some() {
+                gap
+            } else {
+                gap.max(velocity)
+            };
+            let (plus, minus) = parts(margin);
+            let (p, w) = parts(if bounces.is_some() {
+                velocity
+            } else {
+                velocity - gap
+            });
+            let alpha = shares[contact];
+            let first = self.layout.algebraic(contact, ALPHA);
+            xi[first..first + PER_CONTACT].copy_from_slice(&[
+                alpha,
+                1.0 - alpha,
+                plus,
+                minus,
+                p,
+                w,
+            ]);
+            if let Some(j) = bounces {
+                let fall = shares[rebounds + j] * (1.0 - alpha);
+                xi[self.layout.rebound_place(j, FALL)] = fall;
+                xi[self.layout.rebound_place(j, RISE)] = 1.0 - alpha - fall;
+            }
+        }
+        for r in 0..self.layout.rough.len() {
+            let contact = self.layout.rough[r];
+            let pressure = self.pressure(xi, contact);
+            let slip = shares[self.layout.contacts + r] * pressure;
+            let (plus, minus) = parts(self.system.sliding_velocity(contact));
+            let first = self.layout.friction_place(r, SLIP_PLUS);
+            xi[first..first + PER_FRICTION].copy_from_slice(&[slip, pressure - slip, plus, minus]);
+        }
+        for count in 2..=self.layout.contacts {
+            xi[self.layout.product(count)] =
+                xi[self.layout.product(count - 1)] * xi[self.layout.algebraic(count - 1, ALPHA)];
+        }
+        self.rows(xi, &mut rows);
+    }
+
+    /// Shares of the groups as the signs at `xi` demand them; 0.5 where a weight is zero.
+    pub(crate) fn shares(&mut self, xi: &[f64]) -> Vec<f64> {
+        self.write_input(xi);
+        self.system.evaluate(&self.input);
+        let step = |value: f64| if value > 0.0 { 1.0 } else { 0.0 };
+        let margin = |contact: usize| {
+            let gap = xi[self.layout.lifted_gap(contact)];
+            if self.layout.bounces(contact) {
+                gap
+            } else {
+                gap.max(self.system.normal_velocity(contact))
+            }
+        };
+        let alphas: Vec<f64> = (0..self.layout.contacts).map(|i| step(margin(i))).collect();
+        let where_closed = |contact: usize, share: f64| {
+            if alphas[contact] == 1.0 { 0.5 } else { share }
+        };
+        let frictions = self
+            .layout
+            .rough
+            .iter()
+            .map(|&i| where_closed(i, step(self.system.sliding_velocity(i))));
+        let rebounds = self
+            .layout
+            .elastic
+            .iter()
+            .map(|&i| where_closed(i, step(-self.system.normal_velocity(i))));
+        let others: Vec<f64> = frictions.chain(rebounds).collect();
+        alphas.into_iter().chain(others).collect()
+    }
+}

@@ -1,0 +1,114 @@
+//! The linear system of a contact mode for the contact accelerations.
+
+use super::{Dynamics, dot};
+use crate::model::{contact_point, tangent_point};
+use crate::simulation::event::small_system;
+
+/// Row of the constraints that the mode keeps: the normals of active contacts, then the tangents of
+/// sticking ones.
+pub(super) fn constraint<'a>(dynamics: &'a Dynamics<'_>, row: usize) -> &'a [f64] {
+    match dynamics.active.get(row) {
+        Some(&i) => dynamics.normal(i),
+        None => dynamics.tangent(dynamics.sticking[row - dynamics.active.len()]),
+    }
+}
+
+/// Direction of the unknown of a row; with `slipping` that of a sliding contact is the direction of its
+/// whole force.
+pub(super) fn force_direction<'a>(
+    dynamics: &'a Dynamics<'_>,
+    row: usize,
+    slipping: bool,
+) -> &'a [f64] {
+    match dynamics.active.get(row) {
+        Some(&i) if slipping => &dynamics.columns[i * dynamics.n..(i + 1) * dynamics.n],
+        Some(&i) => dynamics.direction(i),
+        None => dynamics.friction_direction(dynamics.sticking[row - dynamics.active.len()]),
+    }
+}
+
+/// Solves for the unknowns of the first `rows` rows. Returns the sign of the determinant, `None` if they are
+/// dependent.
+pub(super) fn solve_rows(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> Option<f64> {
+    for row in 0..rows {
+        for column in 0..rows {
+            dynamics.matrix[row * rows + column] = dot(
+                constraint(dynamics, row),
+                force_direction(dynamics, column, slipping),
+            );
+        }
+    }
+    small_system::solve(
+        &mut dynamics.matrix[..rows * rows],
+        &mut dynamics.right[..rows],
+    )
+}
+
+/// `to += sum_row column_row right_row` over the first rows.
+pub(super) fn add_columns(dynamics: &Dynamics<'_>, rows: usize, slipping: bool, to: &mut [f64]) {
+    for (row, factor) in dynamics.right[..rows].iter().enumerate() {
+        for (to, d) in to.iter_mut().zip(force_direction(dynamics, row, slipping)) {
+            *to += d * factor;
+        }
+    }
+}
+
+/// Evaluates the active contacts, the right-hand sides of the rows of the mode, and the directions of the
+/// contact forces. Returns the number of rows.
+pub(super) fn evaluate_rows(dynamics: &mut Dynamics<'_>) -> usize {
+    let n = dynamics.n;
+    let normals = dynamics.active.len();
+    for slot in 0..normals {
+        let i = dynamics.active[slot];
+        dynamics.evaluate_sides(i);
+        dynamics.right[slot] = -dynamics.free_normal_acceleration(i).0;
+        let column = i * n..(i + 1) * n;
+        dynamics.columns[column.clone()].copy_from_slice(
+            &dynamics.points[i * contact_point::length(n)..][contact_point::direction(n)..][..n],
+        );
+        let ratio = dynamics.mode[i].force_ratio(dynamics.friction[i]);
+        if ratio != 0.0 {
+            let e = &dynamics.tangents[i * tangent_point::length(n)..]
+                [tangent_point::direction(n)..][..n];
+            for (d, e) in dynamics.columns[column].iter_mut().zip(e) {
+                *d += ratio * e;
+            }
+        }
+    }
+    for slot in 0..dynamics.sticking.len() {
+        dynamics.right[normals + slot] = -dynamics
+            .free_sliding_acceleration(dynamics.sticking[slot])
+            .0;
+    }
+    normals + dynamics.sticking.len()
+}
+
+/// Takes the contact accelerations over from the solution of the rows.
+pub(super) fn store_forces(dynamics: &mut Dynamics<'_>, rows: usize) {
+    let normals = dynamics.active.len();
+    for slot in 0..normals {
+        let i = dynamics.active[slot];
+        dynamics.r[i] = dynamics.right[slot];
+        dynamics.s[i] = dynamics.mode[i].force_ratio(dynamics.friction[i]) * dynamics.right[slot];
+    }
+    for slot in normals..rows {
+        dynamics.s[dynamics.sticking[slot - normals]] = dynamics.right[slot];
+    }
+}
+
+/// Size of the terms that the equation of a row balances.
+pub(super) fn row_scale(dynamics: &Dynamics<'_>, row: usize, rows: usize) -> f64 {
+    let (_, free) = match dynamics.active.get(row) {
+        Some(&i) => dynamics.free_normal_acceleration(i),
+        None => dynamics.free_sliding_acceleration(dynamics.sticking[row - dynamics.active.len()]),
+    };
+    (0..rows)
+        .filter(|&other| other != row)
+        .fold(free, |sum, other| {
+            let coupling = dot(
+                constraint(dynamics, row),
+                force_direction(dynamics, other, true),
+            );
+            sum + (coupling * dynamics.right[other]).abs()
+        })
+}

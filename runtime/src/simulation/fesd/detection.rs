@@ -1,0 +1,54 @@
+//! Detection of the first violated sign condition inside a solved element.
+//!
+//! The switching functions are those of the time-freezing system: an open contact closes when its gap
+//! falls through zero, or, after a release, when `max(g, v_n)` falls below zero (the region `g < 0 < v_n`
+//! still carries the free dynamics); an active one opens when its force does. A sticking contact slips when
+//! its friction reaches the bound `mu r`, and one that slides stops when its sliding velocity vanishes.
+
+use super::detector::Detector;
+use super::stop::Stop;
+use super::switch::{ElementStart, Switch};
+use super::{friction_switch, gap_switch};
+use crate::fesd::active_contact::find;
+use crate::fesd::contacts::Contacts;
+use crate::fesd::finite_element::FiniteElement;
+
+/// The first violation in `element`, if any.
+pub(super) fn first_violation(
+    detector: &mut Detector<'_>,
+    element: &FiniteElement<'_>,
+    contacts: &mut Contacts<'_>,
+    start: &ElementStart<'_>,
+) -> Result<Option<Switch>, Stop> {
+    let active = element.active();
+    detector.open.clear();
+    let row = detector.thetas.len() + 1;
+    for (i, &gap) in start.gaps.iter().enumerate() {
+        if find(active, i).is_none() {
+            detector.open.push(i);
+            detector.gaps[i * row] = gap;
+        }
+    }
+    if detector.open.is_empty() && active.is_empty() {
+        return Ok(None);
+    }
+    for (i, size) in detector.sizes.iter_mut().enumerate() {
+        *size = contacts.size(i, start.time);
+    }
+    detector.previous_forces[..start.forces.len()].copy_from_slice(start.forces);
+    friction_switch::start_frictions(detector, active, contacts, start);
+    for k in 0..detector.thetas.len() {
+        detector.interpolate(element, k);
+        let mut first = gap_switch::first_entry(detector, element, contacts, start, k)?;
+        gap_switch::first_exit(detector, element, contacts, k, &mut first)
+            .map_err(gap_switch::beyond)?;
+        friction_switch::first_friction(detector, element, contacts, start, k, &mut first)?;
+        if first.is_some() {
+            return Ok(first);
+        }
+        if gap_switch::hides_a_crossing(detector, element, contacts, k) {
+            return Err(Stop::Unresolved);
+        }
+    }
+    Ok(None)
+}

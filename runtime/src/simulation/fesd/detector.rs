@@ -1,0 +1,89 @@
+//! The samples of an element's dense output on which sign conditions are checked.
+
+use super::switch::{Switch, SwitchKind};
+use crate::fesd::contact_size::ContactSize;
+use crate::fesd::finite_element::FiniteElement;
+use crate::model::Model;
+use crate::rk::ButcherTableau;
+
+/// Checks the sign conditions on a fixed grid of the element's dense output.
+pub(super) struct Detector<'a> {
+    pub(super) model: &'a dyn Model,
+    pub(super) tableau: &'a ButcherTableau,
+    /// Sampled places `0 < theta <= 1`.
+    pub(super) thetas: Vec<f64>,
+    /// Dense output weights, one row a sample.
+    pub(super) weights: Vec<f64>,
+    pub(super) scratch: Vec<f64>,
+    pub(super) x: Vec<f64>,
+    pub(super) forces: Vec<f64>,
+    pub(super) previous_forces: Vec<f64>,
+    /// Gaps at the start and all samples, one row a contact.
+    pub(super) gaps: Vec<f64>,
+    pub(super) open: Vec<usize>,
+    /// Sizes of gaps and velocities of all contacts at the start.
+    pub(super) sizes: Vec<ContactSize>,
+    /// Of active contacts with friction at the start and all samples, one row a contact: what the friction of
+    /// a sticking one lacks to its bound, or the sliding velocity in the sense of the slip.
+    pub(super) frictions: Vec<f64>,
+}
+
+impl<'a> Detector<'a> {
+    pub(super) fn new(model: &'a dyn Model, tableau: &'a ButcherTableau) -> Self {
+        let declaration = model.declaration();
+        let contacts = declaration.contacts.len();
+        let stages = tableau.stages();
+        let samples = (2 * stages).max(8);
+        let thetas: Vec<f64> = (1..=samples).map(|k| k as f64 / samples as f64).collect();
+        let mut weights = vec![0.0; samples * stages];
+        for (row, &theta) in weights.chunks_exact_mut(stages).zip(&thetas) {
+            tableau.dense_weights(theta, row);
+        }
+        Self {
+            model,
+            tableau,
+            thetas,
+            weights,
+            scratch: vec![0.0; stages],
+            x: vec![0.0; declaration.inputs()],
+            forces: vec![0.0; 2 * contacts],
+            previous_forces: vec![0.0; 2 * contacts],
+            gaps: vec![0.0; contacts * (samples + 1)],
+            open: Vec::with_capacity(contacts),
+            sizes: vec![ContactSize::default(); contacts],
+            frictions: vec![0.0; contacts * (samples + 1)],
+        }
+    }
+
+    pub(super) fn interpolate(&mut self, element: &FiniteElement<'_>, k: usize) {
+        let stages = self.tableau.stages();
+        let weights = &self.weights[k * stages..(k + 1) * stages];
+        element.interpolate(self.thetas[k], weights, &mut self.x);
+    }
+
+    /// Place of the sample before `k`.
+    pub(super) fn left(&self, k: usize) -> f64 {
+        if k == 0 { 0.0 } else { self.thetas[k - 1] }
+    }
+
+    /// Linear estimate of a root between samples `k - 1` and `k` from the values there.
+    pub(super) fn between(
+        &self,
+        kind: SwitchKind,
+        contact: usize,
+        element: &FiniteElement<'_>,
+        k: usize,
+        before: f64,
+        after: f64,
+    ) -> Switch {
+        let left = self.left(k);
+        let width = self.thetas[k] - left;
+        Switch {
+            kind,
+            contact,
+            theta: left + before / (before - after) * width,
+            violated: self.thetas[k],
+            slope: (after - before) / (width * element.length()),
+        }
+    }
+}
