@@ -9,10 +9,11 @@ use super::contact_state::ContactState;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::error_scale::ErrorScale;
-use super::impact::{self, Impact, LowestBounce, Undetermined};
+use super::impact::{Impact, LowestBounce, Undetermined};
 use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
 use super::settings::EventDriven;
+use super::velocity_jump;
 use crate::Observer;
 use crate::model::{Model, contact_point};
 use crate::simulation::watch::Watch;
@@ -431,7 +432,7 @@ impl<'a> Integration<'a> {
             velocity: self.settings.rest_velocity,
             height: self.settings.tolerance.powi(2),
         };
-        let impact = impact::impact(
+        let impact = velocity_jump::impact(
             &mut self.dynamics,
             self.t,
             &mut self.y,

@@ -21,6 +21,7 @@ mod search;
 mod settings;
 mod small_system;
 mod tableau;
+pub(in crate::simulation) mod velocity_jump;
 
 pub use settings::EventDriven;
 
