@@ -5,7 +5,8 @@ use cpu_time::ThreadTime;
 use super::event::contact_mode;
 use super::event::dop853::{Dop853, System};
 use super::event::dynamics::{Dynamics, motion};
-use super::event::impact::{self, LowestBounce, Undetermined};
+use super::event::impact::{LowestBounce, Undetermined};
+use super::event::velocity_jump;
 use super::watch::Watch;
 use super::{
     Diagnosis, Event, EventKind, InitialValueProblem, InputError, Simulation, SimulationStatus,
@@ -255,8 +256,11 @@ impl<'a> FixedRun<'a> {
             height: 0.0,
         };
         self.dynamics.observe_rounding(t, &self.y, h);
-        let impact = impact::impact(&mut self.dynamics, t, &mut self.y, None, lowest)
-            .map_err(|problem| self.undetermined(t, problem))?;
+        // Steps of fixed length know of no impacts between them, and so of no clusters.
+        let never = vec![f64::NEG_INFINITY; self.dynamics.contacts];
+        let impact =
+            velocity_jump::impact(&mut self.dynamics, t, &mut self.y, None, lowest, &never)
+                .map_err(|problem| self.undetermined(t, problem))?;
         self.y[2 * n] += impact.impulse / self.settings.auxiliary_acceleration;
         contact_mode::change(
             &mut self.dynamics,

@@ -9,6 +9,7 @@ mod contact_mode;
 mod event;
 mod fesd;
 mod fixed;
+mod impact_cluster;
 mod moreau;
 mod problem;
 mod quantity;

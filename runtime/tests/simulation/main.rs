@@ -18,6 +18,7 @@ mod friction_coupled;
 mod friction_event;
 mod friction_time_stepping;
 mod front_door;
+mod impact_clusters;
 mod linear_controls;
 mod modes_after_events;
 mod restitution_event;

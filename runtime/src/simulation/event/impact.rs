@@ -1,4 +1,4 @@
-//! The impact law, for all closed contacts at once, and the end of sequences of bounces.
+//! The impact law of contacts that are struck together, and the end of sequences of bounces.
 
 use super::contact_problem::ContactProblem;
 use super::coulomb::TangentialLaw;
@@ -50,66 +50,19 @@ pub(in crate::simulation) struct Impact {
     pub(in crate::simulation) impulse: f64,
     /// Contacts with restitution that were struck and stay.
     pub(in crate::simulation) ended: Vec<EndOfBounces>,
+    /// What a user should know of a cluster of impacts.
+    pub(in crate::simulation) cluster: Option<&'static str>,
     /// Kinetic energy before and after, if the law has raised it.
     pub(in crate::simulation) energy_gain: Option<(f64, f64)>,
 }
 
-/// Applies the impact law to the velocities in `y`, for all closed contacts at once:
-///
-/// ```text
-/// v+ = v- + sum_i d_i p_i + e_i s_i
-/// 0 <= p_i  _|_  v_n,i+ + e_i min(v_n,i-, 0) >= 0          e_i: coefficient of restitution
-/// |s_i| <= mu_i p_i,   s_i v_t,i+ = -mu_i p_i |v_t,i+|
-/// ```
-///
-/// `closing` counts as closed whatever its gap.
-///
-/// Source: Moreau, *Unilateral contact and dry friction in finite freedom dynamics* (1988); restitution in
-/// the normal direction alone, as Newton's law.
-pub(in crate::simulation) fn impact(
-    dynamics: &mut Dynamics<'_>,
-    t: f64,
-    y: &mut [f64],
-    closing: Option<usize>,
-    lowest: LowestBounce,
-) -> Result<Impact, Undetermined> {
-    let closed = closed_contacts(dynamics, t, y, closing);
-    let mut velocities: Vec<f64> = closed
-        .iter()
-        .map(|&i| dynamics.point(i)[contact_point::NORMAL_VELOCITY])
-        .collect();
-    let mut outcome = Impact {
-        struck: closed
-            .iter()
-            .zip(&velocities)
-            .filter(|&(&i, &velocity)| velocity < -dynamics.zero_normal_velocity(i))
-            .map(|(&i, _)| i)
-            .collect(),
-        ..Impact::default()
-    };
-    if !outcome.struck.is_empty() {
-        for (&i, velocity) in closed.iter().zip(&mut velocities) {
-            if velocity.abs() <= dynamics.zero_normal_velocity(i) {
-                *velocity = 0.0;
-            }
-        }
-        outcome.ended = ended_bounces(dynamics, t, y, &outcome.struck, lowest);
-        velocities = strike(dynamics, y, &closed, &velocities, &mut outcome)?;
-    }
-    dynamics.load(t, y);
-    dynamics.evaluate_free_acceleration();
-    for (i, velocity) in closed.into_iter().zip(velocities) {
-        // A gap that falls through zero at once, although it grows, has been negative all the time.
-        let never_open = closing == Some(i) && outcome.struck.is_empty();
-        if rests(dynamics, i, velocity, never_open) {
-            outcome.resting.push(i);
-        }
-    }
-    Ok(outcome)
-}
-
 /// Whether a closed contact with this normal velocity stays: it has none, or its flight is too low to be one.
-fn rests(dynamics: &mut Dynamics<'_>, contact: usize, velocity: f64, never_open: bool) -> bool {
+pub(super) fn rests(
+    dynamics: &mut Dynamics<'_>,
+    contact: usize,
+    velocity: f64,
+    never_open: bool,
+) -> bool {
     dynamics.evaluate_contact(contact);
     let (acceleration, _) = dynamics.free_normal_acceleration(contact);
     let highest = if never_open {
@@ -124,7 +77,7 @@ fn rests(dynamics: &mut Dynamics<'_>, contact: usize, velocity: f64, never_open:
 
 /// Changes the velocities in `y` by the impulses of the law, at the contacts `closed` with the normal `velocities`.
 /// Returns their normal velocities afterwards.
-fn strike(
+pub(super) fn strike(
     dynamics: &mut Dynamics<'_>,
     y: &mut [f64],
     closed: &[usize],
@@ -196,7 +149,7 @@ fn strike(
 }
 
 /// Contacts that are closed, evaluated.
-fn closed_contacts(
+pub(super) fn closed_contacts(
     dynamics: &mut Dynamics<'_>,
     t: f64,
     y: &[f64],
@@ -216,7 +169,7 @@ fn closed_contacts(
 
 /// Struck contacts with restitution whose bounces have become too low. How high the next one would be depends
 /// on what presses the contact in the present mode.
-fn ended_bounces(
+pub(super) fn ended_bounces(
     dynamics: &mut Dynamics<'_>,
     t: f64,
     y: &[f64],
@@ -226,22 +179,13 @@ fn ended_bounces(
     if struck.iter().all(|&i| dynamics.restitution[i] == 0.0) {
         return Vec::new();
     }
-    let n = dynamics.n;
-    let mut slope = vec![0.0; y.len()];
-    dynamics.derivative(t, y, &mut slope);
-    struck
-        .iter()
-        .filter_map(|&i| {
+    let presses = presses(dynamics, t, y, struck);
+    let pressed = struck.iter().zip(presses);
+    pressed
+        .filter_map(|(&i, press)| {
             let e = dynamics.restitution[i];
-            let point = dynamics.point(i);
-            let speed = -point[contact_point::NORMAL_VELOCITY];
-            let press =
-                -(point[contact_point::CURVATURE] + dot(dynamics.normal(i), &slope[n..2 * n]));
-            let height = (lowest.height.max(LOWEST_BOUNCE) * dynamics.gap_range(i))
-                .max(10.0 * dynamics.closed_gap(i));
-            let last = lowest
-                .velocity
-                .unwrap_or_else(|| (2.0 * press.max(0.0) * height).sqrt());
+            let speed = -dynamics.point(i)[contact_point::NORMAL_VELOCITY];
+            let last = lowest_speed(dynamics, i, press, lowest);
             (e > 0.0 && speed <= last).then(|| EndOfBounces {
                 contact: i,
                 speed,
@@ -252,5 +196,43 @@ fn ended_bounces(
                 },
             })
         })
+        .collect()
+}
+
+/// Normal accelerations with which the present mode presses the contacts on their surfaces.
+fn presses(dynamics: &mut Dynamics<'_>, t: f64, y: &[f64], contacts: &[usize]) -> Vec<f64> {
+    let n = dynamics.n;
+    let mut slope = vec![0.0; y.len()];
+    dynamics.derivative(t, y, &mut slope);
+    contacts
+        .iter()
+        .map(|&i| {
+            let curvature = dynamics.point(i)[contact_point::CURVATURE];
+            -(curvature + dot(dynamics.normal(i), &slope[n..2 * n]))
+        })
+        .collect()
+}
+
+/// Speed up to which a contact that is pressed on its surface with the acceleration `press` does not bounce.
+fn lowest_speed(dynamics: &Dynamics<'_>, contact: usize, press: f64, lowest: LowestBounce) -> f64 {
+    let height = (lowest.height.max(LOWEST_BOUNCE) * dynamics.gap_range(contact))
+        .max(10.0 * dynamics.closed_gap(contact));
+    lowest
+        .velocity
+        .unwrap_or_else(|| (2.0 * press.max(0.0) * height).sqrt())
+}
+
+/// Speeds up to which the contacts do not bounce.
+pub(super) fn lowest_speeds(
+    dynamics: &mut Dynamics<'_>,
+    t: f64,
+    y: &[f64],
+    contacts: &[usize],
+    lowest: LowestBounce,
+) -> Vec<f64> {
+    let presses = presses(dynamics, t, y, contacts);
+    let pressed = contacts.iter().zip(presses);
+    pressed
+        .map(|(&i, press)| lowest_speed(dynamics, i, press, lowest))
         .collect()
 }

@@ -9,10 +9,11 @@ use super::contact_state::ContactState;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::error_scale::ErrorScale;
-use super::impact::{self, Impact, LowestBounce, Undetermined};
+use super::impact::{Impact, LowestBounce, Undetermined};
 use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
 use super::settings::EventDriven;
+use super::velocity_jump;
 use crate::Observer;
 use crate::model::{Model, contact_point};
 use crate::simulation::watch::Watch;
@@ -61,6 +62,8 @@ pub(super) struct Integration<'a> {
     next_output: usize,
     steps: usize,
     repeats: usize,
+    /// Time of the last impact of each contact \[s\].
+    last_impacts: Vec<f64>,
     /// Sign of the determinant of the equations of the mode.
     orientation: f64,
     remarks: Remarks,
@@ -100,6 +103,7 @@ impl<'a> Integration<'a> {
             next_output: 1,
             steps: 0,
             repeats: 0,
+            last_impacts: vec![f64::NEG_INFINITY; contacts],
             orientation: 1.0,
             remarks: Remarks::default(),
             audit: Audit::new(settings.tolerance),
@@ -428,8 +432,18 @@ impl<'a> Integration<'a> {
             velocity: self.settings.rest_velocity,
             height: self.settings.tolerance.powi(2),
         };
-        let impact = impact::impact(&mut self.dynamics, self.t, &mut self.y, closing, lowest)
-            .map_err(|problem| self.undetermined(problem))?;
+        let impact = velocity_jump::impact(
+            &mut self.dynamics,
+            self.t,
+            &mut self.y,
+            closing,
+            lowest,
+            &self.last_impacts,
+        )
+        .map_err(|problem| self.undetermined(problem))?;
+        for &i in &impact.struck {
+            self.last_impacts[i] = self.t;
+        }
         self.y[2 * self.dynamics.n] += impact.impulse / self.settings.auxiliary_acceleration;
         self.remarks.add(self.t, &impact);
         Ok(impact)

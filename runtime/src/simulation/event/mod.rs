@@ -5,6 +5,7 @@
 //! `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `audit` measures the signs.
 
 mod audit;
+mod cluster;
 pub(super) mod contact_mode;
 pub(super) mod contact_problem;
 mod contact_state;
@@ -20,6 +21,7 @@ mod search;
 mod settings;
 mod small_system;
 mod tableau;
+pub(in crate::simulation) mod velocity_jump;
 
 pub use settings::EventDriven;
 

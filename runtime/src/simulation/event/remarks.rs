@@ -7,6 +7,8 @@ use crate::model::Declaration;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Remarks {
     simultaneous: bool,
+    /// Of clusters of impacts.
+    clusters: Vec<&'static str>,
     /// One a contact.
     ends: Vec<Ends>,
     /// The first impact that raised the kinetic energy: time, contact, energy before and after; and how many
@@ -30,6 +32,11 @@ impl Remarks {
     /// Remembers what an impact at `time` has to say.
     pub(super) fn add(&mut self, time: f64, impact: &Impact) {
         self.simultaneous |= impact.struck.len() > 1;
+        if let Some(note) = impact.cluster
+            && !self.clusters.contains(&note)
+        {
+            self.clusters.push(note);
+        }
         for &EndOfBounces {
             contact,
             speed,
@@ -66,6 +73,7 @@ impl Remarks {
                     .into(),
             );
         }
+        notes.extend(self.clusters.iter().map(|&note| note.into()));
         for end in &self.ends {
             let name = contact(end.contact).name;
             let (unit, speed_unit) = match contact(end.contact).unit {

@@ -4,14 +4,16 @@ use super::driver::{Driver, EnergyGains};
 use super::switch::{Switch, SwitchKind};
 use crate::fesd::active_contact::{Tangential, find};
 use crate::fesd::contacts::{ModeError, dot};
+use crate::simulation::impact_cluster::{self, NearContact};
 use crate::simulation::{ContactMode, Direction, Event, EventKind};
 use crate::time_freezing::clock;
 
 /// Rest velocity where none is set, relative to the size of the normal velocity.
 const REST: f64 = 1e-6;
 
-/// Flight between two impacts of a cluster that counts as none, relative to the gap that counts as touching:
-/// the last impacts before two contacts cannot be told apart.
+/// Gap within which the impacts of several contacts are a cluster, and flight since the last impact that makes them
+/// one, relative to the gap that counts as touching: small beside the motion, large beside the errors of gaps, which
+/// give the order of the impacts.
 const COLLAPSED: f64 = 1e4;
 
 /// Kinetic energies are compared to this relative accuracy.
@@ -25,6 +27,62 @@ pub(super) fn sliding_event(before: Tangential, after: Tangential) -> Option<Eve
         Some(EventKind::Stick)
     } else {
         Some(EventKind::Slip)
+    }
+}
+
+/// The bodies of a run in a cluster.
+struct Bodies<'d, 'a>(&'d mut Driver<'a>);
+
+impl impact_cluster::Bodies for Bodies<'_, '_> {
+    type Error = ModeError;
+
+    fn velocity(&mut self) -> &mut [f64] {
+        &mut self.0.state.v
+    }
+
+    fn kinetic_energy(&mut self) -> f64 {
+        self.0.kinetic_energy()
+    }
+
+    fn normal_velocity(&mut self, contact: usize) -> f64 {
+        self.0.write_input();
+        self.0
+            .contacts
+            .evaluate_contacts(&self.0.x, std::iter::once(contact));
+        self.0.contacts.normal_velocity(contact)
+    }
+
+    fn zero_velocity(&self, contact: usize) -> f64 {
+        let size = self.0.contacts.size(contact, self.0.state.time);
+        size.touching_velocity()
+    }
+
+    fn strike(&mut self, together: &[usize], elastic: bool) -> Result<f64, ModeError> {
+        let driver = &mut *self.0;
+        driver.write_input();
+        driver
+            .contacts
+            .evaluate_contacts(&driver.x, together.iter().copied());
+        let restitution: Vec<f64> = together
+            .iter()
+            .map(|&i| {
+                let bounces = driver.bounces(i, -driver.contacts.normal_velocity(i), false);
+                if elastic && bounces {
+                    driver.restitution[i]
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let mut impulses = Vec::new();
+        let v = &mut driver.state.v;
+        driver
+            .contacts
+            .impact(together, &restitution, &mut impulses, v)?;
+        Ok(clock::jump(
+            &impulses,
+            driver.settings.auxiliary_acceleration,
+        ))
     }
 }
 
@@ -81,7 +139,7 @@ impl Driver<'_> {
             .evaluate_contacts(&self.x, 0..self.all_contacts.len());
         self.contacts.remember_sizes(&self.x);
         let time = self.state.time;
-        let touching: Vec<usize> = self
+        let mut touching: Vec<usize> = self
             .all_contacts
             .iter()
             .copied()
@@ -91,7 +149,7 @@ impl Driver<'_> {
                     || find(&self.active, i).is_some()
             })
             .collect();
-        let closing: Vec<usize> = touching
+        let mut closing: Vec<usize> = touching
             .iter()
             .copied()
             .filter(|&i| {
@@ -101,7 +159,11 @@ impl Driver<'_> {
             .collect();
         let v_before = self.state.v.clone();
         let mut ended = Vec::new();
-        if !closing.is_empty() {
+        let near = self.collapsing(&touching, &closing);
+        if !near.is_empty() {
+            closing = self.cluster(&near)?;
+            touching = near.iter().map(|near| near.contact).collect();
+        } else if !closing.is_empty() {
             ended = self.impact(&touching, &closing)?;
         }
         let previous = self.active.clone();
@@ -111,7 +173,12 @@ impl Driver<'_> {
         selected?;
         self.end_cascades(&ended);
         if !self.active.is_empty() {
-            let active = self.active.iter().map(|held| held.contact);
+            let active: Vec<usize> = self.active.iter().map(|held| held.contact).collect();
+            if !near.is_empty() {
+                // A cluster ends within gaps that are more than rounding.
+                self.project(&active)?;
+                self.write_input();
+            }
             self.contacts.evaluate_contacts(&self.x, active);
             self.contacts.hold(&self.active, &mut self.state.v)?;
         }
@@ -158,16 +225,55 @@ impl Driver<'_> {
         speed > self.rest_velocity(contact) && self.restitution[contact] * speed > slowest
     }
 
-    /// Whether the flight of one of the `closing` contacts since its last impact stayed near what counts as
-    /// touching: several contacts that strike that fast one after the other are at the limit of infinitely
-    /// many impacts, in which they come to rest on each other.
-    fn collapses(&self, closing: &[usize]) -> bool {
-        closing.iter().any(|&i| {
+    /// The contacts of a cluster, if the `closing` ones begin one: one of them is struck again after a flight that
+    /// stayed near what counts as touching, since which another one as near has been struck.
+    fn collapsing(&self, touching: &[usize], closing: &[usize]) -> Vec<NearContact> {
+        let time = self.state.time;
+        let nearness = |i: usize| COLLAPSED * self.contacts.size(i, time).touching_gap();
+        let near: Vec<NearContact> = self
+            .all_contacts
+            .iter()
+            .copied()
+            .filter(|&i| touching.contains(&i) || self.contacts.gap(i) <= nearness(i))
+            .map(|contact| {
+                let held = find(&self.active, contact).is_some();
+                let touching = self.contacts.size(contact, time).touching_gap();
+                NearContact {
+                    contact,
+                    gap: if held {
+                        0.0
+                    } else {
+                        self.contacts.gap(contact).max(0.0)
+                    },
+                    rounding: if held { 0.0 } else { touching },
+                }
+            })
+            .collect();
+        let collapses = closing.iter().any(|&i| {
             let speed = -self.contacts.normal_velocity(i);
-            let flight = speed * (self.state.time - self.struck[i]);
-            let touching = self.contacts.size(i, self.state.time).touching_gap();
-            speed > self.rest_velocity(i) && flight <= COLLAPSED * touching
-        })
+            let flight = speed * (time - self.struck[i]);
+            let mut others = near.iter().filter(|near| near.contact != i);
+            speed > self.rest_velocity(i)
+                && flight <= nearness(i)
+                && others.any(|j| self.struck[j.contact] >= self.struck[i])
+        });
+        if collapses { near } else { Vec::new() }
+    }
+
+    /// Carries out the impacts of a cluster; returns the contacts struck.
+    fn cluster(&mut self, near: &[NearContact]) -> Result<Vec<usize>, ModeError> {
+        let cluster = impact_cluster::resolve(&mut Bodies(self), near)?;
+        self.write_input();
+        self.contacts
+            .evaluate_contacts(&self.x, 0..self.all_contacts.len());
+        for &i in &cluster.struck {
+            self.struck[i] = self.state.time;
+        }
+        self.numerical_time += cluster.numerical_time;
+        if let Some(note) = cluster.note() {
+            self.note(note);
+        }
+        Ok(cluster.struck)
     }
 
     /// The velocity jump of an impact of the `closing` contacts in which all `touching` ones take part.
@@ -178,12 +284,11 @@ impl Driver<'_> {
         closing: &[usize],
     ) -> Result<Vec<(usize, f64)>, ModeError> {
         let alone = touching.len() == 1;
-        let collapsed = !alone && self.collapses(closing);
         let mut ended = Vec::new();
         let mut restitution = vec![0.0; touching.len()];
         for (e, &i) in restitution.iter_mut().zip(touching) {
             let speed = -self.contacts.normal_velocity(i);
-            if !collapsed && self.bounces(i, speed, alone) {
+            if self.bounces(i, speed, alone) {
                 *e = self.restitution[i];
             } else if self.restitution[i] > 0.0 && closing.contains(&i) {
                 ended.push((i, speed));

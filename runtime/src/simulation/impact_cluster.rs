@@ -1,0 +1,186 @@
+//! Clusters: impacts of several contacts within gaps too small for time to tell them apart.
+//!
+//! Bodies that collapse on each other strike ever faster one after the other. Forces do nothing in so short a time,
+//! so the gaps change at constant rates between two impacts:
+//!
+//! 1. Of the contacts that approach, that with the least `g_i / -v_n,i` is struck, together with those that rest
+//!    on their bodies; the other gaps change by as much as they do until then.
+//! 2. Each impact follows the impact law of the run; one that would raise the kinetic energy has no restitution.
+//! 3. The cluster ends when no contact approaches, or after [`MOST_IMPACTS`] with an impact without restitution of
+//!    all at once: what then still approaches does so by a share of its speed that falls with each impact.
+//!
+//! Velocities after the cluster depend on the order of its impacts alone. Each gap is therefore changed by its
+//! rounding error in turn: where the end differs, the order is not known.
+
+/// Impacts of one cluster before it ends without restitution.
+const MOST_IMPACTS: usize = 500;
+/// Kinetic energies are compared to this relative accuracy.
+const SAME_ENERGY: f64 = 1e-12;
+/// Velocities after a cluster that differ by more than this share of the largest before it are not the same.
+const SAME_VELOCITY: f64 = 1e-6;
+
+/// Bodies in a cluster, at one position.
+pub(super) trait Bodies {
+    /// Why an impact has no solution.
+    type Error;
+
+    /// The generalized velocity.
+    fn velocity(&mut self) -> &mut [f64];
+
+    /// Kinetic energy \[J\].
+    fn kinetic_energy(&mut self) -> f64;
+
+    /// Normal velocity of a contact of the cluster.
+    fn normal_velocity(&mut self, contact: usize) -> f64;
+
+    /// Normal velocity below which a contact neither approaches nor leaves.
+    fn zero_velocity(&self, contact: usize) -> f64;
+
+    /// Impact of the contacts `together`, with the restitution of those that bounce if `elastic`. Returns the time
+    /// that it takes in numerical time \[s\].
+    fn strike(&mut self, together: &[usize], elastic: bool) -> Result<f64, Self::Error>;
+}
+
+/// A contact of a cluster.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NearContact {
+    pub(super) contact: usize,
+    /// Gap, 0 for a contact that is held or has just closed.
+    pub(super) gap: f64,
+    /// Rounding error of the gap, 0 for a contact that is held.
+    pub(super) rounding: f64,
+}
+
+/// What a cluster did.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Cluster {
+    /// Contacts struck, increasing.
+    pub(super) struck: Vec<usize>,
+    /// Impacts one after the other.
+    pub(super) impacts: usize,
+    /// Numerical time that the impacts take \[s\].
+    pub(super) numerical_time: f64,
+    /// Whether rounding errors of the gaps change the velocities after it.
+    pub(super) undecided: bool,
+}
+
+impl Cluster {
+    /// What a user should know of it.
+    pub(super) fn note(&self) -> Option<&'static str> {
+        if self.undecided {
+            Some(
+                "impacts of several contacts follow so fast that rounding errors decide their order, and with it \
+                 the motion that follows: other tolerances may give another one; compare runs",
+            )
+        } else if self.impacts > 1 {
+            Some(
+                "impacts of several contacts that follow too fast to be told apart are carried out one after the \
+                 other at one instant",
+            )
+        } else {
+            None
+        }
+    }
+}
+
+/// Carries out the cluster of the contacts `near`.
+///
+/// # Errors
+/// That of an impact without a solution.
+pub(super) fn resolve<B: Bodies>(
+    bodies: &mut B,
+    near: &[NearContact],
+) -> Result<Cluster, B::Error> {
+    let before = bodies.velocity().to_vec();
+    let speeds = normal_velocities(bodies, near);
+    let largest = speeds
+        .iter()
+        .fold(0.0_f64, |most, speed| most.max(speed.abs()));
+    let mut others = Vec::new();
+    for changed in 0..near.len() {
+        if near[changed].rounding > 0.0 {
+            let mut near = near.to_vec();
+            near[changed].gap += near[changed].rounding;
+            run(bodies, &mut near)?;
+            others.push(normal_velocities(bodies, &near));
+            bodies.velocity().copy_from_slice(&before);
+        }
+    }
+    let mut cluster = run(bodies, &mut near.to_vec())?;
+    let after = normal_velocities(bodies, near);
+    cluster.undecided = others.iter().any(|other| {
+        let mut pairs = other.iter().zip(&after);
+        pairs.any(|(other, after)| (other - after).abs() > SAME_VELOCITY * largest)
+    });
+    Ok(cluster)
+}
+
+fn normal_velocities<B: Bodies>(bodies: &mut B, near: &[NearContact]) -> Vec<f64> {
+    near.iter()
+        .map(|near| bodies.normal_velocity(near.contact))
+        .collect()
+}
+
+/// The impacts in their order; `near` follows the gaps.
+fn run<B: Bodies>(bodies: &mut B, near: &mut [NearContact]) -> Result<Cluster, B::Error> {
+    let mut cluster = Cluster::default();
+    loop {
+        let velocities: Vec<f64> = near
+            .iter()
+            .map(|near| {
+                let velocity = bodies.normal_velocity(near.contact);
+                let rests = velocity.abs() <= bodies.zero_velocity(near.contact);
+                if rests { 0.0 } else { velocity }
+            })
+            .collect();
+        let approaching = near.iter().zip(&velocities).filter(|(_, v)| **v < 0.0);
+        let Some(time) = approaching.map(|(near, v)| near.gap / -v).reduce(f64::min) else {
+            break;
+        };
+        let exhausted = cluster.impacts == MOST_IMPACTS;
+        let mut together = Vec::new();
+        for (near, &velocity) in near.iter_mut().zip(&velocities) {
+            let struck = velocity < 0.0 && near.gap <= -velocity * time;
+            near.gap = if struck {
+                0.0
+            } else {
+                (near.gap + velocity * time).max(0.0)
+            };
+            if exhausted || near.gap == 0.0 && velocity <= 0.0 {
+                together.push(near.contact);
+            }
+            if (struck || exhausted && velocity < 0.0) && !cluster.struck.contains(&near.contact) {
+                cluster.struck.push(near.contact);
+            }
+        }
+        let present = bodies.velocity().to_vec();
+        cluster.numerical_time += match strike(bodies, &together, !exhausted) {
+            Ok(time) => time,
+            // Some of the contacts may jam alone where all together do not.
+            Err(_) if !exhausted => {
+                bodies.velocity().copy_from_slice(&present);
+                cluster.impacts = MOST_IMPACTS;
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
+        cluster.impacts += 1;
+        if exhausted {
+            break;
+        }
+    }
+    cluster.struck.sort_unstable();
+    Ok(cluster)
+}
+
+/// An impact that does not raise the kinetic energy.
+fn strike<B: Bodies>(bodies: &mut B, together: &[usize], elastic: bool) -> Result<f64, B::Error> {
+    let before = bodies.velocity().to_vec();
+    let energy = bodies.kinetic_energy();
+    let time = bodies.strike(together, elastic)?;
+    if elastic && bodies.kinetic_energy() > energy * (1.0 + SAME_ENERGY) {
+        bodies.velocity().copy_from_slice(&before);
+        return bodies.strike(together, false);
+    }
+    Ok(time)
+}
