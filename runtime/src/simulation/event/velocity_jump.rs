@@ -1,7 +1,6 @@
 //! The jump of the velocities where gaps close: one impact of all closed contacts, or a cluster of impacts.
 
 use super::cluster;
-use super::dop853::System;
 use super::dynamics::Dynamics;
 use super::impact::{
     Impact, LowestBounce, Undetermined, closed_contacts, ended_bounces, rests, strike,
