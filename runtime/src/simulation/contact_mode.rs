@@ -46,7 +46,7 @@ impl Direction {
 /// use hangtime::prelude::*;
 ///
 /// let mode = ContactMode::Slip(Direction::Backward);
-/// assert!(mode.is_closed());
+/// assert!(!mode.is_open());
 /// assert_eq!(mode.to_string(), "slipping backward");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
