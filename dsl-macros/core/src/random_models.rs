@@ -1,8 +1,10 @@
 //! Random Lagrangians over the grammar, derived, and compared with nested dual numbers.
 
+use crate::ast::Scene;
 use crate::derive::{self, Solution, Sparse};
 use crate::diagnostics::Diagnostics;
 use crate::graph::{self, Variable};
+use crate::scene::CheckedScene;
 use crate::testing::{Evaluator, Nested, Point, run};
 use crate::{check, parse};
 use std::fmt::Write;
@@ -187,6 +189,14 @@ fn agree(what: &str, source: &str, found: f64, wanted: f64, scale: f64) {
     );
 }
 
+/// Accelerations agree, measured by the largest.
+fn agree_all(source: &str, found: &[f64], wanted: &[Nested]) {
+    let scale = wanted.iter().fold(0.0_f64, |s, w| s.max(w.real().abs()));
+    for (found, wanted) in found.iter().zip(wanted) {
+        agree("acceleration", source, *found, wanted.real(), scale);
+    }
+}
+
 /// Compares a sparse matrix with a dense one; whether each structural nonzero is one.
 fn compare(
     what: &str,
@@ -207,6 +217,33 @@ fn compare(
     }
 }
 
+/// The acceleration at the inputs `x` of `n` coordinates, with a dual number of its own along each input in `seeds`.
+fn accelerations(evaluator: &Evaluator<'_>, x: &[f64], n: usize, seeds: &[usize]) -> Vec<Nested> {
+    let mut q: Vec<Nested> = x.iter().map(|&x| Nested::Real(x)).collect();
+    for (tag, &seed) in seeds.iter().enumerate() {
+        let tag = tag as u32 + 1;
+        q[seed] = Nested::dual(tag, q[seed].clone(), Nested::Real(1.0));
+    }
+    let u = q.split_off(2 * n);
+    let v = q.split_off(n);
+    let tag = seeds.len() as u32 + 1;
+    acceleration(evaluator, &Point { q, v, u, tag })
+}
+
+/// The scene of a source that has no mistake.
+fn checked(declared: &Scene, source: &str) -> CheckedScene {
+    let mut diagnostics = Diagnostics::default();
+    let Ok(scene) = check::scene(declared, &mut diagnostics) else {
+        let texts: Vec<String> = diagnostics
+            .into_mistakes()
+            .iter()
+            .map(crate::Mistake::text)
+            .collect();
+        panic!("{texts:?}\n{source}");
+    };
+    scene
+}
+
 #[test]
 #[expect(
     clippy::needless_range_loop,
@@ -221,15 +258,7 @@ fn random_models_agree_with_nested_dual_numbers_and_have_minimal_patterns() {
         let mut diagnostics = Diagnostics::default();
         let tokens = source.parse().unwrap();
         let declared = parse::scene(tokens, &mut diagnostics).unwrap();
-        let scene = check::scene(&declared, &mut diagnostics);
-        let Ok(scene) = scene else {
-            let texts: Vec<String> = diagnostics
-                .into_mistakes()
-                .iter()
-                .map(crate::Mistake::text)
-                .collect();
-            panic!("{texts:?}\n{source}");
-        };
+        let scene = checked(&declared, &source);
         let Ok(equations) = derive::equations(&scene) else {
             panic!("singular\n{source}");
         };
@@ -252,31 +281,9 @@ fn random_models_agree_with_nested_dual_numbers_and_have_minimal_patterns() {
                 Variable::Multiplier(i) => weights[usize::from(i)],
                 other => panic!("{other:?} is no input"),
             };
-            let at = |seeds: &[usize]| {
-                let mut values: Vec<Nested> = x.iter().map(|&x| Nested::Real(x)).collect();
-                for (tag, &seed) in seeds.iter().enumerate() {
-                    let tag = tag as u32 + 1;
-                    values[seed] = Nested::dual(tag, values[seed].clone(), Nested::Real(1.0));
-                }
-                let u = values.split_off(2 * n);
-                let v = values.split_off(n);
-                let tag = seeds.len() as u32 + 1;
-                acceleration(
-                    &evaluator,
-                    &Point {
-                        q: values,
-                        v,
-                        u,
-                        tag,
-                    },
-                )
-            };
+            let at = |seeds: &[usize]| accelerations(&evaluator, &x, n, seeds);
             let found = run(&solution.values, input);
-            let wanted = at(&[]);
-            let scale = wanted.iter().fold(0.0_f64, |s, w| s.max(w.real().abs()));
-            for (found, wanted) in found.iter().zip(&wanted) {
-                agree("acceleration", &source, *found, wanted.real(), scale);
-            }
+            agree_all(&source, &found, &at(&[]));
             let mut wanted = vec![vec![0.0; inputs]; n];
             for j in 0..inputs {
                 for (i, value) in at(&[j]).iter().enumerate() {

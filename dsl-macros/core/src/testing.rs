@@ -269,42 +269,7 @@ impl<'a> Evaluator<'a> {
             Kind::Call {
                 function,
                 arguments,
-            } => {
-                let name = function.text.as_str();
-                if let Some((names, body)) = self.functions.get(name) {
-                    let values = arguments.iter().map(of);
-                    let locals = names.iter().copied().zip(values).collect();
-                    return self.value(body, point, &locals);
-                }
-                if let [left, right] = arguments.as_slice() {
-                    let (a, b) = (of(left), of(right));
-                    let products = a.iter().zip(&b).map(|(a, b)| a.times(b));
-                    return vec![products.fold(Nested::Real(0.0), |sum, p| sum.add(&p))];
-                }
-                if name == "transpose" {
-                    let m = of(&arguments[0]);
-                    return [0, 2, 1, 3].map(|k| m[k].clone()).to_vec();
-                }
-                if name == "rotation" {
-                    let angle = of(&arguments[0]).remove(0);
-                    let (s, c) = (angle.apply("sin"), angle.apply("cos"));
-                    return vec![c.clone(), s.negated(), s, c];
-                }
-                if name == "dot" {
-                    let tag = point.tag;
-                    let mut moving = point.clone();
-                    moving.tag += 1;
-                    for (q, v) in moving.q.iter_mut().zip(&point.v) {
-                        *q = Nested::dual(tag, q.clone(), v.clone());
-                    }
-                    return self
-                        .value(&arguments[0], &moving, locals)
-                        .iter()
-                        .map(|c| c.eps(tag))
-                        .collect();
-                }
-                vec![of(&arguments[0])[0].apply(name)]
-            }
+            } => self.call(&function.text, arguments, point, locals),
             Kind::Derivative {
                 function, argument, ..
             } => {
@@ -327,6 +292,50 @@ impl<'a> Evaluator<'a> {
             }
             Kind::Norm(_) | Kind::Index { .. } => panic!("not part of random models"),
         }
+    }
+
+    /// The value of a call of a function, of the scene or of the language.
+    fn call(
+        &self,
+        name: &str,
+        arguments: &[Expr],
+        point: &Point,
+        locals: &HashMap<&str, Vec<Nested>>,
+    ) -> Vec<Nested> {
+        let of = |inner: &Expr| self.value(inner, point, locals);
+        if let Some((names, body)) = self.functions.get(name) {
+            let values = arguments.iter().map(of);
+            let locals = names.iter().copied().zip(values).collect();
+            return self.value(body, point, &locals);
+        }
+        if let [left, right] = arguments {
+            let (a, b) = (of(left), of(right));
+            let products = a.iter().zip(&b).map(|(a, b)| a.times(b));
+            return vec![products.fold(Nested::Real(0.0), |sum, p| sum.add(&p))];
+        }
+        if name == "transpose" {
+            let m = of(&arguments[0]);
+            return [0, 2, 1, 3].map(|k| m[k].clone()).to_vec();
+        }
+        if name == "rotation" {
+            let angle = of(&arguments[0]).remove(0);
+            let (s, c) = (angle.apply("sin"), angle.apply("cos"));
+            return vec![c.clone(), s.negated(), s, c];
+        }
+        if name == "dot" {
+            let tag = point.tag;
+            let mut moving = point.clone();
+            moving.tag += 1;
+            for (q, v) in moving.q.iter_mut().zip(&point.v) {
+                *q = Nested::dual(tag, q.clone(), v.clone());
+            }
+            return self
+                .value(&arguments[0], &moving, locals)
+                .iter()
+                .map(|c| c.eps(tag))
+                .collect();
+        }
+        vec![of(&arguments[0])[0].apply(name)]
     }
 }
 

@@ -6,6 +6,7 @@ use crate::ast::{Expr, Law, Name};
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
 use crate::evaluate::Value;
+use crate::evaluate::expression;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::parse::law_of;
 use crate::scene::{self, Contact, Friction};
@@ -76,7 +77,7 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
 
 /// E10: a coefficient between 0 and a bound, for the defaults of the parameters.
 fn coefficient(checker: &mut Checker<'_>, expr: &Expr, of: &str, most: f64) -> Checked<Sym> {
-    let sym = checker.scope.scalar(expr, checker.diagnostics)?;
+    let sym = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
     let sym = checker.constant(sym, expr, &format!("the coefficient of {of}"))?;
     let Some(value) = checker.at_default(sym) else {
         return Ok(sym);
@@ -103,7 +104,7 @@ fn coefficient(checker: &mut Checker<'_>, expr: &Expr, of: &str, most: f64) -> C
 
 /// The sliding velocity, which must be `b(q, t)' v`.
 fn sliding(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
-    let sliding = checker.scope.scalar(expr, checker.diagnostics)?;
+    let sliding = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
     if let Some(variable) = graph::variables(&[sliding])
         .into_iter()
         .find(|variable| matches!(variable, Variable::Control(_)))
@@ -173,7 +174,7 @@ fn held(checker: &mut Checker<'_>, names: &[Name]) -> Checked<Vec<usize>> {
 
 /// The impulse direction as velocities in declared units.
 fn direction(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Vec<Sym>> {
-    let value = checker.scope.value(expr, checker.diagnostics)?;
+    let value = expression::value(&mut checker.scope, expr, checker.diagnostics)?;
     let n = checker.coordinates.len();
     let components = value.components();
     if components.len() != n

@@ -15,6 +15,7 @@ pub(crate) use start::at_start;
 
 use crate::ast::{Documentation, Expr, Name, Relation, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
+use crate::evaluate::expression;
 use crate::evaluate::{Meaning, Scope, UserFunction};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, CheckedScene};
@@ -95,7 +96,7 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
 fn abbreviation(checker: &mut Checker<'_>, name: &Name, value: &Expr) -> Checked<()> {
     let free = checker.new_name(name, "abbreviation");
     checker.scope.later.remove(&name.text);
-    let value = checker.scope.value(value, checker.diagnostics);
+    let value = expression::value(&mut checker.scope, value, checker.diagnostics);
     free?;
     let meaning = match value {
         Ok(value) => value,
@@ -174,8 +175,8 @@ fn surface(
             format!("surface `{}` is declared twice; rename one", name.text),
         ));
     }
-    let left_value = checker.scope.scalar(left, checker.diagnostics);
-    let right_value = checker.scope.scalar(right, checker.diagnostics);
+    let left_value = expression::scalar(&mut checker.scope, left, checker.diagnostics);
+    let right_value = expression::scalar(&mut checker.scope, right, checker.diagnostics);
     let (Ok(left_value), Ok(right_value)) = (left_value, right_value) else {
         return checker.poison(name);
     };

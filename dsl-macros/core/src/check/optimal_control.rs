@@ -6,6 +6,7 @@ use super::{units, values};
 use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::Role;
+use crate::evaluate::expression;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, OptimalControl};
 use crate::words;
@@ -94,7 +95,7 @@ fn meaningless(checker: &mut Checker<'_>, place: Place, message: String) -> Repo
 /// What an integral is multiplied by.
 fn factor(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
     let value = in_role(checker, Role::Running, |checker| {
-        checker.scope.scalar(expr, checker.diagnostics)
+        expression::scalar(&mut checker.scope, expr, checker.diagnostics)
     })?;
     let moving = graph::variables(&[value])
         .into_iter()
@@ -119,7 +120,7 @@ fn running_term(
     cost: &mut Cost,
 ) -> Checked<()> {
     let value = in_role(checker, Role::Running, |checker| {
-        checker.scope.scalar(expr, checker.diagnostics)
+        expression::scalar(&mut checker.scope, expr, checker.diagnostics)
     })?;
     if !moves(value) {
         return Err(meaningless(
@@ -166,7 +167,7 @@ fn final_term(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Co
 /// A number at the final instant, where a control has no value.
 fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Sym> {
     let value = in_role(checker, Role::End, |checker| {
-        checker.scope.scalar(expr, checker.diagnostics)
+        expression::scalar(&mut checker.scope, expr, checker.diagnostics)
     })?;
     let control = graph::variables(&[value])
         .into_iter()
@@ -233,7 +234,7 @@ pub(super) fn constraint(
     }
     let mut side = |expr: &Expr| {
         in_role(checker, Role::Running, |checker| {
-            let value = checker.scope.scalar(expr, checker.diagnostics)?;
+            let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
             smooth(value, expr, checker)?;
             Ok(value)
         })

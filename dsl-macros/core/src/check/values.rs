@@ -3,6 +3,7 @@
 use super::checker::Checker;
 use crate::ast::{Assignment, Expr, Kind, Name, Quantity, WrittenUnit};
 use crate::diagnostics::{Checked, Place, Reported};
+use crate::evaluate::expression;
 use crate::evaluate::unrepresentable;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, Coordinate};
@@ -36,7 +37,7 @@ fn in_declared_unit(
     expr: &Expr,
     unit: Option<&WrittenUnit>,
 ) -> Checked<Sym> {
-    let value = checker.scope.scalar(expr, checker.diagnostics)?;
+    let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
     if is_bare(expr) {
         return Ok(value);
     }
@@ -114,7 +115,7 @@ fn declared<'a>(checker: &'a mut Checker<'_>, control: bool) -> &'a mut Vec<Coor
 }
 
 pub(super) fn lagrangian(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {
-    let value = checker.scope.scalar(expr, checker.diagnostics)?;
+    let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
     if checker.lagrangian.is_some() {
         return Err(checker.diagnostics.syntax(
             keyword,
@@ -139,7 +140,7 @@ pub(super) fn lagrangian(checker: &mut Checker<'_>, keyword: Place, expr: &Expr)
 }
 
 pub(super) fn dissipation(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {
-    let value = checker.scope.scalar(expr, checker.diagnostics)?;
+    let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
     if checker.dissipation.is_some() {
         return Err(checker.diagnostics.syntax(
             keyword,
@@ -183,7 +184,7 @@ fn damping_is_not_negative(
 
 pub(super) fn forces(checker: &mut Checker<'_>, assignments: &[Assignment]) -> Checked<()> {
     for assignment in assignments {
-        let value = checker.scope.scalar(&assignment.value, checker.diagnostics);
+        let value = expression::scalar(&mut checker.scope, &assignment.value, checker.diagnostics);
         let (Ok(index), Ok(value)) = (checker.coordinate_index(&assignment.target), value) else {
             continue;
         };
@@ -268,7 +269,7 @@ pub(super) fn start_values(checker: &mut Checker<'_>) -> Checked<(Vec<Sym>, Vec<
 }
 
 pub(super) fn horizon(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {
-    let value = checker.scope.scalar(expr, checker.diagnostics)?;
+    let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
     let value = checker.constant(value, expr, "the horizon")?;
     if checker.horizon.is_some() {
         return Err(checker

@@ -1,11 +1,13 @@
 //! Expressions of the syntax tree to nodes of the graph.
 
 mod algebra;
+pub(crate) mod expression;
 mod functions;
 mod matrix;
 mod scope;
 mod value;
 
+pub(crate) use expression::{BUDGET, TOO_LARGE, unrepresentable};
 pub(crate) use functions::velocity_direction;
-pub(crate) use scope::{BUDGET, Meaning, Role, Scope, TOO_LARGE, UserFunction, unrepresentable};
+pub(crate) use scope::{Meaning, Role, Scope, UserFunction};
 pub(crate) use value::Value;

@@ -31,9 +31,22 @@ fn mass(statements: &str) -> String {
     )
 }
 
+/// Each slip is the only mistake, and the message points at its mark.
+fn assert_caught<const N: usize>(slips: [(String, &str); N]) {
+    for (marked, wanted) in slips {
+        let (source, place) = unmarked(&marked);
+        let mistakes = hangtime_dsl::try_expand(source.parse().expect("tokens"))
+            .err()
+            .unwrap_or_default();
+        let texts: Vec<String> = mistakes.iter().map(Mistake::text).collect();
+        assert_eq!(texts, [wanted], "{source}");
+        assert_eq!(pointed(&source, &mistakes[0]), place, "{wanted}");
+    }
+}
+
 #[test]
-fn planted_slips_are_caught_where_they_were_made() {
-    let slips = [
+fn planted_slips_of_energies_are_caught_where_they_were_made() {
+    assert_caught([
         // A square too many.
         (
             mass("lagrangian m/2*dot(y)<<^>>2^2 + m/2*dot(z)^2 - m*g*z"),
@@ -76,6 +89,12 @@ fn planted_slips_are_caught_where_they_were_made() {
             "E10: the dissipation is negative: with the defaults of the parameters it feeds energy into `dot(y)`; \
              a damper is written with a plus sign, as in `c/2*dot(y)^2`",
         ),
+    ]);
+}
+
+#[test]
+fn planted_slips_of_units_and_places_are_caught_where_they_were_made() {
+    assert_caught([
         // Mass and length exchanged.
         (
             "pub S { parameters { m: m = 80, l: kg = 2, g: m/s^2 = 9.81 } coordinates { a: rad } lagrangian \
@@ -149,17 +168,7 @@ fn planted_slips_are_caught_where_they_were_made() {
             mass("lagrangian m/2*|dot((y, z))|^2 - m*<<G>>*z"),
             "E01: `G` is not declared; did you mean `g`?",
         ),
-    ];
-    assert!(slips.len() >= 12);
-    for (marked, wanted) in slips {
-        let (source, place) = unmarked(&marked);
-        let mistakes = hangtime_dsl::try_expand(source.parse().expect("tokens"))
-            .err()
-            .unwrap_or_default();
-        let texts: Vec<String> = mistakes.iter().map(Mistake::text).collect();
-        assert_eq!(texts, [wanted], "{source}");
-        assert_eq!(pointed(&source, &mistakes[0]), place, "{wanted}");
-    }
+    ]);
 }
 
 #[test]
