@@ -81,7 +81,8 @@ macro_rules! oracle {
             }
             fn terminal_of<D: num_dual::DualNum<Primitive = f64> + Copy>(&self, z: &[D]) -> Vec<D> {
                 $terminal(self, z)
-            })?
+            }
+            )?
         }
     };
 }

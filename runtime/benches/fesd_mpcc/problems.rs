@@ -78,13 +78,16 @@ fn family(scheme: Scheme) -> &'static str {
 }
 
 pub(crate) fn cases() -> Vec<Case> {
+    let mut cases = published_scenes();
+    cases.extend(small_scenes());
+    cases
+}
+
+/// Steps of the ski jump and the pump track, and the pump track in least time.
+fn published_scenes() -> Vec<Case> {
     use Scheme::{GaussLegendre as Gauss, RadauIia as Radau};
     let table = |y: f64| (((-0.0001524 * y - 0.002149) * y + 0.4162) * y - 9.154) * y + 99.15;
     let y = 10.2759;
-    let sine = |y: f64| (0.2 * f64::sin(y), 0.2 * f64::cos(y));
-    let (height, slope) = sine(4.0);
-    let ball = (&[0.0, 0.5][..], &[1.0, 0.0][..]);
-    let bowl = (&[-1.0, 0.5][..], &[1.0, -1.0][..]);
     let link = 0.4368;
     vec![
         Case::step(
@@ -143,6 +146,17 @@ pub(crate) fn cases() -> Vec<Case> {
         Case::pump_track(10.0, 10, (Gauss, 2)),
         Case::pump_track(15.0, 10, (Gauss, 2)),
         Case::pump_track(22.0, 10, (Gauss, 2)),
+    ]
+}
+
+/// Steps of scenes with one motion each: a ball, a bowl, waves, a bar with two ends.
+fn small_scenes() -> Vec<Case> {
+    use Scheme::{GaussLegendre as Gauss, RadauIia as Radau};
+    let sine = |y: f64| (0.2 * f64::sin(y), 0.2 * f64::cos(y));
+    let (height, slope) = sine(4.0);
+    let ball = (&[0.0, 0.5][..], &[1.0, 0.0][..]);
+    let bowl = (&[-1.0, 0.5][..], &[1.0, -1.0][..]);
+    vec![
         Case::step("ball falls", Ball::default(), ball, 0.5, (Radau, 2, 4)),
         Case::step("ball falls", Ball::default(), ball, 0.7, (Radau, 3, 3)),
         Case::step("ball falls", Ball::default(), ball, 0.9, (Gauss, 2, 3)),

@@ -9,7 +9,8 @@
 use super::active_contact::{ActiveContact, Tangential, find};
 use super::contacts::{Contacts, Line, ModeError, dot, norm};
 use super::coulomb::{self, Cone};
-use super::sharing::Share;
+use super::impact;
+use super::sharing::{self, Share};
 
 /// Relative size below which an acceleration or a jerk counts as zero when the mode is chosen.
 const BIACTIVE: f64 = 1e-8;
@@ -23,304 +24,365 @@ enum Undecided {
     Edge { contact: usize, sense: f64 },
 }
 
-impl Contacts<'_> {
-    /// The contact mode at `x` and `time`: writes the contacts that carry a force to `active`. Of the contacts
-    /// that are `close`, those touch whose normal velocity is zero for their size; those of them slide whose
-    /// sliding velocity is not.
-    ///
-    /// `active` holds the previous mode on entry; it decides where accelerations and jerks both vanish.
-    /// What [`evaluate`](Self::evaluate) stored is overwritten.
-    pub(crate) fn select(
-        &mut self,
-        x: &[f64],
-        close: &[usize],
-        time: f64,
-        active: &mut Vec<ActiveContact>,
-    ) -> Result<(), ModeError> {
-        self.evaluate(x, close.iter().copied());
-        let touching: Vec<usize> = close
-            .iter()
-            .copied()
-            .filter(|&i| self.normal_velocity(i).abs() <= self.resting_velocity(i, time))
-            .collect();
-        if touching.is_empty() {
-            active.clear();
-            return Ok(());
-        }
-        let at_rest = |i: usize| self.sliding_velocity(i).abs() <= self.size(i, time).at_rest();
-        let (lines, cones) = self.coulomb_lines(&touching, at_rest);
+/// The contact mode at `x` and `time`: writes the contacts that carry a force to `active`. Of the contacts
+/// that are `close`, those touch whose normal velocity is zero for their size; those of them slide whose
+/// sliding velocity is not.
+///
+/// `active` holds the previous mode on entry; it decides where accelerations and jerks both vanish.
+/// What [`Contacts::evaluate`] stored is overwritten.
+pub(crate) fn select(
+    contacts: &mut Contacts<'_>,
+    x: &[f64],
+    close: &[usize],
+    time: f64,
+    active: &mut Vec<ActiveContact>,
+) -> Result<(), ModeError> {
+    contacts.evaluate(x, close.iter().copied());
+    let touching: Vec<usize> = close
+        .iter()
+        .copied()
+        .filter(|&i| contacts.normal_velocity(i).abs() <= contacts.resting_velocity(i, time))
+        .collect();
+    if touching.is_empty() {
+        active.clear();
+        return Ok(());
+    }
+    let solved = Solved::new(contacts, touching, time)?;
+    let Sorted {
+        mut strict,
+        mut undecided,
+        shares,
+    } = solved.sort(contacts);
+    sharing::share_friction(contacts, &mut strict, &shares)?;
+    drop_held(contacts, &mut strict, &mut undecided)?;
+    if !undecided.is_empty() {
+        select_by_jerk(contacts, x, active, &mut strict, &undecided)?;
+        sharing::share_friction(contacts, &mut strict, &shares)?;
+    }
+    strict.sort_unstable_by_key(|held| held.contact);
+    active.clone_from(&strict);
+    Ok(())
+}
+
+/// Forces and accelerations of the contacts that touch: their normals, then the tangents of the cones.
+struct Solved {
+    touching: Vec<usize>,
+    cones: Vec<Cone>,
+    forces: Vec<f64>,
+    accelerations: Vec<f64>,
+}
+
+/// What accelerations decide.
+#[derive(Default)]
+struct Sorted {
+    /// Contacts that carry a force.
+    strict: Vec<ActiveContact>,
+    undecided: Vec<Undecided>,
+    /// Friction of those in a cone.
+    shares: Vec<Share>,
+}
+
+impl Solved {
+    fn new(contacts: &Contacts<'_>, touching: Vec<usize>, time: f64) -> Result<Self, ModeError> {
+        let at_rest =
+            |i: usize| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest();
+        let (lines, cones) = impact::coulomb_lines(contacts, &touching, at_rest);
         let free: Vec<f64> = lines
             .iter()
-            .map(|&line| self.free_line_acceleration(line))
+            .map(|&line| contacts.free_line_acceleration(line))
             .collect();
-        let matrix = self.couplings(&lines);
+        let matrix = contacts.couplings(&lines);
         let mut forces = vec![0.0; lines.len()];
         coulomb::solve(&matrix, &free, &cones, &mut forces)?;
-        let total = |line: usize| {
-            free[line]
-                + dot(
-                    &matrix[line * lines.len()..(line + 1) * lines.len()],
-                    &forces,
-                )
-        };
-        let (mut strict, mut undecided, mut shares) = (Vec::new(), Vec::new(), Vec::new());
-        for (k, &contact) in touching.iter().enumerate() {
-            let zero = BIACTIVE * self.phi_scale(contact);
-            let cone = cones.iter().position(|cone| cone.normal == k);
-            let tangent = cone.map(|cone| touching.len() + cone);
-            if forces[k] > zero {
+        let rows = matrix.chunks_exact(lines.len());
+        let accelerations = free.iter().zip(rows).map(|(a, row)| a + dot(row, &forces));
+        Ok(Self {
+            touching,
+            cones,
+            accelerations: accelerations.collect(),
+            forces,
+        })
+    }
+
+    /// The line of the tangent of the `k`-th contact, where its friction has a cone.
+    fn tangent(&self, k: usize) -> Option<usize> {
+        let cone = self.cones.iter().position(|cone| cone.normal == k);
+        cone.map(|cone| self.touching.len() + cone)
+    }
+
+    /// Sorts the contacts by what their forces and accelerations say.
+    fn sort(&self, contacts: &Contacts<'_>) -> Sorted {
+        let mut sorted = Sorted::default();
+        for (k, &contact) in self.touching.iter().enumerate() {
+            let zero = BIACTIVE * contacts.phi_scale(contact);
+            let tangent = self.tangent(k);
+            if self.forces[k] > zero {
                 let tangential = match tangent {
-                    None => self.sliding_state(contact),
+                    None => sliding_state(contacts, contact),
+                    Some(tangent) => self.in_cone(contacts, k, tangent, &mut sorted),
+                };
+                sorted.strict.push(ActiveContact {
+                    contact,
+                    tangential,
+                });
+            } else if self.accelerations[k] <= zero {
+                let sense = match tangent {
+                    None => Some(sliding_state(contacts, contact).sense()),
                     Some(tangent) => {
-                        let friction = forces[tangent];
-                        let zero = BIACTIVE * self.tangential_scale(contact);
-                        let margin = self.friction(contact) * forces[k] - friction.abs();
-                        let margin = if margin > zero { margin } else { 0.0 };
-                        shares.push(Share {
-                            contact,
-                            friction,
-                            margin,
-                        });
-                        let slip = total(tangent);
-                        if margin == 0.0 && slip.abs() <= zero {
-                            let sense = -friction.signum();
-                            undecided.push(Undecided::Edge { contact, sense });
-                            Tangential::slip(sense)
-                        } else if margin > 0.0 {
-                            Tangential::Sticking
-                        } else {
-                            Tangential::slip(slip)
-                        }
+                        let slip = self.accelerations[tangent];
+                        let moves = slip.abs() > BIACTIVE * contacts.tangential_scale(contact);
+                        moves.then_some(slip.signum())
+                    }
+                };
+                sorted.undecided.push(Undecided::Normal { contact, sense });
+            }
+        }
+        sorted
+    }
+
+    /// What the `k`-th contact does, which carries a force and does not slide.
+    fn in_cone(
+        &self,
+        contacts: &Contacts<'_>,
+        k: usize,
+        tangent: usize,
+        sorted: &mut Sorted,
+    ) -> Tangential {
+        let contact = self.touching[k];
+        let friction = self.forces[tangent];
+        let zero = BIACTIVE * contacts.tangential_scale(contact);
+        let margin = contacts.friction(contact) * self.forces[k] - friction.abs();
+        let margin = if margin > zero { margin } else { 0.0 };
+        sorted.shares.push(Share {
+            contact,
+            friction,
+            margin,
+        });
+        let slip = self.accelerations[tangent];
+        if margin == 0.0 && slip.abs() <= zero {
+            let sense = -friction.signum();
+            sorted.undecided.push(Undecided::Edge { contact, sense });
+            Tangential::slip(sense)
+        } else if margin > 0.0 {
+            Tangential::Sticking
+        } else {
+            Tangential::slip(slip)
+        }
+    }
+}
+
+/// Conditions on velocities that the strictly active contacts hold need no decision: a contact on the edge
+/// of its cone stays there, one without a force needs none.
+fn drop_held(
+    contacts: &Contacts<'_>,
+    active: &mut [ActiveContact],
+    undecided: &mut Vec<Undecided>,
+) -> Result<(), ModeError> {
+    for k in (0..undecided.len()).rev() {
+        let line = match undecided[k] {
+            Undecided::Edge { contact, sense } => Line::Tangent { contact, sense },
+            Undecided::Normal { contact, .. } => Line::Normal {
+                contact,
+                slope: 0.0,
+            },
+        };
+        if sharing::is_independent(contacts, active, line)? {
+            continue;
+        }
+        if let Undecided::Edge { contact, sense } = undecided.remove(k) {
+            for held in active.iter_mut().filter(|held| held.contact == contact) {
+                held.tangential = Tangential::bound(sense);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// State of a contact that slides or has no friction.
+fn sliding_state(contacts: &Contacts<'_>, contact: usize) -> Tangential {
+    if contacts.friction(contact) > 0.0 {
+        Tangential::slip(contacts.sliding_velocity(contact))
+    } else {
+        Tangential::Idle
+    }
+}
+
+/// Decides conditions whose two sides both vanish by their derivatives along the motion with the
+/// strictly active contacts, in which those on the edge of their cone slip; where those vanish too, the
+/// previous mode stays.
+fn select_by_jerk(
+    contacts: &mut Contacts<'_>,
+    x: &[f64],
+    previous: &[ActiveContact],
+    strict: &mut Vec<ActiveContact>,
+    undecided: &[Undecided],
+) -> Result<(), ModeError> {
+    let (lines, cones) = undecided_lines(contacts, undecided);
+    let mut held = Vec::new();
+    contacts.lines(strict, &mut held);
+    let mut forces = vec![0.0; held.len()];
+    contacts.contact_forces(strict, &mut forces)?;
+    let mut motion = vec![0.0; contacts.n];
+    contacts.constrained_acceleration(strict, &forces, &mut motion);
+    let matrix = sharing::reduced_couplings(contacts, &held, &lines)?;
+    let scales: Vec<f64> = lines.iter().map(|&line| contacts.scale(line)).collect();
+    let (step, time_scale) = difference_step(contacts, x, &motion);
+    // Far from the origin the step is longer and leaves fewer digits.
+    let biactive = BIACTIVE.max(4.0 * (step / time_scale).powi(2));
+    let mut jerk = vec![0.0; lines.len()];
+    let mut behind = vec![0.0; lines.len()];
+    separation(contacts, x, &motion, step, strict, &held, &lines, &mut jerk)?;
+    separation(
+        contacts,
+        x,
+        &motion,
+        -step,
+        strict,
+        &held,
+        &lines,
+        &mut behind,
+    )?;
+    for (ahead, behind) in jerk.iter_mut().zip(&behind) {
+        *ahead = (*ahead - behind) / (2.0 * step);
+    }
+    let mut rates = vec![0.0; lines.len()];
+    coulomb::solve(&matrix, &jerk, &cones, &mut rates)?;
+    let size = lines.len();
+    for (k, &condition) in undecided.iter().enumerate() {
+        let zero = |line: usize| biactive * scales[line] / time_scale;
+        let total = |line: usize| jerk[line] + dot(&matrix[line * size..(line + 1) * size], &rates);
+        match condition {
+            Undecided::Edge { contact, sense } => {
+                let slips = Tangential::slip(sense);
+                let slip = rates[k] <= zero(k)
+                    && (total(k) > zero(k) || find(previous, contact) == Some(slips));
+                for held in strict.iter_mut().filter(|held| held.contact == contact) {
+                    held.tangential = if slip { slips } else { Tangential::Sticking };
+                }
+            }
+            Undecided::Normal { contact, sense } => {
+                let before = find(previous, contact);
+                if !(rates[k] > zero(k) || total(k) <= zero(k) && before.is_some()) {
+                    continue;
+                }
+                let cone = cones.iter().position(|cone| cone.normal == k);
+                let tangential = match cone.map(|cone| undecided.len() + cone) {
+                    None if contacts.friction(contact) > 0.0 => {
+                        Tangential::slip(sense.unwrap_or(0.0))
+                    }
+                    None => Tangential::Idle,
+                    Some(tangent) => {
+                        let margin = contacts.friction(contact) * rates[k] - rates[tangent].abs();
+                        let zero = zero(tangent);
+                        let decided = from_rest(margin, total(tangent), zero);
+                        decided.or(before).unwrap_or(Tangential::Sticking)
                     }
                 };
                 strict.push(ActiveContact {
                     contact,
                     tangential,
                 });
-            } else if total(k) <= zero {
-                let sense = match tangent {
-                    None => Some(self.sliding_state(contact).sense()),
-                    Some(tangent) => {
-                        let slip = total(tangent);
-                        let moves = slip.abs() > BIACTIVE * self.tangential_scale(contact);
-                        moves.then_some(slip.signum())
-                    }
-                };
-                undecided.push(Undecided::Normal { contact, sense });
             }
         }
-        self.share_friction(&mut strict, &shares)?;
-        self.drop_held(&mut strict, &mut undecided)?;
-        if !undecided.is_empty() {
-            self.select_by_jerk(x, active, &mut strict, &undecided)?;
-            self.share_friction(&mut strict, &shares)?;
-        }
-        strict.sort_unstable_by_key(|held| held.contact);
-        active.clone_from(&strict);
-        Ok(())
     }
+    Ok(())
+}
 
-    /// Conditions on velocities that the strictly active contacts hold need no decision: a contact on the edge
-    /// of its cone stays there, one without a force needs none.
-    fn drop_held(
-        &self,
-        active: &mut [ActiveContact],
-        undecided: &mut Vec<Undecided>,
-    ) -> Result<(), ModeError> {
-        for k in (0..undecided.len()).rev() {
-            let line = match undecided[k] {
-                Undecided::Edge { contact, sense } => Line::Tangent { contact, sense },
-                Undecided::Normal { contact, .. } => Line::Normal {
-                    contact,
-                    slope: 0.0,
-                },
-            };
-            if self.is_independent(active, line)? {
-                continue;
-            }
-            if let Undecided::Edge { contact, sense } = undecided.remove(k) {
-                for held in active.iter_mut().filter(|held| held.contact == contact) {
-                    held.tangential = Tangential::bound(sense);
-                }
-            }
-        }
-        Ok(())
+/// What a contact at rest begins to do, by the distance of its force from the cone and its slip, if they say so.
+fn from_rest(margin: f64, slip: f64, zero: f64) -> Option<Tangential> {
+    if margin > zero {
+        Some(Tangential::Sticking)
+    } else {
+        (slip.abs() > zero).then(|| Tangential::slip(slip))
     }
+}
 
-    /// State of a contact that slides or has no friction.
-    fn sliding_state(&self, contact: usize) -> Tangential {
-        if self.friction(contact) > 0.0 {
-            Tangential::slip(self.sliding_velocity(contact))
-        } else {
-            Tangential::Idle
-        }
-    }
+/// Step of a central difference along the motion with the acceleration `motion`, and the motion's own time
+/// scale: truncation and rounding errors are both near 1e-10 for a step of 1e-5 of it.
+fn difference_step(contacts: &Contacts<'_>, x: &[f64], motion: &[f64]) -> (f64, f64) {
+    let speed = norm(&x[contacts.n..2 * contacts.n]) + f64::MIN_POSITIVE;
+    let rounding = f64::EPSILON * norm(&x[..contacts.n]);
+    let own = speed / (norm(motion) + f64::MIN_POSITIVE);
+    // From rest the velocity says nothing.
+    let shortest = if speed * own > 1e8 * rounding {
+        0.0
+    } else {
+        1e-3
+    };
+    let time_scale = own.clamp(shortest, 1.0);
+    let share = (rounding / (speed * time_scale)).cbrt().clamp(1e-5, 1e-2);
+    (share * time_scale, time_scale)
+}
 
-    /// Decides conditions whose two sides both vanish by their derivatives along the motion with the
-    /// strictly active contacts, in which those on the edge of their cone slip; where those vanish too, the
-    /// previous mode stays.
-    fn select_by_jerk(
-        &mut self,
-        x: &[f64],
-        previous: &[ActiveContact],
-        strict: &mut Vec<ActiveContact>,
-        undecided: &[Undecided],
-    ) -> Result<(), ModeError> {
-        let (lines, cones) = self.undecided_lines(undecided);
-        let mut held = Vec::new();
-        self.lines(strict, &mut held);
-        let mut forces = vec![0.0; held.len()];
-        self.contact_forces(strict, &mut forces)?;
-        let mut motion = vec![0.0; self.n];
-        self.constrained_acceleration(strict, &forces, &mut motion);
-        let matrix = self.reduced_couplings(&held, &lines)?;
-        let scales: Vec<f64> = lines.iter().map(|&line| self.scale(line)).collect();
-        let (step, time_scale) = self.difference_step(x, &motion);
-        // Far from the origin the step is longer and leaves fewer digits.
-        let biactive = BIACTIVE.max(4.0 * (step / time_scale).powi(2));
-        let mut jerk = vec![0.0; lines.len()];
-        let mut behind = vec![0.0; lines.len()];
-        self.separation(x, &motion, step, strict, &held, &lines, &mut jerk)?;
-        self.separation(x, &motion, -step, strict, &held, &lines, &mut behind)?;
-        for (ahead, behind) in jerk.iter_mut().zip(&behind) {
-            *ahead = (*ahead - behind) / (2.0 * step);
-        }
-        let mut rates = vec![0.0; lines.len()];
-        coulomb::solve(&matrix, &jerk, &cones, &mut rates)?;
-        let size = lines.len();
-        for (k, &condition) in undecided.iter().enumerate() {
-            let zero = |line: usize| biactive * scales[line] / time_scale;
-            let total =
-                |line: usize| jerk[line] + dot(&matrix[line * size..(line + 1) * size], &rates);
-            match condition {
-                Undecided::Edge { contact, sense } => {
-                    let slips = Tangential::slip(sense);
-                    let slip = rates[k] <= zero(k)
-                        && (total(k) > zero(k) || find(previous, contact) == Some(slips));
-                    for held in strict.iter_mut().filter(|held| held.contact == contact) {
-                        held.tangential = if slip { slips } else { Tangential::Sticking };
-                    }
-                }
-                Undecided::Normal { contact, sense } => {
-                    let before = find(previous, contact);
-                    if !(rates[k] > zero(k) || total(k) <= zero(k) && before.is_some()) {
-                        continue;
-                    }
-                    let cone = cones.iter().position(|cone| cone.normal == k);
-                    let tangential = match cone.map(|cone| undecided.len() + cone) {
-                        None if self.friction(contact) > 0.0 => {
-                            Tangential::slip(sense.unwrap_or(0.0))
-                        }
-                        None => Tangential::Idle,
-                        Some(tangent) => {
-                            let margin = self.friction(contact) * rates[k] - rates[tangent].abs();
-                            let slip = total(tangent);
-                            if margin > zero(tangent) {
-                                Tangential::Sticking
-                            } else if slip.abs() > zero(tangent) {
-                                Tangential::slip(slip)
-                            } else {
-                                before.unwrap_or(Tangential::Sticking)
-                            }
-                        }
-                    };
-                    strict.push(ActiveContact {
+/// One line for each undecided condition, in its order, then the tangents of the cones.
+fn undecided_lines(contacts: &Contacts<'_>, undecided: &[Undecided]) -> (Vec<Line>, Vec<Cone>) {
+    let (mut lines, mut tangents, mut cones) = (Vec::new(), Vec::new(), Vec::new());
+    for (normal, &condition) in undecided.iter().enumerate() {
+        lines.push(match condition {
+            Undecided::Edge { contact, sense } => Line::Tangent { contact, sense },
+            Undecided::Normal { contact, sense } => {
+                let friction = contacts.friction(contact);
+                if friction > 0.0 && sense.is_none() {
+                    tangents.push(Line::Tangent {
                         contact,
-                        tangential,
+                        sense: 1.0,
                     });
+                    cones.push(Cone { normal, friction });
+                }
+                Line::Normal {
+                    contact,
+                    slope: -friction * sense.unwrap_or(0.0),
                 }
             }
-        }
-        Ok(())
+        });
     }
+    lines.extend(tangents);
+    (lines, cones)
+}
 
-    /// Step of a central difference along the motion with the acceleration `motion`, and the motion's own time
-    /// scale: truncation and rounding errors are both near 1e-10 for a step of 1e-5 of it.
-    fn difference_step(&self, x: &[f64], motion: &[f64]) -> (f64, f64) {
-        let speed = norm(&x[self.n..2 * self.n]) + f64::MIN_POSITIVE;
-        let rounding = f64::EPSILON * norm(&x[..self.n]);
-        let own = speed / (norm(motion) + f64::MIN_POSITIVE);
-        // From rest the velocity says nothing.
-        let shortest = if speed * own > 1e8 * rounding {
-            0.0
-        } else {
-            1e-3
-        };
-        let time_scale = own.clamp(shortest, 1.0);
-        let share = (rounding / (speed * time_scale)).cbrt().clamp(1e-5, 1e-2);
-        (share * time_scale, time_scale)
+/// Accelerations of `lines` a time `step` along the motion, with the `active` contacts, whose lines are
+/// `held`, carrying their forces.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a place on the motion and what is held there"
+)]
+fn separation(
+    contacts: &mut Contacts<'_>,
+    x: &[f64],
+    motion: &[f64],
+    step: f64,
+    active: &[ActiveContact],
+    held: &[Line],
+    lines: &[Line],
+    w: &mut [f64],
+) -> Result<(), ModeError> {
+    let n = contacts.n;
+    let mut shifted = std::mem::take(&mut contacts.shifted);
+    shifted.copy_from_slice(x);
+    for k in 0..n {
+        shifted[k] += step * x[n + k] + 0.5 * step * step * motion[k];
+        shifted[n + k] += step * motion[k];
     }
-
-    /// One line for each undecided condition, in its order, then the tangents of the cones.
-    fn undecided_lines(&self, undecided: &[Undecided]) -> (Vec<Line>, Vec<Cone>) {
-        let (mut lines, mut tangents, mut cones) = (Vec::new(), Vec::new(), Vec::new());
-        for (normal, &condition) in undecided.iter().enumerate() {
-            lines.push(match condition {
-                Undecided::Edge { contact, sense } => Line::Tangent { contact, sense },
-                Undecided::Normal { contact, sense } => {
-                    let friction = self.friction(contact);
-                    if friction > 0.0 && sense.is_none() {
-                        tangents.push(Line::Tangent {
-                            contact,
-                            sense: 1.0,
-                        });
-                        cones.push(Cone { normal, friction });
-                    }
-                    Line::Normal {
-                        contact,
-                        slope: -friction * sense.unwrap_or(0.0),
-                    }
-                }
-            });
-        }
-        lines.extend(tangents);
-        (lines, cones)
+    for (control, slope) in shifted[2 * n..].iter_mut().zip(&contacts.control_slopes) {
+        *control += step * slope;
     }
-
-    /// Accelerations of `lines` a time `step` along the motion, with the `active` contacts, whose lines are
-    /// `held`, carrying their forces.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "a place on the motion and what is held there"
-    )]
-    fn separation(
-        &mut self,
-        x: &[f64],
-        motion: &[f64],
-        step: f64,
-        active: &[ActiveContact],
-        held: &[Line],
-        lines: &[Line],
-        w: &mut [f64],
-    ) -> Result<(), ModeError> {
-        let n = self.n;
-        let mut shifted = std::mem::take(&mut self.shifted);
-        shifted.copy_from_slice(x);
-        for k in 0..n {
-            shifted[k] += step * x[n + k] + 0.5 * step * step * motion[k];
-            shifted[n + k] += step * motion[k];
-        }
-        for (control, slope) in shifted[2 * n..].iter_mut().zip(&self.control_slopes) {
-            *control += step * slope;
-        }
-        if self.model.declaration().explicit_time
-            && let Some(time) = shifted.last_mut()
-        {
-            *time += step;
-        }
-        let contacts = held.iter().chain(lines).map(|line| line.contact());
-        self.evaluate(&shifted, contacts);
-        self.shifted = shifted;
-        let mut forces = vec![0.0; held.len()];
-        self.contact_forces(active, &mut forces)?;
-        for (value, &line) in w.iter_mut().zip(lines) {
-            *value = self.free_line_acceleration(line)
-                + held
-                    .iter()
-                    .zip(&forces)
-                    .map(|(&h, force)| self.coupling(line, h) * force)
-                    .sum::<f64>();
-        }
-        Ok(())
+    if contacts.model.declaration().explicit_time
+        && let Some(time) = shifted.last_mut()
+    {
+        *time += step;
     }
+    let seen = held.iter().chain(lines).map(|line| line.contact());
+    contacts.evaluate(&shifted, seen);
+    contacts.shifted = shifted;
+    let mut forces = vec![0.0; held.len()];
+    contacts.contact_forces(active, &mut forces)?;
+    for (value, &line) in w.iter_mut().zip(lines) {
+        *value = contacts.free_line_acceleration(line)
+            + held
+                .iter()
+                .zip(&forces)
+                .map(|(&h, force)| contacts.coupling(line, h) * force)
+                .sum::<f64>();
+    }
+    Ok(())
 }

@@ -11,11 +11,11 @@
 
 pub(crate) mod active_contact;
 mod constraints;
-mod contact_mode;
+pub(crate) mod contact_mode;
 pub(crate) mod contact_size;
 pub(crate) mod contacts;
 mod coulomb;
 pub(crate) mod finite_element;
-mod impact;
-mod sharing;
+pub(crate) mod impact;
+pub(crate) mod sharing;
 pub(crate) mod transcription;

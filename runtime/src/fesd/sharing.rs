@@ -18,102 +18,100 @@ pub(super) struct Share {
     pub(super) margin: f64,
 }
 
-impl Contacts<'_> {
-    /// Lets only independent contacts of `active` stick: first those inside their cone whose friction is not
-    /// zero, which a basic solution has for independent contacts only, so that the others keep the force that
-    /// `shares` says.
-    pub(super) fn share_friction(
-        &self,
-        active: &mut [ActiveContact],
-        shares: &[Share],
-    ) -> Result<(), ModeError> {
-        let share = |contact: usize| {
-            shares
-                .iter()
-                .find(|share| share.contact == contact)
-                .copied()
-                .unwrap_or(Share {
-                    contact,
-                    friction: 0.0,
-                    margin: f64::INFINITY,
-                })
+/// Lets only independent contacts of `active` stick: first those inside their cone whose friction is not
+/// zero, which a basic solution has for independent contacts only, so that the others keep the force that
+/// `shares` says.
+pub(super) fn share_friction(
+    contacts: &Contacts<'_>,
+    active: &mut [ActiveContact],
+    shares: &[Share],
+) -> Result<(), ModeError> {
+    let share = |contact: usize| {
+        shares
+            .iter()
+            .find(|share| share.contact == contact)
+            .copied()
+            .unwrap_or(Share {
+                contact,
+                friction: 0.0,
+                margin: f64::INFINITY,
+            })
+    };
+    let mut sticking: Vec<usize> = (0..active.len()).filter(|&k| active[k].sticks()).collect();
+    if sticking.is_empty() {
+        return Ok(());
+    }
+    sticking.sort_by_key(|&k| {
+        let share = share(active[k].contact);
+        (share.friction == 0.0, share.margin == 0.0)
+    });
+    for &k in &sticking {
+        active[k].tangential = Tangential::Idle;
+    }
+    for k in sticking {
+        let Share {
+            contact,
+            friction,
+            margin,
+        } = share(active[k].contact);
+        let tangent = Line::Tangent {
+            contact,
+            sense: 1.0,
         };
-        let mut sticking: Vec<usize> = (0..active.len()).filter(|&k| active[k].sticks()).collect();
-        if sticking.is_empty() {
-            return Ok(());
-        }
-        sticking.sort_by_key(|&k| {
-            let share = share(active[k].contact);
-            (share.friction == 0.0, share.margin == 0.0)
-        });
-        for &k in &sticking {
-            active[k].tangential = Tangential::Idle;
-        }
-        for k in sticking {
-            let Share {
-                contact,
-                friction,
-                margin,
-            } = share(active[k].contact);
-            let tangent = Line::Tangent {
-                contact,
-                sense: 1.0,
-            };
-            active[k].tangential = if self.is_independent(active, tangent)? {
-                Tangential::Sticking
-            } else if margin > 0.0 {
-                Tangential::Idle
-            } else {
-                Tangential::bound(-friction)
-            };
-        }
-        Ok(())
+        active[k].tangential = if is_independent(contacts, active, tangent)? {
+            Tangential::Sticking
+        } else if margin > 0.0 {
+            Tangential::Idle
+        } else {
+            Tangential::bound(-friction)
+        };
     }
+    Ok(())
+}
 
-    /// Lets only independent contacts of `active` stick; the others carry no friction.
-    pub(crate) fn drop_dependent_sticks(
-        &self,
-        active: &mut [ActiveContact],
-    ) -> Result<(), ModeError> {
-        self.share_friction(active, &[])
-    }
+/// Lets only independent contacts of `active` stick; the others carry no friction.
+pub(crate) fn drop_dependent_sticks(
+    contacts: &Contacts<'_>,
+    active: &mut [ActiveContact],
+) -> Result<(), ModeError> {
+    share_friction(contacts, active, &[])
+}
 
-    /// Whether the velocity of `line` is free while the `active` contacts hold theirs.
-    pub(super) fn is_independent(
-        &self,
-        active: &[ActiveContact],
-        line: Line,
-    ) -> Result<bool, ModeError> {
-        let own = self.coupling(line, line);
-        let free = self.reduced_couplings(&unbiased_lines(active), &[line])?;
-        Ok(free[0] > DEPENDENT * own)
-    }
+/// Whether the velocity of `line` is free while the `active` contacts hold theirs.
+pub(super) fn is_independent(
+    contacts: &Contacts<'_>,
+    active: &[ActiveContact],
+    line: Line,
+) -> Result<bool, ModeError> {
+    let own = contacts.coupling(line, line);
+    let free = reduced_couplings(contacts, &unbiased_lines(active), &[line])?;
+    Ok(free[0] > DEPENDENT * own)
+}
 
-    /// Couplings of `lines` while the `held` ones keep their velocity: `D_UU - D_UH D_HH^-1 D_HU`.
-    pub(super) fn reduced_couplings(
-        &self,
-        held: &[Line],
-        lines: &[Line],
-    ) -> Result<Vec<f64>, ModeError> {
-        let mut matrix = self.couplings(lines);
-        if held.is_empty() {
-            return Ok(matrix);
-        }
-        let mut factors = self.couplings(held);
-        let mut pivots = vec![0; held.len()];
-        dense::factorize(&mut factors, &mut pivots).map_err(|_| ModeError::Dependent)?;
-        for (column, &j) in lines.iter().enumerate() {
-            let mut response: Vec<f64> = held.iter().map(|&h| self.coupling(h, j)).collect();
-            dense::solve(&factors, &pivots, &mut response);
-            for (row, &i) in lines.iter().enumerate() {
-                let through: f64 = held
-                    .iter()
-                    .zip(&response)
-                    .map(|(&h, value)| self.coupling(i, h) * value)
-                    .sum();
-                matrix[row * lines.len() + column] -= through;
-            }
-        }
-        Ok(matrix)
+/// Couplings of `lines` while the `held` ones keep their velocity: `D_UU - D_UH D_HH^-1 D_HU`.
+pub(super) fn reduced_couplings(
+    contacts: &Contacts<'_>,
+    held: &[Line],
+    lines: &[Line],
+) -> Result<Vec<f64>, ModeError> {
+    let mut matrix = contacts.couplings(lines);
+    if held.is_empty() {
+        return Ok(matrix);
     }
+    let mut factors = contacts.couplings(held);
+    let mut pivots = vec![0; held.len()];
+    dense::factorize(&mut factors, &mut pivots).map_err(|_| ModeError::Dependent)?;
+    for (column, &j) in lines.iter().enumerate() {
+        let mut response: Vec<f64> = held.iter().map(|&h| contacts.coupling(h, j)).collect();
+        dense::solve(&factors, &pivots, &mut response);
+        for (row, &i) in lines.iter().enumerate() {
+            let through: f64 = held
+                .iter()
+                .zip(&response)
+                .map(|(&h, value)| contacts.coupling(i, h) * value)
+                .sum();
+            matrix[row * lines.len() + column] -= through;
+        }
+    }
+    Ok(matrix)
 }

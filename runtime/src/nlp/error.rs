@@ -1,12 +1,9 @@
 //! What can be wrong with the input.
 
-/// A fault of the input, found before the first iteration; its message says what is wrong, where, and how to mend it.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error(transparent)]
-pub struct InputError(#[from] Fault);
+use crate::InputError;
 
-/// What can be wrong.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+/// What can be wrong with a program; [`InputError`] carries its message to the user.
+#[derive(Debug, thiserror::Error)]
 pub(crate) enum Fault {
     /// A setting lies outside its range.
     #[error("setting `{name}` is {value}; choose a value in {range}")]
@@ -104,4 +101,10 @@ pub(crate) enum Fault {
         /// Number of constraints.
         constraints: usize,
     },
+}
+
+impl From<Fault> for InputError {
+    fn from(fault: Fault) -> Self {
+        Self::new(fault.to_string())
+    }
 }

@@ -25,7 +25,7 @@
 //! those of Waechter and Biegler (Mathematical Programming 106, 2006) where nothing else is said. What differs: slacks of inequalities and elastic slacks of the restoration phase are
 //! eliminated, so that both phases share one sparsity and one symbolic factorization; slacks of inequalities are
 //! reset to the constraint value at trial points while their barrier stays comparable, which halves the
-//! iterations on some problems; bounds are not relaxed by default; a solution whose multipliers are huge is called
+//! iterations on some problems; bounds are not relaxed; a solution whose multipliers are huge is called
 //! [`Status::Degenerate`], not solved.
 
 mod derivative_check;
@@ -45,10 +45,10 @@ mod solve;
 mod status;
 mod warm_start;
 
-pub use derivative_check::{DerivativeEntry, DerivativeReport, check_derivatives};
+pub use crate::InputError;
+pub use derivative_check::{DerivativeEntry, check_derivatives};
 pub use elements::{Element, ElementProblem, ElementProblemBuilder, Target};
 pub(crate) use error::Fault;
-pub use error::InputError;
 pub use info::{IterationInfo, Observer};
 /// The number type that [`Element::evaluate`] is generic over.
 pub use num_dual::DualNum;

@@ -25,12 +25,9 @@ pub struct Settings {
     /// Least distance of the first point from two-sided bounds, relative to their distance; default
     /// 1e-2, in (0, 0.5).
     pub bound_fraction: f64,
-    /// Relative relaxation of all bounds, so that a feasible set without interior gets one; default
-    /// 1e-8, `>= 0`. Solutions may violate bounds by as much.
-    pub bound_relaxation: f64,
     /// Shift of the dual rows relative to `mu^0.25` that is always on; default 0. Complementarity
     /// problems use 1e-10: their Jacobians lose rank.
-    pub permanent_dual_shift: f64,
+    pub(crate) permanent_dual_shift: f64,
 }
 
 impl Default for Settings {
@@ -45,7 +42,6 @@ impl Default for Settings {
             initial_barrier_parameter: 0.1,
             bound_push: 1e-2,
             bound_fraction: 1e-2,
-            bound_relaxation: 0.0,
             permanent_dual_shift: 0.0,
         }
     }
@@ -83,12 +79,6 @@ impl Settings {
             "(0, 0.5)",
         )?;
         let small = |value: f64| (0.0..1e-2).contains(&value);
-        check(
-            "bound_relaxation",
-            self.bound_relaxation,
-            small(self.bound_relaxation),
-            "[0, 0.01)",
-        )?;
         check(
             "permanent_dual_shift",
             self.permanent_dual_shift,

@@ -2,18 +2,18 @@
 
 use super::{IterationInfo, NlpProblem, Status};
 
-/// Residuals of the optimality conditions of the *original*, unscaled problem.
+/// What a result leaves unsatisfied, each the largest of its kind, in the units of the *original*, unscaled problem.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[non_exhaustive]
 pub struct Residuals {
-    /// Largest violation of a constraint or bound.
+    /// Violation of a constraint or bound; of a simulation: of the discrete equations, or of the contact constraints
+    /// while in contact.
     pub primal: f64,
-    /// Largest entry of `grad f + J' y - z_l + z_u`.
+    /// Entry of the gradient of the Lagrangian, `grad f + J' y - z_l + z_u`; of a simulation: violation of a sign
+    /// condition, that is a negative contact force or penetration.
     pub dual: f64,
-    /// Largest `(x - l) z_l`, `(u - x) z_u` of variables and of constraint slacks.
+    /// Product `(x - l) z_l`, `(u - x) z_u` of a variable or a constraint slack; of a complementarity problem:
+    /// `min(x_i, x_j)` of a pair; of a simulation: product of a gap and its normal contact acceleration.
     pub complementarity: f64,
-    /// The scaled error that the stopping test uses.
-    pub scaled_error: f64,
 }
 
 /// Counts of the work done.
@@ -57,6 +57,11 @@ pub struct Solution {
     pub(crate) barrier_parameter: f64,
     /// Residuals of the original problem.
     pub residuals: Residuals,
+    /// The scaled optimality error, which [`Settings::tolerance`](super::Settings::tolerance) bounds.
+    pub scaled_error: f64,
+    /// Of a point that is called infeasible: the largest entry of the gradient of the violation of rows, rows scaled,
+    /// with the multipliers of bounds and of rows that hold; near zero the point is stationary for the violation.
+    pub violation_stationarity: Option<f64>,
     /// Work done.
     pub counts: Counts,
     /// CPU seconds of assembling, factorizing and solving the Newton systems.

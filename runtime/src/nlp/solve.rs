@@ -143,7 +143,7 @@ pub(crate) fn run<'o>(
     }
     settings.validate()?;
     let point = start.map(|s| &s.x[..]);
-    let formulation = Formulation::new(problem, settings, &products.pairs, point)?;
+    let formulation = Formulation::new(problem, &products.pairs, point)?;
     let mut core = Core::new(formulation, settings, observer)?;
     let end = method::run(&mut core, path, start, products)?;
     products.sigma = end.sigma;

@@ -66,12 +66,7 @@ impl Default for FixedStep {
 /// Checks the settings that the fixed-step methods share.
 pub(super) fn check(steps: usize, auxiliary_acceleration: f64) -> Result<(), InputError> {
     let refuse = |what: &str, value: f64, unit: &str, bound: &str| {
-        Err(InputError::OutOfRange {
-            what: what.into(),
-            value,
-            unit: unit.into(),
-            bound: bound.into(),
-        })
+        Err(InputError::out_of_range(what, value, unit, bound))
     };
     if steps == 0 {
         return refuse("number of steps", 0.0, "", "at least 1");

@@ -19,15 +19,16 @@ mod state;
 mod trajectory;
 mod watch;
 
+pub use crate::InputError;
+pub use crate::nlp::Residuals;
 pub use contact_mode::{ContactMode, Direction};
 pub use event::EventDriven;
 pub use fesd::{Fesd, StepFormulation};
 pub use fixed::FixedStep;
 pub use moreau::Moreau;
-pub use problem::{ControlSignal, InitialValueProblem, InputError};
+pub use problem::{ControlSignal, InitialValueProblem};
 pub use result::{
-    Counts, Diagnosis, Event, EventKind, ProblemSize, Residuals, Seconds, Simulation,
-    SimulationStatus,
+    Counts, Diagnosis, Event, EventKind, ProblemSize, Seconds, Simulation, SimulationStatus,
 };
 pub use smooth::Smooth;
 pub use state::State;
@@ -60,22 +61,22 @@ pub trait Simulator {
     /// Sets the tolerance.
     ///
     /// # Errors
-    /// [`InputError::Unsupported`] for a method without one.
+    /// [`InputError`] for a method without one.
     fn set_tolerance(&mut self, _tolerance: f64) -> Result<(), InputError> {
-        Err(InputError::Unsupported {
-            what: format!("a tolerance of method {}", self.name()),
-            remedy: "give a number of steps".into(),
-        })
+        Err(InputError::unsupported(
+            format!("a tolerance of method {}", self.name()),
+            "give a number of steps",
+        ))
     }
 
     /// Sets the number of equal steps.
     ///
     /// # Errors
-    /// [`InputError::Unsupported`] for a method that chooses its steps.
+    /// [`InputError`] for a method that chooses its steps.
     fn set_steps(&mut self, _steps: usize) -> Result<(), InputError> {
-        Err(InputError::Unsupported {
-            what: format!("a number of steps of method {}", self.name()),
-            remedy: "give a tolerance".into(),
-        })
+        Err(InputError::unsupported(
+            format!("a number of steps of method {}", self.name()),
+            "give a tolerance",
+        ))
     }
 }

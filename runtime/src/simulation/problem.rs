@@ -1,7 +1,6 @@
 //! The initial value problem that every simulator takes, and the checks that come before it.
 
-use std::fmt;
-
+use crate::InputError;
 use crate::model::{ContactDeclaration, ControlPiece, ImpactLaw, Model, contact_point};
 
 /// Gaps above `-GAP_TOLERANCE` times the size of their terms count as "on the surface".
@@ -23,8 +22,7 @@ pub struct InitialValueProblem {
     pub horizon: f64,
     /// Controls over time.
     pub controls: ControlSignal,
-    /// Most points of the trajectory that are kept, at least 100; default 100 000
-    /// ([`DEFAULT_POINTS`](Self::DEFAULT_POINTS)). Of more, those between events are left out evenly, with a note.
+    /// Most points of the trajectory that are kept, at least 100; default 100 000. Of more, those between events are left out evenly, with a note.
     pub points: usize,
 }
 
@@ -107,12 +105,12 @@ impl ControlSignal {
         let late = times.first().copied().filter(|&first| first > 0.0);
         let wrong = late.or_else(|| disordered.map(|pair| pair[1]));
         if times.is_empty() || wrong.is_some() {
-            return Err(InputError::OutOfRange {
-                what: "control time".into(),
-                value: wrong.unwrap_or(f64::NAN),
-                unit: "s".into(),
-                bound: "one of increasing times, the first at most 0".into(),
-            });
+            return Err(InputError::out_of_range(
+                "control time",
+                wrong.unwrap_or(f64::NAN),
+                "s",
+                "one of increasing times, the first at most 0",
+            ));
         }
         for value in values {
             length("a control value", value.len(), controls)?;
@@ -157,141 +155,25 @@ impl ControlSignal {
     }
 }
 
-/// Why a problem was refused. Each message names value, unit, bound and remedy.
-///
-/// `Debug` shows the message as well: it is what a program prints whose `main` returns the error.
-///
-/// ```
-/// use hangtime::prelude::*;
-///
-/// # hangtime::model! {
-/// #     /// A ball above a floor.
-/// #     pub Ball {
-/// #         parameters { m: kg = 1, g: m/s^2 = 9.81 }
-/// #         coordinates { z: m }
-/// #         lagrangian m/2*dot(z)^2 - m*g*z
-/// #         surface floor: z >= 0
-/// #         impact floor: inelastic
-/// #         start { z: 1 [m] }
-/// #         horizon 1 [s]
-/// #     }
-/// # }
-/// let refused = simulate(&Ball::default()).horizon(-1.0).run().unwrap_err();
-/// assert_eq!(refused.to_string(), "horizon = -1 s: must be above 0");
-/// ```
-#[derive(Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum InputError {
-    /// A number that must be finite is not.
-    #[error("{what} is {value}; give a finite number")]
-    NotFinite {
-        /// Which number.
-        what: String,
-        /// Its value.
-        value: f64,
-    },
-    /// A number lies outside the values that make sense.
-    #[error("{what} = {}: must be {bound}", with_unit(*value, unit))]
-    OutOfRange {
-        /// Which number.
-        what: String,
-        /// Its value.
-        value: f64,
-        /// Its unit, possibly empty.
-        unit: String,
-        /// The bound in words, with the remedy.
-        bound: String,
-    },
-    /// A vector has the wrong length.
-    #[error("{what} has {found} components, expected {expected}")]
-    WrongLength {
-        /// Which vector.
-        what: String,
-        /// Length found.
-        found: usize,
-        /// Length expected.
-        expected: usize,
-    },
-    /// The start violates a surface (E08).
-    #[error(
-        "start inside the ground (E08): gap `{contact}` = {gap:e} {unit} < 0; start at gap >= 0, or \
-         write the surface with the other sign if the free side is meant to be there"
-    )]
-    StartInsideGround {
-        /// Name of the surface.
-        contact: String,
-        /// Gap at the start.
-        gap: f64,
-        /// Unit of the gap.
-        unit: String,
-    },
-    /// The mass matrix is not positive definite at the start (E06).
-    #[error(
-        "mass matrix is not positive definite at the start (E06): {direction} carries no positive \
-         inertia; check the masses in the Lagrangian"
-    )]
-    SingularMass {
-        /// The direction without inertia, in the names of the coordinates.
-        direction: String,
-    },
-    /// A name that the scene does not know.
-    #[error("{what} has no `{name}`; it has {known}")]
-    UnknownName {
-        /// What was asked.
-        what: String,
-        /// The name.
-        name: String,
-        /// The names that there are.
-        known: String,
-    },
-    /// The method cannot treat something that is meaningful otherwise.
-    #[error("{what} is not supported; {remedy}")]
-    Unsupported {
-        /// What it is, with its place.
-        what: String,
-        /// What to do instead.
-        remedy: String,
-    },
-    /// The method cannot treat the impact law of a contact.
-    #[error("method {method} cannot treat the impact law of `{contact}`")]
-    UnsupportedLaw {
-        /// Name of the method.
-        method: String,
-        /// Name of the surface.
-        contact: String,
-    },
-}
-
-impl fmt::Debug for InputError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(self, f)
-    }
-}
-
-/// A number and its unit, or the number alone.
-fn with_unit(value: f64, unit: &str) -> String {
-    format!("{value} {unit}").trim_end().to_owned()
-}
-
 impl InitialValueProblem {
     /// Default of [`points`](Self::points): some ten megabytes for small scenes.
-    pub const DEFAULT_POINTS: usize = 100_000;
+    pub(crate) const DEFAULT_POINTS: usize = 100_000;
 
     /// The problem that the scene declares: its start, `horizon` or else its own, no control.
     ///
     /// # Errors
-    /// [`InputError::OutOfRange`] if neither gives a horizon.
+    /// [`InputError`] if neither gives a horizon.
     pub fn of(model: &dyn Model, horizon: Option<f64>) -> Result<Self, InputError> {
         let n = model.declaration().coordinates.len();
         let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
         model.start(&mut q, &mut v);
         let Some(horizon) = horizon.or_else(|| model.horizon()) else {
-            return Err(InputError::OutOfRange {
-                what: "horizon".into(),
-                value: f64::NAN,
-                unit: "s".into(),
-                bound: "given: the scene declares none".into(),
-            });
+            return Err(InputError::out_of_range(
+                "horizon",
+                f64::NAN,
+                "s",
+                "given: the scene declares none",
+            ));
         };
         Ok(Self {
             q,
@@ -313,12 +195,12 @@ impl InitialValueProblem {
             let value = model.parameter(index);
             finite(&format!("parameter `{}`", parameter.name), value)?;
             if parameter.positive && value <= 0.0 {
-                return Err(InputError::OutOfRange {
-                    what: format!("parameter `{}`", parameter.name),
+                return Err(InputError::out_of_range(
+                    format!("parameter `{}`", parameter.name),
                     value,
-                    unit: parameter.unit.into(),
-                    bound: "above 0".into(),
-                });
+                    parameter.unit,
+                    "above 0",
+                ));
             }
         }
         let n = declaration.coordinates.len();
@@ -330,66 +212,71 @@ impl InitialValueProblem {
         }
         finite("horizon", self.horizon)?;
         if self.horizon <= 0.0 {
-            return Err(InputError::OutOfRange {
-                what: "horizon".into(),
-                value: self.horizon,
-                unit: "s".into(),
-                bound: "above 0".into(),
-            });
+            return Err(InputError::out_of_range(
+                "horizon",
+                self.horizon,
+                "s",
+                "above 0",
+            ));
         }
         if !HORIZONS.contains(&self.horizon) {
             let (least, most) = (HORIZONS.start(), HORIZONS.end());
-            return Err(InputError::OutOfRange {
-                what: "horizon".into(),
-                value: self.horizon,
-                unit: "s".into(),
-                bound: format!(
-                    "from {least:e} to {most:e}; declare the scene with other units for more"
-                ),
-            });
+            return Err(InputError::out_of_range(
+                "horizon",
+                self.horizon,
+                "s",
+                format!("from {least:e} to {most:e}; declare the scene with other units for more"),
+            ));
         }
         if self.points < FEWEST_POINTS {
-            return Err(InputError::OutOfRange {
-                what: "points of the trajectory".into(),
-                value: self.points as f64,
-                unit: String::new(),
-                bound: format!("at least {FEWEST_POINTS}"),
-            });
+            return Err(InputError::out_of_range(
+                "points of the trajectory",
+                self.points as f64,
+                "",
+                format!("at least {FEWEST_POINTS}"),
+            ));
         }
         self.controls.check(declaration.controls.len())?;
         let x = self.input(model);
         check_mass(model, &x)?;
+        self.check_contacts(model, &x)
+    }
+
+    /// Checks gaps and coefficients at the start `x`.
+    fn check_contacts(&self, model: &dyn Model, x: &[f64]) -> Result<(), InputError> {
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
         let mut point = vec![0.0; contact_point::length(n)];
         for (i, contact) in declaration.contacts.iter().enumerate() {
-            let gap = model.gap(i, &x);
+            let gap = model.gap(i, x);
             finite(&format!("initial gap `{}`", contact.name), gap)?;
-            model.contact(i, &x, &mut point);
+            model.contact(i, x, &mut point);
             let normal = &point[contact_point::NORMAL..][..n];
             let terms = normal.iter().zip(&self.q).map(|(n, q)| (n * q).abs());
             if gap < -GAP_TOLERANCE * terms.sum::<f64>() {
-                return Err(InputError::StartInsideGround {
-                    contact: contact.name.into(),
-                    gap,
-                    unit: contact.unit.into(),
-                });
+                return Err(InputError::new(format!(
+                    "start inside the ground (E08): gap `{}` = {gap:e} {} < 0; start at gap >= 0, or write the surface \
+                     with the other sign if the free side is meant to be there",
+                    contact.name, contact.unit
+                )));
             }
             let restitution = model.restitution(i);
             if !(0.0..=1.0).contains(&restitution) {
-                return Err(InputError::OutOfRange {
-                    what: format!("restitution of `{}` (E10)", contact.name),
-                    value: restitution,
-                    unit: String::new(),
-                    bound: "in 0..=1".into(),
-                });
+                return Err(InputError::out_of_range(
+                    format!("restitution of `{}` (E10)", contact.name),
+                    restitution,
+                    "",
+                    "in 0..=1",
+                ));
             }
             let friction = model.friction(i);
             if !(0.0..f64::INFINITY).contains(&friction) {
-                return Err(InputError::OutOfRange {
-                    what: format!("coefficient of friction of `{}` (E10)", contact.name),
-                    value: friction,
-                    unit: String::new(),
-                    bound: "at least 0".into(),
-                });
+                return Err(InputError::out_of_range(
+                    format!("coefficient of friction of `{}` (E10)", contact.name),
+                    friction,
+                    "",
+                    "at least 0",
+                ));
             }
         }
         Ok(())
@@ -402,10 +289,7 @@ impl InitialValueProblem {
             |c: &&ContactDeclaration| c.law != ImpactLaw::Inelastic || c.friction.is_some();
         match contacts.iter().find(beyond) {
             None => Ok(()),
-            Some(contact) => Err(InputError::UnsupportedLaw {
-                method: method.into(),
-                contact: contact.name.into(),
-            }),
+            Some(contact) => Err(InputError::unsupported_law(method, contact.name)),
         }
     }
 
@@ -426,10 +310,7 @@ fn finite(what: &str, value: f64) -> Result<(), InputError> {
     if value.is_finite() {
         Ok(())
     } else {
-        Err(InputError::NotFinite {
-            what: what.into(),
-            value,
-        })
+        Err(InputError::not_finite(what, value))
     }
 }
 
@@ -437,11 +318,7 @@ fn length(what: &str, found: usize, expected: usize) -> Result<(), InputError> {
     if found == expected {
         Ok(())
     } else {
-        Err(InputError::WrongLength {
-            what: what.into(),
-            found,
-            expected,
-        })
+        Err(InputError::wrong_length(what, found, expected))
     }
 }
 
@@ -453,10 +330,7 @@ fn check_mass(model: &dyn Model, x: &[f64]) -> Result<(), InputError> {
     model.mass_matrix(x, &mut m);
     let m = nalgebra::DMatrix::from_row_slice(n, n, &m);
     if m.iter().any(|value| !value.is_finite()) {
-        return Err(InputError::NotFinite {
-            what: "mass matrix at the start".into(),
-            value: f64::NAN,
-        });
+        return Err(InputError::not_finite("mass matrix at the start", f64::NAN));
     }
     let eigen = m.symmetric_eigen();
     let smallest = eigen.eigenvalues.imin();
@@ -472,7 +346,9 @@ fn check_mass(model: &dyn Model, x: &[f64]) -> Result<(), InputError> {
         .filter(|(_, weight)| weight.abs() > 1e-6 * largest)
         .map(|(coordinate, weight)| format!("{weight:+.3} {}", coordinate.name))
         .collect();
-    Err(InputError::SingularMass {
-        direction: words.join(" "),
-    })
+    Err(InputError::new(format!(
+        "mass matrix is not positive definite at the start (E06): {} carries no positive inertia; check the masses in \
+         the Lagrangian",
+        words.join(" ")
+    )))
 }

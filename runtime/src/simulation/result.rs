@@ -4,8 +4,9 @@ use std::fmt;
 use std::ops::Index;
 
 use super::quantity::{Quantity, number};
-use super::{ContactMode, InputError, State, Trajectory};
+use super::{ContactMode, InputError, Residuals, State, Trajectory};
 use crate::model::Declaration;
+use crate::nlp::NlpProblem;
 
 /// Result of a simulation.
 ///
@@ -79,7 +80,7 @@ impl Simulation {
     /// `h^3`. Controls and forces are linear. No interpolation reaches over an impact: both sides of it are points.
     ///
     /// # Errors
-    /// [`InputError::OutOfRange`] at times that were not simulated.
+    /// [`InputError`] at times that were not simulated.
     pub fn at(&self, time: f64) -> Result<State, InputError> {
         self.on_side(time, Side::After)
     }
@@ -87,7 +88,7 @@ impl Simulation {
     /// The state at a time, right before an impact at that time; as [`at`](Self::at) everywhere else.
     ///
     /// # Errors
-    /// [`InputError::OutOfRange`] at times that were not simulated.
+    /// [`InputError`] at times that were not simulated.
     pub fn just_before(&self, time: f64) -> Result<State, InputError> {
         self.on_side(time, Side::Before)
     }
@@ -444,17 +445,6 @@ impl fmt::Display for Simulation {
     }
 }
 
-/// Largest residuals, measured after the fact.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Residuals {
-    /// Largest violation of the discrete equations, or of the contact constraints while in contact.
-    pub primal: f64,
-    /// Largest violation of a sign condition: negative contact force or penetration.
-    pub dual: f64,
-    /// Largest product of a gap and its normal contact acceleration.
-    pub complementarity: f64,
-}
-
 /// Size of a discrete system.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ProblemSize {
@@ -470,6 +460,25 @@ pub struct ProblemSize {
     pub jacobian_nonzeros: usize,
     /// Structural nonzeros of the Hessian (lower triangle).
     pub hessian_nonzeros: usize,
+}
+
+impl ProblemSize {
+    /// Size of a program with that many complementarity pairs.
+    #[must_use]
+    pub fn of(program: &dyn NlpProblem, complementarities: usize) -> Self {
+        let rows = program.constraints();
+        let (mut lower, mut upper) = (vec![0.0; rows], vec![0.0; rows]);
+        program.constraint_bounds(&mut lower, &mut upper);
+        let equalities = lower.iter().zip(&upper).filter(|(l, u)| l == u).count();
+        Self {
+            variables: program.variables(),
+            equalities,
+            inequalities: rows - equalities,
+            complementarities,
+            jacobian_nonzeros: program.jacobian_pattern().len(),
+            hessian_nonzeros: program.hessian_pattern().len(),
+        }
+    }
 }
 
 /// Deterministic operation counts.
@@ -505,10 +514,5 @@ pub struct Seconds {
 }
 
 fn outside(time: f64, bound: &str) -> InputError {
-    InputError::OutOfRange {
-        what: "time of a state".into(),
-        value: time,
-        unit: "s".into(),
-        bound: bound.into(),
-    }
+    InputError::out_of_range("time of a state", time, "s", bound)
 }

@@ -102,12 +102,7 @@ impl Simulator for Smooth {
         ] {
             let inside = value > 0.0 && (what != "tolerance" || (1e-14..=1e-2).contains(&value));
             if !inside || !value.is_finite() {
-                return Err(InputError::OutOfRange {
-                    what: what.into(),
-                    value,
-                    unit: String::new(),
-                    bound: bound.into(),
-                });
+                return Err(InputError::out_of_range(what, value, "", bound));
             }
         }
         problem.check(model)?;

@@ -4,9 +4,7 @@ use crate::common::event::{accurate, check_consistency, run, sequence};
 use crate::common::gold::{self, SkiJumpGold};
 use crate::common::scenes::{self, GRAVITY};
 use crate::common::{distance, energies, index_at, last, start};
-use hangtime::simulation::{
-    EventDriven, EventKind, InputError, Simulation, SimulationStatus, Simulator,
-};
+use hangtime::simulation::{EventDriven, EventKind, Simulation, SimulationStatus, Simulator};
 
 /// Distance of a run from the certified solution: take-off time, landing time, largest error of a state.
 fn errors(simulation: &Simulation, gold: &SkiJumpGold) -> [f64; 3] {
@@ -423,8 +421,8 @@ fn settings_out_of_range_are_refused() {
             .simulate(&model, &problem, &mut |_| true)
             .unwrap_err();
         assert!(
-            matches!(error, InputError::OutOfRange { .. }),
-            "{simulator:?}"
+            error.to_string().contains("must be"),
+            "{simulator:?}: {error}"
         );
     }
 }

@@ -5,8 +5,8 @@ use crate::common::scenes::{self, GRAVITY};
 use crate::common::{distance, energies, last, start};
 use hangtime::model::Model;
 use hangtime::simulation::{
-    EventDriven, EventKind, FixedStep, InitialValueProblem, InputError, Moreau, Simulation,
-    SimulationStatus, Simulator, Smooth,
+    EventDriven, EventKind, FixedStep, InitialValueProblem, Moreau, Simulation, SimulationStatus,
+    Simulator, Smooth,
 };
 
 fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
@@ -269,7 +269,7 @@ fn settings_out_of_range_are_refused() {
         let error = simulator
             .simulate(&model, &problem, &mut |_| true)
             .expect_err("the settings are refused");
-        assert!(matches!(error, InputError::OutOfRange { .. }));
+        assert!(error.to_string().contains("must be"), "{error}");
     }
 }
 

@@ -24,6 +24,7 @@ use hangtime::mpcc::Mpcc;
 use hangtime::nlp::NlpProblem;
 
 /// A problem read from text.
+// Many fields: what the file of a problem states.
 #[derive(Debug, Clone)]
 pub(crate) struct TextProblem {
     pub(crate) name: String,

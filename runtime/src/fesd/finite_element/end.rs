@@ -3,78 +3,79 @@
 use super::{ElementError, FiniteElement, MAX_ITERATIONS};
 use crate::linalg::dense;
 
-impl FiniteElement<'_> {
-    /// The end state; without a stage at the end of the element it is projected on the constraints, which
-    /// is the boundary variable of the scheme and restores its order (Ascher, Petzold 1991).
-    pub(super) fn finish(&mut self) -> Result<(), ElementError> {
-        let n = self.n;
-        let stages = self.tableau.stages();
-        self.end.time = self.start.time + self.length;
-        if self.tableau.stiffly_accurate() {
-            let last = &self.inputs_of_stages[(stages - 1) * self.inputs..];
-            self.end.q.copy_from_slice(&last[..n]);
-            self.end.v.copy_from_slice(&last[n..2 * n]);
+/// The end state; without a stage at the end of the element it is projected on the constraints, which
+/// is the boundary variable of the scheme and restores its order (Ascher, Petzold 1991).
+pub(super) fn finish(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
+    let n = element.n;
+    let stages = element.tableau.stages();
+    element.end.time = element.start.time + element.length;
+    if element.tableau.stiffly_accurate() {
+        let last = &element.inputs_of_stages[(stages - 1) * element.inputs..];
+        element.end.q.copy_from_slice(&last[..n]);
+        element.end.v.copy_from_slice(&last[n..2 * n]);
+        return Ok(());
+    }
+    let block = element.block();
+    let multipliers = n + element.constraints.count();
+    for k in 0..n {
+        let (mut first, mut second) = (0.0, 0.0);
+        for j in 0..stages {
+            let unknown = &element.unknowns[j * block..(j + 1) * block];
+            first += element.tableau.b()[j] * unknown[k];
+            second += element.tableau.b_times_a()[j] * unknown[k];
+            for (i, eta) in unknown[multipliers..].iter().enumerate() {
+                second += element.tableau.b()[j] * eta * element.corrections[i * n + k];
+            }
+        }
+        let h = element.length;
+        element.end.v[k] = element.start.v[k] + h * first;
+        element.end.q[k] = element.start.q[k] + h * (element.start.v[k] + h * second);
+    }
+    if !element.active().is_empty() {
+        project_end(element)?;
+    }
+    Ok(())
+}
+
+/// Moves the end state onto `g = 0`, `v_n = 0`, and `v_t = 0` where a contact sticks, along the directions
+/// of the forces.
+fn project_end(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
+    let (n, contacts, forces) = (
+        element.n,
+        element.active().len(),
+        element.constraints.count(),
+    );
+    let mut x = element.stage_input(element.tableau.stages() - 1).to_vec();
+    element.write_time(element.end.time, &mut x);
+    let mut matrix = vec![0.0; forces * forces];
+    let mut pivots = vec![0; forces];
+    let mut shift = vec![0.0; forces];
+    for iteration in 0..MAX_ITERATIONS {
+        x[..n].copy_from_slice(&element.end.q);
+        x[n..2 * n].copy_from_slice(&element.end.v);
+        element.constraints.evaluate(&x);
+        let constraints = &element.constraints;
+        let gap = constraints.gaps.iter().fold(0.0_f64, |g, v| g.max(v.abs()));
+        for i in 0..forces {
+            for j in 0..forces {
+                let gradient = &constraints.gradients[i * n..(i + 1) * n];
+                let direction = &constraints.directions[j * n..(j + 1) * n];
+                matrix[i * forces + j] = gradient.iter().zip(direction).map(|(a, b)| a * b).sum();
+            }
+        }
+        dense::factorize(&mut matrix, &mut pivots).map_err(|_| ElementError::Singular)?;
+        if gap <= 4.0 * constraints.gap_rounding || iteration + 1 == MAX_ITERATIONS {
+            shift.copy_from_slice(&constraints.velocities);
+            dense::solve(&matrix, &pivots, &mut shift);
+            subtract(&constraints.directions, &shift, &mut element.end.v);
             return Ok(());
         }
-        let block = self.block();
-        let multipliers = n + self.constraints.count();
-        for k in 0..n {
-            let (mut first, mut second) = (0.0, 0.0);
-            for j in 0..stages {
-                let unknown = &self.unknowns[j * block..(j + 1) * block];
-                first += self.tableau.b()[j] * unknown[k];
-                second += self.tableau.b_times_a()[j] * unknown[k];
-                for (i, eta) in unknown[multipliers..].iter().enumerate() {
-                    second += self.tableau.b()[j] * eta * self.corrections[i * n + k];
-                }
-            }
-            let h = self.length;
-            self.end.v[k] = self.start.v[k] + h * first;
-            self.end.q[k] = self.start.q[k] + h * (self.start.v[k] + h * second);
-        }
-        if !self.active().is_empty() {
-            self.project_end()?;
-        }
-        Ok(())
+        shift[..contacts].copy_from_slice(&constraints.gaps);
+        shift[contacts..].fill(0.0);
+        dense::solve(&matrix, &pivots, &mut shift);
+        subtract(&constraints.directions, &shift, &mut element.end.q);
     }
-
-    /// Moves the end state onto `g = 0`, `v_n = 0`, and `v_t = 0` where a contact sticks, along the directions
-    /// of the forces.
-    fn project_end(&mut self) -> Result<(), ElementError> {
-        let (n, contacts, forces) = (self.n, self.active().len(), self.constraints.count());
-        let mut x = self.stage_input(self.tableau.stages() - 1).to_vec();
-        self.write_time(self.end.time, &mut x);
-        let mut matrix = vec![0.0; forces * forces];
-        let mut pivots = vec![0; forces];
-        let mut shift = vec![0.0; forces];
-        for iteration in 0..MAX_ITERATIONS {
-            x[..n].copy_from_slice(&self.end.q);
-            x[n..2 * n].copy_from_slice(&self.end.v);
-            self.constraints.evaluate(&x);
-            let constraints = &self.constraints;
-            let gap = constraints.gaps.iter().fold(0.0_f64, |g, v| g.max(v.abs()));
-            for i in 0..forces {
-                for j in 0..forces {
-                    let gradient = &constraints.gradients[i * n..(i + 1) * n];
-                    let direction = &constraints.directions[j * n..(j + 1) * n];
-                    matrix[i * forces + j] =
-                        gradient.iter().zip(direction).map(|(a, b)| a * b).sum();
-                }
-            }
-            dense::factorize(&mut matrix, &mut pivots).map_err(|_| ElementError::Singular)?;
-            if gap <= 4.0 * constraints.gap_rounding || iteration + 1 == MAX_ITERATIONS {
-                shift.copy_from_slice(&constraints.velocities);
-                dense::solve(&matrix, &pivots, &mut shift);
-                subtract(&constraints.directions, &shift, &mut self.end.v);
-                return Ok(());
-            }
-            shift[..contacts].copy_from_slice(&constraints.gaps);
-            shift[contacts..].fill(0.0);
-            dense::solve(&matrix, &pivots, &mut shift);
-            subtract(&constraints.directions, &shift, &mut self.end.q);
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 /// Subtracts `shift` along `directions`, one row each, from `target`.

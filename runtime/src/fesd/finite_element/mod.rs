@@ -22,34 +22,23 @@
 //! which has index 2 as well, so that the order stays.
 //!
 //! Unknowns of stage `m`: accelerations `A_m` (`n_q`), then the forces: `r_m` of each active contact and
-//! `s_m` of each that sticks; then `eta_m`, one an active contact.
+//! `s_m` of each that sticks; then `eta_m`, one an active contact. [`newton`] solves for them, with the matrix of `assembly`
+//! and the end state of `end`.
 
 mod assembly;
 mod end;
 mod motion_size;
-mod output;
+pub(crate) mod newton;
 
 pub(crate) use motion_size::MotionSize;
 
 use super::active_contact::ActiveContact;
 use super::constraints::Constraints;
-use crate::linalg::dense;
 use crate::model::{ControlPiece, Model};
 use crate::rk::ButcherTableau;
 
 /// Newton iterations after which an element counts as not converged.
 const MAX_ITERATIONS: usize = 15;
-/// Relative change of the state that ends Newton's method.
-const CONVERGED: f64 = 2e-16;
-/// Relative change below which an iteration that no longer contracts has reached rounding error.
-const ROUNDING: f64 = 1e-12;
-/// Rounding error of the gaps, as a relative change, above which it hides the convergence.
-const HIDDEN: f64 = 10.0 * ROUNDING;
-/// Contraction above which the Jacobian is evaluated anew.
-const SLOW: f64 = 0.05;
-
-/// Most times longer than the previous element that an element may be to be predicted from it.
-const MOST_GROWTH: f64 = 16.0;
 
 /// Why an element has no solution here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,6 +77,7 @@ impl State {
 }
 
 /// The element with its stages, its Newton matrix and its memory.
+// Many fields: the memory of one Newton solve, kept from element to element so that nothing allocates.
 pub(crate) struct FiniteElement<'a> {
     model: &'a dyn Model,
     tableau: &'a ButcherTableau,
@@ -219,79 +209,6 @@ impl<'a> FiniteElement<'a> {
         self.factorized = false;
     }
 
-    /// Solves the element of length `h` from `start` under `controls`; the end state is in `end`.
-    pub(crate) fn solve(
-        &mut self,
-        start: &State,
-        h: f64,
-        controls: &ControlPiece,
-    ) -> Result<(), ElementError> {
-        self.start.copy_from(start);
-        if (h - self.length).abs() > 0.2 * h {
-            self.factorized = false;
-        }
-        self.length = h;
-        self.constraints.set_length(h);
-        // What a much shorter element says of its rates is rounding error, multiplied.
-        self.has_previous &= h <= MOST_GROWTH * self.previous_length;
-        self.controls.clone_from(controls);
-        let place = self.place_of_controls();
-        for (stage, c) in self
-            .inputs_of_stages
-            .chunks_exact_mut(self.inputs)
-            .zip(self.tableau.c())
-        {
-            controls.write(start.time + c * h, &mut stage[place.clone()]);
-        }
-        self.evaluate_start();
-        self.predict(h);
-        let predicted = self.has_previous;
-        let mut outcome = self.iterate();
-        if outcome.is_err() {
-            self.factorized = false;
-            if predicted {
-                // The prediction may have led astray.
-                self.has_previous = false;
-                self.evaluate_start();
-                self.predict(h);
-                outcome = self.iterate();
-            }
-        }
-        outcome?;
-        self.finish()?;
-        self.previous.clone_from(&self.unknowns);
-        self.previous_length = h;
-        self.has_previous = true;
-        Ok(())
-    }
-
-    /// Starts from the previous element's stage polynomials, extrapolated, or else from the free
-    /// acceleration at the start.
-    fn predict(&mut self, h: f64) {
-        let stages = self.tableau.stages();
-        let block = self.block();
-        if !self.has_previous {
-            for stage in self.unknowns.chunks_exact_mut(block) {
-                stage[..self.n].copy_from_slice(&self.acceleration);
-                stage[self.n..].fill(0.0);
-            }
-            return;
-        }
-        let continues = self.start.time >= self.end.time - 0.5 * self.previous_length;
-        let offset = if continues { 1.0 } else { 0.0 };
-        let mut values = [0.0; ButcherTableau::MAX_STAGES];
-        for m in 0..stages {
-            // Extrapolating far beyond the previous element does more harm than good.
-            let theta = (offset + self.tableau.c()[m] * h / self.previous_length).min(2.0);
-            self.tableau.lagrange_values(theta, &mut values[..stages]);
-            for k in 0..block {
-                self.unknowns[m * block + k] = (0..stages)
-                    .map(|j| values[j] * self.previous[j * block + k])
-                    .sum();
-            }
-        }
-    }
-
     /// Where the controls are in the input vector.
     fn place_of_controls(&self) -> std::ops::Range<usize> {
         2 * self.n..2 * self.n + self.model.declaration().controls.len()
@@ -307,202 +224,64 @@ impl<'a> FiniteElement<'a> {
         }
     }
 
-    /// Evaluates the directions of the position corrections, and the free acceleration at the start where no
-    /// previous element helps.
-    fn evaluate_start(&mut self) {
-        if self.active().is_empty() && self.has_previous {
-            return;
-        }
-        let n = self.n;
-        let mut first = std::mem::take(&mut self.first);
-        let controls = self.place_of_controls();
-        first[controls.clone()].copy_from_slice(&self.stage_input(0)[controls]);
-        first[..n].copy_from_slice(&self.start.q);
-        first[n..2 * n].copy_from_slice(&self.start.v);
-        self.write_time(self.start.time, &mut first);
-        if !self.has_previous {
-            self.model.free_acceleration(&first, &mut self.acceleration);
-        }
-        self.constraints.evaluate(&first);
-        self.first = first;
-        let length = self.corrections.len();
-        self.corrections
-            .copy_from_slice(&self.constraints.directions[..length]);
-    }
-
-    /// Simplified Newton iterations: the factors are kept as long as they contract well.
-    fn iterate(&mut self) -> Result<(), ElementError> {
-        let mut last_change = f64::INFINITY;
-        for iteration in 0..MAX_ITERATIONS {
-            self.evaluate_residual().map_err(|error| {
-                // Far from its start the iteration diverged; that says nothing of the model.
-                if iteration <= 1 {
-                    error
-                } else {
-                    ElementError::NotConverged
-                }
-            })?;
-            if iteration == 0 && self.active().is_empty() && self.is_solved() {
-                // The prediction already satisfies the stage equations (constant acceleration).
-                return Ok(());
-            }
-            if !self.factorized {
-                self.assemble();
-                dense::factorize(&mut self.matrix, &mut self.pivots)
-                    .map_err(|_| ElementError::Singular)?;
-                self.counts.factorizations += 1;
-                self.factorized = true;
-            }
-            dense::solve(&self.matrix, &self.pivots, &mut self.residual);
-            for (unknown, step) in self.unknowns.iter_mut().zip(&self.residual) {
-                *unknown -= step;
-            }
-            self.counts.iterations += 1;
-            let change = self.relative_change();
-            if !change.is_finite() {
-                return Err(ElementError::NotConverged);
-            }
-            let contraction = change / last_change;
-            if change <= CONVERGED
-                || (iteration > 0 && contraction < 1.0 && change * contraction <= 0.1 * CONVERGED)
-                || (change <= ROUNDING && contraction >= 0.3)
-                || change <= self.rounding_of_gaps()
-            {
-                self.update_stages();
-                return Ok(());
-            }
-            if contraction > SLOW {
-                self.factorized = false;
-            }
-            last_change = change;
-        }
-        Err(ElementError::NotConverged)
-    }
-
-    /// Whether the stage residual is at the rounding error of the accelerations.
-    fn is_solved(&self) -> bool {
-        self.residual
-            .iter()
-            .zip(&self.unknowns)
-            .all(|(residual, unknown)| residual.abs() <= 4.0 * f64::EPSILON * unknown.abs())
-    }
-
-    /// Stage states from the unknowns.
-    fn update_stages(&mut self) {
-        let (n, h, block) = (self.n, self.length, self.block());
-        let multipliers = n + self.constraints.count();
-        let stages = self.tableau.stages();
-        for m in 0..stages {
-            let x = &mut self.inputs_of_stages[m * self.inputs..(m + 1) * self.inputs];
-            let c = self.tableau.c()[m];
-            for k in 0..n {
-                let (mut first, mut second, mut correction) = (0.0, 0.0, 0.0);
-                for j in 0..stages {
-                    let unknown = &self.unknowns[j * block..(j + 1) * block];
-                    let a = self.tableau.a(m, j);
-                    first += a * unknown[k];
-                    second += self.tableau.a_squared(m, j) * unknown[k];
-                    for (i, eta) in unknown[multipliers..].iter().enumerate() {
-                        correction += a * eta * self.corrections[i * n + k];
-                    }
-                }
-                x[n + k] = self.start.v[k] + h * first;
-                x[k] = self.start.q[k] + h * (c * self.start.v[k] + h * (second + correction));
-            }
-            if self.model.declaration().explicit_time {
-                x[self.inputs - 1] = self.start.time + c * h;
-            }
-        }
-    }
-
-    /// Residuals of all stages: `A - a - sum d r - sum e s`, `v_n / h`, `v_t / h`, `g / h^2`.
-    fn evaluate_residual(&mut self) -> Result<(), ElementError> {
-        self.update_stages();
-        let (n, h, block, forces) = (self.n, self.length, self.block(), self.constraints.count());
-        self.residual_norm = 0.0;
-        self.acceleration_scale = 0.0;
-        self.gap_rounding = 0.0;
-        for m in 0..self.tableau.stages() {
-            let x = &self.inputs_of_stages[m * self.inputs..(m + 1) * self.inputs];
-            self.model.free_acceleration(x, &mut self.acceleration);
-            self.counts.evaluations += 1;
-            let unknown = &self.unknowns[m * block..(m + 1) * block];
-            let residual = &mut self.residual[m * block..(m + 1) * block];
-            for k in 0..n {
-                residual[k] = unknown[k] - self.acceleration[k];
-                self.acceleration_scale = self.acceleration_scale.max(self.acceleration[k].abs());
-            }
-            self.constraints.evaluate(x);
-            self.gap_rounding = self.gap_rounding.max(self.constraints.gap_rounding);
-            for (i, direction) in self.constraints.directions.chunks_exact(n).enumerate() {
-                for k in 0..n {
-                    let force = direction[k] * unknown[n + i];
-                    residual[k] -= force;
-                    self.acceleration_scale = self.acceleration_scale.max(force.abs());
-                }
-                residual[n + i] = self.constraints.velocities[i] / h;
-            }
-            for (target, gap) in residual[n + forces..]
-                .iter_mut()
-                .zip(&self.constraints.gaps)
-            {
-                *target = gap / (h * h);
-            }
-            for value in residual {
-                if !value.is_finite() {
-                    return Err(ElementError::NotFinite);
-                }
-                self.residual_norm = self.residual_norm.max(h * value.abs());
-            }
-        }
-        Ok(())
-    }
-
-    /// Relative change of the stage states that the rounding errors of the gaps cause, where it hides the
-    /// convergence: far from the origin, and in short elements.
-    fn rounding_of_gaps(&self) -> f64 {
-        let rounding = 8.0 * self.gap_rounding / (self.length * self.speed());
-        if rounding > HIDDEN { rounding } else { 0.0 }
-    }
-
     /// Largest velocity of the element, about.
     fn speed(&self) -> f64 {
         let start = largest(&self.start.v);
         start.max(self.length * self.acceleration_scale) + f64::MIN_POSITIVE
     }
 
-    /// Relative change of the stage states by the last Newton step (in `residual`).
-    fn relative_change(&self) -> f64 {
+    /// Embedded error estimate of order `s`: the defect of the collocation polynomials at the start of the
+    /// element, `h (k_0 - p(0)) / s^2`, relative to the `motion` with the element.
+    /// `acceleration` is the true acceleration at the start. Source: Hairer, Wanner, Solving ODEs II,
+    /// section IV.8, for any number of stages.
+    pub(crate) fn relative_error(&self, acceleration: &[f64], motion: &MotionSize) -> f64 {
+        let (n, stages, block, h) = (self.n, self.tableau.stages(), self.block(), self.length);
+        let mut values = [0.0; ButcherTableau::MAX_STAGES];
+        self.tableau.lagrange_values(0.0, &mut values[..stages]);
+        let weight = h / (stages * stages) as f64;
+        let (mut velocity, mut position) = (0.0_f64, 0.0_f64);
+        for (k, &start) in acceleration.iter().enumerate() {
+            let (mut by_velocity, mut by_position) = (-start, -self.start.v[k]);
+            for (j, value) in values[..stages].iter().enumerate() {
+                by_velocity += value * self.unknowns[j * block + k];
+                by_position += value * self.inputs_of_stages[j * self.inputs + n + k];
+            }
+            velocity = velocity.max(weight * by_velocity.abs());
+            position = position.max(weight * by_position.abs());
+        }
+        // A start from rest is measured by the velocity that the element itself reaches.
+        let speed = motion.speed.max(largest(&self.end.v)) + f64::MIN_POSITIVE;
+        let distance = motion.distance.max(h * speed);
+        let rounding = motion.rounding;
+        let cancelled = 64.0 * f64::EPSILON * h * self.acceleration_scale;
+        let beyond = |error: f64, rounding: f64, size: f64| (error - rounding).max(0.0) / size;
+        beyond(velocity, rounding / h + cancelled, speed).max(beyond(
+            position,
+            rounding + h * cancelled,
+            distance,
+        ))
+    }
+
+    /// State inside the solved element by its collocation polynomials; `weights` are the dense output
+    /// weights at that place.
+    pub(crate) fn interpolate(&self, theta: f64, weights: &[f64], x: &mut [f64]) {
         let (n, h, block) = (self.n, self.length, self.block());
         let multipliers = n + self.constraints.count();
-        let (mut step, mut correction) = (0.0_f64, 0.0_f64);
-        for change in self.residual.chunks_exact(block) {
-            // Comparisons that let NaN through to the caller's test.
-            for value in &change[..n] {
-                step = if value.abs() <= step {
-                    step
-                } else {
-                    value.abs()
-                };
+        x.copy_from_slice(self.stage_input(0));
+        for k in 0..n {
+            let (mut velocity, mut position) = (0.0, 0.0);
+            for (j, weight) in weights.iter().enumerate() {
+                let unknown = &self.unknowns[j * block..(j + 1) * block];
+                velocity += weight * unknown[k];
+                position += weight * self.inputs_of_stages[j * self.inputs + n + k];
+                for (i, eta) in unknown[multipliers..].iter().enumerate() {
+                    position += weight * h * eta * self.corrections[i * n + k];
+                }
             }
-            for eta in &change[multipliers..] {
-                correction = if eta.abs() <= correction {
-                    correction
-                } else {
-                    eta.abs()
-                };
-            }
+            x[k] = self.start.q[k] + h * position;
+            x[n + k] = self.start.v[k] + h * velocity;
         }
-        let reach = largest(&self.corrections);
-        let speed = self.speed();
-        let position = largest(&self.start.q).max(h * speed) + f64::MIN_POSITIVE;
-        let by_velocity = h * step / speed;
-        let by_position = h * h * (step + reach * correction) / position;
-        if by_velocity >= by_position {
-            by_velocity
-        } else {
-            by_position
-        }
+        self.write_time(self.start.time + theta * h, x);
     }
 }
 

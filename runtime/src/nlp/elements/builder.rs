@@ -46,7 +46,7 @@ use crate::nlp::InputError;
 /// builder.linear(Target::Row(row), 2.0, x[0]);
 /// let mut problem = builder.build()?;
 ///
-/// assert!(nlp::check_derivatives(&mut problem, None)?.worst() < 1e-7);
+/// assert!(nlp::check_derivatives(&mut problem, None)?[0].error < 1e-7);
 /// let solution = nlp::solve(&mut problem, &Settings::default())?;
 /// assert!(solution.status.is_solved());
 /// // the row is active: x_1 = 1 / x_0 - 2

@@ -5,7 +5,7 @@ use super::direction::find_direction;
 use super::line_search::line_search;
 use super::parameters::update_barrier;
 use super::rescue::{Rescue, rescue};
-use super::restoration::{Leave, Restored, begin, enter, take_over};
+use super::restoration::{Leave, PENALTY, Restored, begin, enter, take_over};
 use super::state::{Outcome, State};
 use super::step::{accept, is_drifting, is_jammed};
 use super::stop::{record, stop_test};
@@ -101,11 +101,12 @@ fn restore(state: &mut State<'_, '_, '_, '_>, factor: f64) -> Option<Outcome> {
     }
     let theta = state.point.values.theta;
     let (problem, mut path, mut leave) = begin(state, factor);
-    let (outcome, found) = {
+    let (outcome, found, gradient) = {
         let mut inner = State::new(&mut *state.core, problem, &mut path, true);
         enter(&mut inner, &state.problem, &state.point);
         let outcome = run(&mut inner, Some(&mut leave));
-        (outcome, inner.point.iterate)
+        let gradient = inner.error(0.0).dual / PENALTY;
+        (outcome, inner.point.iterate, gradient)
     };
     let restored = take_over(state, &outcome, &found, theta);
     // where the violation came back, it may not grow again: the phases to come end at a feasible point, or at the
@@ -120,6 +121,9 @@ fn restore(state: &mut State<'_, '_, '_, '_>, factor: f64) -> Option<Outcome> {
     match restored {
         Restored::Continue => None,
         Restored::Ended(status) => {
+            if status == Status::Infeasible {
+                state.core.violation_stationarity = Some(gradient);
+            }
             state.evaluate_first_derivatives();
             state.update_lagrangian();
             Some(state.outcome(status))

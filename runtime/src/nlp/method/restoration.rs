@@ -18,7 +18,7 @@ use crate::nlp::program::formulation::Formulation;
 use crate::nlp::program::iterate::Iterate;
 
 /// Penalty of the elastic slacks.
-const PENALTY: f64 = 1000.0;
+pub(super) const PENALTY: f64 = 1000.0;
 
 /// How the restoration phase ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -19,6 +19,8 @@ pub(crate) struct Core<'a, 'o> {
     pub(crate) history: Vec<IterationInfo>,
     pub(crate) iterations: usize,
     pub(crate) restoration_iterations: usize,
+    /// Gradient of the least violation that the restoration phase ended at, if it ended the run.
+    pub(crate) violation_stationarity: Option<f64>,
     pub(crate) observer: Option<&'o mut Observer<'o>>,
     start: Instant,
 }
@@ -37,6 +39,7 @@ impl<'a, 'o> Core<'a, 'o> {
             history: Vec::with_capacity(settings.maximum_iterations.min(1000) + 1),
             iterations: 0,
             restoration_iterations: 0,
+            violation_stationarity: None,
             observer,
             start: Instant::now(),
         })

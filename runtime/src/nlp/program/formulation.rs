@@ -2,7 +2,7 @@
 //! rows scaled, ranges told from equalities.
 
 use super::scaling::row_scaling;
-use crate::nlp::{Fault, InputError, NlpProblem, Settings};
+use crate::nlp::{Fault, InputError, NlpProblem};
 
 /// Bounds of this size or larger count as absent.
 const INFINITE: f64 = 1e19;
@@ -12,7 +12,7 @@ const INFINITE: f64 = 1e19;
 pub(crate) enum RowKind {
     /// `c(x) = value`, scaled.
     Equality(f64),
-    /// `lower <= c(x) <= upper`, scaled and relaxed.
+    /// `lower <= c(x) <= upper`, scaled.
     Range(f64, f64),
 }
 
@@ -118,42 +118,25 @@ impl Bounds {
         self.c_lower[i] > -INFINITE || self.c_upper[i] < INFINITE
     }
 
-    /// Relaxed bounds of the free variables; those of products keep their zero.
-    fn relaxed_variables(
-        &self,
-        variables: &[usize],
-        products: &[(usize, usize)],
-        settings: &Settings,
-    ) -> (Vec<f64>, Vec<f64>) {
-        let mut is_paired = vec![false; self.x_lower.len()];
-        for &(a, b) in products {
-            (is_paired[a], is_paired[b]) = (true, true);
-        }
-        let relax = settings.bound_relaxation;
-        let lower = |&i: &usize| {
-            if is_paired[i] {
-                self.x_lower[i]
-            } else {
-                relaxed(self.x_lower[i], -1.0, relax)
-            }
-        };
-        let upper = |&i: &usize| relaxed(self.x_upper[i], 1.0, relax);
+    /// Bounds of the free variables, infinite where there is none.
+    fn variable_bounds(&self, variables: &[usize]) -> (Vec<f64>, Vec<f64>) {
+        let lower = |&i: &usize| bound(self.x_lower[i], f64::NEG_INFINITY);
+        let upper = |&i: &usize| bound(self.x_upper[i], f64::INFINITY);
         (
             variables.iter().map(lower).collect(),
             variables.iter().map(upper).collect(),
         )
     }
 
-    /// Equalities and ranges of the kept rows, scaled and relaxed.
-    fn kinds(&self, rows: &[usize], scales: &[f64], settings: &Settings) -> Vec<RowKind> {
-        let relax = settings.bound_relaxation;
+    /// Equalities and ranges of the kept rows, scaled.
+    fn kinds(&self, rows: &[usize], scales: &[f64]) -> Vec<RowKind> {
         let kind = |(&i, &scale): (&usize, &f64)| {
             if self.c_lower[i] == self.c_upper[i] {
                 RowKind::Equality(scale * self.c_lower[i])
             } else {
                 RowKind::Range(
-                    relaxed(scale * self.c_lower[i], -1.0, relax),
-                    relaxed(scale * self.c_upper[i], 1.0, relax),
+                    bound(scale * self.c_lower[i], f64::NEG_INFINITY),
+                    bound(scale * self.c_upper[i], f64::INFINITY),
                 )
             }
         };
@@ -161,13 +144,9 @@ impl Bounds {
     }
 }
 
-/// A bound moved by `relax`, relative to its size, towards `sign`; infinite where it is absent.
-fn relaxed(bound: f64, sign: f64, relax: f64) -> f64 {
-    if bound.abs() >= INFINITE {
-        sign * f64::INFINITY
-    } else {
-        bound + sign * relax * bound.abs().max(1.0)
-    }
+/// A bound, or `none` where its size says that there is none.
+fn bound(value: f64, none: f64) -> f64 {
+    if value.abs() < INFINITE { value } else { none }
 }
 
 /// Which of some things are kept, in order.
@@ -231,7 +210,6 @@ impl<'a> Formulation<'a> {
     /// problem's own starting point.
     pub(crate) fn new(
         problem: &'a mut dyn NlpProblem,
-        settings: &Settings,
         products: &[(usize, usize)],
         start: Option<&[f64]>,
     ) -> Result<Self, InputError> {
@@ -270,11 +248,11 @@ impl<'a> Formulation<'a> {
         let row_scales = row_scales(&jacobian, &jacobian_user, rows.old.len());
         let of_free = |i: &usize| gradient_user[*i].abs();
         let largest = free.old.iter().map(of_free).fold(0.0, f64::max);
-        let (lower, upper) = bounds.relaxed_variables(&free.old, products, settings);
+        let (lower, upper) = bounds.variable_bounds(&free.old);
         let paired = |&(a, b): &(usize, usize)| Some((free.new[a]?, free.new[b]?));
         Ok(Self {
             problem,
-            kinds: bounds.kinds(&rows.old, &row_scales, settings),
+            kinds: bounds.kinds(&rows.old, &row_scales),
             lower,
             upper,
             products: products.iter().filter_map(paired).collect(),

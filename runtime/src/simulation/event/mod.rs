@@ -43,15 +43,15 @@ impl Simulator for EventDriven {
         self.check()?;
         problem.check(model)?;
         if self.output_times > problem.points {
-            return Err(InputError::OutOfRange {
-                what: "output times".into(),
-                value: self.output_times as f64,
-                unit: String::new(),
-                bound: format!(
+            return Err(InputError::out_of_range(
+                "output times",
+                self.output_times as f64,
+                "",
+                format!(
                     "at most {}; raise `points` of the problem for more",
                     problem.points
                 ),
-            });
+            ));
         }
         Ok(integration::Integration::new(self, model, problem).run(observer))
     }

@@ -117,12 +117,7 @@ impl Default for EventDriven {
 impl EventDriven {
     pub(super) fn check(&self) -> Result<(), InputError> {
         let refuse = |what: &str, value: f64, unit: &str, bound: &str| {
-            Err(InputError::OutOfRange {
-                what: what.into(),
-                value,
-                unit: unit.into(),
-                bound: bound.into(),
-            })
+            Err(InputError::out_of_range(what, value, unit, bound))
         };
         if !(TOLERANCES.0..=TOLERANCES.1).contains(&self.tolerance) {
             return refuse("tolerance", self.tolerance, "", "in 1e-14..=1e-2");

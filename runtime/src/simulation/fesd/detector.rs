@@ -61,6 +61,18 @@ impl<'a> Detector<'a> {
         element.interpolate(self.thetas[k], weights, &mut self.x);
     }
 
+    /// Gap of a contact at a place of the dense output.
+    pub(super) fn gap_at(
+        &mut self,
+        element: &FiniteElement<'_>,
+        contact: usize,
+        theta: f64,
+    ) -> f64 {
+        self.tableau.dense_weights(theta, &mut self.scratch);
+        element.interpolate(theta, &self.scratch, &mut self.x);
+        self.model.gap(contact, &self.x)
+    }
+
     /// Place of the sample before `k`.
     pub(super) fn left(&self, k: usize) -> f64 {
         if k == 0 { 0.0 } else { self.thetas[k - 1] }

@@ -138,15 +138,11 @@ fn return_after_release(
     k: usize,
     gap_rounding: f64,
 ) -> Option<Switch> {
-    let mut value = |theta: f64| {
-        detector.tableau.dense_weights(theta, &mut detector.scratch);
-        element.interpolate(theta, &detector.scratch, &mut detector.x);
-        detector.model.gap(contact, &detector.x)
-    };
+    let violated = detector.thetas[k];
+    let mut value = |theta: f64| detector.gap_at(element, contact, theta);
     // Flights lower than the rounding error end in contact; of higher ones one of the places is close to
     // the top.
     let lowest = 0.5 * gap_rounding;
-    let violated = detector.thetas[k];
     let mut right = violated;
     let mut left = 0.5 * violated;
     for _ in 0..30 {
@@ -268,11 +264,7 @@ fn dip(
     upper: f64,
     gap_rounding: f64,
 ) -> Option<Switch> {
-    let mut value = |theta: f64| {
-        detector.tableau.dense_weights(theta, &mut detector.scratch);
-        element.interpolate(theta, &detector.scratch, &mut detector.x);
-        detector.model.gap(contact, &detector.x)
-    };
+    let mut value = |theta: f64| detector.gap_at(element, contact, theta);
     let start = value(lower);
     let (bottom, depth) = lowest(&mut value, lower, upper);
     if depth >= -gap_rounding {

@@ -5,6 +5,7 @@ use super::driver::Driver;
 use super::stop::Stop;
 use super::switch::{ElementStart, Switch, SwitchKind};
 use crate::fesd::active_contact::{ActiveContact, Tangential, find, force_count};
+use crate::fesd::finite_element::newton;
 
 /// Force beyond its bound that another switch explains, relative to its terms; larger ones are switches of
 /// their own.
@@ -57,7 +58,7 @@ pub(super) fn locate(
         } else {
             driver.state.copy_from(&driver.segment_start);
             for _ in 0..count {
-                driver.element.solve(&driver.state, length, &driver.piece)?;
+                newton::solve(&mut driver.element, &driver.state, length, &driver.piece)?;
                 driver.accept_element()?;
             }
         }
@@ -207,7 +208,7 @@ pub(super) fn solve_elements(
 ) -> Result<(), Stop> {
     driver.state.copy_from(&driver.segment_start);
     for _ in 0..count {
-        driver.element.solve(&driver.state, length, &driver.piece)?;
+        newton::solve(&mut driver.element, &driver.state, length, &driver.piece)?;
         driver.state.copy_from(&driver.element.end);
     }
     Ok(())
@@ -298,7 +299,7 @@ pub(super) fn first_gap_after_release(
         .filter(|held| held.contact != contact)
         .collect();
     driver.next_element.set_mode(&released);
-    driver.next_element.solve(&driver.state, h, &driver.piece)?;
+    newton::solve(&mut driver.next_element, &driver.state, h, &driver.piece)?;
     Ok(driver
         .model
         .gap(contact, driver.next_element.stage_input(0)))

@@ -4,6 +4,7 @@ use super::driver::{Driver, EnergyGains};
 use super::switch::{Switch, SwitchKind};
 use crate::fesd::active_contact::{Tangential, find};
 use crate::fesd::contacts::{ModeError, dot};
+use crate::fesd::{contact_mode, impact};
 use crate::simulation::impact_cluster::{self, NearContact};
 use crate::simulation::{ContactMode, Direction, Event, EventKind};
 use crate::time_freezing::clock;
@@ -76,9 +77,7 @@ impl impact_cluster::Bodies for Bodies<'_, '_> {
             .collect();
         let mut impulses = Vec::new();
         let v = &mut driver.state.v;
-        driver
-            .contacts
-            .impact(together, &restitution, &mut impulses, v)?;
+        impact::strike(&driver.contacts, together, &restitution, &mut impulses, v)?;
         Ok(clock::jump(
             &impulses,
             driver.settings.auxiliary_acceleration,
@@ -168,7 +167,8 @@ impl Driver<'_> {
         }
         let previous = self.active.clone();
         let mut active = std::mem::take(&mut self.active);
-        let selected = self.contacts.select(&self.x, &touching, time, &mut active);
+        let selected =
+            contact_mode::select(&mut self.contacts, &self.x, &touching, time, &mut active);
         self.active = active;
         selected?;
         self.end_cascades(&ended);
@@ -180,7 +180,7 @@ impl Driver<'_> {
                 self.write_input();
             }
             self.contacts.evaluate_contacts(&self.x, active);
-            self.contacts.hold(&self.active, &mut self.state.v)?;
+            impact::hold(&self.contacts, &self.active, &mut self.state.v)?;
         }
         // A contact that already carried a force takes part in the impact without one of its own.
         for &i in &closing {
@@ -300,8 +300,8 @@ impl Driver<'_> {
         let elastic = restitution.iter().any(|e| *e > 0.0);
         let before = if elastic { self.kinetic_energy() } else { 0.0 };
         let mut impulses = Vec::new();
-        self.contacts
-            .impact(touching, &restitution, &mut impulses, &mut self.state.v)?;
+        let v = &mut self.state.v;
+        impact::strike(&self.contacts, touching, &restitution, &mut impulses, v)?;
         self.numerical_time += clock::jump(&impulses, self.settings.auxiliary_acceleration);
         self.write_input();
         if elastic {
@@ -396,7 +396,7 @@ impl Driver<'_> {
             self.write_input();
             self.contacts
                 .evaluate_contacts(&self.x, close.iter().copied());
-            self.contacts.close_gaps(close, &mut self.state.q)?;
+            impact::close_gaps(&self.contacts, close, &mut self.state.q)?;
         }
         Ok(())
     }

@@ -10,6 +10,7 @@ use super::stop::Stop;
 use crate::dcs::HeavisideSystem;
 use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::finite_element::State;
+use crate::fesd::sharing;
 use crate::fesd::transcription::{Task, Transcription, transcribe};
 use crate::mpcc;
 use crate::simulation::EventKind;
@@ -265,7 +266,7 @@ fn follow(driver: &mut Driver<'_>, program: &Transcription<'_>, x: &[f64]) -> Re
         driver
             .contacts
             .evaluate_contacts(&driver.x, 0..driver.all_contacts.len());
-        driver.contacts.drop_dependent_sticks(&mut driver.active)?;
+        sharing::drop_dependent_sticks(&driver.contacts, &mut driver.active)?;
         for held in driver.active.clone() {
             let earlier = find(&sliding, held.contact);
             let kind = earlier.and_then(|earlier| sliding_event(earlier, held.tangential));

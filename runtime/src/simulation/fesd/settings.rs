@@ -174,12 +174,7 @@ impl Fesd {
     /// The scheme, with all settings checked.
     pub(super) fn tableau(&self) -> Result<ButcherTableau, InputError> {
         let refuse = |what: &str, value: f64, bound: String| {
-            Err(InputError::OutOfRange {
-                what: what.into(),
-                value,
-                unit: String::new(),
-                bound,
-            })
+            Err(InputError::out_of_range(what, value, "", bound))
         };
         let steps = self.steps.unwrap_or(1);
         for (what, value) in [("steps", steps), ("elements", self.elements)] {

@@ -6,7 +6,7 @@ use super::settings::{Fesd, StepFormulation};
 use super::stop::Stop;
 use super::{location, program};
 use crate::fesd::contacts::ModeError;
-use crate::fesd::finite_element::{ElementError, MotionSize};
+use crate::fesd::finite_element::{ElementError, MotionSize, newton};
 use crate::simulation::watch::Watch;
 use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
 use cpu_time::ThreadTime;
@@ -322,7 +322,7 @@ fn segment(
     let length = (end - driver.state.time) / elements as f64;
     let mut violation = None;
     for count in 1..=elements {
-        driver.element.solve(&driver.state, length, &driver.piece)?;
+        newton::solve(&mut driver.element, &driver.state, length, &driver.piece)?;
         if control_error(driver) {
             return Ok(Segment::Rejected);
         }

@@ -18,7 +18,7 @@ pub(crate) fn start(q: &[f64], v: &[f64], horizon: f64) -> InitialValueProblem {
         v: v.to_vec(),
         horizon,
         controls: ControlSignal::Zero,
-        points: InitialValueProblem::DEFAULT_POINTS,
+        points: 100_000,
     }
 }
 

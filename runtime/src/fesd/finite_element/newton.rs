@@ -1,0 +1,297 @@
+//! Newton's method for one element.
+
+use super::{ElementError, FiniteElement, MAX_ITERATIONS, State, assembly, end, largest};
+use crate::linalg::dense;
+use crate::model::ControlPiece;
+use crate::rk::ButcherTableau;
+
+/// Relative change of the state that ends Newton's method.
+const CONVERGED: f64 = 2e-16;
+/// Relative change below which an iteration that no longer contracts has reached rounding error.
+const ROUNDING: f64 = 1e-12;
+/// Rounding error of the gaps, as a relative change, above which it hides the convergence.
+const HIDDEN: f64 = 10.0 * ROUNDING;
+/// Contraction above which the Jacobian is evaluated anew.
+const SLOW: f64 = 0.05;
+/// Most times longer than the previous element that an element may be to be predicted from it.
+const MOST_GROWTH: f64 = 16.0;
+
+/// Solves the element of length `h` from `start` under `controls`; the end state is in `end`.
+pub(crate) fn solve(
+    element: &mut FiniteElement<'_>,
+    start: &State,
+    h: f64,
+    controls: &ControlPiece,
+) -> Result<(), ElementError> {
+    element.start.copy_from(start);
+    if (h - element.length).abs() > 0.2 * h {
+        element.factorized = false;
+    }
+    element.length = h;
+    element.constraints.set_length(h);
+    // What a much shorter element says of its rates is rounding error, multiplied.
+    element.has_previous &= h <= MOST_GROWTH * element.previous_length;
+    element.controls.clone_from(controls);
+    let place = element.place_of_controls();
+    for (stage, c) in element
+        .inputs_of_stages
+        .chunks_exact_mut(element.inputs)
+        .zip(element.tableau.c())
+    {
+        controls.write(start.time + c * h, &mut stage[place.clone()]);
+    }
+    evaluate_start(element);
+    predict(element, h);
+    let predicted = element.has_previous;
+    let mut outcome = iterate(element);
+    if outcome.is_err() {
+        element.factorized = false;
+        if predicted {
+            // The prediction may have led astray.
+            element.has_previous = false;
+            evaluate_start(element);
+            predict(element, h);
+            outcome = iterate(element);
+        }
+    }
+    outcome?;
+    end::finish(element)?;
+    element.previous.clone_from(&element.unknowns);
+    element.previous_length = h;
+    element.has_previous = true;
+    Ok(())
+}
+
+/// Starts from the previous element's stage polynomials, extrapolated, or else from the free
+/// acceleration at the start.
+fn predict(element: &mut FiniteElement<'_>, h: f64) {
+    let stages = element.tableau.stages();
+    let block = element.block();
+    if !element.has_previous {
+        for stage in element.unknowns.chunks_exact_mut(block) {
+            stage[..element.n].copy_from_slice(&element.acceleration);
+            stage[element.n..].fill(0.0);
+        }
+        return;
+    }
+    let continues = element.start.time >= element.end.time - 0.5 * element.previous_length;
+    let offset = if continues { 1.0 } else { 0.0 };
+    let mut values = [0.0; ButcherTableau::MAX_STAGES];
+    for m in 0..stages {
+        // Extrapolating far beyond the previous element does more harm than good.
+        let theta = (offset + element.tableau.c()[m] * h / element.previous_length).min(2.0);
+        element
+            .tableau
+            .lagrange_values(theta, &mut values[..stages]);
+        for k in 0..block {
+            element.unknowns[m * block + k] = (0..stages)
+                .map(|j| values[j] * element.previous[j * block + k])
+                .sum();
+        }
+    }
+}
+
+/// Evaluates the directions of the position corrections, and the free acceleration at the start where no
+/// previous element helps.
+fn evaluate_start(element: &mut FiniteElement<'_>) {
+    if element.active().is_empty() && element.has_previous {
+        return;
+    }
+    let n = element.n;
+    let mut first = std::mem::take(&mut element.first);
+    let controls = element.place_of_controls();
+    first[controls.clone()].copy_from_slice(&element.stage_input(0)[controls]);
+    first[..n].copy_from_slice(&element.start.q);
+    first[n..2 * n].copy_from_slice(&element.start.v);
+    element.write_time(element.start.time, &mut first);
+    if !element.has_previous {
+        element
+            .model
+            .free_acceleration(&first, &mut element.acceleration);
+    }
+    element.constraints.evaluate(&first);
+    element.first = first;
+    let length = element.corrections.len();
+    element
+        .corrections
+        .copy_from_slice(&element.constraints.directions[..length]);
+}
+
+/// Simplified Newton iterations: the factors are kept as long as they contract well.
+fn iterate(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
+    let mut last_change = f64::INFINITY;
+    for iteration in 0..MAX_ITERATIONS {
+        evaluate_residual(element).map_err(|error| {
+            // Far from its start the iteration diverged; that says nothing of the model.
+            if iteration <= 1 {
+                error
+            } else {
+                ElementError::NotConverged
+            }
+        })?;
+        if iteration == 0 && element.active().is_empty() && is_solved(element) {
+            // The prediction already satisfies the stage equations (constant acceleration).
+            return Ok(());
+        }
+        if !element.factorized {
+            assembly::assemble(element);
+            dense::factorize(&mut element.matrix, &mut element.pivots)
+                .map_err(|_| ElementError::Singular)?;
+            element.counts.factorizations += 1;
+            element.factorized = true;
+        }
+        dense::solve(&element.matrix, &element.pivots, &mut element.residual);
+        for (unknown, step) in element.unknowns.iter_mut().zip(&element.residual) {
+            *unknown -= step;
+        }
+        element.counts.iterations += 1;
+        let change = relative_change(element);
+        if !change.is_finite() {
+            return Err(ElementError::NotConverged);
+        }
+        let contraction = change / last_change;
+        if change <= CONVERGED
+            || (iteration > 0 && contraction < 1.0 && change * contraction <= 0.1 * CONVERGED)
+            || (change <= ROUNDING && contraction >= 0.3)
+            || change <= rounding_of_gaps(element)
+        {
+            update_stages(element);
+            return Ok(());
+        }
+        if contraction > SLOW {
+            element.factorized = false;
+        }
+        last_change = change;
+    }
+    Err(ElementError::NotConverged)
+}
+
+/// Whether the stage residual is at the rounding error of the accelerations.
+fn is_solved(element: &FiniteElement<'_>) -> bool {
+    element
+        .residual
+        .iter()
+        .zip(&element.unknowns)
+        .all(|(residual, unknown)| residual.abs() <= 4.0 * f64::EPSILON * unknown.abs())
+}
+
+/// Stage states from the unknowns.
+fn update_stages(element: &mut FiniteElement<'_>) {
+    let (n, h, block) = (element.n, element.length, element.block());
+    let multipliers = n + element.constraints.count();
+    let stages = element.tableau.stages();
+    for m in 0..stages {
+        let x = &mut element.inputs_of_stages[m * element.inputs..(m + 1) * element.inputs];
+        let c = element.tableau.c()[m];
+        for k in 0..n {
+            let (mut first, mut second, mut correction) = (0.0, 0.0, 0.0);
+            for j in 0..stages {
+                let unknown = &element.unknowns[j * block..(j + 1) * block];
+                let a = element.tableau.a(m, j);
+                first += a * unknown[k];
+                second += element.tableau.a_squared(m, j) * unknown[k];
+                for (i, eta) in unknown[multipliers..].iter().enumerate() {
+                    correction += a * eta * element.corrections[i * n + k];
+                }
+            }
+            x[n + k] = element.start.v[k] + h * first;
+            x[k] = element.start.q[k] + h * (c * element.start.v[k] + h * (second + correction));
+        }
+        if element.model.declaration().explicit_time {
+            x[element.inputs - 1] = element.start.time + c * h;
+        }
+    }
+}
+
+/// Residuals of all stages: `A - a - sum d r - sum e s`, `v_n / h`, `v_t / h`, `g / h^2`.
+fn evaluate_residual(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
+    update_stages(element);
+    let (n, h, block, forces) = (
+        element.n,
+        element.length,
+        element.block(),
+        element.constraints.count(),
+    );
+    element.residual_norm = 0.0;
+    element.acceleration_scale = 0.0;
+    element.gap_rounding = 0.0;
+    for m in 0..element.tableau.stages() {
+        let x = &element.inputs_of_stages[m * element.inputs..(m + 1) * element.inputs];
+        element
+            .model
+            .free_acceleration(x, &mut element.acceleration);
+        element.counts.evaluations += 1;
+        let unknown = &element.unknowns[m * block..(m + 1) * block];
+        let residual = &mut element.residual[m * block..(m + 1) * block];
+        for k in 0..n {
+            residual[k] = unknown[k] - element.acceleration[k];
+            element.acceleration_scale = element
+                .acceleration_scale
+                .max(element.acceleration[k].abs());
+        }
+        element.constraints.evaluate(x);
+        element.gap_rounding = element.gap_rounding.max(element.constraints.gap_rounding);
+        for (i, direction) in element.constraints.directions.chunks_exact(n).enumerate() {
+            for k in 0..n {
+                let force = direction[k] * unknown[n + i];
+                residual[k] -= force;
+                element.acceleration_scale = element.acceleration_scale.max(force.abs());
+            }
+            residual[n + i] = element.constraints.velocities[i] / h;
+        }
+        for (target, gap) in residual[n + forces..]
+            .iter_mut()
+            .zip(&element.constraints.gaps)
+        {
+            *target = gap / (h * h);
+        }
+        for value in residual {
+            if !value.is_finite() {
+                return Err(ElementError::NotFinite);
+            }
+            element.residual_norm = element.residual_norm.max(h * value.abs());
+        }
+    }
+    Ok(())
+}
+
+/// Relative change of the stage states that the rounding errors of the gaps cause, where it hides the
+/// convergence: far from the origin, and in short elements.
+fn rounding_of_gaps(element: &FiniteElement<'_>) -> f64 {
+    let rounding = 8.0 * element.gap_rounding / (element.length * element.speed());
+    if rounding > HIDDEN { rounding } else { 0.0 }
+}
+
+/// Relative change of the stage states by the last Newton step (in `residual`).
+fn relative_change(element: &FiniteElement<'_>) -> f64 {
+    let (n, h, block) = (element.n, element.length, element.block());
+    let multipliers = n + element.constraints.count();
+    let (mut step, mut correction) = (0.0_f64, 0.0_f64);
+    for change in element.residual.chunks_exact(block) {
+        // Comparisons that let NaN through to the caller's test.
+        for value in &change[..n] {
+            step = if value.abs() <= step {
+                step
+            } else {
+                value.abs()
+            };
+        }
+        for eta in &change[multipliers..] {
+            correction = if eta.abs() <= correction {
+                correction
+            } else {
+                eta.abs()
+            };
+        }
+    }
+    let reach = largest(&element.corrections);
+    let speed = element.speed();
+    let position = largest(&element.start.q).max(h * speed) + f64::MIN_POSITIVE;
+    let by_velocity = h * step / speed;
+    let by_position = h * h * (step + reach * correction) / position;
+    if by_velocity >= by_position {
+        by_velocity
+    } else {
+        by_position
+    }
+}
