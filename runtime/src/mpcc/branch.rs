@@ -112,7 +112,6 @@ pub(crate) fn solve_branch(
             maximum_iterations: left,
             bound_push: 1e-2 * barrier_parameter,
             bound_fraction: 1e-2 * barrier_parameter,
-            bound_relaxation: 0.0,
             permanent_dual_shift: dual_shift,
             ..settings.interior_point.clone()
         };

@@ -175,9 +175,22 @@ impl<'a> Certifier<'a> {
         Some(least <= -0.5 * distance)
     }
 
+    /// Whether variable `i`, which is fixed at zero but belongs to no pair, can stay there: it has a multiplier of the right sign,
+    /// or no room.
+    fn stays(&self, i: usize) -> bool {
+        let nu = self.point.multipliers_lower[i] - self.point.multipliers_upper[i];
+        nu >= -self.tolerance[i] || self.upper[i] <= 0.0
+    }
+
     /// Certificate of the point if the pairs `biactive` are those whose sides both vanish; of the others the smaller side
-    /// vanishes.
-    pub(crate) fn certify(&self, biactive: Vec<usize>, watch: &mut Watch<'_>) -> Certificate {
+    /// vanishes. The variables `forced` are fixed at zero besides, by linear rows with vanishing sides: their multipliers count as
+    /// well, but are one choice of many, so that a wrong sign says nothing until a linear program does.
+    pub(crate) fn certify(
+        &self,
+        biactive: Vec<usize>,
+        forced: &[usize],
+        watch: &mut Watch<'_>,
+    ) -> Certificate {
         let kinds = biactive.iter().map(|&k| self.classify(k));
         let stationarity = kinds.min().unwrap_or(StationarityType::Strong);
         let mut certificate = Certificate {
@@ -187,8 +200,14 @@ impl<'a> Certifier<'a> {
             descent: None,
             programs: 0,
         };
-        if stationarity != StationarityType::Strong {
+        let stay = forced.iter().all(|&i| self.stays(i));
+        if stationarity != StationarityType::Strong || !stay {
             self.search_descent(&mut certificate, watch);
+            // The first program leaves the pairs out: without descent there, multipliers of the right signs exist.
+            let relaxed = certificate.b_stationary == Some(true) && certificate.programs == 1;
+            if !stay && !relaxed {
+                certificate.stationarity = StationarityType::Weak;
+            }
         }
         certificate
     }
@@ -251,7 +270,7 @@ impl<'a> Certifier<'a> {
     }
 
     /// The linear program without the complementarity of the biactive pairs.
-    fn linear_program(&self, biactive: &[usize]) -> LinearProgram {
+    pub(crate) fn linear_program(&self, biactive: &[usize]) -> LinearProgram {
         let (mut lower, mut upper) = (self.lower.clone(), self.upper.clone());
         let x = &self.point.x;
         for (k, &(i, j)) in self.pairs.iter().enumerate() {

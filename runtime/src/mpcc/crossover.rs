@@ -3,12 +3,15 @@
 use super::branch::{Attempt, solve_branch};
 use super::certificate::{Certifier, StationarityType};
 use super::forced::mark_forced;
+use super::sides::choose_sides;
 use super::watch::Watch;
 use super::{Certificate, Mpcc, Residuals, Settings, Solution, Status};
 use crate::nlp;
 
 /// A paired variable below this counts as zero.
 const ZERO: f64 = 1e-7;
+/// Part of an objective that is rounding error: the same point, reached again.
+const ROUNDING: f64 = 1e-12;
 /// Most changes of the fixed sides after the first crossover.
 const MOST_REPAIRS: usize = 10;
 
@@ -53,6 +56,7 @@ impl Exact {
                 most.max(point.x[i].min(point.x[j]))
             }),
         };
+        solution.violation_stationarity = None;
         solution.status = match self.certificate.b_stationary {
             Some(true) => Status::Solved,
             Some(false) => Status::NotStationary,
@@ -70,9 +74,9 @@ impl Exact {
 }
 
 /// From a run that goes on if this fails.
-pub(crate) const PAUSED: [Attempt; 1] = [Attempt::new(1e-6, 1e-5)];
+const PAUSED: [Attempt; 1] = [Attempt::new(1e-6, 1e-5)];
 /// From the end of a relaxed run.
-pub(crate) const FINAL: [Attempt; 3] = [
+const FINAL: [Attempt; 3] = [
     Attempt::new(1e-6, 1e-5),
     Attempt::new(1e-6, 1e-7),
     Attempt::new(1e-3, 1e-8),
@@ -116,20 +120,35 @@ fn vanishing_sides(problem: &dyn Mpcc, x: &[f64], nu: &[f64]) -> Vec<bool> {
     vanishes
 }
 
-/// Crossover from a relaxed solution, with repairs while the certificate finds descent.
+/// Crossover from a relaxed solution, with repairs while the certificate finds descent. At the end of the last run, where the
+/// smaller sides lead nowhere, a linear program chooses the sides.
 pub(crate) fn cross_over(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     relaxed: &nlp::Solution,
-    attempts: &[Attempt],
+    is_last: bool,
     watch: &mut Watch<'_>,
 ) -> Option<Exact> {
+    let attempts: &[Attempt] = if is_last { &FINAL } else { &PAUSED };
     let mut vanishes = vanishing_sides(problem, &relaxed.x, &relaxed.multipliers_lower);
     mark_forced(problem, &relaxed.x, &mut vanishes);
     let start = nlp::WarmStart::from_solution(relaxed);
-    let point = attempts
-        .iter()
-        .find_map(|&attempt| solve_branch(problem, settings, &vanishes, &start, attempt, watch))?;
+    let attempt_all = |problem: &mut dyn Mpcc, vanishes: &[bool], start: &_, watch: &mut _| {
+        let mut attempts = attempts.iter();
+        attempts
+            .find_map(|&attempt| solve_branch(problem, settings, vanishes, start, attempt, watch))
+    };
+    let point = match attempt_all(problem, &vanishes, &start, watch) {
+        Some(point) => point,
+        None if !is_last => return None,
+        None => {
+            let (sides, x) = choose_sides(problem, relaxed, watch)?;
+            vanishes = sides;
+            mark_forced(problem, &x, &mut vanishes);
+            let start = nlp::WarmStart { x, ..start };
+            attempt_all(problem, &vanishes, &start, watch)?
+        }
+    };
     let mut exact = Exact::new(problem, settings, vanishes, point, watch);
     while exact.repairs < MOST_REPAIRS {
         let Some(next) = repair(problem, settings, &exact, watch) else {
@@ -143,6 +162,32 @@ pub(crate) fn cross_over(
     Some(exact)
 }
 
+/// The sides that stay at zero along a descent direction of the certificate. A side may belong to several pairs, and what one
+/// of them clearly says counts more than what another one leaves to rounding.
+fn sides_along(problem: &dyn Mpcc, exact: &Exact, descent: &[f64]) -> Vec<bool> {
+    let pairs = problem.complementarities();
+    let x = &exact.point.x;
+    let biactive = &exact.certificate.biactive;
+    // What linear rows forced to zero is left out: other sides may set it free.
+    let mut vanishes = vec![false; x.len()];
+    for (k, &(i, j)) in pairs.iter().enumerate() {
+        if biactive.binary_search(&k).is_err() && !vanishes[i] && !vanishes[j] {
+            vanishes[if x[i] <= x[j] { i } else { j }] = true;
+        }
+    }
+    let moved = |i: usize| x[i] + RADIUS * descent[i];
+    let apart = |k: usize| (moved(pairs[k].0) - moved(pairs[k].1)).abs();
+    let mut by_clearness = biactive.clone();
+    by_clearness.sort_by(|&a, &b| apart(b).total_cmp(&apart(a)));
+    for k in by_clearness {
+        let (i, j) = pairs[k];
+        if !vanishes[i] && !vanishes[j] {
+            vanishes[if moved(i) <= moved(j) { i } else { j }] = true;
+        }
+    }
+    vanishes
+}
+
 /// A lower point of the branch that contains the descent direction of the certificate.
 fn repair(
     problem: &mut dyn Mpcc,
@@ -151,28 +196,17 @@ fn repair(
     watch: &mut Watch<'_>,
 ) -> Option<Exact> {
     let descent = exact.certificate.descent.as_ref()?;
-    let mut vanishes = exact.vanishes.clone();
-    let moved = |i: usize| exact.point.x[i] + RADIUS * descent[i];
-    for &k in &exact.certificate.biactive {
-        let (i, j) = problem.complementarities()[k];
-        let first = moved(i) <= moved(j);
-        vanishes[i] = first;
-        vanishes[j] = !first;
-    }
-    for &(i, j) in problem.complementarities() {
-        if !vanishes[i] && !vanishes[j] {
-            let first = exact.point.x[i] <= exact.point.x[j];
-            vanishes[if first { i } else { j }] = true;
-        }
-    }
+    let mut vanishes = sides_along(problem, exact, descent);
     mark_forced(problem, &exact.point.x, &mut vanishes);
     let mut start = nlp::WarmStart::from_solution(&exact.point);
     for (x, d) in start.x.iter_mut().zip(descent) {
         *x += 1e-3 * d;
     }
+    let objective = exact.point.objective;
+    let lower = objective - ROUNDING * objective.abs();
     let point = NEAR.iter().find_map(|&attempt| {
         solve_branch(problem, settings, &vanishes, &start, attempt, watch)
-            .filter(|next| next.objective < exact.point.objective)
+            .filter(|next| next.objective < lower)
     })?;
     Some(Exact::new(problem, settings, vanishes, point, watch))
 }
@@ -268,6 +302,8 @@ struct Judge<'s> {
     vanishes: Vec<bool>,
     /// Pairs that can be biactive: without a side that its bounds hold at zero, or that is known to be positive.
     open: Vec<bool>,
+    /// Pairs whose sides both vanish in every choice.
+    forced: Vec<usize>,
     /// Pairs of which it could not be decided.
     undecided: Vec<bool>,
     trials: usize,
@@ -290,6 +326,7 @@ impl<'s> Judge<'s> {
                 .iter()
                 .map(|&(i, j)| upper[i] > 0.0 && upper[j] > 0.0)
                 .collect(),
+            forced: Vec::new(),
             undecided: vec![false; pairs.len()],
             pairs,
             point,
@@ -314,8 +351,33 @@ impl<'s> Judge<'s> {
         larger > ZERO
     }
 
+    /// Variables without a pair that are fixed at zero, as linear rows with vanishing sides force them there.
+    fn held_by_rows(&self) -> Vec<usize> {
+        let mut held = self.vanishes.clone();
+        for &(i, j) in &self.pairs {
+            held[i] = false;
+            held[j] = false;
+        }
+        (0..held.len()).filter(|&i| held[i]).collect()
+    }
+
     /// The certificate of the point, which moves to where undecided sides vanish.
     fn certify(&mut self, problem: &mut dyn Mpcc, watch: &mut Watch<'_>) -> Certificate {
+        let mut certificate = self.certify_open(problem, watch);
+        if !self.forced.is_empty() {
+            // nothing hangs on these pairs, but the signs of their multipliers belong to the kind of the point
+            let certifier = Certifier::new(problem, &self.pairs, &self.point, RADIUS);
+            let kinds = self.forced.iter().map(|&k| certifier.classify(k));
+            let kind = kinds.fold(certificate.stationarity, Ord::min);
+            certificate.stationarity = kind;
+            certificate.biactive.extend(&self.forced);
+            certificate.biactive.sort_unstable();
+        }
+        certificate
+    }
+
+    /// The certificate without the pairs that leave nothing to decide.
+    fn certify_open(&mut self, problem: &mut dyn Mpcc, watch: &mut Watch<'_>) -> Certificate {
         loop {
             let x = &self.point.x;
             let biactive: Vec<usize> = (0..self.pairs.len())
@@ -329,7 +391,16 @@ impl<'s> Judge<'s> {
             let mut doubtful: Vec<usize> = biactive.clone();
             doubtful.retain(|&k| hangs(k) && certifier.classify(k) < StationarityType::Strong);
             if doubtful.is_empty() {
-                let mut certificate = certifier.certify(biactive, watch);
+                let held = self.held_by_rows();
+                let mut certificate = certifier.certify(biactive, &held, watch);
+                if certificate.b_stationary.is_none() && watch.stop.is_none() {
+                    let forced = self.forced(problem, &certificate.biactive);
+                    if !forced.is_empty() {
+                        forced.iter().for_each(|&k| self.open[k] = false);
+                        self.forced.extend(forced);
+                        continue;
+                    }
+                }
                 let Some(descent) = &certificate.descent else {
                     return certificate;
                 };
@@ -369,6 +440,22 @@ impl<'s> Judge<'s> {
                 self.decide(problem, &doubtful, watch);
             }
         }
+    }
+
+    /// Those of some pairs `(i, j)` in which a linear row forces `x_i = 0` to zero with `x_j`: every choice has `x_i = 0`,
+    /// which leaves nothing to decide.
+    fn forced(&self, problem: &mut dyn Mpcc, pairs: &[usize]) -> Vec<usize> {
+        let x = &self.point.x;
+        let mut is_forced = |k: usize| {
+            let (i, j) = self.pairs[k];
+            // the certificate keeps the smaller side at zero, the first of equal ones
+            let (stays, other) = if x[i] <= x[j] { (i, j) } else { (j, i) };
+            let mut vanishes = vec![false; x.len()];
+            vanishes[other] = true;
+            mark_forced(problem, x, &mut vanishes);
+            vanishes[stays] && x[stays] == 0.0
+        };
+        pairs.iter().copied().filter(|&k| is_forced(k)).collect()
     }
 
     /// Decides whether these pairs vanish: together, or else one by one until the first that does.

@@ -359,6 +359,12 @@ impl<'s> Series<'s> {
         if infeasible || !goes_on || is_last || accurate {
             if solved && !exact {
                 solution.status = nlp::Status::Infeasible;
+                // the objective is what keeps the slack from its least value
+                let mut gradient = vec![0.0; n];
+                program.problem.gradient(&solution.x[..n], &mut gradient);
+                let largest = gradient.iter().fold(0.0, |a: f64, g| a.max(g.abs()));
+                let gradient = sigma * (largest + solution.residuals.dual);
+                solution.violation_stationarity = Some(gradient);
             }
             return Next::End(Box::new(solution), slack);
         }

@@ -1,7 +1,6 @@
 //! From the end of a relaxed run to a result: crossover, certificate, and the names of what is violated.
 
-use super::branch::Attempt;
-use super::crossover::{FINAL, PAUSED, cross_over};
+use super::crossover::cross_over;
 use super::watch::{Purpose, Watch};
 use super::{Mpcc, RelaxationRule, Residuals, Settings, Solution, Status};
 use crate::nlp::{self, BarrierPath, InputError, NlpProblem, Products, Violation};
@@ -10,7 +9,7 @@ use crate::nlp::{self, BarrierPath, InputError, NlpProblem, Products, Violation}
 #[derive(Clone, Copy)]
 pub(crate) struct End {
     sigma: f64,
-    attempts: &'static [Attempt],
+    is_last: bool,
 }
 
 impl End {
@@ -18,7 +17,7 @@ impl End {
     pub(crate) fn pause(sigma: f64) -> Self {
         Self {
             sigma,
-            attempts: &PAUSED,
+            is_last: false,
         }
     }
 
@@ -26,7 +25,7 @@ impl End {
     pub(crate) fn last(sigma: f64) -> Self {
         Self {
             sigma,
-            attempts: &FINAL,
+            is_last: true,
         }
     }
 }
@@ -60,7 +59,7 @@ pub(crate) fn finish(
         && relaxed.residuals.primal <= 1e-4
         && sigma <= 1e-2);
     let exact = if settings.crossover && near {
-        cross_over(problem, settings, &relaxed, end.attempts, watch)
+        cross_over(problem, settings, &relaxed, end.is_last, watch)
     } else {
         None
     };
@@ -83,6 +82,7 @@ pub(crate) fn finish(
             dual: relaxed.residuals.dual,
             complementarity: 0.0,
         },
+        violation_stationarity: relaxed.violation_stationarity,
         certificate: None,
         rule,
         relaxation_parameter: sigma,

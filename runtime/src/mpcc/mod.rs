@@ -26,7 +26,7 @@
 //! [`Mpcc::vanishing_sides`] says, and with it all that linear rows then force to zero, and solves the remaining
 //! smooth program to full accuracy: `min(x_i, x_j) = 0` exactly. If that fails, the run goes on to the final `sigma`
 //! and crosses over from there; since it often ends at a poor local solution then, the next rule is asked too
-//! ([`Settings::second_opinion`]) and the better of the two points counts. A point is exact if no row is violated by
+//! and the better of the two points counts. A point is exact if no row is violated by
 //! more than 1e-9 and its optimality error is within tolerance, relative to the multipliers only where these exceed 100.
 //!
 //! A *certificate* follows. With the multipliers `nu_i`, `nu_j` of a pair with `x_i = x_j = 0` the point is strongly
@@ -60,12 +60,14 @@ mod problem;
 mod relaxation;
 mod run;
 mod settings;
+mod sides;
 mod solution;
 mod solve;
 mod watch;
 
+pub use crate::nlp::Residuals;
 pub use certificate::{Certificate, StationarityType};
 pub use problem::Mpcc;
 pub use settings::{RelaxationRule, Settings};
-pub use solution::{Residuals, Solution, Status};
+pub use solution::{Solution, Status};
 pub use solve::{solve, solve_observed};

@@ -35,7 +35,7 @@ pub struct Settings {
     /// Whether the rule after the one that ends at a certified point is tried too, for a better objective, where the
     /// sides that the relaxed problem had chosen at the first crossover could not be met; default true. The relaxed
     /// solution was none of the complementarity problem then, and the point found from there often is a poor one.
-    pub second_opinion: bool,
+    pub(crate) second_opinion: bool,
     /// Last `sigma`; default 1e-8, > 0.
     pub final_relaxation: f64,
     /// Whether to fix one side of each pair and solve the smooth program after the relaxed one;

@@ -1,7 +1,7 @@
 //! What the caller keeps.
 
 use super::{Certificate, RelaxationRule};
-use crate::nlp::{self, Violation};
+use crate::nlp::{self, Residuals, Violation};
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -43,19 +43,8 @@ impl std::fmt::Display for Status {
     }
 }
 
-/// Residuals of the original problem, unscaled.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[non_exhaustive]
-pub struct Residuals {
-    /// Largest violation of a constraint or bound.
-    pub primal: f64,
-    /// Largest entry of the gradient of the Lagrangian with the multipliers of the pairs.
-    pub dual: f64,
-    /// Largest `min(x_i, x_j)` of a pair.
-    pub complementarity: f64,
-}
-
-/// Result of a run. One flat record, as [`nlp::Solution`] is: a caller reads one or two of its fields.
+/// Result of a run.
+// Many fields: a flat record, as a caller reads one or two of them.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Solution {
@@ -74,6 +63,9 @@ pub struct Solution {
     pub multipliers_upper: Vec<f64>,
     /// Residuals of the original problem.
     pub residuals: Residuals,
+    /// Of a point that is called infeasible: the largest entry of the gradient of the violation of rows and relaxed pairs, rows scaled,
+    /// with the multipliers of bounds and of rows that hold; near zero the point is stationary for the violation.
+    pub violation_stationarity: Option<f64>,
     /// Kind of the point; absent when there was no crossover.
     pub certificate: Option<Certificate>,
     /// The rule that led to the point.

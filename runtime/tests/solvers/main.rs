@@ -6,6 +6,7 @@ mod mpcc_certificates;
 mod mpcc_finite_elements;
 mod mpcc_limits;
 mod mpcc_problems;
+mod nl_files;
 mod nlp_elements;
 mod nlp_hock_schittkowski;
 mod nlp_special;

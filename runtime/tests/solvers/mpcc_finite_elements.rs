@@ -42,7 +42,7 @@ fn solve_steps_certified_in_few_iterations_of_the_homotopy() {
     assert!(10 * as_good >= 9 * steps, "{as_good} of {steps}");
     insta::assert_snapshot!(
         format!("{iterations} iterations, as good on {as_good} of {steps}"),
-        @"1563 iterations, as good on 19 of 19"
+        @"1402 iterations, as good on 19 of 19"
     );
 }
 
@@ -74,8 +74,8 @@ fn solve_landing_moves_the_switch_to_the_best_element() {
     assert_eq!(with.status, Status::Solved);
     assert_eq!(without.neighbours, 0);
     assert!(with.neighbours > 0);
-    // 7.4e-5 against 1.02e-4
-    assert!(with.objective < 0.75 * without.objective);
+    // 7.4e-5 against 2.8e-4
+    assert!(with.objective < 0.5 * without.objective);
     // the objective of a step is its equilibration
     let lengths = program.numerical_lengths(&with.x);
     assert!((equilibration(&lengths) - with.objective).abs() < 1e-9);

@@ -56,8 +56,6 @@ fn best_decrease(problem: &TextProblem, x: &[f64], radius: f64) -> f64 {
             candidate.lower[i] = candidate.lower[i].min(candidate.upper[i]);
         }
         let mut settings = nlp::Settings::default();
-        settings.permanent_dual_shift = 1e-8;
-        settings.bound_relaxation = 1e-9;
         settings.maximum_iterations = 200;
         let solution = nlp::solve(&mut candidate, &settings).unwrap();
         if solution.residuals.primal <= 1e-7 {
@@ -359,4 +357,25 @@ fn solve_pair_with_other_lower_bound_is_refused_with_a_remedy() {
     let text = "problem wrong 2\nstart 1 1\nbounds 1 0 inf\nbounds 2 -1 inf\nminimize x1\npair 1 2";
     let error = mpcc::solve(&mut read_problems(text)[0], &Settings::default()).unwrap_err();
     insta::assert_snapshot!(error, @"pair 0 (0, 1): the lower bound of a paired variable must be 0; introduce a slack variable");
+}
+
+#[test]
+fn solve_descent_along_a_sum_sets_its_terms_free() {
+    // The sum x1 + x2 = x3 is proposed at zero and forces its terms there. Descent leaves x3 = 0 for (2, 1), which is
+    // reached only if the terms are free again.
+    let text = "problem sum 4\nstart 0.1 0.1 0.2 0.1\nbounds 1 0 inf\nbounds 2 0 inf\nbounds 3 0 inf\n\
+                bounds 4 0 inf\nrow 0 0 x1 + x2 - x3\nminimize (x1 - 2)^2 + 3 * (x2 - 1)^2 + 4 * x4 + x4^2\npair 3 4";
+    let mut problem = Deciding {
+        problem: read_problems(text).remove(0),
+        vanishing: vec![2],
+        asked: std::cell::Cell::new(0),
+    };
+    let mut settings = Settings::default();
+    settings.rules.truncate(1);
+    let solution = mpcc::solve(&mut problem, &settings).unwrap();
+    assert!(problem.asked.get() > 0);
+    assert_eq!(solution.status, Status::Solved);
+    for (x, expected) in solution.x.iter().zip([2.0, 1.0, 3.0, 0.0]) {
+        assert!((x - expected).abs() < 1e-7, "{:?}", solution.x);
+    }
 }

@@ -1,0 +1,176 @@
+//! Which sides can vanish near a relaxed point: the linear program with complementarity constraints there.
+//!
+//! At `sigma` both sides of a pair may be of size `sqrt(sigma)`, and the smaller one of them says little; with many such
+//! pairs the branch of the smaller sides often has no feasible point. So the linear program
+//!
+//! ```text
+//!     min grad f'd  s.t.  c_l <= c + r J d <= c_u,  x_l <= x + r d <= x_u,  0 <= x_i + r d_i  _|_  x_j + r d_j >= 0,  |d|_inf <= 1
+//! ```
+//!
+//! decides by branch and bound, depth first, the side of the smaller value first: its first feasible point is taken (as in phase I
+//! of Kirches, Larson, Leyffer and Manns, SIAM Journal on Optimization 32, 2022).
+
+use super::Mpcc;
+use super::certificate::Certifier;
+use super::watch::Watch;
+use crate::nlp;
+
+/// Radius of the linear program: a hundred times the root of the last `sigma`.
+const RADIUS: f64 = 1e-2;
+/// Most linear programs.
+const MOST_PROGRAMS: usize = 60;
+/// A pair is undecided where its smaller side is at least this part of the larger one: on the path their product is `sigma`, so
+/// both are within a factor of ten of its root.
+const UNDECIDED: f64 = 1e-2;
+/// Part of the radius up to which a side counts as vanishing.
+const NONE: f64 = 1e-6;
+
+/// The sides that vanish at a feasible point of the linear program, and that point; `None` if none was found.
+pub(crate) fn choose_sides(
+    problem: &mut dyn Mpcc,
+    relaxed: &nlp::Solution,
+    watch: &mut Watch<'_>,
+) -> Option<(Vec<bool>, Vec<f64>)> {
+    let pairs = problem.complementarities().to_vec();
+    let x = &relaxed.x;
+    let (undecided, decided): (Vec<usize>, Vec<usize>) = (0..pairs.len()).partition(|&k| {
+        let (a, b) = (x[pairs[k].0], x[pairs[k].1]);
+        a.max(b) <= RADIUS && a.min(b) >= UNDECIDED * a.max(b)
+    });
+    let certifier = Certifier::new(problem, &pairs, relaxed, RADIUS);
+    let mut program = certifier.linear_program(&(0..pairs.len()).collect::<Vec<_>>());
+    let mut vanishes = vec![false; x.len()];
+    for k in decided {
+        let (i, j) = pairs[k];
+        vanishes[if x[i] <= x[j] { i } else { j }] = true;
+    }
+    let free = program.upper.clone();
+    let mut open: Vec<Vec<usize>> = vec![Vec::new()];
+    for _ in 0..MOST_PROGRAMS {
+        let sides = open.pop()?;
+        program.upper.copy_from_slice(&free);
+        let fixed = (0..x.len()).filter(|&i| vanishes[i] || sides.contains(&i));
+        for side in fixed {
+            program.upper[side] = program.lower[side];
+        }
+        let Some((d, _)) = program.solve(watch) else {
+            if watch.stop.is_some() {
+                return None;
+            }
+            continue;
+        };
+        let off = |i: usize| d[i] - program.lower[i];
+        let least = |k: usize| off(pairs[k].0).min(off(pairs[k].1));
+        let worst = undecided.iter().copied();
+        let worst = worst.max_by(|&a, &b| least(a).total_cmp(&least(b)));
+        if let Some(worst) = worst.filter(|&k| least(k) > NONE) {
+            let (i, j) = pairs[worst];
+            let (first, last) = if off(i) <= off(j) { (i, j) } else { (j, i) };
+            for side in [last, first] {
+                let mut child = sides.clone();
+                child.push(side);
+                open.push(child);
+            }
+            continue;
+        }
+        for &k in &undecided {
+            let (i, j) = pairs[k];
+            vanishes[if off(i) <= off(j) { i } else { j }] = true;
+        }
+        let point = x.iter().zip(&d).map(|(x, d)| x + RADIUS * d).collect();
+        return Some((vanishes, point));
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Settings, linear_program::LinearProgram};
+    use super::*;
+    use crate::nlp::NlpProblem;
+
+    const PAIRS: [(usize, usize); 3] = [(0, 1), (2, 3), (4, 5)];
+
+    /// `x_1 + x_2 = 1.7e-4`, `x_0 + x_5 = 2.3e-4` over three pairs `(0, 1)`, `(2, 3)`, `(4, 5)`, minimize `x_0`.
+    #[derive(Clone)]
+    struct TwoSums;
+
+    impl TwoSums {
+        fn program() -> LinearProgram {
+            LinearProgram {
+                gradient: vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                pattern: vec![(0, 1), (0, 2), (1, 0), (1, 5)],
+                values: vec![1.0; 4],
+                row_lower: vec![1.7e-4, 2.3e-4],
+                row_upper: vec![1.7e-4, 2.3e-4],
+                lower: vec![0.0; 6],
+                upper: vec![f64::INFINITY; 6],
+            }
+        }
+    }
+
+    impl NlpProblem for TwoSums {
+        fn variables(&self) -> usize {
+            6
+        }
+        fn constraints(&self) -> usize {
+            2
+        }
+        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+            Self::program().variable_bounds(lower, upper);
+        }
+        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+            Self::program().constraint_bounds(lower, upper);
+        }
+        fn initial_point(&self, x: &mut [f64]) {
+            x.fill(1e-4);
+        }
+        fn objective(&mut self, x: &[f64]) -> f64 {
+            Self::program().objective(x)
+        }
+        fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
+            Self::program().gradient(x, gradient);
+        }
+        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
+            Self::program().constraint_values(x, c);
+        }
+        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
+            Self::program().jacobian_pattern()
+        }
+        fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
+            Self::program().jacobian_values(x, values);
+        }
+        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
+            Vec::new()
+        }
+        fn hessian_values(&mut self, _: &[f64], _: f64, _: &[f64], _: &mut [f64]) {}
+    }
+
+    impl Mpcc for TwoSums {
+        fn complementarities(&self) -> &[(usize, usize)] {
+            &PAIRS
+        }
+    }
+
+    #[test]
+    fn choose_sides_where_no_smaller_sides_fit_finds_those_that_do() {
+        let settings = Settings::default();
+        let mut observer = |_: &nlp::IterationInfo| true;
+        let mut watch = Watch::new(&settings, &mut observer);
+        let mut relaxed =
+            nlp::solve(&mut TwoSums, &settings.interior_point).expect("a valid program");
+        // products of 1e-8, and with the smaller sides x_1, x_2 at zero the first row fails
+        relaxed.x = vec![1.1e-4, 0.9e-4, 0.8e-4, 1.2e-4, 0.9e-4, 1.2e-4];
+        let chosen = choose_sides(&mut TwoSums, &relaxed, &mut watch);
+        let (vanishes, x) = chosen.expect("sides");
+        for (i, j) in PAIRS {
+            let side = if vanishes[i] { i } else { j };
+            assert!(vanishes[side] && x[side].abs() < 1e-7, "{vanishes:?} {x:?}");
+        }
+        assert!(!(vanishes[1] && vanishes[2]), "{vanishes:?}");
+        // the point fulfils both rows
+        for (i, j, sum) in [(1, 2, 1.7e-4), (0, 5, 2.3e-4)] {
+            assert!((x[i] + x[j] - sum).abs() < 1e-9, "{x:?}");
+        }
+    }
+}
