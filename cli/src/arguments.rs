@@ -27,6 +27,9 @@ pub(crate) enum Command {
     Simulate(SimulateArguments),
     /// Solve the optimal control problem of a scene.
     Solve(SolveArguments),
+    /// Solve a nonlinear program, with or without complementarity constraints, from a .nl file as AMPL, Pyomo and JuMP
+    /// write it.
+    Nlp(NlpArguments),
     /// Measure the error of every method against its step size and its CPU time.
     Chart(ChartArguments),
     /// Show what was derived from a scene: equations, sparsity patterns, operation counts. Given the code
@@ -207,8 +210,8 @@ pub(crate) struct SolveArguments {
     /// [default: 3].
     #[arg(long, value_name = "N", value_parser = elements, allow_negative_numbers = true)]
     pub(crate) elements: Option<usize>,
-    /// Guesses and discretizations that are solved side by side; the best is returned, and the distinct
-    /// local optima are listed [default: 1].
+    /// Guesses and discretizations that are solved side by side; the best is returned, and the distinct local optima
+    /// are listed [default: up to 12 until the best is found again; 1 with time-freezing].
     #[arg(long, value_name = "N", value_parser = starts, allow_negative_numbers = true)]
     pub(crate) starts: Option<usize>,
     #[command(flatten)]
@@ -235,6 +238,23 @@ pub(crate) enum SolveFormulation {
     Auto,
     /// The complementarity problem of finite elements with switch detection on the time-freezing system.
     TimeFreezing,
+}
+
+/// Arguments of `nlp`.
+#[derive(Debug, Args)]
+pub(crate) struct NlpArguments {
+    /// The program, a .nl file, text or binary; names of variables and rows are read from the .col and .row files
+    /// beside it.
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Write the solution to this file, in the form that modelling languages read.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) sol: Option<PathBuf>,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) limits: LimitArguments,
 }
 
 /// Arguments of `chart`.
@@ -474,7 +494,10 @@ mod tests {
             ),
             (
                 1,
-                format!("optima are listed [default: {}]", settings.starts),
+                format!(
+                    "are listed [default: up to {} until the best is found again; 1 with time-freezing]",
+                    settings.starts()
+                ),
             ),
         ] {
             let (name, text) = &texts[command];

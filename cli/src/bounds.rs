@@ -12,6 +12,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
+use hangtime::nl;
 use hangtime::ocp::{Solution, Status};
 
 use crate::arguments::LimitArguments;
@@ -123,6 +124,24 @@ impl Ending {
                 }),
             },
             _ => own,
+        }
+    }
+
+    /// Of a program from a file that `stop` asked to end, if anything did.
+    pub(crate) fn of_program(
+        solution: &nl::Solution,
+        stop: Option<Stop>,
+        limits: &LimitArguments,
+    ) -> Self {
+        match stop.filter(|_| solution.status == nl::Status::Interrupted) {
+            Some(stop) => Self {
+                status: stop.name(),
+                diagnosis: Some(stop.diagnosis(limits)),
+            },
+            None => Self {
+                status: solution.status.name(),
+                diagnosis: solution.diagnosis(),
+            },
         }
     }
 

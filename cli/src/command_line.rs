@@ -11,7 +11,7 @@ use crate::Scene;
 use crate::arguments::{Arguments, Command, ListArguments, ReproduceArguments};
 use crate::failure::BadInput;
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain};
-use crate::{chart, explain, list, reproduce, scene, shell, simulate, solve};
+use crate::{chart, explain, list, program, reproduce, scene, shell, simulate, solve};
 
 /// The command line over a list of scenes.
 ///
@@ -135,6 +135,7 @@ impl CommandLine {
             Some(Command::List(arguments)) => Ok(list::run(scenes, &arguments)),
             Some(Command::Simulate(arguments)) => simulate::run(scenes, &arguments),
             Some(Command::Solve(arguments)) => solve::run(scenes, &arguments),
+            Some(Command::Nlp(arguments)) => program::run(&arguments),
             Some(Command::Chart(arguments)) => chart::run(scenes, &arguments),
             Some(Command::Explain(arguments)) => explain::run(scenes, &arguments),
             Some(Command::Reproduce(arguments)) => reproduce::run(scenes, &arguments),

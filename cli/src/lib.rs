@@ -19,6 +19,7 @@ mod method;
 mod motion;
 mod output;
 mod page;
+mod program;
 mod progress;
 mod published;
 mod quantity;

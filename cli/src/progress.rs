@@ -97,6 +97,29 @@ impl SolveProgress {
     }
 }
 
+impl SolveProgress {
+    /// Shows an iteration of a program from a file; `false` once there is a reason to stop.
+    pub(crate) fn iteration(
+        &mut self,
+        info: &hangtime::nlp::IterationInfo,
+        stop: Option<Stop>,
+    ) -> bool {
+        let now = Instant::now();
+        if now >= self.next {
+            self.next = now + PATIENCE;
+            self.bar.set_message(format!(
+                "iteration {}, objective {:.7e}, residuals primal {:.0e} dual {:.0e} complementarity {:.0e}",
+                info.iteration,
+                info.objective,
+                info.primal_infeasibility,
+                info.dual_infeasibility,
+                info.complementarity,
+            ));
+        }
+        stop.is_none()
+    }
+}
+
 impl Drop for SolveProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();

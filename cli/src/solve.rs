@@ -100,7 +100,7 @@ fn stem(chosen: &ChosenScene, arguments: &SolveArguments) -> String {
 /// The settings of the solver.
 fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
     let mut settings = Settings::default();
-    settings.starts = arguments.starts.unwrap_or(settings.starts);
+    settings.starts = arguments.starts;
     settings.controls = match arguments.controls {
         ControlsName::Constant => ControlShape::Constant,
         ControlsName::Linear => ControlShape::Linear,
@@ -383,6 +383,7 @@ fn relaxed_and_optima(solution: &Solution) -> String {
                 optimum.status.name().to_owned(),
                 optimum.stationarity.name().to_owned(),
                 optimum.switches.to_string(),
+                optimum.intervals.to_string(),
                 starts.join(" "),
             ]
         });
@@ -392,6 +393,7 @@ fn relaxed_and_optima(solution: &Solution) -> String {
             "status",
             "stationarity",
             "switches",
+            "intervals",
             "starts",
         ];
         text += &table(header, rows);

@@ -43,6 +43,7 @@
 //! | [`simulation`] | one trait, [`Simulator`](simulation::Simulator), one result, several methods: finite elements with switch detection, event-driven, and three to compare with |
 //! | [`ocp`] | optimal control: a search for the contact sequence, collocation with that sequence, a certificate, an independent re-simulation |
 //! | [`mpcc`] | complementarity problems: relaxation tied to the barrier, crossover, certificate |
+//! | [`nl`] | programs from `.nl` files, which modelling languages write, and `.sol` files for them |
 //! | [`nlp`] | an interior point method for nonlinear programs, with derivatives of small functions by dual numbers |
 //! | [`rk`] | collocation schemes to rounding error |
 //!
@@ -58,9 +59,11 @@ extern crate self as hangtime;
 mod dcs;
 mod fesd;
 mod front;
+mod input_error;
 mod linalg;
 pub mod model;
 pub mod mpcc;
+pub mod nl;
 pub mod nlp;
 pub mod ocp;
 pub mod prelude;
@@ -73,4 +76,5 @@ pub use front::simulate::{Simulate, simulate};
 pub use front::solve::{Solve, solve};
 #[doc = include_str!("model_macro.md")]
 pub use hangtime_macros::model;
+pub use input_error::InputError;
 pub use progress::{Observer, Progress};

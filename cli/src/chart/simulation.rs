@@ -1,6 +1,6 @@
 //! The error of every simulation method against its step size and its CPU time.
 
-use hangtime::simulation::{InitialValueProblem, InputError, SimulationStatus};
+use hangtime::simulation::{InitialValueProblem, SimulationStatus};
 
 use super::drawn::Chart;
 use super::sweep::{Group, Sweep, sweeps};
@@ -162,7 +162,7 @@ fn measure(
     let simulation = match fastest(chosen, &method, problem) {
         Ok(simulation) => simulation,
         // A method that does not know restitution or friction is left out, not a mistake of the user.
-        Err(InputError::UnsupportedLaw { .. }) => {
+        Err(error) if error.is_unsupported() => {
             return Ok(point(f64::NAN, f64::NAN, "not_applicable"));
         }
         Err(error) => return Err(chosen.refuse(&error)),

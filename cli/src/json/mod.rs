@@ -6,9 +6,11 @@
 //! before the first such number, and elsewhere `null` stands in its place.
 
 mod parts;
+mod program;
 mod simulation;
 mod solution;
 
 pub(crate) use parts::{SCHEMA, to_line};
+pub(crate) use program::ProgramDocument;
 pub(crate) use simulation::Document;
 pub(crate) use solution::{SolutionDocument, SolverSettings};

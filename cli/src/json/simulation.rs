@@ -11,6 +11,7 @@ use crate::method::MethodSettings;
 use crate::settings::ChosenScene;
 
 /// The document; its fields are those of the contract, in their order.
+// Many fields: the names of the JSON contract.
 #[derive(Serialize)]
 pub(crate) struct Document<'a> {
     schema: u32,
@@ -99,16 +100,12 @@ mod tests {
     fn document_of_a_run_that_became_infinite_ends_before_the_first_infinite_row() {
         let chosen = ChosenScene::new(find(crate::testing::SCENES, "slide").unwrap(), &[]).unwrap();
         let mut trajectory = Trajectory::default();
-        trajectory.push(0.0, 0.0, &[1.0, 0.1], &[0.0, 0.0], &[], &[0.0, 0.0]);
-        trajectory.push(0.5, 0.5, &[2.0, 0.2], &[1e300, 0.0], &[], &[0.0, 0.0]);
-        trajectory.push(
-            1.0,
-            1.0,
-            &[3.0, 0.3],
-            &[f64::INFINITY, 0.0],
-            &[],
-            &[0.0, 0.0],
-        );
+        trajectory.time = vec![0.0, 0.5, 1.0];
+        trajectory.numerical_time = trajectory.time.clone();
+        trajectory.q = vec![vec![1.0, 0.1], vec![2.0, 0.2], vec![3.0, 0.3]];
+        trajectory.v = vec![vec![0.0, 0.0], vec![1e300, 0.0], vec![f64::INFINITY, 0.0]];
+        trajectory.u = vec![Vec::new(); 3];
+        trajectory.contact_force = vec![vec![0.0, 0.0]; 3];
         let simulation = Simulation {
             declaration: chosen.model.declaration(),
             initial_modes: Vec::new(),

@@ -52,7 +52,7 @@ impl SolverSettings {
             intervals,
             control_shape: settings.controls.name(),
             elements,
-            starts: settings.starts,
+            starts: settings.starts(),
         }
     }
 }
@@ -101,6 +101,7 @@ struct OptimumEntry<'a> {
     status: &'static str,
     stationarity: &'static str,
     switches: usize,
+    intervals: usize,
     starts: &'a [usize],
 }
 
@@ -112,6 +113,7 @@ impl<'a> OptimumEntry<'a> {
             status: optimum.status.name(),
             stationarity: optimum.stationarity.name(),
             switches: optimum.switches,
+            intervals: optimum.intervals,
             starts: &optimum.starts,
         }
     }
@@ -119,6 +121,7 @@ impl<'a> OptimumEntry<'a> {
 
 /// The document of an optimal control problem: that of the re-simulated motion, and what belongs to the plan; its
 /// fields are those of the contract, in their order.
+// Many fields: the names of the JSON contract.
 #[derive(Serialize)]
 pub(crate) struct SolutionDocument<'a> {
     schema: u32,

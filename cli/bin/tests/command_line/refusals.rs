@@ -4,142 +4,145 @@ use std::path::Path;
 
 use crate::support::{Scratch, refused};
 
+/// What the message says, and the words of the command.
+const REFUSED: &[(&str, &[&str])] = &[
+    (
+        "unknown scene `ski-jmp`; did you mean `ski-jump`?",
+        &["simulate", "ski-jmp"],
+    ),
+    (
+        "has no parameter `starty`; did you mean `start_y`?",
+        &["simulate", "ski-jump", "--set", "starty=8"],
+    ),
+    (
+        "parameter `m` = -80 kg: must be above 0",
+        &["simulate", "ski-jump", "--set", "m=-80"],
+    ),
+    ("`m` = 0 kg", &["simulate", "ski-jump", "--set", "m=0"]),
+    (
+        "parameter `g` [m/s^2]",
+        &["simulate", "ski-jump", "--set", "g=NaN"],
+    ),
+    (
+        "parameter `g` [m/s^2]",
+        &["simulate", "ski-jump", "--set", "g=inf"],
+    ),
+    ("finite", &["simulate", "ski-jump", "--set", "g=1e999"]),
+    (
+        "cannot be converted",
+        &["simulate", "ski-jump", "--set", "start_y=8s"],
+    ),
+    (
+        "given twice",
+        &["simulate", "ski-jump", "--set", "m=1", "--set", "m=2"],
+    ),
+    ("write NAME=VALUE", &["simulate", "ski-jump", "--set", "m"]),
+    ("write NAME=VALUE", &["simulate", "ski-jump", "--set", "m="]),
+    (
+        "parameter `speed` [km/h]: `kg` cannot be converted to `km/h`: they measure different \
+         things; leave the unit out, or write one that converts to km/h",
+        &["simulate", "pump-track", "--set", "speed=15kg"],
+    ),
+    (
+        "has no form `law=other`; choose one of: law=paper, law=holding",
+        &["simulate", "pump-track", "--set", "law=other"],
+    ),
+    (
+        "unknown scene `Ski-Jump`; did you mean `ski-jump`?",
+        &["simulate", "Ski-Jump"],
+    ),
+    (
+        "start inside the ground (E08): gap `slope`",
+        &["simulate", "ski-jump", "--set", "start_y=40"],
+    ),
+    ("from 1 to", &["simulate", "ski-jump", "--steps", "0"]),
+    ("from 1 to", &["simulate", "ski-jump", "--steps", "1e3"]),
+    (
+        "at most 1000000: the states",
+        &["simulate", "ski-jump", "--steps", "99999999999"],
+    ),
+    (
+        "--steps 2000 of --elements 600 are 1200000 elements, more than 1000000",
+        &[
+            "simulate",
+            "ski-jump",
+            "--steps",
+            "2000",
+            "--elements",
+            "600",
+        ],
+    ),
+    ("from 1 to", &["simulate", "ski-jump", "--steps", "-3"]),
+    ("from 1 to", &["simulate", "ski-jump", "--elements", "0"]),
+    ("from 1 to 9", &["simulate", "ski-jump", "--stages", "10"]),
+    ("above 0", &["simulate", "ski-jump", "--horizon", "-1"]),
+    (
+        "begin with a number",
+        &["simulate", "ski-jump", "--horizon", "nan"],
+    ),
+    (
+        "'--horizon <TIME[UNIT]>'",
+        &["simulate", "ski-jump", "--horizon", "soon"],
+    ),
+    (
+        "give a time such as",
+        &["simulate", "ski-jump", "--horizon", "3kg"],
+    ),
+    (
+        "--steps has no meaning for --method event",
+        &["simulate", "ski-jump", "--method", "event", "--steps", "30"],
+    ),
+    (
+        "--scheme has no meaning for --method moreau",
+        &[
+            "simulate",
+            "ski-jump",
+            "--method",
+            "moreau",
+            "--scheme",
+            "radau-iia",
+        ],
+    ),
+    (
+        "unknown scene `ski\\u{1b}[31m`",
+        &["simulate", "ski\u{1b}[31m"],
+    ),
+    (
+        "possible values: fesd, event",
+        &["simulate", "ski-jump", "--method", "magic"],
+    ),
+    (
+        "--width has no meaning for --method event",
+        &["simulate", "ski-jump", "--method", "event", "--width", "3"],
+    ),
+    (
+        "--elements and --tolerance exclude each other",
+        &[
+            "simulate",
+            "ski-jump",
+            "--elements",
+            "2",
+            "--tolerance",
+            "1e-9",
+        ],
+    ),
+    (
+        "tolerance = 1",
+        &["simulate", "ski-jump", "--tolerance", "1"],
+    ),
+    (
+        "similar argument exists: '--steps'",
+        &["simulate", "ski-jump", "--step", "3"],
+    ),
+    ("<SCENE>", &["simulate"]),
+    ("unrecognized subcommand 'fly'", &["fly"]),
+];
+
 #[test]
 fn bad_input_is_refused_in_one_line_and_leaves_no_file() {
     let scratch = Scratch::new("refused");
     let out = scratch.text();
-    for (words, arguments) in [
-        (
-            "unknown scene `ski-jmp`; did you mean `ski-jump`?",
-            &["simulate", "ski-jmp"] as &[&str],
-        ),
-        (
-            "has no parameter `starty`; did you mean `start_y`?",
-            &["simulate", "ski-jump", "--set", "starty=8"],
-        ),
-        (
-            "parameter `m` = -80 kg: must be above 0",
-            &["simulate", "ski-jump", "--set", "m=-80"],
-        ),
-        ("`m` = 0 kg", &["simulate", "ski-jump", "--set", "m=0"]),
-        (
-            "parameter `g` [m/s^2]",
-            &["simulate", "ski-jump", "--set", "g=NaN"],
-        ),
-        (
-            "parameter `g` [m/s^2]",
-            &["simulate", "ski-jump", "--set", "g=inf"],
-        ),
-        ("finite", &["simulate", "ski-jump", "--set", "g=1e999"]),
-        (
-            "cannot be converted",
-            &["simulate", "ski-jump", "--set", "start_y=8s"],
-        ),
-        (
-            "given twice",
-            &["simulate", "ski-jump", "--set", "m=1", "--set", "m=2"],
-        ),
-        ("write NAME=VALUE", &["simulate", "ski-jump", "--set", "m"]),
-        ("write NAME=VALUE", &["simulate", "ski-jump", "--set", "m="]),
-        (
-            "parameter `speed` [km/h]: `kg` cannot be converted to `km/h`: they measure different \
-             things; leave the unit out, or write one that converts to km/h",
-            &["simulate", "pump-track", "--set", "speed=15kg"],
-        ),
-        (
-            "has no form `law=other`; choose one of: law=paper, law=holding",
-            &["simulate", "pump-track", "--set", "law=other"],
-        ),
-        (
-            "unknown scene `Ski-Jump`; did you mean `ski-jump`?",
-            &["simulate", "Ski-Jump"],
-        ),
-        (
-            "start inside the ground (E08): gap `slope`",
-            &["simulate", "ski-jump", "--set", "start_y=40"],
-        ),
-        ("from 1 to", &["simulate", "ski-jump", "--steps", "0"]),
-        ("from 1 to", &["simulate", "ski-jump", "--steps", "1e3"]),
-        (
-            "at most 1000000: the states",
-            &["simulate", "ski-jump", "--steps", "99999999999"],
-        ),
-        (
-            "--steps 2000 of --elements 600 are 1200000 elements, more than 1000000",
-            &[
-                "simulate",
-                "ski-jump",
-                "--steps",
-                "2000",
-                "--elements",
-                "600",
-            ],
-        ),
-        ("from 1 to", &["simulate", "ski-jump", "--steps", "-3"]),
-        ("from 1 to", &["simulate", "ski-jump", "--elements", "0"]),
-        ("from 1 to 9", &["simulate", "ski-jump", "--stages", "10"]),
-        ("above 0", &["simulate", "ski-jump", "--horizon", "-1"]),
-        (
-            "begin with a number",
-            &["simulate", "ski-jump", "--horizon", "nan"],
-        ),
-        (
-            "'--horizon <TIME[UNIT]>'",
-            &["simulate", "ski-jump", "--horizon", "soon"],
-        ),
-        (
-            "give a time such as",
-            &["simulate", "ski-jump", "--horizon", "3kg"],
-        ),
-        (
-            "--steps has no meaning for --method event",
-            &["simulate", "ski-jump", "--method", "event", "--steps", "30"],
-        ),
-        (
-            "--scheme has no meaning for --method moreau",
-            &[
-                "simulate",
-                "ski-jump",
-                "--method",
-                "moreau",
-                "--scheme",
-                "radau-iia",
-            ],
-        ),
-        (
-            "unknown scene `ski\\u{1b}[31m`",
-            &["simulate", "ski\u{1b}[31m"],
-        ),
-        (
-            "possible values: fesd, event",
-            &["simulate", "ski-jump", "--method", "magic"],
-        ),
-        (
-            "--width has no meaning for --method event",
-            &["simulate", "ski-jump", "--method", "event", "--width", "3"],
-        ),
-        (
-            "--elements and --tolerance exclude each other",
-            &[
-                "simulate",
-                "ski-jump",
-                "--elements",
-                "2",
-                "--tolerance",
-                "1e-9",
-            ],
-        ),
-        (
-            "tolerance = 1",
-            &["simulate", "ski-jump", "--tolerance", "1"],
-        ),
-        (
-            "similar argument exists: '--steps'",
-            &["simulate", "ski-jump", "--step", "3"],
-        ),
-        ("<SCENE>", &["simulate"]),
-        ("unrecognized subcommand 'fly'", &["fly"]),
-    ] {
+    for (words, arguments) in REFUSED {
         let mut arguments = arguments.to_vec();
         if arguments[0] == "simulate" && arguments.len() > 1 {
             arguments.extend(["--out", out]);

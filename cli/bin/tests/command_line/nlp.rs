@@ -1,0 +1,91 @@
+//! `nlp`: programs from `.nl` files.
+
+use crate::support::{Scratch, hangtime, json, refused, solved};
+
+/// `min (x - 2)^2 + (y - 1)^2` where `y - s >= 0` complements `x >= 0`: 1 at `(2, 0)` for `s = 0`; no point for `y <= 1`,
+/// `x >= 1` and `s = 3`.
+fn file(s: f64, x: &str, y: &str) -> String {
+    let words = format!(
+        "C0 o1 v1 n{s} O0 0 o0 o5 o1 v0 n2 n2 o5 o1 v1 n1 n2 r \"5 1 1\" b \"{x}\" \"{y}\""
+    );
+    let heading = "g3 1 1 0\n 2 1 1 0 0\n 0 1 1\n 0 0\n 0 2 0\n 0 0 0 1\n 0 0 0 0 0\n 0 2\n 0 0\n 0 0 0 0 0\n";
+    heading.to_owned() + &words.replace(['"'], "").replace(' ', "\n") + "\n"
+}
+
+/// Writes a file and returns its path.
+fn written(scratch: &Scratch, name: &str, text: &str) -> String {
+    std::fs::create_dir_all(&scratch.0).unwrap();
+    let path = scratch.0.join(name);
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn nlp_prints_a_summary_and_one_json_object_with_the_keys_of_solve() {
+    let scratch = Scratch::new("nlp");
+    let path = written(&scratch, "two.nl", &file(0.0, "2 0", "3"));
+    let text = solved(&["nlp", &path]);
+    for words in [
+        "1 pair",
+        "status        solved",
+        "stationarity  S",
+        "CPU time",
+    ] {
+        assert!(text.contains(words), "`{words}` is missing in\n{text}");
+    }
+    let document = json(&["nlp", &path, "--json"]);
+    assert_eq!(document["schema"], 1);
+    assert_eq!(document["status"], "solved");
+    assert_eq!(document["size"]["complementarities"], 1);
+    assert_eq!(document["residuals"]["complementarity"], 0.0);
+    assert!((document["objective"].as_f64().unwrap() - 1.0).abs() < 1e-8);
+    assert!((document["x"][0].as_f64().unwrap() - 2.0).abs() < 1e-6);
+    assert!(document["iterations"]["interior_point"].as_u64().unwrap() > 0);
+    assert!(document["seconds"]["total"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn nlp_writes_the_solution_file_that_modelling_languages_read() {
+    let scratch = Scratch::new("nlp-sol");
+    let path = written(&scratch, "two.nl", &file(0.0, "2 0", "3"));
+    let sol = scratch.0.join("two.sol");
+    let text = solved(&["nlp", &path, "--sol", sol.to_str().unwrap()]);
+    assert!(text.contains("wrote "), "{text}");
+    let lines: Vec<String> = scratch.read("two.sol").lines().map(str::to_owned).collect();
+    assert_eq!(
+        lines[2..11],
+        ["Options", "3", "1", "1", "0", "1", "1", "2", "2"]
+    );
+    assert!((lines[12].parse::<f64>().unwrap() - 2.0).abs() < 1e-6);
+    assert_eq!(lines.last().unwrap(), "objno 0 0");
+}
+
+#[test]
+fn nlp_without_a_feasible_point_says_what_is_violated_and_ends_with_status_3() {
+    let scratch = Scratch::new("nlp-infeasible");
+    let path = written(&scratch, "none.nl", &file(3.0, "2 1", "1 1"));
+    written(&scratch, "none.row", "balance\n");
+    let output = hangtime(&["nlp", &path, "--json"]);
+    assert_eq!(output.status.code(), Some(3));
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        stderr.contains("infeasible") && stderr.contains("balance"),
+        "{stderr}"
+    );
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    // y <= 1, but y >= 3
+    assert!((document["residuals"]["primal"].as_f64().unwrap() - 2.0).abs() < 1e-3);
+}
+
+#[test]
+fn nlp_refuses_what_is_no_program_in_one_line() {
+    let scratch = Scratch::new("nlp-refused");
+    let path = written(&scratch, "cut.nl", &file(0.0, "2 0", "3")[..120]);
+    let line = refused(&["nlp", &path]);
+    assert!(line.contains("cut.nl") && line.contains("line "), "{line}");
+    let line = refused(&["nlp", scratch.text()]);
+    assert!(line.contains("give a .nl file that can be read"), "{line}");
+    let missing = scratch.0.join("missing.nl");
+    let line = refused(&["nlp", missing.to_str().unwrap()]);
+    assert!(line.contains("missing.nl"), "{line}");
+}

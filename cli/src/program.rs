@@ -1,0 +1,126 @@
+//! `hangtime nlp`: a program from a `.nl` file, as text, as JSON, and as a `.sol` file.
+
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{self, Read as _};
+use std::path::Path;
+
+use hangtime::mpcc::Mpcc as _;
+use hangtime::nl::{self, Program, Solution, Stationarity};
+use hangtime::simulation::ProblemSize;
+
+use crate::arguments::NlpArguments;
+use crate::bounds::{Bounds, Ending};
+use crate::failure::BadInput;
+use crate::json::ProgramDocument;
+use crate::progress::SolveProgress;
+use crate::report::Report;
+use crate::table::{counted, seconds};
+
+/// Most bytes of a file: its program takes about ten times as much memory.
+const MOST_BYTES: u64 = 500_000_000;
+
+pub(crate) fn run(arguments: &NlpArguments) -> Result<Report, BadInput> {
+    let path = &arguments.file;
+    let shown = path.display().to_string();
+    // The watcher names the run for as long as the program runs.
+    let name: &'static str = Box::leak(shown.clone().into_boxed_str());
+    let bounds = Bounds::watch(name, &arguments.limits);
+    let refused = |what: String| BadInput::new(format!("{shown}: {what}"));
+    let bytes = read(path)
+        .map_err(|error| refused(format!("{error}; give a .nl file that can be read")))?;
+    let names = |extension| names(&path.with_extension(extension));
+    let mut program = Program::read_named(&bytes, names("col"), names("row"))
+        .map_err(|error| refused(error.to_string()))?;
+    drop(bytes);
+    let size = ProblemSize::of(&program, program.complementarities().len());
+    let mut display = SolveProgress::new(name);
+    let limit = f64::INFINITY;
+    let solution = nl::solve(&mut program, limit, &mut |info| {
+        display.iteration(info, bounds.asked())
+    })
+    .map_err(|error| refused(error.to_string()))?;
+    drop(display);
+    let ending = Ending::of_program(&solution, bounds.asked(), &arguments.limits);
+    drop(bounds);
+    let mut report = Report::default();
+    report.diagnoses.extend(ending.line(name));
+    let mut written = String::new();
+    if let Some(path) = &arguments.sol {
+        match fs::write(path, solution.file_text(&program)) {
+            Ok(()) => written = format!("wrote {}\n", path.display()),
+            Err(error) => report.refusals.push(format!(
+                "{}: {error}; give --sol a file that can be written",
+                path.display()
+            )),
+        }
+    }
+    report.text = if arguments.json {
+        ProgramDocument::new(name, size, &solution, &ending).text()
+    } else {
+        summary(name, size, &solution, &ending) + &written
+    };
+    Ok(report)
+}
+
+/// The bytes of a file, as many as are allowed.
+fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?
+        .take(MOST_BYTES + 1)
+        .read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(io::Error::other(format!(
+            "it is longer than {MOST_BYTES} bytes"
+        )));
+    }
+    Ok(bytes)
+}
+
+/// The lines of a file with names, if there is one.
+fn names(path: &Path) -> Vec<String> {
+    let text = read(path).unwrap_or_default();
+    let text = String::from_utf8_lossy(&text);
+    text.lines().map(|line| line.trim().to_owned()).collect()
+}
+
+/// The result for people.
+fn summary(name: &str, size: ProblemSize, solution: &Solution, ending: &Ending) -> String {
+    let mut text = format!("{name}\n\n");
+    let _ = writeln!(
+        text,
+        "size          {}, {}, {}, {}",
+        counted(size.variables, "variable"),
+        counted(size.equalities, "equation"),
+        counted(size.inequalities, "inequality row"),
+        counted(size.complementarities, "pair"),
+    );
+    let _ = writeln!(text, "status        {}", ending.status);
+    let _ = writeln!(text, "objective     {:.10e}", solution.objective);
+    let meaning = match (solution.stationarity, size.complementarities) {
+        (Stationarity::S, 0) => "the optimality conditions hold",
+        (Stationarity::S, _) => "strongly stationary",
+        (Stationarity::B, _) => "no choice of vanishing sides has a descent direction",
+        _ => "nothing is proved about the point",
+    };
+    let _ = writeln!(
+        text,
+        "stationarity  {}: {meaning}",
+        solution.stationarity.name()
+    );
+    let residuals = solution.residuals;
+    let _ = writeln!(
+        text,
+        "residuals     primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
+        residuals.primal, residuals.dual, residuals.complementarity
+    );
+    let _ = writeln!(
+        text,
+        "counts        {}, {} of them in crossovers, {}",
+        counted(solution.work.iterations, "interior point iteration"),
+        solution.work.crossover_iterations,
+        counted(solution.work.factorizations, "factorization"),
+    );
+    let _ = writeln!(text, "CPU time      {}", seconds(solution.work.seconds));
+    text
+}
