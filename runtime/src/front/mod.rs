@@ -30,11 +30,11 @@ impl StartValues {
                 _ => {
                     let known = declaration.coordinates.iter();
                     let known = known.map(|c| format!("{0}, dot({0})", c.name));
-                    return Err(InputError::UnknownName {
-                        what: format!("the start of `{}`", declaration.name),
-                        name: name.clone(),
-                        known: known.collect::<Vec<_>>().join(", "),
-                    });
+                    return Err(InputError::new(format!(
+                        "the start of `{}` has no `{name}`; it has {}",
+                        declaration.name,
+                        known.collect::<Vec<_>>().join(", ")
+                    )));
                 }
             }
         }

@@ -115,7 +115,7 @@ impl<'a> Solve<'a> {
 
     /// Number of starts, see [`Settings::starts`].
     pub fn starts(mut self, starts: usize) -> Self {
-        self.settings.starts = starts;
+        self.settings.starts = Some(starts);
         self
     }
 
@@ -158,13 +158,13 @@ impl<'a> Solve<'a> {
     pub fn run(self) -> Result<Solution, InputError> {
         let declaration = self.model.declaration();
         if declaration.optimal_control.is_none() {
-            return Err(InputError::Unsupported {
-                what: format!(
+            return Err(InputError::unsupported(
+                format!(
                     "optimal control of `{}`, which declares no objective,",
                     declaration.name
                 ),
-                remedy: "declare `minimize`, or simulate it".into(),
-            });
+                "declare `minimize`, or simulate it",
+            ));
         }
         let mut problem = Problem::of(self.model, self.intervals);
         if let Some(horizon) = self.horizon {

@@ -5,6 +5,7 @@
 //! starts where the one before it ended:
 //!
 //! ```text
+//! exploration        up to twelve starts on the coarsest grids that the grid asked for contains; the best motions go on
 //! contact-implicit   implicit Euler, one complementarity pair an element and contact: which contacts close when
 //! sequence           read from that motion, and from an event-driven simulation under its controls
 //! collocation        Radau IIA of order 7 between the switches, exit conditions, impact maps, bounds at all times
@@ -15,7 +16,7 @@
 //! A contact without friction is open or closed; one with Coulomb friction is open, sticks, or slips forward or
 //! backward, and the sequence holds the changes between these as well.
 //!
-//! The relaxed complementarity problem of the first phase is never reported as a result. What comes out is a local
+//! A relaxed complementarity problem is never reported as a result. What comes out is a local
 //! optimum; [`Stationarity`] says what is proved about its contact sequence.
 //!
 //! # Units
@@ -30,7 +31,7 @@
 //! every stage is then an unknown that moves with it.
 //!
 //! # Layers
-//! Each folder uses those below it, and the data that the caller sees:
+//! Each folder uses those below it, and the data that the caller sees; `effort` says how thoroughly each searches:
 //!
 //! ```text
 //! solve        the order of work: starts, levels of grids, one grid
@@ -70,6 +71,7 @@
 //! ```
 
 mod collocation;
+mod effort;
 mod global;
 mod judge;
 mod motion;

@@ -45,11 +45,11 @@ impl Previous {
         for (what, values, expected) in lengths {
             let found = values.map_or(0, Vec::len);
             if found != expected {
-                return Err(InputError::WrongLength {
-                    what: format!("the {what} of the previous motion, which is of another scene,"),
+                return Err(InputError::wrong_length(
+                    format!("the {what} of the previous motion, which is of another scene,"),
                     found,
                     expected,
-                });
+                ));
             }
         }
         let mut trajectory = self.trajectory.clone();

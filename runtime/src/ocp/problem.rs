@@ -86,11 +86,10 @@ impl Problem {
         }
         let horizon = match self.horizon {
             Horizon::Fixed(horizon) if horizon.is_nan() => {
-                return Err(InputError::Unsupported {
-                    what: "an optimal control problem without final time".into(),
-                    remedy: "declare a `horizon`, or let `time` occur in `minimize` or `finally`"
-                        .into(),
-                });
+                return Err(InputError::unsupported(
+                    "an optimal control problem without final time",
+                    "declare a `horizon`, or let `time` occur in `minimize` or `finally`",
+                ));
             }
             Horizon::Fixed(horizon) => horizon,
             Horizon::Free { guess } => guess.unwrap_or(1.0),
@@ -197,12 +196,7 @@ impl Problem {
 }
 
 fn refusal(what: String, value: f64, unit: &str, bound: String) -> InputError {
-    InputError::OutOfRange {
-        what,
-        value,
-        unit: unit.into(),
-        bound,
-    }
+    InputError::out_of_range(what, value, unit, bound)
 }
 
 /// Whether any initial value is to be found.

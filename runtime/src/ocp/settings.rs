@@ -5,6 +5,9 @@ use crate::ocp::motion::control_grid::ControlShape;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 
+/// Most starts of the search in phases, unless others are asked for.
+const STARTS: usize = 12;
+
 /// Where the global phase starts; every guess but a previous motion is made from the model and the problem alone.
 ///
 /// ```
@@ -42,6 +45,11 @@ pub enum Guess {
     Ride,
     /// [`Straight`](Self::Straight) with random controls, a random horizon and bent coordinates.
     Perturbed {
+        /// Equal seeds give equal guesses.
+        seed: u64,
+    },
+    /// The simulated motion under random controls, which change a few times.
+    Random {
         /// Equal seeds give equal guesses.
         seed: u64,
     },
@@ -99,7 +107,7 @@ pub struct TimeFreezingSettings {
     /// Whether to start at a coarse simulation under the guessed controls instead of the straight line to
     /// the goals; default false. Good where the motion that is looked for touches and leaves surfaces much
     /// as it does without control. Without goals it is always so.
-    pub simulated_guess: bool,
+    pub(crate) simulated_guess: bool,
     /// Largest product of a pair, and optimality error, at which [`solve`](super::solve) takes the program for
     /// solved before it polishes the motion; default 1e-6, in (0, 1). Below that the iterations double without
     /// another contact sequence.
@@ -153,10 +161,11 @@ pub struct Settings {
     pub controls: ControlShape,
     /// Where the global phase starts; default [`Guess::Straight`].
     pub guess: Guess,
-    /// Number of starts that are solved side by side, the first one with these settings, the others with other
-    /// guesses and discretizations; default 1, at least 1. The best result is returned, with the distinct local
-    /// optima; it does not depend on the number of threads.
-    pub starts: usize,
+    /// Number of starts that are solved side by side, the first one with these settings, the others with other guesses and
+    /// relaxations, or discretizations of the time-freezing formulation; at least 1. Default: up to 12, fewer where the
+    /// best motion is found again, and 1 with time-freezing or a previous motion. The best result is returned, with the
+    /// distinct local optima; it does not depend on the number of threads.
+    pub starts: Option<usize>,
     /// Finite elements of a phase at the start; default 1, at least 1. Where the re-simulation does not confirm a plan,
     /// more are taken in the intervals that a simulation of each shows to be inaccurate; see
     /// [`Solution::elements`](super::Solution::elements).
@@ -174,18 +183,21 @@ pub struct Settings {
     /// 1e-5, > 0. A grazing plan is not one that a motion can follow: a hair lower it would land.
     pub gap_margin: f64,
     /// Most motions of the global phase that are refined, the best first; default 2, at least 1.
-    pub refined_motions: usize,
+    pub(crate) refined_motions: usize,
     /// Elements an interval of the contact-implicit programs that are refined; default 4, at least 1. With few intervals
     /// there are more.
-    pub refined_elements: usize,
+    pub(crate) refined_elements: usize,
+    /// First barrier parameter of the contact-implicit programs; default 0.1, > 0. The larger, the farther contacts act at
+    /// first.
+    pub(crate) first_barrier: f64,
     /// Most programs, those of the global phase included; default 60.
     pub maximum_programs: usize,
     /// Most iterations of one program; default 500.
     pub maximum_iterations: usize,
     /// Tolerance of the simulation that reads the contact sequence; default 1e-9.
-    pub replay_tolerance: f64,
+    pub(crate) replay_tolerance: f64,
     /// Tolerance of the re-simulation that judges the result; default 1e-12.
-    pub resimulation_tolerance: f64,
+    pub(crate) resimulation_tolerance: f64,
     /// Largest distance between planned and re-simulated final coordinates of a confirmed result;
     /// default 1e-6 \[unit of the coordinates\], > 0.
     pub largest_distance: f64,
@@ -197,7 +209,7 @@ impl Default for Settings {
             formulation: Formulation::default(),
             controls: ControlShape::default(),
             guess: Guess::default(),
-            starts: 1,
+            starts: None,
             elements: 1,
             stages: 4,
             bounds: BoundsAt::default(),
@@ -206,6 +218,7 @@ impl Default for Settings {
             gap_margin: 1e-5,
             refined_motions: 2,
             refined_elements: 4,
+            first_barrier: 0.1,
             maximum_programs: 60,
             maximum_iterations: 500,
             replay_tolerance: 1e-9,
@@ -216,10 +229,20 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// Number of starts: [`starts`](Self::starts), or else the most that formulation and guess take.
+    #[must_use]
+    pub fn starts(&self) -> usize {
+        self.starts
+            .unwrap_or(match (&self.formulation, &self.guess) {
+                (Formulation::TimeFreezing(_), _) | (_, Guess::Previous(_)) => 1,
+                (Formulation::Phases, _) => STARTS,
+            })
+    }
+
     /// Checks every field against its range.
     ///
     /// # Errors
-    /// [`InputError::OutOfRange`] names the first field outside its range.
+    /// [`InputError`] names the first field outside its range.
     pub(in crate::ocp) fn check(&self) -> Result<(), InputError> {
         if !(2..=ButcherTableau::MAX_STAGES).contains(&self.stages) {
             return Err(self.refuse_stages());
@@ -230,29 +253,22 @@ impl Settings {
             ("largest distance", self.largest_distance, f64::INFINITY),
         ] {
             if !(value > 0.0 && value < below) {
-                return Err(InputError::OutOfRange {
-                    what: what.into(),
+                return Err(InputError::out_of_range(
+                    what,
                     value,
-                    unit: String::new(),
-                    bound: format!("above 0 and below {below}"),
-                });
+                    "",
+                    format!("above 0 and below {below}"),
+                ));
             }
         }
         for (what, value) in [
-            ("starts", self.starts),
+            ("starts", self.starts()),
             ("elements", self.elements),
-            ("refined motions", self.refined_motions),
-            ("refined elements", self.refined_elements),
             ("most programs", self.maximum_programs),
             ("most iterations", self.maximum_iterations),
         ] {
             if value == 0 {
-                return Err(InputError::OutOfRange {
-                    what: what.into(),
-                    value: 0.0,
-                    unit: String::new(),
-                    bound: "at least 1".into(),
-                });
+                return Err(InputError::out_of_range(what, 0.0, "", "at least 1"));
             }
         }
         let supported = matches!(
@@ -262,29 +278,20 @@ impl Settings {
         if let Formulation::TimeFreezing(_) = self.formulation
             && !supported
         {
-            return Err(InputError::Unsupported {
-                what: format!("guess {:?} of the time-freezing formulation", self.guess),
-                remedy: "choose `Straight`, `Ride` or `Previous`".into(),
-            });
+            return Err(InputError::unsupported(
+                format!("guess {:?} of the time-freezing formulation", self.guess),
+                "choose `Straight`, `Ride` or `Previous`",
+            ));
         }
         Ok(())
     }
 
-    pub(in crate::ocp) fn refuse_starts(&self) -> InputError {
-        InputError::OutOfRange {
-            what: "starts".into(),
-            value: self.starts as f64,
-            unit: String::new(),
-            bound: "at least 1".into(),
-        }
-    }
-
     pub(in crate::ocp) fn refuse_stages(&self) -> InputError {
-        InputError::OutOfRange {
-            what: "Runge-Kutta stages".into(),
-            value: self.stages as f64,
-            unit: String::new(),
-            bound: format!("in 2..={}", ButcherTableau::MAX_STAGES),
-        }
+        InputError::out_of_range(
+            "Runge-Kutta stages",
+            self.stages as f64,
+            "",
+            format!("in 2..={}", ButcherTableau::MAX_STAGES),
+        )
     }
 }

@@ -1,7 +1,7 @@
 //! What the caller keeps.
 
 use super::previous::Previous;
-use crate::nlp::{NlpProblem, Violation};
+use crate::nlp::Violation;
 use crate::ocp::motion::control_grid::{ControlShape, signal};
 use crate::simulation::{
     ControlSignal, EventKind, InputError, ProblemSize, Residuals, Simulation, State,
@@ -100,22 +100,6 @@ impl Stationarity {
     }
 }
 
-/// Size of a program.
-pub(in crate::ocp) fn size_of(program: &dyn NlpProblem, complementarities: usize) -> ProblemSize {
-    let rows = program.constraints();
-    let (mut lower, mut upper) = (vec![0.0; rows], vec![0.0; rows]);
-    program.constraint_bounds(&mut lower, &mut upper);
-    let equalities = lower.iter().zip(&upper).filter(|(l, u)| l == u).count();
-    ProblemSize {
-        variables: program.variables(),
-        equalities,
-        inequalities: rows - equalities,
-        complementarities,
-        jacobian_nonzeros: program.jacobian_pattern().len(),
-        hessian_nonzeros: program.hessian_pattern().len(),
-    }
-}
-
 /// What became of the complementarity problem of [`Formulation::TimeFreezing`](super::Formulation::TimeFreezing),
 /// before its motion was polished.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,6 +137,8 @@ pub struct Optimum {
     pub stationarity: Stationarity,
     /// Number of contact switches of the plan.
     pub switches: usize,
+    /// Control intervals of the grid that it was seen on.
+    pub intervals: usize,
     /// The starts that ended there, from 0.
     pub starts: Vec<usize>,
 }
@@ -170,6 +156,17 @@ pub struct Counts {
     pub factorizations: usize,
     /// Changes of the contact sequence that improved the objective.
     pub repairs: usize,
+}
+
+impl Counts {
+    /// Adds the work of another run.
+    pub(in crate::ocp) fn add(&mut self, other: &Self) {
+        self.programs += other.programs;
+        self.global_iterations += other.global_iterations;
+        self.iterations += other.iterations;
+        self.factorizations += other.factorizations;
+        self.repairs += other.repairs;
+    }
 }
 
 /// A violation between the places where a condition is imposed.
@@ -323,14 +320,14 @@ impl Solution {
     /// [`Simulation::at`](crate::simulation::Simulation::at).
     ///
     /// # Errors
-    /// [`InputError::OutOfRange`] outside of the motion, [`InputError::Unsupported`] if none was found.
+    /// [`InputError`] outside of the motion, [`InputError`] if none was found.
     pub fn at(&self, time: f64) -> Result<State, InputError> {
         match &self.motion {
             Some(motion) => motion.at(time),
-            None => Err(InputError::Unsupported {
-                what: "a state of a result without a motion".into(),
-                remedy: "its diagnosis says why none was found".into(),
-            }),
+            None => Err(InputError::unsupported(
+                "a state of a result without a motion",
+                "its diagnosis says why none was found",
+            )),
         }
     }
 

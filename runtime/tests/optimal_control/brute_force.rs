@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::support::one_start;
 use hangtime::model::Model;
 use hangtime::ocp::{
-    self, Formulation, Guess, Problem, Settings, Solution, Stationarity, Status,
-    TimeFreezingSettings,
+    self, Formulation, Guess, Problem, Solution, Stationarity, Status, TimeFreezingSettings,
 };
 use hangtime::simulation::EventKind;
 
@@ -115,7 +115,7 @@ fn hop(goal: f64) -> Solution {
         ..Hopper::default()
     };
     let problem = Problem::of(&hopper, 2);
-    ocp::solve(&hopper, &problem, &Settings::default(), &mut |_| true).unwrap()
+    ocp::solve(&hopper, &problem, &one_start(), &mut |_| true).unwrap()
 }
 
 #[test]
@@ -196,7 +196,7 @@ hangtime::model! {
 fn bounds_of_a_coordinate_that_is_no_parabola_hold_at_all_times() {
     let spring = Spring::default();
     let problem = Problem::of(&spring, 8);
-    let solution = ocp::solve(&spring, &problem, &Settings::default(), &mut |_| true).unwrap();
+    let solution = ocp::solve(&spring, &problem, &one_start(), &mut |_| true).unwrap();
     assert_eq!(
         solution.status,
         Status::Solved,
@@ -222,7 +222,7 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
     let hopper = Hopper::default();
     let problem = Problem::of(&hopper, 3);
     let refuse = |problem: &Problem| {
-        let error = ocp::solve(&hopper, problem, &Settings::default(), &mut |_| true);
+        let error = ocp::solve(&hopper, problem, &one_start(), &mut |_| true);
         error.unwrap_err().to_string()
     };
     let no_intervals = Problem {
@@ -236,7 +236,7 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
         ..problem.clone()
     };
     insta::assert_snapshot!(refuse(&falling), @"initial normal velocity of `ground` = -1 m/s: must be at least 0 on the surface: start after the impact");
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     settings.stages = 1;
     let error = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap_err();
     insta::assert_snapshot!(error, @"Runge-Kutta stages = 1: must be in 2..=9");
@@ -253,7 +253,7 @@ fn every_guess_of_the_hopping_mass_ends_at_the_same_optimum() {
         Guess::Perturbed { seed: 1 },
         Guess::Perturbed { seed: 2 },
     ] {
-        let mut settings = Settings::default();
+        let mut settings = one_start();
         settings.guess = guess;
         let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
         let guess = &settings.guess;
@@ -274,7 +274,7 @@ fn observer_that_stops_early_gets_no_motion_and_late_the_best_so_far() {
     let problem = Problem::of(&hopper, 2);
     let run = |calls: usize| {
         let mut seen = Vec::new();
-        let solution = ocp::solve(&hopper, &problem, &Settings::default(), &mut |progress| {
+        let solution = ocp::solve(&hopper, &problem, &one_start(), &mut |progress| {
             seen.push((progress.iterations, progress.best));
             seen.len() < calls
         });
@@ -297,9 +297,9 @@ fn observer_that_stops_early_gets_no_motion_and_late_the_best_so_far() {
 #[test]
 fn time_freezing_formulation_polished_finds_both_local_optima_of_the_hopping_mass() {
     let hopper = Hopper::default();
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
-    settings.starts = 4;
+    settings.starts = Some(4);
     let problem = Problem::of(&hopper, 2);
     let solution = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
     assert_eq!(
@@ -325,7 +325,7 @@ fn time_freezing_formulation_polished_finds_both_local_optima_of_the_hopping_mas
     let report = solution.time_freezing.unwrap();
     assert!(report.complementarity < 1.1e-6 && report.primal < 1e-6);
     assert!(report.size.complementarities > 0 && report.iterations > 0);
-    settings.starts = 1;
+    settings.starts = Some(1);
     settings.guess = Guess::Rest;
     let error = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap_err();
     insta::assert_snapshot!(error, @"guess Rest of the time-freezing formulation is not supported; choose `Straight`, `Ride` or `Previous`");
@@ -334,8 +334,8 @@ fn time_freezing_formulation_polished_finds_both_local_optima_of_the_hopping_mas
 #[test]
 fn several_starts_report_their_distinct_optima_and_do_not_depend_on_threads() {
     let hopper = Hopper::default();
-    let mut settings = Settings::default();
-    settings.starts = 4;
+    let mut settings = one_start();
+    settings.starts = Some(4);
     let problem = Problem::of(&hopper, 2);
     let solve = || ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
     let solution = solve();

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::support::one_start;
 use hangtime::model::Model;
 use hangtime::ocp::{
     self, BoundsAt, Guess, Horizon, PathPoints, Problem, Settings, Solution, Status,
@@ -41,7 +42,7 @@ hangtime::model! {
 fn running_cost_of_a_cart_from_rest_to_rest_is_that_of_the_closed_form() {
     let cart = Cart::default();
     let intervals = 8;
-    let solution = solve(&cart, intervals, &Settings::default());
+    let solution = solve(&cart, intervals, &one_start());
     // The force is proportional to the distance of the middle of its interval from T/2; the effort is
     // 12 m^2 d^2 / T^3 of the continuous problem over 1 - 1/N^2.
     let effort = 12.0 * 4.0 / (1.0 - 1.0 / (intervals * intervals) as f64);
@@ -56,7 +57,7 @@ fn running_cost_of_a_cart_from_rest_to_rest_is_that_of_the_closed_form() {
         horizon: Horizon::Fixed(2.0),
         ..Problem::of(&cart, intervals)
     };
-    let longer = ocp::solve(&cart, &problem, &Settings::default(), &mut |_| true).unwrap();
+    let longer = ocp::solve(&cart, &problem, &one_start(), &mut |_| true).unwrap();
     assert!((longer.objective - effort / 8.0).abs() < DIGITS * effort);
 }
 
@@ -75,7 +76,7 @@ hangtime::model! {
 
 #[test]
 fn free_initial_velocity_of_a_throw_is_at_45_degrees() {
-    let solution = solve(&Stone::default(), 3, &Settings::default());
+    let solution = solve(&Stone::default(), 3, &one_start());
     // v^2 = g d at 45 degrees, and the stone lands as fast as it was thrown.
     let square = 9.81 * 3.0;
     assert!(
@@ -108,7 +109,7 @@ hangtime::model! {
 #[test]
 fn path_constraint_on_the_speed_makes_the_cart_coast() {
     for points in [PathPoints::Ends, PathPoints::Stages, PathPoints::Both] {
-        let mut settings = Settings::default();
+        let mut settings = one_start();
         settings.path_points = points;
         let solution = solve(&Limited::default(), 5, &settings);
         // Half a metre per second after 1 s and 0.25 m, then 1.5 s for the rest: five intervals of half a second.
@@ -141,7 +142,7 @@ hangtime::model! {
 fn path_constraint_between_its_places_holds_unless_nodes_are_asked_for_and_then_the_excess_is_told()
 {
     let spring = Spring::default();
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     settings.path_points = PathPoints::Ends;
     let everywhere = solve(&spring, 8, &settings);
     let excess = everywhere.excess.map_or(0.0, |excess| excess.amount);
@@ -180,7 +181,7 @@ hangtime::model! {
 
 #[test]
 fn equality_along_the_path_is_kept() {
-    let solution = solve(&Engines::default(), 4, &Settings::default());
+    let solution = solve(&Engines::default(), 4, &one_start());
     // u + w = 4 w, so that the cost is 10/16 of the square of the sum.
     let effort = 10.0 / 16.0 * 12.0 / (1.0 - 1.0 / 16.0);
     assert!((solution.objective - effort).abs() < DIGITS * effort);
@@ -211,7 +212,7 @@ fn hop_that_is_declared_has_the_effort_of_a_search_over_both_thrusts() {
     // Best of a search over the two thrusts in closed form (`brute_force.rs`): land, rest, thrust.
     let known = 74.542_05;
     for guess in [Guess::Straight, Guess::Ride] {
-        let mut settings = Settings::default();
+        let mut settings = one_start();
         settings.guess = guess;
         let solution = solve(&Hopper::default(), 2, &settings);
         assert!(
@@ -240,7 +241,7 @@ hangtime::model! {
 
 #[test]
 fn declaration_that_a_formulation_cannot_state_is_refused_by_name() {
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     settings.formulation = ocp::Formulation::TimeFreezing(ocp::TimeFreezingSettings::default());
     let refuse = |model: &dyn Model| {
         let problem = Problem::of(model, 2);
@@ -311,8 +312,8 @@ fn free(z: f64, v: f64, a: f64, time: f64) -> (f64, f64) {
 
 #[test]
 fn motion_between_floor_and_ceiling_uses_both_and_is_the_best_of_a_search() {
-    let mut settings = Settings::default();
-    settings.starts = 4;
+    let mut settings = one_start();
+    settings.starts = Some(4);
     let solution = solve(&Shuttle::default(), 3, &settings);
     // Three thrusts of half a second each: the first two on successively finer grids around the best; of the third as
     // much as brings the mass to the ceiling in time, by bisection: the impact that stops it is the end.
@@ -366,13 +367,13 @@ fn motion_between_floor_and_ceiling_uses_both_and_is_the_best_of_a_search() {
 #[test]
 fn previous_motion_is_a_start_for_a_neighbouring_problem() {
     let cart = Hopper::default();
-    let first = solve(&cart, 2, &Settings::default());
+    let first = solve(&cart, 2, &one_start());
     let heavier = Hopper {
         m: 1.05,
         ..Hopper::default()
     };
-    let from_nothing = solve(&heavier, 2, &Settings::default());
-    let mut settings = Settings::default();
+    let from_nothing = solve(&heavier, 2, &one_start());
+    let mut settings = one_start();
     settings.guess = Guess::Previous(Box::new(first.previous.clone().unwrap()));
     let warm = solve(&heavier, 2, &settings);
     assert!(
@@ -398,11 +399,11 @@ fn previous_motion_is_a_start_for_a_neighbouring_problem() {
 #[test]
 fn more_elements_make_up_for_few_stages() {
     let spring = Spring::default();
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     settings.stages = 2;
     settings.elements = 2;
     let few = solve(&spring, 8, &settings);
-    let many = solve(&spring, 8, &Settings::default());
+    let many = solve(&spring, 8, &one_start());
     // Confirmed to 1e-6 at the end both times; the objective is as good as the plan.
     assert!(few.resimulation_error < 1e-6);
     assert!((few.objective - many.objective).abs() < 1e-5);
@@ -428,8 +429,8 @@ hangtime::model! {
 
 #[test]
 fn bounce_that_saves_effort_is_found() {
-    let mut settings = Settings::default();
-    settings.starts = 2;
+    let mut settings = one_start();
+    settings.starts = Some(2);
     let solution = solve(&Bouncer::default(), 1, &settings);
     // Height after 0.8 s under one constant thrust below the weight: fall, bounce, rise.
     let height = |u: f64| {

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::support::one_start;
 use hangtime::model::Model;
 use hangtime::ocp::{
     self, ControlShape, Formulation, Problem, Settings, Solution, Status, TimeFreezingSettings,
@@ -49,11 +50,11 @@ fn least_time_in_a_growing_wind_is_that_of_the_closed_form() {
         }
     }
     let sail = Sail::default();
-    let mut linear = Settings::default();
+    let mut linear = one_start();
     linear.controls = ControlShape::Linear;
-    let mut freezing = Settings::default();
+    let mut freezing = one_start();
     freezing.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
-    for settings in [Settings::default(), linear, freezing] {
+    for settings in [one_start(), linear, freezing] {
         let solution = solve(&sail, 3, &settings);
         assert!(
             (solution.horizon - lower).abs() < DIGITS,
@@ -79,7 +80,7 @@ hangtime::model! {
 
 #[test]
 fn least_effort_of_a_shaken_cart_is_the_closed_form_under_linear_controls() {
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     settings.controls = ControlShape::Linear;
     // Order 15: the shaking is no polynomial.
     settings.stages = 8;
@@ -142,7 +143,7 @@ fn lift_off_and_landing_on_a_moving_platform_are_those_of_the_ballistic_flight()
         }
     }
     for controls in [ControlShape::Constant, ControlShape::Linear] {
-        let mut settings = Settings::default();
+        let mut settings = one_start();
         settings.controls = controls;
         // Order 15: the platform moves like no polynomial.
         settings.stages = 8;

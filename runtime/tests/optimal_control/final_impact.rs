@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::support::one_start;
 use hangtime::model::Model;
 use hangtime::ocp::{self, ControlShape, Guess, Horizon, Problem, Settings, Solution, Status};
 use hangtime::simulation::EventKind;
@@ -57,7 +58,7 @@ fn solve(model: &dyn Model, settings: &Settings) -> Solution {
 #[test]
 fn impact_at_the_final_time_brings_the_motion_to_rest() {
     for controls in [ControlShape::Constant, ControlShape::Linear] {
-        let mut settings = Settings::default();
+        let mut settings = one_start();
         settings.controls = controls;
         let solution = solve(&Lander::default(), &settings);
         // It is pushed down all the way, and the ground stops it.
@@ -83,7 +84,7 @@ fn impact_at_the_final_time_brings_the_motion_to_rest() {
 fn bounce_at_the_final_time_gives_the_speed_after_it() {
     // The ground halves the speed, so it has to be met at 4.4 m/s: after a push down in the first two intervals, up in
     // the last, and u in between. With h = T / 4: h (4 g + 1 - u) = 4.4 and h^2 (8 g + 5.5 - 1.5 u) = 1.
-    let solution = solve(&Ball::default(), &Settings::default());
+    let solution = solve(&Ball::default(), &one_start());
     let g = 9.81;
     let length = |u: f64| 4.4 / (4.0 * g + 1.0 - u);
     let fall = |u: f64| length(u).powi(2) * (8.0 * g + 5.5 - 1.5 * u);

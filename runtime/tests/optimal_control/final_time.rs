@@ -1,5 +1,6 @@
 //! Final times far from the guess, problems without an optimum, and goals that the motion without controls reaches.
 
+use crate::support::one_start;
 use hangtime::model::Model;
 use hangtime::ocp::{self, Formulation, Guess, Problem, Settings, Solution, Status};
 use hangtime::ocp::{ControlShape, TimeFreezingSettings};
@@ -31,7 +32,7 @@ fn least_time_is_found_however_far_it_is_from_the_guess() {
         };
         let time = (4.0 * far).sqrt();
         for controls in [ControlShape::Constant, ControlShape::Linear] {
-            let mut settings = Settings::default();
+            let mut settings = one_start();
             settings.controls = controls;
             settings.largest_distance *= far.max(1.0);
             let solution = solve(&cart, &settings);
@@ -64,7 +65,7 @@ fn guess_of_the_final_time_does_not_decide_about_the_optimum() {
             Formulation::Phases,
             Formulation::TimeFreezing(TimeFreezingSettings::default()),
         ] {
-            let mut settings = Settings::default();
+            let mut settings = one_start();
             settings.formulation = formulation;
             let solution = ocp::solve(&cart, &problem, &settings, &mut |_| true).unwrap();
             assert_eq!(
@@ -88,7 +89,7 @@ fn previous_motion_of_quite_another_length_is_a_start_as_well() {
         far: 1e-3,
         ..Cart::default()
     };
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     let previous = solve(&near, &settings).previous.unwrap();
     settings.guess = Guess::Previous(Box::new(previous));
     let solution = solve(&Cart::default(), &settings);
@@ -124,7 +125,7 @@ hangtime::model! {
 #[test]
 fn problem_without_an_optimum_is_called_unbounded() {
     for model in [&Idler::default() as &dyn Model, &Rocket::default()] {
-        let solution = solve(model, &Settings::default());
+        let solution = solve(model, &one_start());
         let name = model.declaration().name;
         assert_eq!(solution.status, Status::Unbounded, "{name}");
         assert_eq!(solution.status.name(), "unbounded");
@@ -139,7 +140,7 @@ fn problem_without_an_optimum_is_called_unbounded() {
 #[test]
 fn goal_beyond_every_final_time_is_infeasible_with_those_that_were_looked_at() {
     let cart = Walled::default();
-    let solution = solve(&cart, &Settings::default());
+    let solution = solve(&cart, &one_start());
     assert_eq!(solution.status, Status::Infeasible);
     let diagnosis = solution.diagnosis().unwrap();
     assert!(diagnosis.contains("with final times from"), "{diagnosis}");

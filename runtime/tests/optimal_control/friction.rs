@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::support::one_start;
 use hangtime::model::Model;
 use hangtime::ocp::{
     self, ControlShape, Formulation, Guess, Problem, Settings, Solution, Status,
@@ -54,7 +55,7 @@ hangtime::model! {
 
 #[test]
 fn block_from_rest_to_rest_accelerates_and_brakes_with_the_help_of_friction() {
-    let solution = solve(&Block::default(), 8, &Settings::default());
+    let solution = solve(&Block::default(), 8, &one_start());
     // The speed grows with a = F/m - mu g = 2.5 m/s^2 and falls with b = F/m + mu g = 7.5 m/s^2, from rest to rest over
     // 1 m in sqrt(2 d (1/a + 1/b)), and the force turns round after three quarters of the time: on the grid.
     let time = (2.0_f64 * (1.0 / 2.5 + 1.0 / 7.5)).sqrt();
@@ -69,9 +70,9 @@ fn block_from_rest_to_rest_accelerates_and_brakes_with_the_help_of_friction() {
 #[test]
 fn previous_motion_of_the_block_is_a_start_for_less_friction_on_another_grid() {
     let mut block = Block::default();
-    let before = solve(&block, 8, &Settings::default());
+    let before = solve(&block, 8, &one_start());
     block.mu = 0.2;
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     settings.guess = Guess::Previous(Box::new(before.previous.unwrap()));
     let solution = solve(&block, 10, &settings);
     // The force turns round after seven tenths of the time.
@@ -89,7 +90,7 @@ fn friction_that_holds_against_the_largest_force_is_named_infeasible() {
         mu: 0.6,
         ..Block::default()
     };
-    let solution = attempt(&block, 4, &Settings::default());
+    let solution = attempt(&block, 4, &one_start());
     assert_eq!(solution.status, Status::Infeasible);
     assert!(solution.motion.is_none() && solution.diagnosis().is_some());
 }
@@ -112,7 +113,7 @@ hangtime::model! {
 
 #[test]
 fn block_that_comes_back_turns_round_where_friction_turns_round() {
-    let solution = solve(&Returning::default(), 5, &Settings::default());
+    let solution = solve(&Returning::default(), 5, &one_start());
     let (speed, a, b) = (1.5_f64, 2.5, 7.5);
     let time = speed / b + (2.0 * (1.0 + speed * speed / (2.0 * b)) / a).sqrt();
     assert!(
@@ -188,7 +189,7 @@ fn block_with_time_to_spare_sticks_for_a_while() {
         .flat_map(|count| (1..=1000).map(move |i| (count, f64::from(i) / 1000.0)))
         .map(|(count, share)| sliding_effort(count, share, h))
         .fold(f64::INFINITY, f64::min);
-    let solution = solve(&Patient::default(), intervals, &Settings::default());
+    let solution = solve(&Patient::default(), intervals, &one_start());
     // The grid of the search is fine enough for a millionth of the effort near a minimum.
     assert!(
         (solution.objective - best).abs() < 1e-5 * best,
@@ -223,7 +224,7 @@ fn landing_time() -> f64 {
 
 #[test]
 fn puck_that_lands_sliding_loses_speed_to_the_friction_of_the_impact() {
-    let solution = solve(&Puck::default(), 6, &Settings::default());
+    let solution = solve(&Puck::default(), 6, &one_start());
     let time = landing_time();
     assert!(
         (solution.horizon - time).abs() < DIGITS,
@@ -236,13 +237,13 @@ fn puck_that_lands_sliding_loses_speed_to_the_friction_of_the_impact() {
 #[test]
 fn puck_is_found_by_the_time_freezing_formulation_and_with_linear_controls_too() {
     let time = landing_time();
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
     let solution = solve(&Puck::default(), 6, &settings);
     assert!((solution.horizon - time).abs() < DIGITS);
     let report = solution.time_freezing.unwrap();
     assert!(report.complementarity < 1.1e-6 && report.primal < 1e-6);
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     settings.controls = ControlShape::Linear;
     let solution = solve(&Puck::default(), 6, &settings);
     assert!((solution.horizon - time).abs() < DIGITS);
@@ -267,7 +268,7 @@ hangtime::model! {
 
 #[test]
 fn puck_that_lands_slowly_enough_sticks_in_the_impact() {
-    let solution = solve(&Dropped::default(), 2, &Settings::default());
+    let solution = solve(&Dropped::default(), 2, &one_start());
     // Flight over 0.2 s and 0.5 * 0.2 + u / m * 0.02 metres: u = 10 N, for one interval of 0.25 s. The puck lands with
     // 1.5 m/s, of which the impact of 2 m/s could take 1.6 m/s off; 10 N do not overcome the friction of 16 N.
     assert!(
@@ -286,7 +287,7 @@ fn puck_that_lands_too_fast_to_stick_slides_on_to_its_place() {
         d: 0.35,
         ..Dropped::default()
     };
-    let solution = solve(&puck, 2, &Settings::default());
+    let solution = solve(&puck, 2, &one_start());
     assert_eq!(kinds(&solution), [EventKind::Impact, EventKind::Stick]);
     let best = dropped_effort(0.35);
     assert!(
@@ -346,7 +347,7 @@ hangtime::model! {
 
 #[test]
 fn ball_that_bounces_on_loses_speed_to_friction_at_every_bounce() {
-    let solution = solve(&Bouncing::default(), 3, &Settings::default());
+    let solution = solve(&Bouncing::default(), 3, &one_start());
     let (mut way, mut speed, mut time): (f64, f64, f64) = (0.0, 1.0, 0.0);
     let mut flight = (2.0_f64 * 0.3 / 10.0).sqrt();
     let mut fall = 10.0 * flight;
@@ -369,7 +370,7 @@ fn ball_that_bounces_on_loses_speed_to_friction_at_every_bounce() {
 #[test]
 fn time_freezing_formulation_of_a_bouncing_contact_is_refused_by_name() {
     let ball = Bouncing::default();
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
     let problem = Problem::of(&ball, 3);
     let error = ocp::solve(&ball, &problem, &settings, &mut |_| true).unwrap_err();
@@ -395,7 +396,7 @@ hangtime::model! {
 fn sliding_over_hills_is_as_accurate_as_the_scheme() {
     // Two stages are of order 3. The largest distance is there to keep the grid as it is.
     let error = |elements: usize| {
-        let mut settings = Settings::default();
+        let mut settings = one_start();
         settings.stages = 2;
         settings.elements = elements;
         settings.largest_distance = 1.0;
@@ -436,7 +437,7 @@ hangtime::model! {
 
 #[test]
 fn bar_on_two_feet_slides_like_a_block() {
-    let solution = solve(&Bar::default(), 8, &Settings::default());
+    let solution = solve(&Bar::default(), 8, &one_start());
     let time = (2.0_f64 * (1.0 / 2.5 + 1.0 / 7.5)).sqrt();
     assert!(
         (solution.horizon - time).abs() < DIGITS,
@@ -454,7 +455,7 @@ fn bar_that_lands_tilted_strikes_the_floor_with_both_feet() {
             mu,
             ..Tilted::default()
         };
-        let solution = solve(&bar, 6, &Settings::default());
+        let solution = solve(&bar, 6, &one_start());
         assert_eq!(kinds(&solution), [EventKind::Impact; 2]);
         assert!((solution.planned_events[0].0 - fall.sqrt()).abs() < DIGITS);
         // The second foot strikes while the first one slides on, and is struck once more.
@@ -500,7 +501,7 @@ hangtime::model! {
 
 #[test]
 fn free_initial_speed_of_a_curling_stone_is_what_friction_takes() {
-    let solution = solve(&Curling::default(), 4, &Settings::default());
+    let solution = solve(&Curling::default(), 4, &one_start());
     let speed = (2.0_f64 * 0.2 * 28.0).sqrt();
     assert!((solution.horizon - speed / 0.2).abs() < DIGITS * solution.horizon);
     let motion = solution.motion.unwrap();
@@ -543,8 +544,8 @@ hangtime::model! {
 
 #[test]
 fn friction_of_zero_is_no_friction_and_costs_nothing() {
-    let zero = solve(&Hop::default(), 4, &Settings::default());
-    let none = solve(&SmoothHop::default(), 4, &Settings::default());
+    let zero = solve(&Hop::default(), 4, &one_start());
+    let none = solve(&SmoothHop::default(), 4, &one_start());
     assert_eq!(zero.size, none.size);
     assert_eq!(zero.planned_events, none.planned_events);
     assert_eq!(zero.counts, none.counts);
@@ -573,7 +574,7 @@ hangtime::model! {
 
 #[test]
 fn bar_with_time_to_spare_sticks_on_both_feet() {
-    let solution = solve(&PatientBar::default(), 10, &Settings::default());
-    let block = solve(&Patient::default(), 10, &Settings::default());
+    let solution = solve(&PatientBar::default(), 10, &one_start());
+    let block = solve(&Patient::default(), 10, &one_start());
     assert!((solution.objective - block.objective).abs() < DIGITS * block.objective);
 }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::support::one_start;
 use hangtime::model::Model;
 use hangtime::ocp::{
     self, ControlShape, Formulation, Guess, Problem, Settings, Solution, Status,
@@ -13,7 +14,7 @@ use hangtime::simulation::EventKind;
 const DIGITS: f64 = 1e-8;
 
 fn linear() -> Settings {
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     settings.controls = ControlShape::Linear;
     settings
 }
@@ -69,7 +70,7 @@ fn least_effort_of_a_cart_is_linear_in_time_on_every_grid() {
         }
         if intervals > 1 {
             // Constant controls lose the share 1 / N^2 of their effort.
-            let constant = solve(&cart, &problem, &Settings::default());
+            let constant = solve(&cart, &problem, &one_start());
             let expected = 12.0 / (1.0 - 1.0 / (intervals * intervals) as f64);
             assert!((constant.objective - expected).abs() < DIGITS * expected);
         }

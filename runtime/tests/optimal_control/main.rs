@@ -9,3 +9,4 @@ mod friction;
 mod linear_controls;
 mod refinement;
 mod scaling;
+mod support;

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::support::one_start;
 use hangtime::ocp::{self, ControlShape, Problem, Settings, Solution, Status};
 use hangtime::simulation::{Fesd, InitialValueProblem, Simulator};
 
@@ -49,7 +50,7 @@ fn in_the_magnet(model: &Passage, solution: &Solution) -> Vec<bool> {
 fn elements_grow_where_the_plan_departs_from_the_motion_and_nowhere_else() {
     for controls in [ControlShape::Constant, ControlShape::Linear] {
         let model = Passage::default();
-        let mut settings = Settings::default();
+        let mut settings = one_start();
         settings.controls = controls;
         let solution = pass(&model, &settings);
         assert!(solution.resimulation_error < settings.largest_distance);
@@ -93,7 +94,7 @@ hangtime::model! {
 fn elements_of_a_model_that_depends_on_time_grow_everywhere() {
     let model = Shaken::default();
     let problem = Problem::of(&model, 3);
-    let solution = ocp::solve(&model, &problem, &Settings::default(), &mut |_| true).unwrap();
+    let solution = ocp::solve(&model, &problem, &one_start(), &mut |_| true).unwrap();
     assert_eq!(
         solution.status,
         Status::Solved,
@@ -110,7 +111,7 @@ fn elements_of_a_model_that_depends_on_time_grow_everywhere() {
 
 #[test]
 fn smaller_distances_ask_for_more_elements_and_coarse_scenes_for_none() {
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     let count = |solution: &Solution| solution.elements.iter().sum::<usize>();
     let usual = pass(&Passage::default(), &settings);
     settings.largest_distance = 1e-9;
@@ -125,6 +126,6 @@ fn smaller_distances_ask_for_more_elements_and_coarse_scenes_for_none() {
         width: 1.0,
         ..Passage::default()
     };
-    let solution = pass(&wide, &Settings::default());
+    let solution = pass(&wide, &one_start());
     assert_eq!(solution.elements, [1; INTERVALS]);
 }

@@ -2,8 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::support::one_start;
 use hangtime::model::Model;
-use hangtime::ocp::{self, ControlShape, Horizon, Problem, Settings, Solution, Status};
+use hangtime::ocp::{self, ControlShape, Horizon, Problem, Solution, Status};
 
 hangtime::model! {
     /// A mass with engines that hops over a hill and shifts its weight.
@@ -43,7 +44,7 @@ fn solve(model: &dyn Model, metre: f64, horizon: Horizon, controls: ControlShape
         horizon,
         ..Problem::of(model, 8)
     };
-    let mut settings = Settings::default();
+    let mut settings = one_start();
     settings.controls = controls;
     // These are in the unit of the scene.
     settings.gap_margin *= metre;

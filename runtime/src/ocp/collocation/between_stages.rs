@@ -135,7 +135,7 @@ pub(in crate::ocp) fn excess(program: &Collocation, x: &[f64], limits: Limits) -
 }
 
 /// Flights that pass a jump of the controls so shortly after their opening that they are still on the surface,
-/// and are pushed back onto it after the jump.
+/// and are pushed back onto it after the jump. A contact that is touched at the jump leaves with its own velocity.
 fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> Vec<Cut> {
     let model = program.model;
     let declaration = model.declaration();
@@ -148,7 +148,8 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
         }
         let before = &program.phases[index - 1];
         for contact in 0..declaration.contacts.len() {
-            if phase.closed.contains(&contact) || before.closed.contains(&contact) {
+            let touched = before.closing.contains(&contact);
+            if touched || phase.closed.contains(&contact) || before.closed.contains(&contact) {
                 continue;
             }
             let (mut gap, mut acceleration) = (f64::INFINITY, 0.0);

@@ -5,6 +5,7 @@ use super::start_modes::modes_at_start;
 use crate::mpcc;
 use crate::mpcc::RelaxationRule;
 use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::effort::Effort;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::read_sequence::{Elements, of_elements};
 use crate::ocp::motion::sequence::Sequence;
@@ -30,14 +31,14 @@ const LEAST_FINE_ELEMENTS: usize = 120;
 const COARSE: Relaxation = Relaxation {
     last: 1e-3,
     tolerance: 1e-4,
-    barrier: 1e-1,
+    barrier: None,
 };
 
 /// The refined ones, which start at solutions of the first ones.
 const FINE: Relaxation = Relaxation {
     last: 1e-6,
     tolerance: 1e-6,
-    barrier: 1e-4,
+    barrier: Some(1e-4),
 };
 
 /// Rules of the refined programs, in the order in which they are tried.
@@ -60,8 +61,8 @@ struct Relaxation {
     last: f64,
     /// Tolerance of the interior point method.
     tolerance: f64,
-    /// First barrier parameter.
-    barrier: f64,
+    /// First barrier parameter, unless it is that of the settings.
+    barrier: Option<f64>,
 }
 
 /// The contact-implicit phase: distinct motions, the best first; the guess itself if no program could be solved.
@@ -129,7 +130,11 @@ fn refined(
     start: &Trajectory,
     elements: usize,
 ) -> Result<Option<Candidate>, InputError> {
-    for rule in FINE_RULES {
+    let rules = match runner.effort {
+        Effort::Explore => &FINE_RULES[..1],
+        Effort::Carry | Effort::Certify => &FINE_RULES,
+    };
+    for &rule in rules {
         if runner.stopped() {
             break;
         }
@@ -157,7 +162,8 @@ fn relaxed(
         final_relaxation: relaxation.last,
         ..mpcc::Settings::default()
     };
-    settings.interior_point.initial_barrier_parameter = relaxation.barrier;
+    settings.interior_point.initial_barrier_parameter =
+        relaxation.barrier.unwrap_or(runner.settings.first_barrier);
     settings.interior_point.tolerance = relaxation.tolerance;
     settings.interior_point.maximum_iterations = runner.settings.maximum_iterations;
     let unit = program.program.objective_unit();

@@ -25,6 +25,10 @@ pub(in crate::ocp) fn guess(
         Guess::Rest => Ok(at_rest(straight, model, problem)),
         Guess::Ride => ride(straight, model, problem),
         Guess::Perturbed { seed } => Ok(perturbed(straight, model, problem, *seed, bounds)),
+        Guess::Random { seed } => {
+            let driven = randomly_driven(straight, model, problem, *seed, bounds);
+            ride(driven, model, problem)
+        }
         Guess::Previous(previous) => previous.trajectory(model, problem),
     }
 }
@@ -100,6 +104,79 @@ fn ride(
     ))
 }
 
+/// Random numbers in [-1, 1): SplitMix64 (Steele, Lea, Flood 2014).
+fn uniform(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Controls that are random within their range over parts of the motion, between one and as many as there are
+/// intervals; the horizon scaled by up to a factor of two where it is free.
+fn randomly_driven(
+    mut motion: Trajectory,
+    model: &dyn Model,
+    problem: &Problem,
+    seed: u64,
+    bounds: (&[f64], &[f64]),
+) -> Trajectory {
+    let n = problem.q.len();
+    let mut random = uniform(seed);
+    if let Horizon::Free { .. } = problem.horizon {
+        let horizon = motion.horizon * 2.0_f64.powf(random());
+        motion = motion.stretched(horizon);
+    }
+    let intervals = problem.intervals as f64;
+    let parts = intervals.powf(0.5 * (random() + 1.0)).round().max(1.0);
+    let mut values = motion.controls.values().to_vec();
+    let mut current = usize::MAX;
+    let mut drawn = vec![0.0; model.declaration().controls.len()];
+    for (interval, controls) in values.iter_mut().enumerate() {
+        let part = (interval as f64 * parts / intervals) as usize;
+        if part != current {
+            current = part;
+            for (u, k) in drawn.iter_mut().zip(n..) {
+                let (lower, upper) = (bounds.0[k], bounds.1[k]);
+                let share = random();
+                *u = if (upper - lower).is_finite() {
+                    lower + 0.5 * (share + 1.0) * (upper - lower)
+                } else {
+                    (share * natural_size(model, &motion, k)).clamp(lower, upper)
+                };
+            }
+        }
+        controls.clone_from(&drawn);
+    }
+    motion.controls = ControlGrid::constant(values);
+    motion
+}
+
+/// Size of the control with index `k` among the bounds, where it has none: the least that accelerates a coordinate as much as it
+/// does by itself at the start, together with what takes it to its goal and to rest there in the time of the motion; 1
+/// where nothing of that kind says how large it is.
+fn natural_size(model: &dyn Model, motion: &Trajectory, k: usize) -> f64 {
+    let n = model.declaration().coordinates.len();
+    let mut input = motion.states[0][..2 * n].to_vec();
+    input.extend(drive(model, motion.controls.start(), 0.0));
+    let (mut alone, mut pushed) = (vec![0.0; n], vec![0.0; n]);
+    model.free_acceleration(&input, &mut alone);
+    input[n + k] += 1.0;
+    model.free_acceleration(&input, &mut pushed);
+    let ends = motion.states.first().zip(motion.states.last());
+    let sizes = (0..n).filter_map(|i| {
+        let (first, last) = ends?;
+        let way = 4.0 * (last[i] - first[i]).abs() / motion.horizon.powi(2);
+        let size = (alone[i].abs() + way) / (pushed[i] - alone[i]).abs();
+        (size > 0.0 && size.is_finite()).then_some(size)
+    });
+    sizes.reduce(f64::min).unwrap_or(1.0)
+}
+
 /// Random controls within a quarter of their range, the horizon scaled by up to 15 %, and every coordinate
 /// bent by up to a twentieth of the distance to its goal.
 fn perturbed(
@@ -110,25 +187,20 @@ fn perturbed(
     bounds: (&[f64], &[f64]),
 ) -> Trajectory {
     let n = problem.q.len();
-    let mut state = seed;
-    // SplitMix64 (Steele, Lea, Flood 2014), mapped to [-1, 1).
-    let mut random = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
+    let mut random = uniform(seed);
     if let Horizon::Free { .. } = problem.horizon {
-        let factor = (0.15 * random()).exp();
-        motion.horizon *= factor;
-        motion.time.iter_mut().for_each(|time| *time *= factor);
+        let horizon = motion.horizon * (0.15 * random()).exp();
+        motion = motion.stretched(horizon);
     }
     let mut values = motion.controls.values().to_vec();
     for controls in &mut values {
         for (u, k) in controls.iter_mut().zip(n..) {
             let range = bounds.1[k] - bounds.0[k];
-            let size = if range.is_finite() { 0.25 * range } else { 0.1 };
+            let size = if range.is_finite() {
+                0.25 * range
+            } else {
+                0.1 * natural_size(model, &motion, k)
+            };
             *u = (*u + size * random()).clamp(bounds.0[k], bounds.1[k]);
         }
     }

@@ -61,21 +61,16 @@ impl<'a> TimeFreezing<'a> {
         problem.check(model)?;
         let mut contacts = model.declaration().contacts.iter();
         if let Some(contact) = contacts.find(|contact| contact.law != ImpactLaw::Inelastic) {
-            return Err(InputError::Unsupported {
-                what: format!(
+            return Err(InputError::unsupported(
+                format!(
                     "restitution of `{}` in the time-freezing formulation",
                     contact.name
                 ),
-                remedy: "leave the formulation at its default".into(),
-            });
+                "leave the formulation at its default",
+            ));
         }
         let refuse = |what: &str, value: f64, bound: String| {
-            Err(InputError::OutOfRange {
-                what: what.into(),
-                value,
-                unit: String::new(),
-                bound,
-            })
+            Err(InputError::out_of_range(what, value, "", bound))
         };
         if settings.elements == 0 {
             return refuse("finite elements of an interval", 0.0, "at least 1".into());
@@ -211,10 +206,10 @@ fn state(
     start: &[f64],
 ) -> Result<Stated, InputError> {
     let refuse = |what: &str| {
-        Err(InputError::Unsupported {
-            what: format!("{what} in the time-freezing formulation"),
-            remedy: "leave the formulation at its default".into(),
-        })
+        Err(InputError::unsupported(
+            format!("{what} in the time-freezing formulation"),
+            "leave the formulation at its default",
+        ))
     };
     if let Some(constraint) = declared.constraints.first() {
         return refuse(&format!("the path constraint `{}`", constraint.name));

@@ -15,8 +15,8 @@ use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Failure, Runner};
 use crate::ocp::settings::{Guess, TimeFreezingSettings};
-use crate::ocp::solution::{TimeFreezingReport, size_of};
-use crate::simulation::InputError;
+use crate::ocp::solution::TimeFreezingReport;
+use crate::simulation::{InputError, ProblemSize};
 use crate::{mpcc, nlp};
 
 /// Mean step function of an element above which its contact is open: in flight it is 1, in contact
@@ -60,7 +60,7 @@ pub(in crate::ocp) fn candidate(
         primal: solution.residuals.primal,
         complementarity: products.fold(0.0, f64::max),
         iterations: solution.iterations,
-        size: size_of(&program, program.complementarities().len()),
+        size: ProblemSize::of(&program, program.complementarities().len()),
         seconds: clock
             .and_then(|clock| clock.try_elapsed())
             .map_or(f64::NAN, |elapsed| elapsed.as_secs_f64()),

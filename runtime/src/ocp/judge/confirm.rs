@@ -17,9 +17,11 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::search::replay::{read_replay, simulate};
 use crate::ocp::settings::Settings;
-use crate::ocp::solution::{Solution, Stationarity, Status, size_of};
+use crate::ocp::solution::{Solution, Stationarity, Status};
 use crate::rk::ButcherTableau;
-use crate::simulation::{EventKind, InputError, Residuals, Simulation, SimulationStatus};
+use crate::simulation::{
+    EventKind, InputError, ProblemSize, Residuals, Simulation, SimulationStatus,
+};
 
 /// The judgement of a local optimum: re-simulated, with more elements where they are needed, and else with the schemes
 /// of `tableaus`, of growing order, as long as the plan does not agree with the simulation.
@@ -158,7 +160,7 @@ fn confirm(
         previous: Some(Previous::new(trajectory, sequence)),
         motion: Some(replay),
         violations: solution.violations,
-        size: size_of(&program.program, 0),
+        size: ProblemSize::of(&program.program, 0),
         counts: runner.counts,
         seconds: 0.0,
         time_freezing: None,

@@ -3,6 +3,7 @@
 use super::sparse_program::Program;
 use crate::mpcc::Mpcc;
 use crate::nlp::Violation;
+use crate::ocp::effort::Effort;
 use crate::ocp::progress::Watch;
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::Counts;
@@ -55,6 +56,7 @@ pub(in crate::ocp) struct Run<'r> {
 pub(in crate::ocp) struct Runner<'s> {
     pub(in crate::ocp) settings: &'s Settings,
     pub(in crate::ocp) counts: Counts,
+    pub(in crate::ocp) effort: Effort,
     watch: Watch<'s>,
     /// Most programs, those of coarser grids included.
     most_programs: usize,
@@ -64,10 +66,16 @@ pub(in crate::ocp) struct Runner<'s> {
 
 impl<'s> Runner<'s> {
     /// Goes on from the counts of coarser grids.
-    pub(in crate::ocp) fn new(settings: &'s Settings, watch: Watch<'s>, counts: Counts) -> Self {
+    pub(in crate::ocp) fn new(
+        settings: &'s Settings,
+        watch: Watch<'s>,
+        counts: Counts,
+        effort: Effort,
+    ) -> Self {
         Self {
             settings,
             counts,
+            effort,
             watch,
             most_programs: counts.programs + settings.maximum_programs,
             failure: None,
@@ -167,8 +175,8 @@ impl<'s> Runner<'s> {
 /// A refusal of the interior point method: the programs here are built to be accepted, except where the
 /// model's functions are not finite.
 fn refused(error: &nlp::InputError) -> InputError {
-    InputError::NotFinite {
-        what: format!("optimal control: {error}; a number there"),
-        value: f64::NAN,
-    }
+    InputError::not_finite(
+        format!("optimal control: {error}; a number there"),
+        f64::NAN,
+    )
 }

@@ -11,6 +11,7 @@ use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::Limits;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
+use crate::ocp::effort::Effort;
 use crate::ocp::motion::sequence::{Sequence, Signature};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Ended, Run, Runner};
@@ -20,6 +21,8 @@ use crate::simulation::InputError;
 /// Barrier parameters that a program is started with, in this order, and most iterations with each: of the first
 /// program, of a neighbour, which starts near its solution, and of a sequence about which nothing is claimed.
 const FIRST: [(f64, usize); 3] = [(1e-2, usize::MAX), (1e-3, usize::MAX), (1e-1, usize::MAX)];
+/// The same of the first program of an exploration: others may do better from there.
+const QUICK: [(f64, usize); 1] = [(1e-2, 200)];
 const NEIGHBOUR: [(f64, usize); 2] = [(1e-4, 60), (1e-2, 300)];
 const EXPLORED: [(f64, usize); 1] = [(1e-4, 80)];
 /// The same after a cut.
@@ -221,7 +224,8 @@ impl<'a, 'e> Attempts<'a, 'e> {
         } = attempt;
         let mut program = transcribe(self.setting, sequence, guess, cuts, self.elements);
         let barriers = match (&self.best, purpose) {
-            (None, _) => &FIRST[..],
+            (None, _) if runner.effort == Effort::Explore => &QUICK[..],
+            (None, _) => &FIRST,
             (Some(_), Purpose::Compare) => &NEIGHBOUR,
             (Some(_), Purpose::Explore) => &EXPLORED,
         };

@@ -4,6 +4,7 @@ use super::attempt::{Attempt, Attempts, Local, Purpose};
 use super::repair::repair;
 use super::replay::{read_replay, simulate};
 use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::effort::Effort;
 use crate::ocp::global::{coarse_to_fine, time_freezing_search};
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlShape;
@@ -29,8 +30,6 @@ pub(in crate::ocp) struct Found<'a> {
 /// The search on one grid.
 pub(in crate::ocp) struct Search<'a, 'e> {
     pub(in crate::ocp) attempts: Attempts<'a, 'e>,
-    /// Whether sequences in other basins are tried; on a coarser grid they were.
-    pub(in crate::ocp) explores: bool,
     pub(in crate::ocp) found: Found<'a>,
 }
 
@@ -90,7 +89,7 @@ impl<'a> Search<'a, '_> {
         let stationarity = if best.is_some_and(|best| self.lies_at_an_end(best)) {
             Stationarity::None
         } else {
-            repair(runner, &mut self.attempts, self.explores)?
+            repair(runner, &mut self.attempts)?
         };
         if let Some(best) = self.attempts.best.take() {
             let objective = best.solution.objective;
@@ -140,7 +139,14 @@ fn attempt_readings(
     let setting = attempts.setting;
     let intervals = setting.problem.intervals;
     let motions = motions(runner, setting, candidate)?;
-    let (likely, ending) = readings(&motions, intervals);
+    let (mut likely, ending) = readings(&motions, intervals);
+    if near
+        && runner.effort == Effort::Certify
+        && let Some((plan, motion)) = motions.last()
+    {
+        // What is to be judged is the plan as it is, whatever other readings make of it.
+        likely.insert(0, (plan.clone(), motion));
+    }
     let count = likely.len();
     for (index, (sequence, guess)) in likely.into_iter().chain(ending).enumerate() {
         if index >= count && attempts.best.is_some() {

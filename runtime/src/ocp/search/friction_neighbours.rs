@@ -111,16 +111,16 @@ fn endings(pressure: &Pressure) -> Option<Sequence> {
     inserted(pressure, &changes, Place::Inside, end)
 }
 
-/// Sequences with a slip that begins at a jump of the controls earlier or later by an interval. The force of a contact
-/// that sticks is as constant as the controls, and seldom lets it go between two jumps, so that no multiplier tells
-/// at which of them it should.
+/// Sequences with a slip or an opening that begins at a jump of the controls earlier or later by an interval. The force
+/// of a contact is often as constant as the controls, and seldom lets it go between two jumps, so that no multiplier
+/// tells at which of them it should.
 pub(in crate::ocp) fn shifted(pressure: &Pressure) -> Vec<Sequence> {
     let switches = &pressure.sequence.switches;
     let mut found = Vec::new();
     for (index, switch) in switches.iter().enumerate() {
         let sticks = pressure.sequence.mode_before(index, switch.contact) == Mode::Stick;
         let jumps = switch.place == Place::Start && !switch.accompanies;
-        if !jumps || !sticks || !switch.slides() {
+        if !jumps || !(switch.opens() || sticks && switch.slides()) {
             continue;
         }
         let group = index..=index + Sequence::companions(switches, index).len();

@@ -5,18 +5,17 @@ use super::pressure::Pressure;
 use super::{friction_neighbours, neighbours};
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::touching_gap;
+use crate::ocp::effort::Effort;
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::solution::Stationarity;
 use crate::simulation::InputError;
 
-/// Follows improving neighbours of the best until there is none; says what was proved. `explores` sequences in other
-/// basins as well.
+/// Follows improving neighbours of the best, and sequences in other basins, until there is none; says what was proved.
 pub(super) fn repair(
     runner: &mut Runner,
     attempts: &mut Attempts,
-    explores: bool,
 ) -> Result<Stationarity, InputError> {
     loop {
         let Some(best) = &attempts.best else {
@@ -27,8 +26,7 @@ pub(super) fn repair(
         if compared == Compared::Incomplete {
             return Ok(Stationarity::None);
         }
-        let improved =
-            compared == Compared::Improved || explores && explore(runner, attempts, &around)?;
+        let improved = compared == Compared::Improved || explore(runner, attempts, &around)?;
         if !improved {
             return Ok(match compared {
                 Compared::Undecided => Stationarity::None,
@@ -101,15 +99,26 @@ fn compare(
     attempts: &mut Attempts,
     around: &Around,
 ) -> Result<Compared, InputError> {
+    let purpose = match runner.effort {
+        Effort::Certify => Purpose::Compare,
+        Effort::Explore | Effort::Carry => Purpose::Explore,
+    };
     let mut undecided = false;
     for neighbour in &around.neighbours {
         let verdict = match attempts.known(neighbour) {
             Some(verdict) => verdict,
             None if runner.is_exhausted() => return Ok(Compared::Incomplete),
-            None => attempts.attempt(runner, around.attempt(neighbour, Purpose::Compare))?,
+            None if purpose == Purpose::Explore && attempts.was_tried(neighbour) => {
+                Verdict::Undecided
+            }
+            None => attempts.attempt(runner, around.attempt(neighbour, purpose))?,
         };
         match verdict {
             Verdict::Better => return Ok(Compared::Improved),
+            // One try from one barrier parameter is no proof that a sequence allows no motion.
+            Verdict::NotBetter(least) if least.is_infinite() && purpose == Purpose::Explore => {
+                undecided = true;
+            }
             Verdict::NotBetter(_) => {}
             Verdict::Undecided => undecided = true,
         }

@@ -26,6 +26,7 @@ pub(super) fn solve_grid<'s>(
     start: Start<'s>,
 ) -> Result<(Solution, Watch<'s>), InputError> {
     let mut start = start;
+    let effort = start.effort;
     let mut centre: Option<f64> = None;
     // The last plan that lies at an end of its range.
     let mut at_the_end: Option<Solution> = None;
@@ -64,6 +65,7 @@ pub(super) fn solve_grid<'s>(
                 watch,
                 counts: solution.counts,
                 coarser,
+                effort,
             };
             if solution.motion.is_some() {
                 at_the_end = Some(solution);

@@ -2,12 +2,16 @@
 //! a guess, a search and the judge. The top of the layers; nothing else knows it.
 
 mod final_times;
-mod levels;
+mod nested;
 mod one_grid;
+mod optima;
+mod portfolio;
+mod run;
+mod shared_observer;
 mod starts;
 
 use super::problem::Problem;
-use super::settings::Settings;
+use super::settings::{Formulation, Guess, Settings};
 use super::solution::Solution;
 use crate::Observer;
 use crate::model::Model;
@@ -28,5 +32,11 @@ pub fn solve(
 ) -> Result<Solution, InputError> {
     settings.check()?;
     problem.check(model)?;
-    starts::solve(model, problem, settings, observer)
+    let search = matches!(settings.formulation, Formulation::Phases)
+        && !matches!(settings.guess, Guess::Previous(_));
+    if search {
+        nested::solve(model, problem, settings, observer)
+    } else {
+        starts::solve(model, problem, settings, observer)
+    }
 }

@@ -3,6 +3,7 @@
 use crate::model::Model;
 use crate::nlp;
 use crate::ocp::collocation::discretization::{Places, Setting, parabolas};
+use crate::ocp::effort::Effort;
 use crate::ocp::global::coarse_to_fine;
 use crate::ocp::global::guess::guess;
 use crate::ocp::judge::confirm::judge;
@@ -30,6 +31,7 @@ pub(super) struct Start<'s> {
     pub(super) counts: Counts,
     /// The motion on a coarser grid.
     pub(super) coarser: Option<Previous>,
+    pub(super) effort: Effort,
 }
 
 /// What a search around one guess has come to.
@@ -84,11 +86,10 @@ pub(super) fn solve_round<'s>(
         },
         shape: settings.controls,
     };
-    let mut runner = Runner::new(settings, start.watch, start.counts);
+    let mut runner = Runner::new(settings, start.watch, start.counts, start.effort);
     let elements = vec![settings.elements; problem.intervals];
     let mut search = Search {
         attempts: Attempts::new(setting, &elements),
-        explores: coarser.is_none(),
         found: Found::default(),
     };
     let feasible = find(&mut runner, &mut search, &guessed, coarser.as_ref())?;
@@ -119,20 +120,23 @@ fn find(
 ) -> Result<bool, InputError> {
     let setting = search.attempts.setting;
     let settings = runner.settings;
-    let mut known = Vec::new();
-    if coarser.is_some() {
-        known.extend(coarse_to_fine::on_this_grid(runner, setting, guessed)?);
-    }
     let previous = match &settings.guess {
         Guess::Previous(previous) => Some(&**previous),
         _ => coarser,
     };
     let intervals = setting.problem.intervals;
-    known.extend(previous.map(|previous| previous.candidate(guessed, intervals)));
-    for candidate in known {
-        if search.found.optima.is_empty() && !runner.stopped() {
-            search.try_candidate(runner, candidate, coarser.is_some())?;
-        }
+    if let Some(previous) = previous {
+        let candidate = previous.candidate(guessed, intervals);
+        search.try_candidate(runner, candidate, coarser.is_some())?;
+    }
+    // Its switches lie elsewhere on the finer grid, and a contact-implicit program on that grid says where.
+    let carried = runner.effort == Effort::Carry || search.found.optima.is_empty();
+    if coarser.is_some()
+        && carried
+        && !runner.stopped()
+        && let Some(candidate) = coarse_to_fine::on_this_grid(runner, setting, guessed)?
+    {
+        search.try_candidate(runner, candidate, true)?;
     }
     // Without a previous motion, or too far from it: search.
     if search.found.optima.is_empty() {

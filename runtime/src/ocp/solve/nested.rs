@@ -1,0 +1,220 @@
+//! Nested grids: what is found on a grid is a candidate on every grid that contains it.
+//!
+//! Contact sequences are looked for where programs are small, on the coarsest grids whose intervals are made up of those
+//! of the grid asked for. A motion goes from there to all multiples of its grid that divide the one asked for, so that
+//! more intervals never end at a worse motion than fewer, as long as the finer grid contains the coarser one.
+
+use rayon::prelude::*;
+
+use super::optima::{Found, is_better, is_same, result, sort};
+use super::portfolio::explore;
+use super::run::Task;
+use super::shared_observer::SharedObserver;
+use crate::Observer;
+use crate::model::Model;
+use crate::ocp::effort::Effort;
+use crate::ocp::problem::Problem;
+use crate::ocp::settings::Settings;
+use crate::ocp::solution::{Solution, Status};
+use crate::simulation::InputError;
+
+/// Fewest intervals of a grid that motions are looked for on by way of it.
+const COARSEST: usize = 7;
+/// Most intervals of a grid on which motions are looked for from all starts.
+const COARSE: usize = 16;
+/// Intervals of the grid where none of those above is contained in the one asked for.
+const NEAR: usize = 10;
+/// Most starts on a grid beside the one that all starts are tried on.
+const BESIDE: usize = 2;
+/// Motions that go on to finer grids.
+const KEPT: usize = 2;
+/// Most programs on a grid before the neighbours of the best motion are decided.
+const PROGRAMS: usize = 12;
+/// Relative excess of the objective beyond which a motion does not go on: finer grids seldom make up for more.
+const WORTH: f64 = 0.5;
+
+/// Solves on the grid of the problem by way of coarser ones.
+pub(super) fn solve(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+    observer: &mut Observer<'_>,
+) -> Result<Solution, InputError> {
+    let observer = SharedObserver::new(observer);
+    let most = if settings.starts() == 1 {
+        settings.maximum_programs
+    } else {
+        PROGRAMS
+    };
+    let quick = Settings {
+        maximum_programs: settings.maximum_programs.min(most),
+        ..settings.clone()
+    };
+    let mut seen: Vec<Found> = Vec::new();
+    let mut known: Vec<(usize, Vec<Found>)> = Vec::new();
+    let grids = grids(problem.intervals);
+    for &intervals in &grids {
+        let grid = with_intervals(problem, intervals);
+        let task = Task {
+            model,
+            problem: &grid,
+            settings: &quick,
+            observer: &observer,
+        };
+        let coarser = known.iter().filter(|known| is_next(known.0, intervals));
+        let from: Vec<Found> = coarser.flat_map(|(_, found)| found.clone()).collect();
+        let explores = from.is_empty();
+        let from = best_of(from);
+        let found = if explores {
+            look(&task, starts(&grids, intervals, settings), &mut seen)?
+        } else if from.iter().any(|found| found.solution.motion.is_some()) {
+            carry(&task, &from, &mut seen)?
+        } else {
+            from
+        };
+        known.push((intervals, best_of(found)));
+    }
+    let mut found = known.pop().map_or(Vec::new(), |(_, found)| found);
+    let task = Task {
+        model,
+        problem,
+        settings,
+        observer: &observer,
+    };
+    conclude(&task, &mut found, &mut seen)?;
+    Ok(result(found, seen, observer.stopped()))
+}
+
+fn with_intervals(problem: &Problem, intervals: usize) -> Problem {
+    Problem {
+        intervals,
+        ..problem.clone()
+    }
+}
+
+/// The grids on the way to one with that many intervals, which is the last of them.
+fn grids(intervals: usize) -> Vec<usize> {
+    let divides = |coarser: &usize| intervals.is_multiple_of(*coarser);
+    let mut grids: Vec<usize> = (COARSEST..intervals).filter(divides).collect();
+    grids.push(intervals);
+    grids
+}
+
+/// Whether a grid is contained in another one with no grid between them.
+fn is_next(coarser: usize, finer: usize) -> bool {
+    let factor = finer / coarser;
+    finer.is_multiple_of(coarser) && factor > 1 && (2..factor).all(|p| !factor.is_multiple_of(p))
+}
+
+/// Starts on a grid that contains none of the others: all on the finest of those, a few on the others.
+fn starts(grids: &[usize], intervals: usize, settings: &Settings) -> usize {
+    let contains_none = |grid: &&usize| !grids.iter().any(|&other| is_next(other, **grid));
+    if grids.iter().rfind(contains_none) == Some(&intervals) {
+        settings.starts()
+    } else {
+        settings.starts().min(BESIDE)
+    }
+}
+
+/// Looks for motions from nothing; on a fine grid by way of one that is coarser, but not contained in it. What is run is
+/// added to `seen`.
+fn look(task: &Task, starts: usize, seen: &mut Vec<Found>) -> Result<Vec<Found>, InputError> {
+    let intervals = task.problem.intervals;
+    let on_this_grid = intervals <= COARSE;
+    let factor = if on_this_grid {
+        1
+    } else {
+        (intervals as f64 / NEAR as f64).round() as usize
+    };
+    let coarse = with_intervals(task.problem, intervals.div_ceil(factor));
+    let problem = &coarse;
+    let found = explore(&Task { problem, ..*task }, starts)?;
+    seen.extend(found.iter().cloned());
+    if on_this_grid {
+        Ok(found)
+    } else {
+        carry(task, &best_of(found), seen)
+    }
+}
+
+/// The motions on this grid that those on coarser grids lead to, which are added to `seen`.
+fn carry(task: &Task, from: &[Found], seen: &mut Vec<Found>) -> Result<Vec<Found>, InputError> {
+    let carried = from.par_iter();
+    let carried = carried.map(|from| task.carry(from, Effort::Carry));
+    let found = carried.collect::<Result<Vec<_>, _>>()?;
+    seen.extend(found.iter().cloned());
+    Ok(found)
+}
+
+/// Decides the neighbours of the best motion; without one that is confirmed, looks once more on the grid asked for, with all
+/// programs.
+fn conclude(task: &Task, found: &mut [Found], seen: &mut Vec<Found>) -> Result<(), InputError> {
+    let Some(best) = found.first_mut() else {
+        return Ok(());
+    };
+    if task.observer.stopped() {
+        return Ok(());
+    }
+    let other = match best.solution.status {
+        Status::Solved | Status::Unbounded => return Ok(()),
+        Status::Uncertified => task.carry(best, Effort::Certify)?,
+        _ => task.solve_from(0, task.settings, Effort::Certify)?,
+    };
+    seen.push(other.clone());
+    if best.solution.status == Status::Uncertified || is_better(&other, best) {
+        *best = other;
+    }
+    Ok(())
+}
+
+/// The best distinct motions that go on, the best first; without any, one of the failures.
+fn best_of(mut found: Vec<Found>) -> Vec<Found> {
+    sort(&mut found);
+    let mut best: Vec<Found> = Vec::new();
+    for one in found {
+        let Some(first) = best.first() else {
+            best.push(one);
+            continue;
+        };
+        let (least, objective) = (first.solution.objective, one.solution.objective);
+        let known = best
+            .iter()
+            .any(|other| is_same(&other.solution, &one.solution));
+        let promising = one.solution.motion.is_some() && objective <= least + WORTH * least.abs();
+        if promising && !known && best.len() < KEPT {
+            best.push(one);
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grids_on_the_way_are_those_that_the_grid_asked_for_contains() {
+        assert_eq!(grids(40), [8, 10, 20, 40]);
+        assert_eq!(grids(10), [10]);
+        assert_eq!(grids(3), [3]);
+        assert_eq!(grids(37), [37]);
+        let next = |finer: usize| -> Vec<usize> {
+            let coarser = grids(60).into_iter();
+            coarser.filter(|&coarser| is_next(coarser, finer)).collect()
+        };
+        assert_eq!(next(60), [12, 20, 30]);
+        assert_eq!(next(30), [10, 15]);
+        assert!(next(10).is_empty());
+    }
+
+    #[test]
+    fn all_starts_are_tried_on_one_grid_and_a_few_on_the_others() {
+        let settings = Settings {
+            starts: Some(9),
+            ..Settings::default()
+        };
+        assert_eq!(starts(&grids(40), 10, &settings), 9);
+        assert_eq!(starts(&grids(40), 8, &settings), BESIDE);
+        assert_eq!(starts(&grids(5), 5, &settings), 9);
+    }
+}

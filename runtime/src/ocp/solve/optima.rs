@@ -1,0 +1,119 @@
+//! What several runs come to: the best of them, and the distinct local optima that they saw.
+
+use crate::ocp::solution::{Counts, Optimum, Solution, Stationarity, Status};
+
+/// Relative difference of the objective within which two local optima count as the same.
+const SAME: f64 = 1e-6;
+
+/// A motion, or why there is none, and the start that it goes back to.
+#[derive(Clone)]
+pub(super) struct Found {
+    pub(super) start: usize,
+    pub(super) solution: Solution,
+}
+
+/// The smaller the better: confirmed motions first; among equals the objective.
+pub(super) fn rank(solution: &Solution) -> (usize, f64) {
+    let class = match solution.status {
+        Status::Solved | Status::Uncertified => 0,
+        Status::Interrupted if solution.motion.is_some() => 1,
+        Status::Unconfirmed | Status::Unbounded => 2,
+        _ => 3,
+    };
+    let objective = if solution.objective.is_nan() {
+        f64::INFINITY
+    } else {
+        solution.objective
+    };
+    (class, objective)
+}
+
+/// Whether a run came to more than another one; the later of two that came to nothing knows more.
+pub(super) fn is_better(later: &Found, earlier: &Found) -> bool {
+    let (a, b) = (rank(&later.solution), rank(&earlier.solution));
+    a.0 < b.0 || a.0 == b.0 && a.1 <= b.1
+}
+
+/// The best first.
+pub(super) fn sort(found: &mut [Found]) {
+    found.sort_by(|a, b| {
+        let (a, b) = (rank(&a.solution), rank(&b.solution));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+}
+
+/// Whether two motions count as the same local optimum.
+pub(super) fn is_same(a: &Solution, b: &Solution) -> bool {
+    agree(
+        (a.objective, a.planned_events.len()),
+        (b.objective, b.planned_events.len()),
+    )
+}
+
+/// The same of their objectives and numbers of switches.
+fn agree(a: (f64, usize), b: (f64, usize)) -> bool {
+    let tolerance = SAME * a.0.abs().max(f64::MIN_POSITIVE);
+    a.1 == b.1 && (a.0 - b.0).abs() <= tolerance
+}
+
+/// The first of the motions that were found, with the work of all runs and the local optima that were seen.
+pub(super) fn result(found: Vec<Found>, seen: Vec<Found>, stopped: bool) -> Solution {
+    let mut counts = Counts::default();
+    let mut seconds = 0.0;
+    for run in &seen {
+        counts.add(&run.solution.counts);
+        seconds += run.solution.seconds;
+    }
+    let Some(best) = found.into_iter().next() else {
+        return Solution::without_motion(Status::Interrupted, Vec::new(), counts);
+    };
+    let optima = optima(&best, seen);
+    let (status, stationarity) = if stopped {
+        (Status::Interrupted, Stationarity::None)
+    } else {
+        (best.solution.status, best.solution.stationarity)
+    };
+    Solution {
+        status,
+        stationarity,
+        counts,
+        seconds,
+        optima,
+        ..best.solution
+    }
+}
+
+/// The distinct local optima: the result, and then the others, the best first.
+fn optima(best: &Found, seen: Vec<Found>) -> Vec<Optimum> {
+    let mut optima: Vec<Optimum> = Vec::new();
+    for found in std::iter::once(best.clone()).chain(seen) {
+        let Found { start, solution } = found;
+        if solution.motion.is_none() || rank(&solution).0 == 2 {
+            continue;
+        }
+        let switches = solution.planned_events.len();
+        let own = (solution.objective, switches);
+        let same = |other: &&mut Optimum| agree(own, (other.objective, other.switches));
+        if let Some(known) = optima.iter_mut().find(same) {
+            known.starts.push(start);
+            continue;
+        }
+        optima.push(Optimum {
+            objective: solution.objective,
+            horizon: solution.horizon,
+            status: solution.status,
+            stationarity: solution.stationarity,
+            switches,
+            intervals: solution.elements.len(),
+            starts: vec![start],
+        });
+    }
+    for optimum in &mut optima {
+        optimum.starts.sort_unstable();
+        optimum.starts.dedup();
+    }
+    if let Some((_, others)) = optima.split_first_mut() {
+        others.sort_by(|a, b| a.objective.total_cmp(&b.objective));
+    }
+    optima
+}

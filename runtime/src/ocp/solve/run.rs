@@ -1,0 +1,112 @@
+//! Single runs on one grid: from a start, or from a motion on a coarser grid.
+
+use cpu_time::ThreadTime;
+
+use super::final_times::solve_grid;
+use super::one_grid::Start;
+use super::optima::{Found, rank};
+use super::shared_observer::SharedObserver;
+use crate::Progress;
+use crate::model::Model;
+use crate::ocp::effort::Effort;
+use crate::ocp::problem::Problem;
+use crate::ocp::progress::Watch;
+use crate::ocp::settings::Settings;
+use crate::ocp::solution::{Counts, Solution, Stationarity, Status};
+use crate::simulation::InputError;
+
+/// Relative increase of the objective that rounding and tolerances explain.
+const NOT_WORSE: f64 = 1e-6;
+
+/// A problem on one grid.
+#[derive(Clone, Copy)]
+pub(super) struct Task<'a, 's> {
+    pub(super) model: &'a dyn Model,
+    pub(super) problem: &'a Problem,
+    pub(super) settings: &'a Settings,
+    pub(super) observer: &'a SharedObserver<'s, 's>,
+}
+
+impl Task<'_, '_> {
+    /// Solves from a start with its settings.
+    pub(super) fn solve_from(
+        &self,
+        start: usize,
+        settings: &Settings,
+        effort: Effort,
+    ) -> Result<Found, InputError> {
+        let solution = self.solve(settings, None, effort)?;
+        Ok(Found { start, solution })
+    }
+
+    /// Carries a motion on a coarser grid, or on this one, to this grid. Where the motion that it leads to is worse, or
+    /// none is found, the motion itself is kept as far as this grid contains it.
+    pub(super) fn carry(&self, from: &Found, effort: Effort) -> Result<Found, InputError> {
+        let solution = self.solve(self.settings, Some(&from.solution), effort)?;
+        let kept = on_grid(&from.solution, self.problem.intervals);
+        let solution = match kept {
+            Some(kept) if !is_as_good(&solution, &kept) => Solution {
+                counts: solution.counts,
+                seconds: solution.seconds,
+                ..kept
+            },
+            _ => solution,
+        };
+        let start = from.start;
+        Ok(Found { start, solution })
+    }
+
+    fn solve(
+        &self,
+        settings: &Settings,
+        coarser: Option<&Solution>,
+        effort: Effort,
+    ) -> Result<Solution, InputError> {
+        let clock = ThreadTime::try_now();
+        let run = self.observer.begin();
+        let mut observer = |progress: &Progress| self.observer.goes_on(run, progress);
+        let start = Start {
+            watch: Watch::new(&mut observer),
+            counts: Counts::default(),
+            coarser: coarser.and_then(|solution| solution.previous.clone()),
+            effort,
+        };
+        let (mut solution, _) = solve_grid(self.model, self.problem, settings, start)?;
+        if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
+            solution.seconds = elapsed.as_secs_f64();
+        }
+        Ok(solution)
+    }
+}
+
+fn is_as_good(solution: &Solution, kept: &Solution) -> bool {
+    let (a, b) = (rank(solution), rank(kept));
+    a.0 < b.0 || a.0 == b.0 && a.1 <= b.1 + NOT_WORSE * b.1.abs()
+}
+
+/// A motion on a coarser grid as one on a grid with that many intervals, where every one of these lies within one of the
+/// coarser grid. What was proved about its sequence does not hold on the finer grid.
+fn on_grid(solution: &Solution, intervals: usize) -> Option<Solution> {
+    let previous = solution.previous.as_ref()?;
+    if !intervals.is_multiple_of(previous.intervals()) {
+        return None;
+    }
+    let factor = intervals / previous.intervals();
+    let resampled = previous.resampled(intervals);
+    let (status, stationarity) = match solution.status {
+        _ if factor == 1 => (solution.status, solution.stationarity),
+        Status::Solved => (Status::Uncertified, Stationarity::None),
+        status => (status, Stationarity::None),
+    };
+    let elements = solution.elements.iter();
+    Some(Solution {
+        status,
+        stationarity,
+        elements: elements
+            .flat_map(|&elements| std::iter::repeat_n(elements, factor))
+            .collect(),
+        controls: resampled.controls(),
+        previous: Some(resampled),
+        ..solution.clone()
+    })
+}
