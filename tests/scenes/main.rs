@@ -10,3 +10,4 @@ mod published_results;
 mod pump_track;
 mod readme;
 mod teaching_models;
+mod zoo;

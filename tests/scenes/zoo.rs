@@ -1,0 +1,56 @@
+//! What holds for every scene of the zoo, on those that are quick to solve.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+use hangtime::ocp::{self, Problem, Settings, Solution};
+use hangtime_zoo::exhibits;
+
+/// Relative increase of the objective that tolerances explain.
+const NOT_WORSE: f64 = 1e-6;
+
+fn solve(name: &str, intervals: usize, settings: &Settings) -> Solution {
+    let exhibit = exhibits().iter().find(|exhibit| exhibit.name == name);
+    let model = (exhibit.unwrap().model)();
+    let problem = Problem::of(&*model, intervals);
+    ocp::solve(&*model, &problem, settings, &mut |_| true).unwrap()
+}
+
+#[test]
+fn twice_the_intervals_never_end_at_a_worse_motion() {
+    for name in ["weak-pendulum", "catch-ball", "soft-landing"] {
+        let coarse = solve(name, 8, &Settings::default()).objective;
+        let fine = solve(name, 16, &Settings::default()).objective;
+        assert!(
+            fine <= coarse + NOT_WORSE * coarse.abs(),
+            "{name}: {coarse} {fine}"
+        );
+    }
+}
+
+#[test]
+fn more_starts_never_end_at_a_worse_motion() {
+    let with = |starts: usize| {
+        let mut settings = Settings::default();
+        settings.starts = Some(starts);
+        solve("throw-from-plate", 8, &settings).objective
+    };
+    let (few, many) = (with(2), with(6));
+    assert!(many <= few + NOT_WORSE * few.abs(), "{few} {many}");
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let mut seen: Vec<(u64, Vec<u64>)> = Vec::new();
+    for threads in [1, 2, 8] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let solution = pool
+            .unwrap()
+            .install(|| solve("catch-ball", 8, &Settings::default()));
+        let controls = solution.controls.iter().flatten();
+        seen.push((
+            solution.objective.to_bits(),
+            controls.map(|u| u.to_bits()).collect(),
+        ));
+    }
+    assert!(seen.windows(2).all(|pair| pair[0] == pair[1]));
+}
