@@ -264,6 +264,7 @@ fn rides_from_every_guess_end_certified_at_the_same_optimum() {
         .map(|guess| {
             let mut settings = Settings::default();
             settings.guess = guess;
+            settings.starts = Some(1);
             ocp::solve(&model, &problem, &settings, &mut |_| true).unwrap()
         });
         for solution in &solutions {
@@ -282,6 +283,7 @@ fn ride_over_a_hill_that_is_barely_passable_is_found_from_every_guess() {
     let solutions = [Guess::Straight, Guess::Ride].map(|guess| {
         let mut settings = Settings::default();
         settings.guess = guess;
+        settings.starts = Some(1);
         ocp::solve(&model, &problem, &settings, &mut |_| true).unwrap()
     });
     for solution in &solutions {
