@@ -1,28 +1,24 @@
 //! The rule: the default simulation against the event-driven one, and what decides where they differ.
 
+use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use hangtime::model::Model;
 use hangtime::simulation::{EventDriven, Fesd, InitialValueProblem, Simulation, Simulator};
 
 /// Two runs agree if they differ by less than this share of the largest value.
-const AGREE: f64 = 1e-5;
-/// Two runs of tighter tolerances whose ends or events differ by more than this share show that the answer is not
-/// determined: the motion then amplifies errors more than ten thousand times.
-const DETERMINED: f64 = 1e-7;
+pub(crate) const AGREE: f64 = 1e-5;
 /// Share of a coordinate that is rounding error.
 const ROUNDING: f64 = 1e-12;
-/// Tolerances of those two runs.
-const TIGHT: [f64; 2] = [1e-11, 1e-13];
-/// How often the horizon is halved until the answer is determined.
-const HALVINGS: usize = 12;
+/// Tolerance of the run that says which of the two is off.
+const TIGHT: f64 = 1e-12;
 /// Steps after which the event-driven method gives up: some seconds.
 const STEPS: usize = 200_000;
 
 /// What became of one scene.
 pub(crate) enum Verdict {
-    /// Both are solved and agree: up to this share of the horizon, from where on the answer is not determined.
-    Agree(f64),
+    /// Both are solved and agree.
+    Agree,
     /// Both are solved and differ.
     Disagree(Difference),
     /// One of them was not solved: the status of each.
@@ -39,12 +35,25 @@ pub(crate) enum Verdict {
 pub(crate) struct Difference {
     /// The default simulation from the event-driven one.
     pub(crate) apart: f64,
-    /// The default simulation from the event-driven one of the tightest tolerance.
-    pub(crate) default: f64,
-    /// The event-driven simulation from the one of the tightest tolerance.
-    pub(crate) event: f64,
-    /// Share of the horizon at which they were compared.
-    pub(crate) share: f64,
+    /// The default simulation from the event-driven one of a tight tolerance; none if that is not solved.
+    pub(crate) default: Option<f64>,
+    /// The event-driven simulation from the one of a tight tolerance.
+    pub(crate) event: Option<f64>,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "disagree by {:.1e}", self.apart)?;
+        match (self.default, self.event) {
+            (Some(default), Some(event)) => {
+                write!(
+                    f,
+                    ": default off by {default:.1e}, event-driven by {event:.1e}"
+                )
+            }
+            _ => f.write_str(": a tight tolerance is not solved"),
+        }
+    }
 }
 
 /// How a run ended.
@@ -64,40 +73,30 @@ impl Ended {
 
 /// Judges a scene over its declared horizon.
 ///
-/// Both methods run with their default settings. Where the states at the end differ by more than [`AGREE`], two
-/// more event-driven runs with tolerances [`TIGHT`] tell whether the answer is determined there; if it is not, the
-/// horizon is halved. So chaotic motions are compared as far as they can be known.
+/// Both methods run with their default settings. Where both say `solved` their states at the end differ by no more than
+/// [`AGREE`]: nothing excuses more, for a motion that is not determined so well must not be called solved.
 pub(crate) fn judge(model: &dyn Model) -> Verdict {
-    let mut share = 1.0;
-    for _ in 0..=HALVINGS {
-        let (default, event) = (
-            run(&Fesd::default(), model, share),
-            run(&event_driven(1e-9), model, share),
-        );
-        let (Ok(default_run), Ok(event_run)) = (&default, &event) else {
-            return Verdict::Ended {
-                default: ended(&default),
-                event: ended(&event),
-            };
+    let (default, event) = (
+        run(&Fesd::default(), model),
+        run(&event_driven(EventDriven::default().tolerance), model),
+    );
+    let (Ok(default_run), Ok(event_run)) = (&default, &event) else {
+        return Verdict::Ended {
+            default: ended(&default),
+            event: ended(&event),
         };
-        let apart = distance(model, default_run, event_run);
-        if apart <= AGREE {
-            return Verdict::Agree(share);
-        }
-        let [tight, tightest] = TIGHT.map(|tolerance| run(&event_driven(tolerance), model, share));
-        if let (Ok(tight), Ok(tightest)) = (tight, tightest)
-            && determined(model, &tight, &tightest)
-        {
-            return Verdict::Disagree(Difference {
-                apart,
-                default: distance(model, default_run, &tightest),
-                event: distance(model, event_run, &tightest),
-                share,
-            });
-        }
-        share *= 0.5;
+    };
+    let apart = distance(model, default_run, event_run);
+    if apart <= AGREE {
+        return Verdict::Agree;
     }
-    Verdict::Agree(0.0)
+    let tight = run(&event_driven(TIGHT), model).ok();
+    let from_tight = |run| tight.as_ref().map(|tight| distance(model, run, tight));
+    Verdict::Disagree(Difference {
+        apart,
+        default: from_tight(default_run),
+        event: from_tight(event_run),
+    })
 }
 
 fn event_driven(tolerance: f64) -> EventDriven {
@@ -108,14 +107,13 @@ fn event_driven(tolerance: f64) -> EventDriven {
     }
 }
 
-/// Runs over a share of the horizon; an error is how it ended if not solved.
-fn run(simulator: &dyn Simulator, model: &dyn Model, share: f64) -> Result<Simulation, Ended> {
+/// Runs over the horizon; an error is how it ended if not solved.
+fn run(simulator: &dyn Simulator, model: &dyn Model) -> Result<Simulation, Ended> {
     let ended = |status, message: String| Ended { status, message };
-    let mut problem = match InitialValueProblem::of(model, None) {
+    let problem = match InitialValueProblem::of(model, None) {
         Ok(problem) => problem,
         Err(error) => return Err(ended("refused", error.to_string())),
     };
-    problem.horizon *= share;
     let simulate = || simulator.simulate(model, &problem, &mut |_| true);
     match catch_unwind(AssertUnwindSafe(simulate)) {
         Err(_) => Err(ended("panicked", String::new())),
@@ -138,18 +136,6 @@ fn ended(run: &Result<Simulation, Ended>) -> Ended {
         },
         Err(ended) => ended.clone(),
     }
-}
-
-/// Whether two runs of tight tolerances have the same events at the same times, and the same end.
-fn determined(model: &dyn Model, tight: &Simulation, tightest: &Simulation) -> bool {
-    let horizon = tight.trajectory.time.last().copied().unwrap_or_default();
-    let same_events = tight.events.len() == tightest.events.len()
-        && tight.events.iter().zip(&tightest.events).all(|(a, b)| {
-            a.kind == b.kind
-                && a.contact == b.contact
-                && (a.time - b.time).abs() <= DETERMINED * horizon
-        });
-    same_events && distance(model, tight, tightest) <= DETERMINED
 }
 
 /// Distance of the final states as a share of the largest value: of the way from the start for coordinates, of the

@@ -8,7 +8,7 @@
 //!
 //! It prints a table by kind of scene and ends with status 1 unless all that both call solved agree to `1e-5` of the
 //! largest value, and at most 5 % end otherwise. Draws are deterministic: the seed of a scene is its number.
-//! How chaotic motions are compared is said at [`judge::judge`].
+//! What is compared is said at [`judge::judge`].
 
 mod draw;
 mod judge;
@@ -19,6 +19,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use hangtime::model::Model;
+use hangtime::simulation::{EventDriven, Fesd, InitialValueProblem, Simulator};
 use judge::{Verdict, judge};
 use scenes::Kind;
 use table::Row;
@@ -39,11 +40,8 @@ fn number(name: &str, default: u64) -> Result<u64, std::num::ParseIntError> {
 /// One line on a verdict that is no agreement.
 fn words(verdict: &Verdict) -> Option<String> {
     match verdict {
-        Verdict::Agree(_) => None,
-        Verdict::Disagree(difference) => Some(format!(
-            "disagree by {:.1e} at {} of the horizon: default off by {:.1e}, event-driven by {:.1e}",
-            difference.apart, difference.share, difference.default, difference.event
-        )),
+        Verdict::Agree => None,
+        Verdict::Disagree(difference) => Some(difference.to_string()),
         Verdict::Ended { default, event } => Some(format!(
             "default {} {}; event-driven {} {}",
             default.status, default.message, event.status, event.message
@@ -88,6 +86,13 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
             if kind.name == *only {
                 let model = kind.scene(seed);
                 println!("{}", parameters(&*model));
+                let problem = InitialValueProblem::of(&*model, None)?;
+                let methods: [&dyn Simulator; 2] = [&Fesd::default(), &EventDriven::default()];
+                for method in methods {
+                    let run = method.simulate(&*model, &problem, &mut |_| true)?;
+                    let estimate = run.error_estimate;
+                    println!("{}, error estimate {estimate:?}: {run}", method.name());
+                }
                 println!(
                     "{}",
                     words(&judge(&*model)).unwrap_or_else(|| "agree".into())

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::judge::Verdict;
+use crate::judge::{AGREE, Verdict};
 
 /// Largest share of the scenes that may end otherwise than solved.
 const OTHERWISE: f64 = 0.05;
@@ -13,7 +13,6 @@ pub(crate) struct Row {
     scenes: usize,
     solved: usize,
     agree: usize,
-    shortened: usize,
     disagree: usize,
     default_off: usize,
     event_off: usize,
@@ -27,16 +26,17 @@ impl Row {
     pub(crate) fn add(&mut self, number: u64, verdict: &Verdict) {
         self.scenes += 1;
         match verdict {
-            Verdict::Agree(share) => {
+            Verdict::Agree => {
                 self.solved += 1;
                 self.agree += 1;
-                self.shortened += usize::from(*share < 1.0);
             }
             Verdict::Disagree(difference) => {
                 self.solved += 1;
                 self.disagree += 1;
-                self.default_off += usize::from(difference.default >= difference.event);
-                self.event_off += usize::from(difference.default < difference.event);
+                if let (Some(default), Some(event)) = (difference.default, difference.event) {
+                    self.default_off += usize::from(default > AGREE);
+                    self.event_off += usize::from(event > AGREE);
+                }
                 if self.worst.is_none_or(|(worst, _)| difference.apart > worst) {
                     self.worst = Some((difference.apart, number));
                 }
@@ -62,8 +62,7 @@ impl Row {
 
     /// Titles of the columns.
     pub(crate) fn titles() -> String {
-        "| kind | scenes | solved both | agree (of these, up to where determined) | disagree (default off, event-driven \
-         off) | worst, seed | default ended otherwise | event-driven ended otherwise |\n|---|---|---|---|---|---|---|---|"
+        "| kind | scenes | solved both | agree | disagree (default off, event-driven off) | worst, seed | default ended otherwise | event-driven ended otherwise |\n|---|---|---|---|---|---|---|---|"
             .into()
     }
 
@@ -79,11 +78,10 @@ impl Row {
             .worst
             .map_or_else(String::new, |(worst, seed)| format!("{worst:.1e}, {seed}"));
         format!(
-            "| {name} | {} | {} | {} ({}) | {} ({}, {}) | {worst} | {} | {} |",
+            "| {name} | {} | {} | {} | {} ({}, {}) | {worst} | {} | {} |",
             self.scenes,
             self.solved,
             self.agree,
-            self.shortened,
             self.disagree,
             self.default_off,
             self.event_off,

@@ -5,6 +5,7 @@
 //! [`SimulationStatus`], not an error; an [`InputError`] means that the input was refused before the
 //! first step.
 
+mod agreement;
 mod contact_mode;
 mod event;
 mod fesd;
@@ -34,6 +35,7 @@ pub use smooth::Smooth;
 pub use state::State;
 pub use trajectory::Trajectory;
 
+pub(crate) use event::simulate_once;
 pub(crate) use quantity::{Quantity, number};
 
 use crate::Observer;

@@ -52,8 +52,9 @@ pub struct Simulation {
     pub trajectory: Trajectory,
     /// Largest residuals measured over the whole run.
     pub residuals: Residuals,
-    /// Error at the end relative to the largest values of the motion, where the method estimates it: the
-    /// difference to a looser run under error control, else the sum of the errors of the elements.
+    /// Error at the end and at events relative to the largest values of the motion, where the method estimates it: the
+    /// difference to a looser run (under error control, event-driven, or on a grid that nobody has named), else the
+    /// sum of the errors of the elements.
     pub error_estimate: Option<f64>,
     /// Size of the largest system that was solved for one step.
     pub size: ProblemSize,
@@ -233,7 +234,8 @@ pub enum SimulationStatus {
     AmbiguousContact(Diagnosis),
     /// The limit on the number of steps was reached before the horizon.
     StepLimit(Diagnosis),
-    /// Reached the horizon, but not with the accuracy that is promised.
+    /// Reached the horizon, but not with the accuracy that is promised: the time of the diagnosis is that of the last
+    /// event up to which two runs agree.
     Inaccurate(Diagnosis),
 }
 

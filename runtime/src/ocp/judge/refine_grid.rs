@@ -7,7 +7,7 @@
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::trajectory::{Trajectory, largest_difference};
 use crate::ocp::program::runner::Runner;
-use crate::simulation::{EventDriven, Simulator as _};
+use crate::simulation::{EventDriven, simulate_once};
 
 /// Rounds in which the grid is refined.
 pub(in crate::ocp) const ROUNDS: usize = 4;
@@ -74,7 +74,7 @@ fn errors(setting: Setting, plan: &Trajectory, tolerance: f64) -> Vec<f64> {
             let controls = plan.controls.signal_of(k, length);
             let motion = problem.initial_value_problem(&start[..2 * n], length, controls);
             // A start that rounding puts below a surface tells nothing about the accuracy.
-            let simulation = simulator.simulate(model, &motion, &mut |_| true);
+            let simulation = simulate_once(&simulator, model, &motion);
             let reached = simulation.ok().and_then(|mut s| s.trajectory.q.pop());
             reached.map_or(0.0, |reached| largest_difference(&reached, &end[..n]))
         })

@@ -4,7 +4,7 @@ use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::read_sequence::Replay;
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
-use crate::simulation::{Event, EventDriven, EventKind, InputError, Simulation, Simulator as _};
+use crate::simulation::{Event, EventDriven, EventKind, InputError, Simulation, simulate_once};
 
 /// A contact that closes within this share of the first interval, from a gap \[its unit\] no larger than this, was
 /// closed at the start.
@@ -29,7 +29,7 @@ pub(in crate::ocp) fn simulate(
         ..EventDriven::default()
     };
     let motion = problem.initial_value_problem(&start, trajectory.horizon, trajectory.signal());
-    simulator.simulate(model, &motion, &mut |_| true)
+    simulate_once(&simulator, model, &motion)
 }
 
 /// The contact sequence of a simulation under the controls of a trajectory.

@@ -9,7 +9,7 @@ use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
-use crate::simulation::{EventDriven, InputError, SimulationStatus, Simulator as _};
+use crate::simulation::{EventDriven, InputError, SimulationStatus, simulate_once};
 
 /// Instants at which the goals are looked at.
 const SAMPLES: usize = 2000;
@@ -52,7 +52,7 @@ pub(in crate::ocp) fn ride(runner: &Runner, setting: Setting) -> Result<Option<R
         ..EventDriven::default()
     };
     let motion = problem.initial_value_problem(&start, longest, controls.signal(longest));
-    let whole = simulator.simulate(model, &motion, &mut |_| true)?;
+    let whole = simulate_once(&simulator, model, &motion)?;
     let trajectory = &whole.trajectory;
     let states: Vec<Vec<f64>> = (0..trajectory.time.len())
         .map(|i| {

@@ -50,8 +50,8 @@ impl ContactProblem<'_> {
                 "the {} has no solution: {}",
                 self.what,
                 self.jamming(dynamics).unwrap_or_else(|| {
-                    "contact directions push each other into the ground; check \
-                                        `along` of the impact laws"
+                    "the forces of the contacts that touch push each other into the ground; look at their \
+                     surfaces and impact laws"
                         .into()
                 })
             ));
@@ -72,8 +72,8 @@ impl ContactProblem<'_> {
                     "the {} has several solutions with different velocities: {}",
                     self.what,
                     self.jamming(dynamics).unwrap_or_else(|| {
-                        "check `along` of the impact laws, or start from a \
-                                            slightly different state"
+                        "look at the surfaces that meet here and their impact laws, or start from a slightly \
+                         different state"
                             .into()
                     })
                 ));

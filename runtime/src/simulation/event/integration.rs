@@ -14,7 +14,6 @@ use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
 use super::settings::EventDriven;
 use super::velocity_jump;
-use crate::Observer;
 use crate::model::{Model, contact_point};
 use crate::simulation::watch::Watch;
 use crate::simulation::{
@@ -112,17 +111,18 @@ impl<'a> Integration<'a> {
         }
     }
 
-    pub(super) fn run(mut self, observer: &mut Observer<'_>) -> Simulation {
+    pub(super) fn run(mut self, watch: &mut Watch<'_>) -> Simulation {
         let clock = ThreadTime::try_now();
-        let mut watch = Watch::new(self.problem, observer);
-        let ended = self.integrate(&mut watch).err();
+        let ended = self.integrate(watch).err();
+        if self.result.trajectory.time.is_empty() {
+            self.record_start();
+        }
         let residuals = &mut self.result.residuals;
         residuals.dual = self.audit.largest;
         if let Some(status) = ended.or_else(|| self.audit.verdict()) {
             self.result.status = status;
         }
         self.result.notes = self.remarks.notes(self.dynamics.model.declaration());
-        watch.finish(&mut self.result);
         self.result.counts.evaluations = self.dynamics.evaluations;
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             self.result.seconds.total = elapsed.as_secs_f64();
@@ -556,6 +556,16 @@ impl<'a> Integration<'a> {
         let residuals = &mut self.result.residuals;
         residuals.primal = residuals.primal.max(measured.primal);
         residuals.complementarity = residuals.complementarity.max(measured.complementarity);
+    }
+
+    /// Records the start of a run that never left it.
+    fn record_start(&mut self) {
+        let n = self.dynamics.n;
+        self.y[..n].copy_from_slice(&self.problem.q);
+        self.y[n..2 * n].copy_from_slice(&self.problem.v);
+        self.forces.fill(0.0);
+        self.friction_forces.fill(0.0);
+        self.record();
     }
 
     fn record(&mut self) {

@@ -2,8 +2,10 @@
 //!
 //! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
 //! mode, `dop853` integrates it (`error_scale` says how accurately), `search` and `locate` find where the mode ends,
-//! `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `audit` measures the signs.
+//! `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `audit` measures the signs. `accuracy` compares
+//! two runs.
 
+mod accuracy;
 mod audit;
 mod cluster;
 pub(super) mod contact_mode;
@@ -25,9 +27,12 @@ pub(in crate::simulation) mod velocity_jump;
 
 pub use settings::EventDriven;
 
+use integration::Integration;
+
+use super::watch::Watch;
 use super::{InitialValueProblem, InputError, Simulation, Simulator};
-use crate::Observer;
 use crate::model::Model;
+use crate::{Observer, Progress};
 
 impl Simulator for EventDriven {
     fn name(&self) -> &'static str {
@@ -40,24 +45,53 @@ impl Simulator for EventDriven {
         problem: &InitialValueProblem,
         observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
-        self.check()?;
-        problem.check(model)?;
-        if self.output_times > problem.points {
-            return Err(InputError::out_of_range(
-                "output times",
-                self.output_times as f64,
-                "",
-                format!(
-                    "at most {}; raise `points` of the problem for more",
-                    problem.points
-                ),
-            ));
-        }
-        Ok(integration::Integration::new(self, model, problem).run(observer))
+        check(self, model, problem)?;
+        let mut watch = Watch::new(problem, observer);
+        let mut result = accuracy::promised(self, (model, problem), &mut watch);
+        watch.finish(&mut result);
+        Ok(result)
     }
 
     fn set_tolerance(&mut self, tolerance: f64) -> Result<(), InputError> {
         self.tolerance = tolerance;
         Ok(())
     }
+}
+
+/// Simulates once, without the second run that confirms the first: for motions that are judged otherwise.
+///
+/// # Errors
+/// [`InputError`] if the problem or the method's settings are refused.
+pub(crate) fn simulate_once(
+    settings: &EventDriven,
+    model: &dyn Model,
+    problem: &InitialValueProblem,
+) -> Result<Simulation, InputError> {
+    check(settings, model, problem)?;
+    let mut unseen = |_: &Progress| true;
+    let mut watch = Watch::new(problem, &mut unseen);
+    let mut result = Integration::new(settings, model, problem).run(&mut watch);
+    watch.finish(&mut result);
+    Ok(result)
+}
+
+fn check(
+    settings: &EventDriven,
+    model: &dyn Model,
+    problem: &InitialValueProblem,
+) -> Result<(), InputError> {
+    settings.check()?;
+    problem.check(model)?;
+    if settings.output_times > problem.points {
+        return Err(InputError::out_of_range(
+            "output times",
+            settings.output_times as f64,
+            "",
+            format!(
+                "at most {}; raise `points` of the problem for more",
+                problem.points
+            ),
+        ));
+    }
+    Ok(())
 }

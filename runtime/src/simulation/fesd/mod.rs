@@ -59,12 +59,13 @@ impl Simulator for Fesd {
             Some(promise) => {
                 accuracy::promised(self, promise, &tableau, (model, problem), &mut watch)
             }
+            None if self.steps.is_none() => {
+                let promise = self.tolerance.unwrap_or(Self::PROMISE);
+                accuracy::compared(self, promise, &tableau, (model, problem), &mut watch)
+            }
             None => {
-                {
-                    let driver = driver::Driver::new(self, &tableau, model, problem);
-                    stepping::run(driver, &mut watch)
-                }
-                .0
+                let driver = driver::Driver::new(self, &tableau, model, problem);
+                stepping::run(driver, &mut watch)
             }
         };
         watch.finish(&mut result);

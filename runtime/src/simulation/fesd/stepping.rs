@@ -6,7 +6,7 @@ use super::settings::{Fesd, StepFormulation};
 use super::stop::Stop;
 use super::{location, program};
 use crate::fesd::contacts::ModeError;
-use crate::fesd::finite_element::{ElementError, MotionSize, newton};
+use crate::fesd::finite_element::{ElementError, newton};
 use crate::simulation::watch::Watch;
 use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
 use cpu_time::ThreadTime;
@@ -39,8 +39,8 @@ enum Segment {
     Rejected,
 }
 
-/// Runs to the horizon, or until it fails; returns the result and the size of its motion.
-pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> (Simulation, MotionSize) {
+/// Runs to the horizon, or until it fails.
+pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
     let clock = ThreadTime::now();
     let status = match steps(&mut driver, watch) {
         Ok(()) => SimulationStatus::Solved,
@@ -66,7 +66,7 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> (Simulation,
     driver.counts.factorizations = newton.factorizations + other.factorizations;
     driver.counts.evaluations =
         newton.evaluations + other.evaluations + driver.contacts.evaluations;
-    let simulation = Simulation {
+    Simulation {
         declaration: driver.model.declaration(),
         status,
         error_estimate: (!controlled).then_some(driver.error_estimate),
@@ -81,8 +81,7 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> (Simulation,
             ..Seconds::default()
         },
         notes: driver.notes,
-    };
-    (simulation, driver.motion)
+    }
 }
 
 /// Steps over the horizon.
@@ -180,6 +179,7 @@ fn advance(
         if attempts > MAX_ATTEMPTS || vanishes {
             return Err(diagnosis::too_short(driver, step, segment_end));
         }
+        let (time, events) = (driver.state.time, driver.events.len());
         match segment(driver, segment_end, elements, shortest, &mut size) {
             Ok(Segment::Rejected) => {}
             Ok(Segment::Completed) if driver.local_tolerance.is_some() => halvings = 0,
@@ -187,6 +187,11 @@ fn advance(
             Ok(Segment::Switched) => {
                 driver.not_finite = false;
                 switches += 1;
+                // A switch at the start that changes nothing is an error of an element that is much too long.
+                if driver.state.time == time && driver.events.len() == events {
+                    halvings = (halvings + 1).min(most_halvings(driver));
+                    shorten(driver, segment_end);
+                }
                 if switches > MAX_SWITCHES {
                     return Err(diagnosis::unsettled(driver, step));
                 }

@@ -1,0 +1,166 @@
+//! How far two runs of one motion are apart.
+
+use super::{Counts, Event, InitialValueProblem, Simulation};
+use crate::model::Model;
+
+/// Share of a coordinate that is rounding error.
+const ROUNDING: f64 = 1e-12;
+
+/// Coordinates that move by less than this share of what the kinetic energy could make of them are measured by it: an
+/// angle that only rounding error turns has no size of its own.
+const IDLE: f64 = 1e-3;
+
+/// The same share of what free bodies would do in the time of the run: where all are held only rounding error moves them.
+const HELD: f64 = 1e-9;
+
+/// What differences between two runs are compared with: the largest way from the start and the largest velocity, among
+/// the coordinates of one unit. So they depend neither on where a scene is nor on its units.
+#[derive(Debug, Clone)]
+pub(super) struct Sizes {
+    way: Vec<f64>,
+    speed: Vec<f64>,
+}
+
+impl Sizes {
+    /// Of the motion of a run with a trajectory.
+    pub(super) fn of(run: &Simulation, model: &dyn Model, problem: &InitialValueProblem) -> Self {
+        let (n, horizon, start) = (problem.q.len(), problem.horizon, problem.input(model));
+        let (mut mass, mut free) = (vec![0.0; n * n], vec![0.0; n]);
+        model.mass_matrix(&start, &mut mass);
+        model.free_acceleration(&start, &mut free);
+        // What does not move has rounding errors only.
+        let held =
+            |(q, a): (&f64, &f64)| (ROUNDING * q.abs()).max(HELD * a.abs() * horizon.powi(2));
+        let mut way: Vec<f64> = problem.q.iter().zip(&free).map(held).collect();
+        let mut speed: Vec<f64> = way.iter().map(|way| way / horizon).collect();
+        let mut energy = 0.0_f64;
+        for (q, v) in run.trajectory.q.iter().zip(&run.trajectory.v) {
+            for k in 0..n {
+                way[k] = way[k].max((q[k] - problem.q[k]).abs());
+                speed[k] = speed[k].max(v[k].abs());
+            }
+            let momentum = mass.chunks_exact(n.max(1)).map(|row| {
+                let terms = row.iter().zip(v).map(|(m, v)| m * v);
+                terms.sum::<f64>()
+            });
+            energy = energy.max(momentum.zip(v).map(|(p, v)| p * v).sum());
+        }
+        let (way, speed) = (of_unit(run, &way), of_unit(run, &speed));
+        let diagonal: Vec<f64> = (0..n).map(|k| mass[k * n + k]).collect();
+        let heaviest = of_unit(run, &diagonal);
+        let times = way.iter().zip(&speed).map(|(way, speed)| way / speed);
+        let time = times.filter(|time| time.is_finite()).fold(0.0, f64::max);
+        let idle: Vec<f64> = heaviest
+            .iter()
+            .map(|mass| IDLE * (energy / mass).sqrt())
+            .map(|idle| if idle.is_finite() { idle } else { 0.0 })
+            .collect();
+        let larger = |sizes: Vec<f64>, time: f64| {
+            let pairs = sizes.into_iter().zip(&idle);
+            pairs.map(|(size, idle)| size.max(idle * time)).collect()
+        };
+        Self {
+            way: larger(way, time),
+            speed: larger(speed, 1.0),
+        }
+    }
+}
+
+/// The largest of the values among the coordinates of the same unit, for each coordinate.
+fn of_unit(run: &Simulation, values: &[f64]) -> Vec<f64> {
+    let coordinates = run.declaration.coordinates;
+    let alike = |k: usize| {
+        let same = (0..values.len()).filter(|&i| coordinates[i].unit == coordinates[k].unit);
+        same.map(|i| values[i]).fold(0.0, f64::max)
+    };
+    (0..values.len()).map(alike).collect()
+}
+
+/// Largest difference at the ends of two runs and at their events, as a share of the `sizes`; infinite where one has no
+/// end.
+pub(super) fn difference(a: &Simulation, b: &Simulation, sizes: &Sizes) -> f64 {
+    let (from, to) = (&a.trajectory, &b.trajectory);
+    let (Some(qa), Some(qb), Some(va), Some(vb)) =
+        (from.q.last(), to.q.last(), from.v.last(), to.v.last())
+    else {
+        return f64::INFINITY;
+    };
+    let apart = |a: &[f64], b: &[f64], sizes: &[f64]| {
+        let pairs = a.iter().zip(b).zip(sizes);
+        pairs.fold(0.0, |most, ((a, b), &size)| worse(most, a - b, size))
+    };
+    apart(qa, qb, &sizes.way)
+        .max(apart(va, vb, &sizes.speed))
+        .max(at_events(&a.events, &b.events, sizes))
+}
+
+/// The larger of `most` and a difference as a share of `size`; what is not a number is infinite.
+fn worse(most: f64, difference: f64, size: f64) -> f64 {
+    if difference == 0.0 {
+        return most;
+    }
+    let share = difference.abs() / size;
+    if share.is_nan() {
+        f64::INFINITY
+    } else {
+        most.max(share)
+    }
+}
+
+/// Largest distance between the coordinates of corresponding events.
+fn at_events(a: &[Event], b: &[Event], sizes: &Sizes) -> f64 {
+    let mut largest = 0.0_f64;
+    for (k, event) in b.iter().enumerate() {
+        let same = |other: &&Event| other.kind == event.kind && other.contact == event.contact;
+        let earlier = b[..k].iter().filter(same).count();
+        if let Some(other) = a.iter().filter(same).nth(earlier) {
+            largest = largest.max(at_event(other, event, sizes));
+        }
+    }
+    largest
+}
+
+/// Distance between the coordinates of two events, at the same time to first order.
+fn at_event(a: &Event, b: &Event, sizes: &Sizes) -> f64 {
+    let late = b.time - a.time;
+    let pairs = a.q.iter().zip(&b.q).zip(&b.v_before).zip(&sizes.way);
+    pairs.fold(0.0, |most, (((a, b), v), &way)| {
+        worse(most, a + v * late - b, way)
+    })
+}
+
+/// Time up to which two runs have the same events at the same places, to the share `promise` \[s\].
+pub(super) fn agreed_until(a: &Simulation, b: &Simulation, sizes: &Sizes, promise: f64) -> f64 {
+    let pairs = a.events.iter().zip(&b.events);
+    let agreed = pairs.take_while(|(a, b)| {
+        a.kind == b.kind && a.contact == b.contact && at_event(a, b, sizes) <= promise
+    });
+    agreed.last().map_or(0.0, |(a, b)| a.time.min(b.time))
+}
+
+/// The work of several runs.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Spent {
+    counts: Counts,
+    seconds: f64,
+}
+
+impl Spent {
+    pub(super) fn add(&mut self, run: &Simulation) {
+        self.counts.interior_point += run.counts.interior_point;
+        self.counts.crossover += run.counts.crossover;
+        self.counts.newton += run.counts.newton;
+        self.counts.factorizations += run.counts.factorizations;
+        self.counts.evaluations += run.counts.evaluations;
+        self.counts.fallbacks += run.counts.fallbacks;
+        self.seconds += run.seconds.total;
+    }
+
+    /// The result with the work of all runs; elements are those of the result.
+    pub(super) fn charge(mut self, mut result: Simulation) -> Simulation {
+        self.counts.elements = result.counts.elements;
+        result.counts = self.counts;
+        result.seconds.total = self.seconds;
+        result
+    }
+}

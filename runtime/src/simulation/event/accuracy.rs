@@ -1,0 +1,112 @@
+//! The promise of accuracy: the motion is computed twice, with different tolerances and places of search.
+//!
+//! The error of a step says neither what the rest of the motion makes of it nor that an event was missed; the
+//! difference to another run contains both.
+
+use super::integration::Integration;
+use super::settings::EventDriven;
+use crate::model::Model;
+use crate::simulation::agreement::{Sizes, Spent, agreed_until, difference};
+use crate::simulation::watch::Watch;
+use crate::simulation::{Diagnosis, InitialValueProblem, Simulation, SimulationStatus};
+
+/// Error that is promised, at least.
+const PROMISE: f64 = 1e-6;
+/// The same as a multiple of the tolerance.
+const TOLERANCES: f64 = 1e3;
+/// Tolerance of the run to compare with, relative to that of the run that is returned, and the largest.
+const COARSER: f64 = 1e2;
+const COARSEST: f64 = 1e-2;
+/// Tolerance of a run relative to that of the one before, and the smallest.
+const FINER: f64 = 1e-2;
+const FINEST: f64 = 1e-14;
+/// Runs after the first one.
+const MOST_RUNS: usize = 3;
+/// Longest step relative to that of the run before: what is looked at inside a step lies elsewhere.
+const SHORTER: f64 = 0.77;
+/// Longest step where none is named, as a share of the horizon.
+const LONGEST: f64 = 1.0 / 16.0;
+
+/// Simulates until two runs agree within what is promised, or ends with a status that says otherwise.
+pub(super) fn promised(
+    settings: &EventDriven,
+    (model, problem): (&dyn Model, &InitialValueProblem),
+    watch: &mut Watch<'_>,
+) -> Simulation {
+    let promise = PROMISE.max(TOLERANCES * settings.tolerance);
+    let run = |tolerance: f64, longest: f64, shown: bool, watch: &mut Watch<'_>| {
+        watch.restart(shown);
+        let settings = EventDriven {
+            tolerance,
+            max_step: Some(longest),
+            output_times: if shown { settings.output_times } else { 0 },
+            ..settings.clone()
+        };
+        Integration::new(&settings, model, problem).run(watch)
+    };
+    let mut longest = settings.max_step.unwrap_or(LONGEST * problem.horizon);
+    let mut tolerance = settings.tolerance;
+    let coarsest = (COARSER * tolerance).min(COARSEST);
+    let mut coarser = run(coarsest, SHORTER * longest, false, watch);
+    let mut spent = Spent::default();
+    let mut runs = 0;
+    loop {
+        spent.add(&coarser);
+        if stopped(&coarser) {
+            return spent.charge(coarser);
+        }
+        let mut finer = run(tolerance, longest, true, watch);
+        runs += 1;
+        let last = runs == MOST_RUNS || tolerance <= FINEST;
+        let failed = [&coarser, &finer].map(|run| !run.status.is_solved());
+        let ends = if failed == [false, false] {
+            let sizes = Sizes::of(&finer, model, problem);
+            let error = difference(&coarser, &finer, &sizes);
+            finer.error_estimate = Some(error);
+            if error > promise && last {
+                let until = agreed_until(&coarser, &finer, &sizes, promise);
+                finer.status = inaccurate(until, error, promise);
+            }
+            error <= promise
+        } else {
+            failed == [true, true] && same_failure(&coarser, &finer)
+        };
+        if ends || stopped(&finer) {
+            spent.add(&finer);
+            return spent.charge(finer);
+        }
+        if last {
+            // Nothing confirms the only run that reached the horizon.
+            let unconfirmed = failed == [true, false];
+            spent.add(&finer);
+            return spent.charge(if unconfirmed { coarser } else { finer });
+        }
+        coarser = finer;
+        tolerance = (FINER * tolerance).max(FINEST);
+        longest *= SHORTER;
+    }
+}
+
+fn stopped(run: &Simulation) -> bool {
+    matches!(run.status, SimulationStatus::Interrupted(_))
+}
+
+/// Whether two runs fail for a reason that smaller steps do not mend.
+fn same_failure(coarser: &Simulation, finer: &Simulation) -> bool {
+    finer.status.name() == coarser.status.name()
+        && !matches!(finer.status, SimulationStatus::StepFailed(_))
+}
+
+/// The status of a run that agrees with another one until `time` only.
+fn inaccurate(time: f64, error: f64, promise: f64) -> SimulationStatus {
+    SimulationStatus::Inaccurate(Diagnosis {
+        time,
+        step: 0,
+        contact: None,
+        message: format!(
+            "runs with smaller and smaller tolerances agree until here, and differ by {error:.1e} of the largest \
+             values at the end, more than {promise:.0e}: the motion depends on its start too sensitively, or on which \
+             of several contacts comes first; shorten the horizon"
+        ),
+    })
+}

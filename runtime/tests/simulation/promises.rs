@@ -1,0 +1,221 @@
+//! What `solved` means: the error that is estimated, runs that end otherwise, and what is kept of them.
+
+#![allow(clippy::unwrap_used, reason = "test code")]
+
+use hangtime::model::Model;
+use hangtime::simulation::{
+    EventDriven, EventKind, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
+    StepFormulation,
+};
+
+hangtime::model! {
+    /// A mass on a track of sines.
+    pub Waves {
+        parameters { m: kg = 1, a: m = 0.3, k: 1/m = 1.4, g: m/s^2 = 9.81, v: m/s = 6.5 }
+        coordinates { x: m, z: m }
+        fn track(p) = a*sin(k*p)
+        lagrangian m/2*|dot((x, z))|^2 - m*g*z
+        surface track: z - track(x) >= 0
+        impact track: inelastic
+        start { dot(x): v, dot(z): v*diff(track)(0) }
+        horizon 2.4 [s]
+    }
+}
+
+hangtime::model! {
+    /// A ball that bounces on waves, away from where it has been.
+    pub BallOnWaves {
+        parameters { m: kg = 1, a: m = 0.2, k: 1/m = 3, g: m/s^2 = 9.81, e = 1, x0: m = 0.4, height: m = 1.3 }
+        coordinates { x: m, z: m }
+        fn track(p) = a*sin(k*p)
+        lagrangian m/2*|dot((x, z))|^2 - m*g*z
+        surface track: z - track(x) >= 0
+        impact track: restitution e
+        start { x: x0, z: track(x0) + height }
+        horizon 20 [s]
+    }
+}
+
+hangtime::model! {
+    /// A rod that is pushed along rough ground, tip ahead.
+    pub Rod {
+        parameters { m: kg = 1.4, l: m = 0.9, j: kg m^2 = 0.03, g: m/s^2 = 9.81, mu = 1.3, angle0 = 1.1, v: m/s = -6 }
+        coordinates { x: m, z: m, angle }
+        let tip = (x - l/2*cos(angle), z - l/2*sin(angle))
+        lagrangian m/2*(dot(x)^2 + dot(z)^2) + j/2*dot(angle)^2 - m*g*z
+        surface ground: tip.z >= 0
+        impact ground: inelastic, friction mu, sliding dot(tip.y)
+        start { z: l/2*sin(angle0), angle: angle0, dot(x): v }
+        horizon 0.7 [s]
+    }
+}
+
+hangtime::model! {
+    /// A ball that is thrown into a corner.
+    pub Corner {
+        parameters { m: kg = 2, g: m/s^2 = 9, e = 0.8, mu = 1.2, h: m = 0.5, w: m = 0.6 }
+        coordinates { x: m, z: m }
+        lagrangian m/2*|dot((x, z))|^2 - m*g*z
+        surface floor: z >= 0
+        surface wall: w - x >= 0
+        impact floor, wall: restitution e, friction mu
+        start { z: h, dot(x): w/sqrt(2*h/g) }
+        horizon 1 [s]
+    }
+}
+
+hangtime::model! {
+    /// A ball that falls.
+    pub Ball {
+        parameters { m: kg = 3, g: m/s^2 = 8, height: m = 0.7 }
+        coordinates { z: m }
+        lagrangian m/2*dot(z)^2 - m*g*z
+        surface floor: z >= 0
+        impact floor: inelastic
+        start { z: height }
+        horizon 1 [s]
+    }
+}
+
+fn run(simulator: &dyn Simulator, model: &dyn Model, horizon: Option<f64>) -> Simulation {
+    let problem = InitialValueProblem::of(model, horizon).unwrap();
+    simulator.simulate(model, &problem, &mut |_| true).unwrap()
+}
+
+fn methods() -> [Box<dyn Simulator>; 2] {
+    [Box::new(Fesd::default()), Box::new(EventDriven::default())]
+}
+
+/// Largest difference of the last coordinates.
+fn apart(a: &Simulation, b: &Simulation) -> f64 {
+    let (a, b) = (
+        a.trajectory.q.last().unwrap(),
+        b.trajectory.q.last().unwrap(),
+    );
+    let pairs = a.iter().zip(b);
+    pairs.fold(0.0, |most, (a, b)| most.max((a - b).abs()))
+}
+
+#[test]
+fn time_freezing_on_a_grid_that_nobody_named_says_how_accurate_it_is() {
+    for (v, horizon) in [(2.0, 0.3), (6.5, 0.9)] {
+        let model = Waves {
+            v,
+            ..Waves::default()
+        };
+        let exact = run(
+            &EventDriven {
+                tolerance: 1e-12,
+                ..EventDriven::default()
+            },
+            &model,
+            Some(horizon),
+        );
+        assert_eq!(exact.status, SimulationStatus::Solved);
+        let method = Fesd::default().with_formulation(StepFormulation::TimeFreezing);
+        let found = run(&method, &model, Some(horizon));
+        let way = exact.trajectory.q.last().unwrap()[0];
+        match &found.status {
+            SimulationStatus::Solved => {
+                assert!(found.error_estimate.unwrap() <= 1e-6);
+                assert!(apart(&found, &exact) <= 1e-5 * way);
+            }
+            SimulationStatus::Inaccurate(diagnosis) => {
+                assert!(found.error_estimate.unwrap() > 1e-6);
+                assert!(diagnosis.time <= horizon && diagnosis.message.contains("agree until"));
+            }
+            SimulationStatus::StepFailed(_) => {}
+            status => panic!("{status}"),
+        }
+    }
+}
+
+#[test]
+fn event_driven_run_says_by_how_much_another_one_differs() {
+    let run = run(&EventDriven::default(), &Waves::default(), None);
+    assert_eq!(run.status, SimulationStatus::Solved);
+    let estimate = run.error_estimate.unwrap();
+    assert!((0.0..=1e-6).contains(&estimate), "{estimate:e}");
+}
+
+#[test]
+fn chaotic_bounces_are_not_called_solved_and_agree_until_the_time_that_is_named() {
+    let model = BallOnWaves::default();
+    let runs = methods().map(|method| run(&*method, &model, None));
+    for run in &runs {
+        let SimulationStatus::Inaccurate(diagnosis) = &run.status else {
+            panic!("{}", run.status);
+        };
+        assert!(run.error_estimate.unwrap() > 1e-6);
+        assert!(
+            diagnosis.time > 1.0 && diagnosis.time < 19.0,
+            "{diagnosis:?}"
+        );
+    }
+    // Until the earlier of the two times both methods have the same impacts.
+    let until = |run: &Simulation| run.status.diagnosis().unwrap().time;
+    let until = until(&runs[0]).min(until(&runs[1]));
+    let impacts = |run: &Simulation| -> Vec<f64> {
+        let impacts = run
+            .events
+            .iter()
+            .filter(|event| event.kind == EventKind::Impact);
+        impacts
+            .map(|event| event.time)
+            .filter(|time| *time < until)
+            .collect()
+    };
+    let (a, b) = (impacts(&runs[0]), impacts(&runs[1]));
+    assert!(a.len() > 2);
+    for (a, b) in a.iter().zip(&b) {
+        assert!((a - b).abs() < 1e-4, "{a} {b}");
+    }
+}
+
+#[test]
+fn run_that_stops_at_its_start_keeps_it_and_names_the_contact() {
+    for method in methods() {
+        let found = run(&*method, &Rod::default(), None);
+        let SimulationStatus::AmbiguousContact(diagnosis) = &found.status else {
+            panic!("{}", found.status);
+        };
+        assert_eq!(diagnosis.contact, Some(0), "{}", method.name());
+        assert!(!diagnosis.message.contains("free motion"), "{diagnosis:?}");
+        assert_eq!(found.trajectory.time, [0.0], "{}", method.name());
+        assert_eq!(found.trajectory.q[0][2], 1.1);
+        assert_eq!(found.trajectory.v[0][0], -6.0);
+        assert_eq!(found.trajectory.contact_force.len(), 1);
+        assert!(found.at(0.0).is_ok());
+    }
+}
+
+#[test]
+fn message_of_a_corner_names_nothing_that_the_scene_does_not_declare() {
+    for method in methods() {
+        let found = run(&*method, &Corner::default(), None);
+        let SimulationStatus::AmbiguousContact(diagnosis) = &found.status else {
+            panic!("{}", found.status);
+        };
+        assert!(
+            !diagnosis.message.contains("along"),
+            "{}",
+            diagnosis.message
+        );
+        assert!(diagnosis.contact.is_some());
+    }
+}
+
+#[test]
+fn impact_is_found_within_a_horizon_of_ages() {
+    for method in methods() {
+        for horizon in [1e4, 1e6] {
+            let found = run(&*method, &Ball::default(), Some(horizon));
+            let name = method.name();
+            assert_eq!(found.status, SimulationStatus::Solved, "{name} {horizon:e}");
+            assert_eq!(found.events.len(), 1, "{name} {horizon:e}");
+            let late = found.events[0].time - (2.0 * 0.7 / 8.0_f64).sqrt();
+            // Rounding of the time, whose size is that of the horizon in sums.
+            assert!(late.abs() < 1e-9, "{name} {horizon:e}: {late:e}");
+        }
+    }
+}
