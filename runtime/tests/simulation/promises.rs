@@ -77,6 +77,23 @@ hangtime::model! {
     }
 }
 
+hangtime::model! {
+    /// A jump from a lip that is rounded by two nanometres.
+    pub Lip {
+        parameters {
+            m: kg = 60, g: m/s^2 = 9.81, mu = 0.08, run: m = 25, up: deg = 32, down: deg = 40, drop: m = 1.5,
+            cliff: 1/m = 150, eps: m = 0.000000002,
+        }
+        coordinates { x: m, z: m }
+        lagrangian m/2*|dot((x, z))|^2 - m*g*z
+        surface incline: z*cos(up) + x*sin(up) + cliff*(x + sqrt(x^2 + eps^2))^2 >= 0
+        surface landing: (z + drop)*cos(down) + x*sin(down) + 0.01[1/m]*(x - sqrt(x^2 + eps^2))^2 >= 0
+        impact incline, landing: inelastic, friction mu
+        start { x: -run*cos(up), z: run*sin(up) }
+        horizon 4.5 [s]
+    }
+}
+
 fn run(simulator: &dyn Simulator, model: &dyn Model, horizon: Option<f64>) -> Simulation {
     let problem = InitialValueProblem::of(model, horizon).unwrap();
     simulator.simulate(model, &problem, &mut |_| true).unwrap()
@@ -216,6 +233,26 @@ fn impact_is_found_within_a_horizon_of_ages() {
             let late = found.events[0].time - (2.0 * 0.7 / 8.0_f64).sqrt();
             // Rounding of the time, whose size is that of the horizon in sums.
             assert!(late.abs() < 1e-9, "{name} {horizon:e}: {late:e}");
+        }
+    }
+}
+
+#[test]
+fn take_off_from_a_sharp_lip_is_where_the_lip_is_or_the_run_is_not_solved() {
+    let model = Lip::default();
+    let exact = run(&EventDriven::default(), &model, None);
+    assert_eq!(exact.status, SimulationStatus::Solved);
+    let take_off = &exact.events[0];
+    assert_eq!(take_off.kind, EventKind::LiftOff);
+    assert!(take_off.q[0].abs() < 1e-6);
+    for method in [Fesd::default(), Fesd::default().with_tolerance(1e-9)] {
+        let found = run(&method, &model, None);
+        println!("{}", found.status);
+        if found.status == SimulationStatus::Solved {
+            let event = &found.events[0];
+            assert_eq!(event.kind, EventKind::LiftOff);
+            assert!((event.time - take_off.time).abs() < 1e-5, "{event:?}");
+            assert!(event.q[0].abs() < 1e-4, "{event:?}");
         }
     }
 }
