@@ -190,8 +190,6 @@ pub struct Settings {
     /// First barrier parameter of the contact-implicit programs; default 0.1, > 0. The larger, the farther contacts act at
     /// first.
     pub(crate) first_barrier: f64,
-    /// Which of the rules of the coarse contact-implicit programs a start of an exploration begins with; default 0.
-    pub(crate) first_rule: usize,
     /// Most programs, those of the global phase included; default 60.
     pub maximum_programs: usize,
     /// Most iterations of one program; default 500.
@@ -221,7 +219,6 @@ impl Default for Settings {
             refined_motions: 2,
             refined_elements: 4,
             first_barrier: 0.1,
-            first_rule: 0,
             maximum_programs: 60,
             maximum_iterations: 500,
             replay_tolerance: 1e-9,

@@ -24,9 +24,6 @@ const COARSE_PROGRAMS: [(usize, RelaxationRule); 3] = [
 /// Least number of elements of the whole motion in the coarsest program; with fewer intervals they are divided.
 const LEAST_ELEMENTS: usize = 24;
 
-/// The same of the refined program of a start of an exploration, an interval.
-const EXPLORED_ELEMENTS: usize = 2;
-
 /// The same of a program that carries a motion on to a finer grid.
 const LEAST_FINE_ELEMENTS: usize = 120;
 
@@ -74,47 +71,6 @@ pub(in crate::ocp) fn candidates(
     setting: Setting,
     guess: &Trajectory,
 ) -> Result<Vec<Candidate>, InputError> {
-    let found = if runner.effort == Effort::Explore {
-        one_rule(runner, setting, guess)?.into_iter().collect()
-    } else {
-        all_rules(runner, setting, guess)?
-    };
-    if !found.is_empty() || runner.stopped() {
-        return Ok(found);
-    }
-    // Too few elements for the motion, perhaps: the next phase starts from the guess.
-    Ok(vec![Candidate {
-        objective: f64::INFINITY,
-        trajectory: guess.clone(),
-        sequence: Sequence {
-            initially: modes_at_start(setting, guess),
-            switches: Vec::new(),
-        },
-    }])
-}
-
-/// The motion that one of the coarse programs leads to: other starts of the exploration try the others.
-fn one_rule(
-    runner: &mut Runner,
-    setting: Setting,
-    guess: &Trajectory,
-) -> Result<Option<Candidate>, InputError> {
-    let finer = LEAST_ELEMENTS.div_ceil(setting.problem.intervals);
-    let (per_interval, rule) = COARSE_PROGRAMS[runner.settings.first_rule % COARSE_PROGRAMS.len()];
-    let Some(found) = relaxed(runner, setting, guess, finer * per_interval, rule, COARSE)? else {
-        return Ok(None);
-    };
-    let elements = finer * EXPLORED_ELEMENTS;
-    let refined = refined(runner, setting, &found.trajectory, elements)?;
-    Ok(refined.or(Some(found)))
-}
-
-/// The distinct motions that the coarse programs lead to, the best first.
-fn all_rules(
-    runner: &mut Runner,
-    setting: Setting,
-    guess: &Trajectory,
-) -> Result<Vec<Candidate>, InputError> {
     let finer = LEAST_ELEMENTS.div_ceil(setting.problem.intervals);
     let elements = finer * runner.settings.refined_elements;
     let mut coarse: Vec<Candidate> = Vec::new();
@@ -142,6 +98,17 @@ fn all_rules(
         && let Some(refined) = refined(runner, setting, guess, elements)?
     {
         fine.push(refined);
+    }
+    if fine.is_empty() {
+        // Too few elements for the motion, perhaps: the next phase starts from the guess.
+        fine.push(Candidate {
+            objective: f64::INFINITY,
+            trajectory: guess.clone(),
+            sequence: Sequence {
+                initially: modes_at_start(setting, guess),
+                switches: Vec::new(),
+            },
+        });
     }
     Ok(fine)
 }

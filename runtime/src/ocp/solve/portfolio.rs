@@ -16,7 +16,7 @@ use crate::simulation::InputError;
 const BATCH: usize = 4;
 
 /// Most iterations of a program of a start: of several, some take few.
-const ITERATIONS: usize = 150;
+const ITERATIONS: usize = 250;
 
 /// First barrier parameter of the contact-implicit programs in which contacts act from a distance.
 const FROM_A_DISTANCE: f64 = 10.0;
@@ -76,7 +76,6 @@ fn member(settings: &Settings, start: usize) -> Settings {
     Settings {
         guess,
         first_barrier: barrier,
-        first_rule: start,
         maximum_iterations: settings.maximum_iterations.min(ITERATIONS),
         ..settings.clone()
     }
