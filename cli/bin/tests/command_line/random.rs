@@ -250,15 +250,10 @@ fn shared(random: &mut Random, command: &str, out: &str, line: &mut Vec<String>)
     }
     let wants = matches!(command, "chart" | "reproduce");
     if wants || (matches!(command, "simulate" | "solve") && random.chance(0.3)) {
-        let odd = ["/dev/null", "/proc/no", "", "\u{1b}[31m/dev/full"];
-        option(
-            "--out",
-            if random.chance(0.1) {
-                random.pick(&odd)
-            } else {
-                out
-            },
-        );
+        let steering = format!("{out}\u{1b}[31m/\u{7}");
+        let odd = ["/dev/null", "/proc/no", "", &steering];
+        let odd = random.pick(&odd);
+        option("--out", if random.chance(0.1) { odd } else { out });
     }
     if matches!(command, "simulate" | "solve" | "list" | "nlp") && random.chance(0.4) {
         line.push("--json".to_owned());
@@ -367,13 +362,14 @@ fn checked(line: &[String]) -> usize {
 #[test]
 fn random_command_lines_end_with_status_0_2_or_3() {
     let scratch = Scratch::new("random");
+    let out = format!("{}/out", scratch.text());
     let files = Scratch::new("random-files");
     let scenes = json(&["list", "--json"])["scenes"].take();
     let scenes = scenes.as_array().unwrap();
     let mut random = Random(from_environment("HANGTIME_RANDOM_SEED", 1));
     let mut statuses = [0; 4];
     for _ in 0..from_environment("HANGTIME_RANDOM_LINES", LINES) {
-        let line = line(&mut random, scenes, scratch.text(), &files.0);
+        let line = line(&mut random, scenes, &out, &files.0);
         statuses[checked(&line)] += 1;
     }
     println!(
