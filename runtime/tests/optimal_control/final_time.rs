@@ -184,8 +184,8 @@ hangtime::model! {
 
 /// When the ride without controls is at the goal [s], if it gets there within two seconds.
 fn coasting(model: &Waves) -> Option<f64> {
-    let run = hangtime::simulate(model).run().unwrap();
-    let place = |time: f64| run.at(time).unwrap()["y"];
+    let run = hangtime::simulate(model).run().expect("a good problem");
+    let place = |time: f64| run.at(time).expect("before the end")["y"];
     let (mut before, mut after) = (0.0, 2.0);
     if place(after) < model.far {
         return None;
@@ -209,10 +209,16 @@ fn goal_that_the_ride_without_controls_reaches_is_never_called_infeasible() {
         (3.1, 29.5, 19.0, 0.30, 0.31, 20.0, 6),
         (4.2, 25.0, 16.0, 0.31, 0.46, 30.0, 4),
     ] {
-        let mut model = Waves::default();
-        model.speed = speed;
-        (model.k, model.g, model.low, model.high) = (k, g, low, high);
-        (model.pull, model.push) = (-0.8 * push, push);
+        let model = Waves {
+            speed,
+            k,
+            g,
+            low,
+            high,
+            pull: -0.8 * push,
+            push,
+            ..Waves::default()
+        };
         let ride = coasting(&model).expect("fast enough");
         let jumps = hangtime::simulate(&model).run().unwrap().events.len();
         flights += usize::from(jumps > 0);
