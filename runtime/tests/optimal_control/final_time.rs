@@ -207,7 +207,7 @@ fn goal_that_the_ride_without_controls_reaches_is_never_called_infeasible() {
     let mut flights = 0;
     for (k, speed, g, low, high, push, intervals) in [
         (3.1, 29.5, 19.0, 0.30, 0.31, 20.0, 6),
-        (4.2, 25.0, 16.0, 0.31, 0.46, 30.0, 9),
+        (2.4, 31.0, 12.0, 0.35, 0.40, 250.0, 7),
     ] {
         let model = Waves {
             speed,

@@ -370,6 +370,28 @@ fn simulate_at_its_time_limit_ends_with_what_it_has() {
     }
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn simulate_beyond_its_memory_limit_ends_with_status_3() {
+    let mut arguments = vec![
+        "simulate",
+        "pump-track",
+        "--set",
+        "k=250",
+        "--set",
+        "speed=0.3",
+    ];
+    arguments.extend(["--memory-limit", "0.001"]);
+    let output = hangtime(&arguments);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    assert!(
+        stderr.contains(": memory_limit") && stderr.contains("raise --memory-limit (0.001 GB)"),
+        "{stderr}"
+    );
+}
+
 #[test]
 fn simulate_every_scene_with_its_defaults_reaches_the_horizon() {
     for scene in json(&["list", "--json"])["scenes"].as_array().unwrap() {
