@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use cpu_time::ProcessTime;
 use hangtime::nl;
 use hangtime::ocp::{Solution, Status};
+use hangtime::simulation::{Simulation, SimulationStatus};
 
 use crate::arguments::LimitArguments;
 use crate::failure::one_line;
@@ -124,6 +125,33 @@ impl Ending {
                 }),
             },
             _ => own,
+        }
+    }
+
+    /// Of a simulation that `stop` asked to end, if anything did.
+    pub(crate) fn of_simulation(
+        simulation: &Simulation,
+        stop: Option<Stop>,
+        limits: &LimitArguments,
+    ) -> Self {
+        let status = &simulation.status;
+        match stop.filter(|_| matches!(status, SimulationStatus::Interrupted(_))) {
+            Some(stop) => Self {
+                status: stop.name(),
+                diagnosis: Some(stop.diagnosis(limits)),
+            },
+            None => Self::of_whole(simulation),
+        }
+    }
+
+    /// Of a simulation that ended by itself.
+    pub(crate) fn of_whole(simulation: &Simulation) -> Self {
+        let status = &simulation.status;
+        Self {
+            status: status.name(),
+            diagnosis: status
+                .diagnosis()
+                .map(|diagnosis| diagnosis.message.clone()),
         }
     }
 

@@ -9,7 +9,7 @@ use clap::{CommandFactory as _, FromArgMatches as _};
 
 use crate::Scene;
 use crate::arguments::{Arguments, Command, ListArguments, ReproduceArguments};
-use crate::failure::BadInput;
+use crate::failure::{BadInput, visible};
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain};
 use crate::{chart, explain, list, program, reproduce, scene, shell, simulate, solve};
 
@@ -104,7 +104,7 @@ impl CommandLine {
         let stem = program.and_then(|path| Path::new(path).file_stem());
         let command = match stem.and_then(|stem| stem.to_str()) {
             // The parser keeps names for as long as the program runs.
-            Some(stem) => command.name(&*stem.to_owned().leak()),
+            Some(stem) => command.name(&*visible(stem).leak()),
             None => command,
         };
         let default = if self.has_published() {

@@ -29,13 +29,15 @@ pub(crate) fn one_line(message: &str) -> String {
     cut(&words.join(" "), LONGEST_LINE)
 }
 
+/// Whether a terminal obeys a character instead of showing it: control characters other than line ends and tabs, and
+/// marks that turn the direction of writing.
+pub(crate) fn steers(c: char) -> bool {
+    (c.is_control() && c != '\n' && c != '\t')
+        || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
 /// The text with control characters, other than line ends and tabs, in visible form.
 pub(crate) fn visible(text: &str) -> String {
-    let steers = |c: char| {
-        (c.is_control() && c != '\n' && c != '\t')
-            // Marks that turn the direction of writing.
-            || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-    };
     if !text.contains(steers) {
         return text.to_owned();
     }

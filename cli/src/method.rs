@@ -209,6 +209,11 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
     let grid = arguments.elements.map(|_| Fesd::DEFAULT_STEPS);
     fesd.steps = arguments.steps.or(grid);
     fesd.elements = arguments.elements.unwrap_or(fesd.elements);
+    // A grid that is asked for may be used up, and its elements divided at switches.
+    let asked = fesd.steps.unwrap_or(0).saturating_mul(fesd.elements);
+    if asked <= MOST_STEPS {
+        fesd.most_elements = fesd.most_elements.max(2 * asked);
+    }
     fesd.tolerance = arguments.tolerance;
     fesd.exit_condition = !arguments.no_exit_condition;
     let formulation = arguments.formulation.unwrap_or(FormulationName::ActiveSet);

@@ -35,6 +35,8 @@ const JUST_MADE: Duration = Duration::from_secs(60);
 #[derive(Debug)]
 pub(crate) struct OutputDirectory {
     path: PathBuf,
+    /// The option that named it.
+    option: &'static str,
     stage: Stage,
 }
 
@@ -51,9 +53,14 @@ impl OutputDirectory {
     /// Makes the folder of this run, which proves that the directory can be written, or made. Puts in order what
     /// killed runs left there.
     pub(crate) fn open(path: &Path) -> Result<Self, BadInput> {
+        Self::open_for("--out", path)
+    }
+
+    /// As [`open`](Self::open), for what another option named.
+    pub(crate) fn open_for(option: &'static str, path: &Path) -> Result<Self, BadInput> {
         let refused = |error: io::Error| {
             BadInput::new(format!(
-                "output directory `{}`: {error}; give --out a directory that can be written",
+                "output directory `{}`: {error}; give {option} a directory that can be written",
                 path.display()
             ))
         };
@@ -75,6 +82,7 @@ impl OutputDirectory {
         put_in_order(parent, &stage).map_err(refused)?;
         Ok(Self {
             path: path.to_owned(),
+            option,
             stage,
         })
     }
@@ -83,8 +91,9 @@ impl OutputDirectory {
     pub(crate) fn write(mut self, files: &[(String, String)]) -> Result<Vec<Written>, BadInput> {
         self.try_write(files).map_err(|(name, error)| {
             BadInput::new(format!(
-                "output file `{}`: {error}; no file was written; free space or give --out another directory",
-                self.path.join(name).display()
+                "output file `{}`: {error}; no file was written; free space or give {} another directory",
+                self.path.join(name).display(),
+                self.option
             ))
         })
     }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::{self, Read as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use hangtime::mpcc::Mpcc as _;
 use hangtime::nl::{self, Program, Solution, Stationarity};
@@ -11,8 +11,9 @@ use hangtime::simulation::ProblemSize;
 
 use crate::arguments::NlpArguments;
 use crate::bounds::{Bounds, Ending};
-use crate::failure::BadInput;
+use crate::failure::{BadInput, one_line};
 use crate::json::ProgramDocument;
+use crate::output::OutputDirectory;
 use crate::progress::SolveProgress;
 use crate::report::Report;
 use crate::table::{counted, seconds};
@@ -25,6 +26,7 @@ pub(crate) fn run(arguments: &NlpArguments) -> Result<Report, BadInput> {
     let shown = path.display().to_string();
     // The watcher names the run for as long as the program runs.
     let name: &'static str = Box::leak(shown.clone().into_boxed_str());
+    let target = arguments.sol.as_deref().map(Target::open).transpose()?;
     let bounds = Bounds::watch(name, &arguments.limits);
     let refused = |what: String| BadInput::new(format!("{shown}: {what}"));
     let bytes = read(path)
@@ -46,14 +48,8 @@ pub(crate) fn run(arguments: &NlpArguments) -> Result<Report, BadInput> {
     let mut report = Report::default();
     report.diagnoses.extend(ending.line(name));
     let mut written = String::new();
-    if let Some(path) = &arguments.sol {
-        match fs::write(path, solution.file_text(&program)) {
-            Ok(()) => written = format!("wrote {}\n", path.display()),
-            Err(error) => report.refusals.push(format!(
-                "{}: {error}; give --sol a file that can be written",
-                path.display()
-            )),
-        }
+    if let Some(target) = target {
+        written = target.deliver(&mut report, solution.file_text(&program));
     }
     report.text = if arguments.json {
         ProgramDocument::new(name, size, &solution, &ending).text()
@@ -61,6 +57,54 @@ pub(crate) fn run(arguments: &NlpArguments) -> Result<Report, BadInput> {
         summary(name, size, &solution, &ending) + &written
     };
     Ok(report)
+}
+
+/// Where the solution goes.
+enum Target {
+    /// A file of this name, written whole.
+    File(OutputDirectory, String),
+    /// Something that is there and is no file, such as a pipe.
+    Stream(PathBuf),
+}
+
+impl Target {
+    /// Finds out before the run whether `path` can be written.
+    fn open(path: &Path) -> Result<Self, BadInput> {
+        if path.exists() && !path.is_file() && !path.is_dir() {
+            return Ok(Self::Stream(path.to_owned()));
+        }
+        let name = path.file_name().filter(|_| !path.is_dir());
+        let Some(name) = name.and_then(|name| name.to_str()) else {
+            return Err(BadInput::new(format!(
+                "--sol `{}`: give the name of a file",
+                path.display()
+            )));
+        };
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let folder = OutputDirectory::open_for("--sol", folder)?;
+        Ok(Self::File(folder, name.to_owned()))
+    }
+
+    /// Writes `text`; the line about it, or why it could not be written, goes into the report.
+    fn deliver(self, report: &mut Report, text: String) -> String {
+        match self {
+            Self::File(folder, name) => report.deliver(folder, &[(name, text)]),
+            Self::Stream(path) => match fs::write(&path, text) {
+                Ok(()) => format!("wrote {}\n", path.display()),
+                Err(error) => {
+                    let refusal = format!(
+                        "{}: {error}; give --sol a file that can be written",
+                        path.display()
+                    );
+                    report.refusals.push(refusal);
+                    String::new()
+                }
+            },
+        }
+    }
 }
 
 /// The bytes of a file, as many as are allowed.
@@ -86,7 +130,7 @@ fn names(path: &Path) -> Vec<String> {
 
 /// The result for people.
 fn summary(name: &str, size: ProblemSize, solution: &Solution, ending: &Ending) -> String {
-    let mut text = format!("{name}\n\n");
+    let mut text = format!("{}\n\n", one_line(name));
     let _ = writeln!(
         text,
         "size          {}, {}, {}, {}",

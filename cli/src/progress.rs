@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::bounds::Stop;
+use crate::failure::one_line;
 
 /// Runs shorter than this show no bar, and a bar is redrawn no more often.
 const PATIENCE: Duration = Duration::from_millis(150);
@@ -21,7 +22,7 @@ impl Progress {
     pub(crate) fn new(title: &str, end: f64) -> Self {
         /// Cells of the bar's own scale.
         const CELLS: u64 = 1000;
-        let bar = ProgressBar::new(CELLS).with_message(title.to_owned());
+        let bar = ProgressBar::new(CELLS).with_message(one_line(title));
         if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} % {eta}") {
             bar.set_style(style);
         }
@@ -67,7 +68,7 @@ pub(crate) struct SolveProgress {
 impl SolveProgress {
     /// A line that begins with `title`.
     pub(crate) fn new(title: &str) -> Self {
-        let bar = ProgressBar::new_spinner().with_prefix(title.to_owned());
+        let bar = ProgressBar::new_spinner().with_prefix(one_line(title));
         if let Ok(style) = ProgressStyle::with_template("{prefix} {spinner} {elapsed} {msg}") {
             bar.set_style(style);
         }

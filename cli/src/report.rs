@@ -3,7 +3,7 @@
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
-use crate::failure::visible;
+use crate::failure::{one_line, visible};
 use crate::output::OutputDirectory;
 
 /// Exit status of a result that did not converge.
@@ -75,8 +75,8 @@ impl Report {
     }
 }
 
-/// One line on the standard error stream.
+/// One short line on the standard error stream.
 pub(crate) fn complain(message: &str) {
     // If even this stream is closed there is nobody left to tell.
-    let _ = writeln!(io::stderr(), "error: {message}");
+    let _ = writeln!(io::stderr(), "error: {}", one_line(message));
 }

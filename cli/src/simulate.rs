@@ -7,7 +7,7 @@ use hangtime::model::Declaration;
 use hangtime::simulation::{Event, InitialValueProblem, Simulation};
 
 use crate::arguments::{Method, SimulateArguments};
-use crate::bounds::Bounds;
+use crate::bounds::{Bounds, Ending};
 use crate::failure::{BadInput, one_line};
 use crate::files::ResultFiles;
 use crate::json::Document;
@@ -37,23 +37,25 @@ pub(crate) fn run(
     let simulation = method
         .simulate(chosen.model.as_ref(), &problem, &mut |now| {
             progress.reach(now.time);
-            true
+            bounds.asked().is_none()
         })
         .map_err(|error| chosen.refuse(&error))?;
     drop(progress);
+    let ending = Ending::of_simulation(&simulation, bounds.asked(), &arguments.limits);
     drop(bounds);
     let json = Document::new(
         &chosen,
         problem.horizon,
         &method.settings,
         &simulation,
+        &ending,
         rows,
     )
     .text();
     let mut report = Report::default();
     report
         .diagnoses
-        .extend(diagnosis_line(&chosen, &simulation));
+        .extend(diagnosis_line(&chosen, &simulation, &ending));
     let mut written = String::new();
     if let Some(directory) = directory {
         let files = ResultFiles {
@@ -64,14 +66,14 @@ pub(crate) fn run(
             json: &json,
             published: &PublishedData::default(),
             rows,
-            facts: facts(&method, &simulation),
+            facts: facts(&method, &simulation, &ending),
         };
         written = report.deliver(directory, &files.contents());
     }
     report.text = if arguments.result.json {
         json
     } else {
-        tables(&chosen, problem.horizon, &method, &simulation) + &written
+        tables(&chosen, problem.horizon, &method, &simulation, &ending) + &written
     };
     Ok(report)
 }
@@ -87,24 +89,32 @@ fn stem(chosen: &ChosenScene, method: Method) -> String {
 }
 
 /// Why a simulation stopped early, in one line, if it did.
-pub(crate) fn diagnosis_line(chosen: &ChosenScene, simulation: &Simulation) -> Option<String> {
-    let diagnosis = simulation.status.diagnosis()?;
+pub(crate) fn diagnosis_line(
+    chosen: &ChosenScene,
+    simulation: &Simulation,
+    ending: &Ending,
+) -> Option<String> {
+    let time = simulation.status.diagnosis()?.time;
     let text = format!(
         "{}: {} at t = {} s: {}",
         chosen.scene.name,
-        simulation.status.name(),
-        diagnosis.time,
-        diagnosis.message
+        ending.status,
+        time,
+        ending.diagnosis.as_deref().unwrap_or_default()
     );
     Some(one_line(&text))
 }
 
 /// What a page tells about a simulation.
-pub(crate) fn facts(method: &ChosenMethod, simulation: &Simulation) -> Vec<[String; 2]> {
+pub(crate) fn facts(
+    method: &ChosenMethod,
+    simulation: &Simulation,
+    ending: &Ending,
+) -> Vec<[String; 2]> {
     let residuals = simulation.residuals;
     [
         ("method", method.settings.to_string()),
-        ("status", simulation.status.name().to_owned()),
+        ("status", ending.status.to_owned()),
         (
             "largest primal residual",
             format!("{:.1e}", residuals.primal),
@@ -138,6 +148,7 @@ fn tables(
     horizon: f64,
     method: &ChosenMethod,
     simulation: &Simulation,
+    ending: &Ending,
 ) -> String {
     let declaration = chosen.model.declaration();
     let mut text = format!("{}: {}\n\n", chosen.scene.name, chosen.scene.title);
@@ -145,7 +156,7 @@ fn tables(
     let _ = writeln!(text, "parameters  {}", parameters.join(", "));
     let _ = writeln!(text, "method      {}", method.settings);
     let _ = writeln!(text, "horizon     {horizon} s");
-    let _ = writeln!(text, "status      {}\n", simulation.status.name());
+    let _ = writeln!(text, "status      {}\n", ending.status);
     text += &event_table(declaration, &simulation.events);
     let trajectory = &simulation.trajectory;
     if let (Some(&time), Some(q), Some(v)) = (

@@ -153,7 +153,7 @@ pub(crate) fn facts(
             "distance of the re-simulation at the end",
             format!("{:.1e}", solution.resimulation_error),
         ),
-        ("CPU time", seconds(solution.seconds)),
+        ("CPU time", seconds(solution.seconds.total)),
     ]
     .map(|(name, value)| [name.to_owned(), value])
     .into()
@@ -344,7 +344,7 @@ fn work(solution: &Solution) -> String {
         counted(counts.iterations, "interior point iteration"),
         counted(counts.factorizations, "factorization"),
         counted(counts.repairs, "repair"),
-        seconds(solution.seconds)
+        seconds(solution.seconds.total)
     )
 }
 

@@ -67,7 +67,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 solution.counts.programs,
                 solution.counts.global_iterations,
                 solution.counts.iterations,
-                solution.seconds
+                solution.seconds.total
             );
             solutions.push((name, solution));
         }
@@ -77,7 +77,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let near = solutions.iter().filter(solved);
         let near = near.filter(|s| s.1.horizon <= least * (1.0 + BEST)).count();
         let confirmed = solutions.iter().filter(solved).count();
-        let mut seconds: Vec<f64> = solutions.iter().map(|s| s.1.seconds).collect();
+        let mut seconds: Vec<f64> = solutions.iter().map(|s| s.1.seconds.total).collect();
         seconds.sort_by(f64::total_cmp);
         let mut failures: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
         for (name, solution) in solutions.iter().filter(|s| !s.1.status.is_solved()) {

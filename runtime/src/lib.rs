@@ -69,6 +69,7 @@ pub mod ocp;
 pub mod prelude;
 mod progress;
 pub mod rk;
+mod seconds;
 pub mod simulation;
 mod time_freezing;
 

@@ -1,6 +1,6 @@
 //! Scenes declared where every name that emitted code could need means something else.
 
-#[allow(dead_code, non_camel_case_types)]
+#[allow(dead_code, non_camel_case_types, non_upper_case_globals)]
 mod hostile {
     mod hangtime {}
     mod std {}
@@ -21,6 +21,13 @@ mod hostile {
     trait Copy {}
     trait Iterator {}
     trait From {}
+
+    // Where a constant is in scope, a local variable of its name is a pattern that tests for its value.
+    macro_rules! constants {
+        ($($name:ident)+) => { $(const $name: i8 = 1;)+ };
+    }
+    constants!(a b c d e f i m n p q s t u v w x y z e0 e1 e2 e3 e4 out index value values point contact lower upper);
+    constants!(energy multipliers constant t0 t1 t2 t3 t4 t5 t6 t7 t8 t9 t10 t11 t12 t13 t14 t15 t20 t30 t40);
 
     ::hangtime::model! {
         pub Option {

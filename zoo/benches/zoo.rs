@@ -102,13 +102,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     gap.map_or("unknown".to_owned(), |gap| format!("{gap:.1e}")),
                     solution.status.name(),
                     solution.stationarity.name(),
-                    solution.seconds,
+                    solution.seconds.total,
                 );
                 runs.push(Run {
                     way: way.to_owned(),
                     half: exhibit.half,
                     gap: gap.unwrap_or(f64::NAN),
-                    seconds: solution.seconds,
+                    seconds: solution.seconds.total,
                     status: solution.status,
                 });
             }

@@ -114,7 +114,7 @@ pub(super) fn chart(
                 objective: solution.objective,
                 distance: solution.resimulation_error,
                 iterations: solution.counts.global_iterations + solution.counts.iterations,
-                seconds: solution.seconds,
+                seconds: solution.seconds.total,
             });
             progress.reach(runs.len() as f64);
         }

@@ -5,7 +5,7 @@ use hangtime::simulation::{InitialValueProblem, SimulationStatus};
 use super::drawn::Chart;
 use super::sweep::{Group, Sweep, sweeps};
 use crate::arguments::{Method, MethodArguments};
-use crate::bounds::Bounds;
+use crate::bounds::{Bounds, Ending};
 use crate::failure::BadInput;
 use crate::figure::{Curve, log_log};
 use crate::method::ChosenMethod;
@@ -53,15 +53,21 @@ pub(super) fn chart(
         ..MethodArguments::default()
     };
     let exact = ChosenMethod::from_arguments(&exact)?
-        .simulate(chosen.model.as_ref(), problem, &mut |_| true)
+        .simulate(chosen.model.as_ref(), problem, &mut |_| {
+            bounds.asked().is_none()
+        })
         .map_err(|error| chosen.refuse(&error))?;
     let (SimulationStatus::Solved, Some(reference)) = (&exact.status, exact.trajectory.q.last())
     else {
+        let ending = Ending::of_whole(&exact);
+        // What asked a run to end is told once for all of them.
+        let diagnosis =
+            diagnosis_line(chosen, &exact, &ending).filter(|_| bounds.asked().is_none());
         return Ok(Chart {
             text: String::new(),
             section: None,
             files: Vec::new(),
-            diagnoses: diagnosis_line(chosen, &exact).into_iter().collect(),
+            diagnoses: diagnosis.into_iter().collect(),
         });
     };
 
@@ -125,7 +131,8 @@ fn measure_all(
             if bounds.asked().is_some() {
                 break;
             }
-            points.push(measure(chosen, problem, arguments, reference)?);
+            let point = measure(chosen, problem, arguments, (reference, bounds))?;
+            points.push(point);
         }
         let ordered = sweep.ordered();
         measured.push(Measured {
@@ -146,7 +153,7 @@ fn measure(
     chosen: &ChosenScene,
     problem: &InitialValueProblem,
     arguments: &MethodArguments,
-    reference: &[f64],
+    (reference, bounds): (&[f64], &Bounds),
 ) -> Result<Point, BadInput> {
     let method = ChosenMethod::from_arguments(arguments)?;
     let settings = &method.settings;
@@ -159,7 +166,7 @@ fn measure(
         seconds,
         status,
     };
-    let simulation = match fastest(chosen, &method, problem) {
+    let simulation = match fastest(chosen, &method, problem, &|| bounds.asked().is_none()) {
         Ok(simulation) => simulation,
         // A method that does not know restitution or friction is left out, not a mistake of the user.
         Err(error) if error.is_unsupported() => {

@@ -1,9 +1,13 @@
 //! What the documents have in common.
 
+use std::fmt::Write as _;
+
 use hangtime::model::{ContactDeclaration, Declaration, Model};
 use hangtime::simulation::{Counts, Diagnosis, Event, ProblemSize, Residuals, Seconds, Trajectory};
 use serde::{Serialize, Serializer};
 
+use crate::bounds::Ending;
+use crate::failure::steers;
 use crate::published::Quantity;
 use crate::quantity;
 use crate::settings::ChosenScene;
@@ -12,11 +16,21 @@ use crate::thinning;
 /// Version of the document's layout.
 pub(crate) const SCHEMA: u32 = 1;
 
-/// One line of JSON with its line end.
+/// One line of JSON with its line end, in which nothing steers a terminal: this stands in texts only, where JSON has
+/// escapes for it.
 pub(crate) fn to_line(value: &impl Serialize) -> String {
     // Maps with keys that are not text and failing writers are the only errors of this writer; the
     // documents have neither.
-    serde_json::to_string(value).unwrap_or_default() + "\n"
+    let text = serde_json::to_string(value).unwrap_or_default();
+    let mut line = String::with_capacity(text.len() + 1);
+    for c in text.chars() {
+        if steers(c) {
+            let _ = write!(line, "\\u{:04x}", u32::from(c));
+        } else {
+            line.push(c);
+        }
+    }
+    line + "\n"
 }
 
 /// Parameter values by name, in order of declaration, then the choices of the scene's form.
@@ -58,12 +72,17 @@ pub(super) struct DiagnosisEntry<'a> {
 }
 
 impl<'a> DiagnosisEntry<'a> {
-    pub(super) fn new(diagnosis: &'a Diagnosis, contacts: &[ContactDeclaration]) -> Self {
+    /// Where it stopped, and why it `ended`.
+    pub(super) fn new(
+        diagnosis: &Diagnosis,
+        ended: &'a Ending,
+        contacts: &[ContactDeclaration],
+    ) -> Self {
         Self {
             time: diagnosis.time,
             step: diagnosis.step,
             contact: diagnosis.contact.map(|contact| contacts[contact].name),
-            message: &diagnosis.message,
+            message: ended.diagnosis.as_deref().unwrap_or_default(),
         }
     }
 }

@@ -7,6 +7,7 @@ use super::parts::{
     DiagnosisEntry, EventEntry, FinalEntry, IterationsEntry, ParameterValues, QuantitiesEntry,
     ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
 };
+use crate::bounds::Ending;
 use crate::method::MethodSettings;
 use crate::settings::ChosenScene;
 
@@ -47,6 +48,7 @@ impl<'a> Document<'a> {
         horizon: f64,
         method: &'a MethodSettings,
         simulation: &'a Simulation,
+        ending: &'a Ending,
         rows: usize,
     ) -> Self {
         let declaration = chosen.model.declaration();
@@ -60,11 +62,11 @@ impl<'a> Document<'a> {
             parameters: ParameterValues::of(chosen),
             horizon,
             method: method.with_steps_of(simulation),
-            status: simulation.status.name(),
+            status: ending.status,
             diagnosis: simulation
                 .status
                 .diagnosis()
-                .map(|diagnosis| DiagnosisEntry::new(diagnosis, contacts)),
+                .map(|diagnosis| DiagnosisEntry::new(diagnosis, ending, contacts)),
             events: simulation
                 .events
                 .iter()
@@ -93,6 +95,7 @@ mod tests {
     use hangtime::simulation::{Diagnosis, Simulation, SimulationStatus, Trajectory};
 
     use super::Document;
+    use crate::bounds::Ending;
     use crate::method::MethodSettings;
     use crate::settings::{ChosenScene, find};
 
@@ -128,7 +131,8 @@ mod tests {
             notes: Vec::new(),
         };
         let settings = MethodSettings::default();
-        let text = Document::new(&chosen, 5.0, &settings, &simulation, 100).text();
+        let ending = Ending::of_whole(&simulation);
+        let text = Document::new(&chosen, 5.0, &settings, &simulation, &ending, 100).text();
         let document: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!(document["status"], "not_finite");
         assert_eq!(document["diagnosis"]["contact"], "slope");

@@ -2,12 +2,12 @@
 
 use hangtime::ocp::{Formulation, Optimum, Settings, Solution, TimeFreezingReport};
 use hangtime::rk::Scheme;
-use hangtime::simulation::{ProblemSize, Residuals};
+use hangtime::simulation::{ProblemSize, Residuals, Seconds};
 use serde::Serialize;
 
 use super::parts::{
-    EventEntry, FinalEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA, SizeEntry,
-    TrajectoryEntry, to_line,
+    EventEntry, FinalEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA, SecondsEntry,
+    SizeEntry, TrajectoryEntry, to_line,
 };
 use crate::bounds::Ending;
 use crate::settings::ChosenScene;
@@ -145,7 +145,8 @@ pub(crate) struct SolutionDocument<'a> {
     #[serde(with = "SizeEntry")]
     size: ProblemSize,
     iterations: SolutionCounts,
-    seconds: SolutionSeconds,
+    #[serde(with = "SecondsEntry")]
+    seconds: Seconds,
     #[serde(skip_serializing_if = "Option::is_none")]
     time_freezing: Option<TimeFreezingEntry>,
     optima: Vec<OptimumEntry<'a>>,
@@ -164,15 +165,6 @@ struct SolutionCounts {
     programs: usize,
     contact_implicit: usize,
     repairs: usize,
-}
-
-#[derive(Serialize)]
-struct SolutionSeconds {
-    total: f64,
-    /// Not measured separately, as the two that follow.
-    evaluate: f64,
-    factorize: f64,
-    solve: f64,
 }
 
 impl<'a> SolutionDocument<'a> {
@@ -222,12 +214,7 @@ impl<'a> SolutionDocument<'a> {
                 contact_implicit: solution.counts.global_iterations,
                 repairs: solution.counts.repairs,
             },
-            seconds: SolutionSeconds {
-                total: solution.seconds,
-                evaluate: 0.0,
-                factorize: 0.0,
-                solve: 0.0,
-            },
+            seconds: solution.seconds,
             time_freezing: solution.time_freezing.as_ref().map(TimeFreezingEntry::new),
             optima: solution.optima.iter().map(OptimumEntry::new).collect(),
             notes: note.into_iter().collect(),

@@ -83,7 +83,7 @@ fn reproduce(
 ) -> Result<Reproduced, BadInput> {
     let case = Case::new(scene, published)?;
     match published.task {
-        Task::Simulate { horizon } => simulated::reproduce(case, horizon),
+        Task::Simulate { horizon } => simulated::reproduce(case, horizon, bounds),
         Task::Optimize => optimum::reproduce(case, bounds),
     }
 }

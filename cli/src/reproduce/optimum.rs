@@ -89,7 +89,7 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
         case,
         states: states.unwrap_or_default(),
         rows,
-        seconds: solution.seconds,
+        seconds: solution.seconds.total,
         residual: solution.resimulation_error,
         remarks,
         diagnoses: diagnosis.into_iter().collect(),
@@ -100,7 +100,7 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
 /// The re-simulated motion with the CPU time of the whole solve.
 fn timed(motion: &Simulation, solution: &Solution) -> Simulation {
     let mut motion = motion.clone();
-    motion.seconds.total = solution.seconds;
+    motion.seconds.total = solution.seconds.total;
     motion
 }
 

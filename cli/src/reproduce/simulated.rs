@@ -7,6 +7,7 @@ use super::column::Column;
 use super::comparison::{comparison, rows};
 use super::overview::section_of;
 use crate::arguments::{Method, MethodArguments, SchemeName};
+use crate::bounds::{Bounds, Ending};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
 use crate::json::Document;
@@ -55,7 +56,7 @@ fn methods() -> [(&'static str, &'static str, MethodArguments); 4] {
 }
 
 /// Simulates the case by every method.
-pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput> {
+pub(super) fn reproduce(case: Case, horizon: f64, bounds: &Bounds) -> Result<Reproduced, BadInput> {
     let (chosen, published) = (&case.chosen, case.published);
     let model = chosen.model.as_ref();
     let refuse = |error| chosen.refuse(&error);
@@ -63,9 +64,13 @@ pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput
     let (mut columns, mut diagnoses, mut files) = (Vec::new(), Vec::new(), Vec::new());
     for (index, (name, file, arguments)) in methods().into_iter().enumerate() {
         let method = ChosenMethod::from_arguments(&arguments)?;
-        let simulation = fastest(chosen, &method, &problem).map_err(refuse)?;
-        diagnoses.extend(diagnosis_line(chosen, &simulation));
-        let json = Document::new(chosen, horizon, &method.settings, &simulation, usize::MAX).text();
+        let simulation =
+            fastest(chosen, &method, &problem, &|| bounds.asked().is_none()).map_err(refuse)?;
+        let ending = Ending::of_whole(&simulation);
+        diagnoses.extend(diagnosis_line(chosen, &simulation, &ending));
+        let settings = &method.settings;
+        let rows = usize::MAX;
+        let json = Document::new(chosen, horizon, settings, &simulation, &ending, rows).text();
         if index == 0 {
             let result = ResultFiles {
                 stem: published.name.to_owned(),
@@ -75,7 +80,7 @@ pub(super) fn reproduce(case: Case, horizon: f64) -> Result<Reproduced, BadInput
                 json: &json,
                 published: &case.data,
                 rows: usize::MAX,
-                facts: facts(&method, &simulation),
+                facts: facts(&method, &simulation, &ending),
             };
             files.extend(result.contents());
         } else {

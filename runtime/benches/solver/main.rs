@@ -77,8 +77,8 @@ fn run(stated: Stated, times: usize) {
                 s.counts.iterations,
                 s.counts.factorizations,
                 problem.seconds,
-                s.linear_seconds,
-                seconds - problem.seconds - s.linear_seconds,
+                s.cpu.factorize + s.cpu.solve,
+                seconds - problem.seconds - s.cpu.factorize - s.cpu.solve,
                 s.objective,
                 s.residuals.primal
             ),

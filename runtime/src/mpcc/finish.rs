@@ -92,6 +92,7 @@ pub(crate) fn finish(
         repairs: 0,
         neighbours: 0,
         factorizations: watch.factorizations,
+        cpu: watch.cpu,
         history: relaxed.history,
         violations: relaxed.violations,
     };

@@ -2,6 +2,7 @@
 
 use super::{Certificate, RelaxationRule};
 use crate::nlp::{self, Residuals, Violation};
+use crate::seconds::Seconds;
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -84,6 +85,8 @@ pub struct Solution {
     pub neighbours: usize,
     /// Factorizations of all runs, certificates included.
     pub factorizations: usize,
+    /// CPU time of all runs by kind of work.
+    pub cpu: Seconds,
     /// Log of the relaxed run that led to the point.
     pub history: Vec<nlp::IterationInfo>,
     /// Worst violated rows, bounds and pairs, at most ten; empty when all are within tolerance.

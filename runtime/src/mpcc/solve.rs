@@ -170,6 +170,7 @@ fn complete(
     solution.crossover_iterations = watch.crossover_iterations;
     solution.certificate_iterations = watch.certificate_iterations;
     solution.factorizations = watch.factorizations;
+    solution.cpu = watch.cpu;
     solution
 }
 

@@ -1,5 +1,6 @@
 //! Limits and observer of a whole solve, and its totals.
 
+use crate::seconds::Seconds;
 use std::time::Instant;
 
 use super::Settings;
@@ -28,6 +29,7 @@ pub(crate) struct Watch<'o> {
     pub(crate) crossover_iterations: usize,
     pub(crate) certificate_iterations: usize,
     pub(crate) factorizations: usize,
+    pub(crate) cpu: Seconds,
     /// Why the whole solve has to end, once it has to.
     pub(crate) stop: Option<nlp::Status>,
 }
@@ -43,6 +45,7 @@ impl<'o> Watch<'o> {
             crossover_iterations: 0,
             certificate_iterations: 0,
             factorizations: 0,
+            cpu: Seconds::default(),
             stop: None,
         }
     }
@@ -75,6 +78,7 @@ impl<'o> Watch<'o> {
         };
         let solution = call(&settings, &mut observer)?;
         self.factorizations += solution.counts.factorizations;
+        self.cpu.add(&solution.cpu);
         let iterations = solution.counts.iterations;
         match purpose {
             Purpose::Relaxed => self.iterations += iterations,

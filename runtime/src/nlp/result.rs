@@ -50,7 +50,7 @@ pub(super) fn solution(mut core: Core<'_, '_>, end: &End, products: &mut Product
         scaled_error: end.outcome.error,
         violation_stationarity: core.violation_stationarity,
         counts,
-        linear_seconds: core.kkt.seconds,
+        cpu: core.cpu(),
         seconds: core.seconds(),
         history: core.history,
         violations: diagnosis.violations,

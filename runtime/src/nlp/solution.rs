@@ -1,6 +1,7 @@
 //! What the caller keeps.
 
 use super::{IterationInfo, NlpProblem, Status};
+use crate::seconds::Seconds;
 
 /// What a result leaves unsatisfied, each the largest of its kind, in the units of the *original*, unscaled problem.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -64,8 +65,8 @@ pub struct Solution {
     pub violation_stationarity: Option<f64>,
     /// Work done.
     pub counts: Counts,
-    /// CPU seconds of assembling, factorizing and solving the Newton systems.
-    pub linear_seconds: f64,
+    /// CPU time by kind of work.
+    pub cpu: Seconds,
     /// Wall-clock seconds of the run.
     pub seconds: f64,
     /// One entry for each iteration.

@@ -3,6 +3,7 @@
 use super::previous::Previous;
 use crate::nlp::Violation;
 use crate::ocp::motion::control_grid::{ControlShape, signal};
+use crate::seconds::Seconds;
 use crate::simulation::{
     ControlSignal, EventKind, InputError, ProblemSize, Residuals, Simulation, State,
 };
@@ -260,8 +261,8 @@ pub struct Solution {
     pub size: ProblemSize,
     /// Work done.
     pub counts: Counts,
-    /// CPU time of all starts \[s\].
-    pub seconds: f64,
+    /// CPU time of all starts; what is not listed by kind is simulation and bookkeeping.
+    pub seconds: Seconds,
     /// The complementarity problem before the polish, where it was asked for.
     pub time_freezing: Option<TimeFreezingReport>,
     /// The motion as a start for a neighbouring problem, for [`Guess::Previous`](super::Guess::Previous); absent
@@ -300,7 +301,7 @@ impl Solution {
             violations,
             size: ProblemSize::default(),
             counts,
-            seconds: 0.0,
+            seconds: Seconds::default(),
             time_freezing: None,
             previous: None,
             optima: Vec::new(),

@@ -22,15 +22,14 @@ mod watch;
 
 pub use crate::InputError;
 pub use crate::nlp::Residuals;
+pub use crate::seconds::Seconds;
 pub use contact_mode::{ContactMode, Direction};
 pub use event::EventDriven;
 pub use fesd::{Fesd, StepFormulation};
 pub use fixed::FixedStep;
 pub use moreau::Moreau;
 pub use problem::{ControlSignal, InitialValueProblem};
-pub use result::{
-    Counts, Diagnosis, Event, EventKind, ProblemSize, Seconds, Simulation, SimulationStatus,
-};
+pub use result::{Counts, Diagnosis, Event, EventKind, ProblemSize, Simulation, SimulationStatus};
 pub use smooth::Smooth;
 pub use state::State;
 pub use trajectory::Trajectory;

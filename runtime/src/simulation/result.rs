@@ -7,6 +7,7 @@ use super::quantity::{Quantity, number};
 use super::{ContactMode, InputError, Residuals, State, Trajectory};
 use crate::model::Declaration;
 use crate::nlp::NlpProblem;
+use crate::seconds::Seconds;
 
 /// Result of a simulation.
 ///
@@ -500,19 +501,6 @@ pub struct Counts {
     pub elements: usize,
     /// Steps that needed the interior point fallback.
     pub fallbacks: usize,
-}
-
-/// CPU time by kind of work \[s\].
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Seconds {
-    /// Whole run.
-    pub total: f64,
-    /// Model evaluation, where measured separately.
-    pub evaluate: f64,
-    /// Factorization, where measured separately.
-    pub factorize: f64,
-    /// Linear solves, where measured separately.
-    pub solve: f64,
 }
 
 fn outside(time: f64, bound: &str) -> InputError {

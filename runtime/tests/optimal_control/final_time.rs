@@ -158,3 +158,80 @@ hangtime::model! {
         finally { y == 1.5[m] }
     }
 }
+
+hangtime::model! {
+    /// A bike whose rider pushes against it, on waves; what the rider can do is a parameter.
+    Waves {
+        parameters {
+            m_b: kg = 9, m_r: kg = 60, g: m/s^2 = 14, a: m = 0.2, k: 1/m = 3.4, speed: km/h = 23,
+            low: m = 0.3, high: m = 0.5, pull: N = -108, push: N = 380, far: m = 5,
+        }
+        coordinates { y: m, s: m, l: m in low..=high }
+        controls { u: N in pull..=push }
+        fn track(y) = a*(1 - cos(k*y))
+        let bike = (y, track(y) + s)
+        let rider = (y, track(y) + s + l)
+        lagrangian m_b/2*|dot(bike)|^2 + m_r/2*|dot(rider)|^2 - m_b*g*bike.z - m_r*g*rider.z
+        forces { l: u }
+        surface ground: s >= 0
+        impact ground: inelastic, along (-diff(track)(y), 1, 0)
+        minimize time
+        finally { y == far }
+        start { l: (low + high)/2, dot(y): speed }
+        horizon 2 [s]
+    }
+}
+
+/// When the ride without controls is at the goal [s], if it gets there within two seconds.
+fn coasting(model: &Waves) -> Option<f64> {
+    let run = hangtime::simulate(model).run().expect("a good problem");
+    let place = |time: f64| run.at(time).expect("before the end")["y"];
+    let (mut before, mut after) = (0.0, 2.0);
+    if place(after) < model.far {
+        return None;
+    }
+    while after - before > 1e-9 {
+        let middle = (before + after) / 2.0;
+        if place(middle) < model.far {
+            before = middle;
+        } else {
+            after = middle;
+        }
+    }
+    Some(after)
+}
+
+#[test]
+fn goal_that_the_ride_without_controls_reaches_is_never_called_infeasible() {
+    // The link keeps its length without controls, whatever its bounds are; fast bikes fly from wave to wave.
+    let mut flights = 0;
+    for (k, speed, g, low, high, push, intervals) in [
+        (3.1, 29.5, 19.0, 0.30, 0.31, 20.0, 6),
+        (2.4, 31.0, 12.0, 0.35, 0.40, 250.0, 7),
+    ] {
+        let model = Waves {
+            speed,
+            k,
+            g,
+            low,
+            high,
+            pull: -0.8 * push,
+            push,
+            ..Waves::default()
+        };
+        let ride = coasting(&model).expect("fast enough");
+        let jumps = hangtime::simulate(&model).run().unwrap().events.len();
+        flights += usize::from(jumps > 0);
+        let problem = Problem::of(&model, intervals);
+        let solution = ocp::solve(&model, &problem, &one_start(), &mut |_| true).unwrap();
+        let (status, diagnosis) = (solution.status, solution.diagnosis());
+        assert!(solution.motion.is_some(), "{k}: {status:?} {diagnosis:?}");
+        // The ride is one of the motions to choose from.
+        assert!(
+            solution.objective < ride + 1e-4,
+            "{k}: {status:?} {} against {ride}",
+            solution.objective
+        );
+    }
+    assert_eq!(flights, 2);
+}

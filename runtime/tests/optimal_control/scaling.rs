@@ -4,7 +4,7 @@
 
 use crate::support::one_start;
 use hangtime::model::Model;
-use hangtime::ocp::{self, ControlShape, Horizon, Problem, Solution, Status};
+use hangtime::ocp::{self, ControlShape, Guess, Horizon, Problem, Solution, Status};
 
 hangtime::model! {
     /// A mass with engines that hops over a hill and shifts its weight.
@@ -99,4 +99,70 @@ fn scene_in_millimetres_and_kilonewtons_has_the_optimum_and_the_work_of_that_in_
             other.counts
         );
     }
+}
+
+hangtime::model! {
+    /// A sledge on flat ground that no range of its force limits.
+    Sledge {
+        parameters { m: kg = 3, g: m/s^2 = 9.81 }
+        coordinates { y: m, z: m }
+        controls { u: N, w: N }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: u, z: w }
+        surface ground: z >= 0
+        impact ground: inelastic
+        minimize integral(u^2 + w^2)
+        finally { y == 4[m], dot(y) == 0 }
+        start { z: 0.5 [m] }
+        horizon 2 [s]
+    }
+}
+
+hangtime::model! {
+    /// The same in other units.
+    SledgeInMillimetres {
+        parameters { m: kg = 3, g: m/s^2 = 9.81 }
+        coordinates { y: mm, z: mm }
+        controls { u: kN, w: kN }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: u, z: w }
+        surface ground: z >= 0
+        impact ground: inelastic
+        minimize integral(u^2 + w^2)
+        finally { y == 4[m], dot(y) == 0 }
+        start { z: 0.5 [m] }
+        horizon 2 [s]
+    }
+}
+
+/// What is drawn for a control without a range comes from the scene, not from the unit that it is stated in.
+#[test]
+fn random_guesses_of_unbounded_controls_lead_to_the_same_optimum_in_any_unit() {
+    for guess in [Guess::Random { seed: 7 }, Guess::Perturbed { seed: 7 }] {
+        let solve = |model: &dyn Model, metre: f64| {
+            let mut settings = one_start();
+            settings.guess = guess.clone();
+            settings.gap_margin *= metre;
+            settings.largest_distance *= metre;
+            let problem = Problem::of(model, 6);
+            ocp::solve(model, &problem, &settings, &mut |_| true).unwrap()
+        };
+        let si = solve(&Sledge::default(), 1.0);
+        let other = solve(&SledgeInMillimetres::default(), 1e3);
+        assert_eq!(si.status, Status::Solved, "{:?}", si.diagnosis());
+        assert_eq!(other.status, si.status);
+        let ratio = si.objective / other.objective;
+        assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
+    }
+}
+
+#[test]
+fn cpu_time_is_reported_by_kind_of_work() {
+    let problem = Problem::of(&Sledge::default(), 6);
+    let solution = ocp::solve(&Sledge::default(), &problem, &one_start(), &mut |_| true).unwrap();
+    let seconds = solution.seconds;
+    assert!(seconds.evaluate > 0.0 && seconds.factorize > 0.0 && seconds.solve > 0.0);
+    // What is left is simulation and bookkeeping.
+    let known = seconds.evaluate + seconds.factorize + seconds.solve;
+    assert!(known < seconds.total, "{seconds:?}");
 }

@@ -4,7 +4,7 @@ use crate::support::{Scratch, hangtime, json, refused, solved};
 
 /// `min (x - 2)^2 + (y - 1)^2` where `y - s >= 0` complements `x >= 0`: 1 at `(2, 0)` for `s = 0`; no point for `y <= 1`,
 /// `x >= 1` and `s = 3`.
-fn file(s: f64, x: &str, y: &str) -> String {
+pub(crate) fn file(s: f64, x: &str, y: &str) -> String {
     let words = format!(
         "C0 o1 v1 n{s} O0 0 o0 o5 o1 v0 n2 n2 o5 o1 v1 n1 n2 r \"5 1 1\" b \"{x}\" \"{y}\""
     );
@@ -88,4 +88,55 @@ fn nlp_refuses_what_is_no_program_in_one_line() {
     let missing = scratch.0.join("missing.nl");
     let line = refused(&["nlp", missing.to_str().unwrap()]);
     assert!(line.contains("missing.nl"), "{line}");
+}
+
+#[test]
+fn nlp_writes_its_solution_whole_or_leaves_what_there_was() {
+    let scratch = Scratch::new("nlp-whole");
+    let path = written(&scratch, "two.nl", &file(0.0, "2 0", "3"));
+    let sol = written(&scratch, "two.sol", "older");
+    let text = solved(&["nlp", &path, "--sol", &sol]);
+    assert!(text.contains("replaced "), "{text}");
+    assert!(scratch.read("two.sol").ends_with("objno 0 0\n"));
+    assert_eq!(scratch.names(), ["two.nl", "two.sol"]);
+    // Refused before the run, as an output directory is.
+    let below = format!("{path}/two.sol");
+    for target in [scratch.text(), below.as_str()] {
+        let line = refused(&["nlp", &path, "--sol", target]);
+        assert!(line.contains("give"), "{line}");
+    }
+    assert_eq!(scratch.names(), ["two.nl", "two.sol"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn nlp_writes_into_a_link_without_touching_what_it_leads_to() {
+    let scratch = Scratch::new("nlp-link");
+    let path = written(&scratch, "two.nl", &file(0.0, "2 0", "3"));
+    written(&scratch, "precious", "keep");
+    let sol = scratch.0.join("two.sol");
+    std::os::unix::fs::symlink("precious", &sol).unwrap();
+    solved(&["nlp", &path, "--sol", sol.to_str().unwrap()]);
+    assert_eq!(scratch.read("precious"), "keep");
+    assert!(scratch.read("two.sol").ends_with("objno 0 0\n"));
+}
+
+#[cfg(unix)]
+#[test]
+fn nlp_shows_names_of_files_without_obeying_them() {
+    let scratch = Scratch::new("nlp-steering");
+    let name = "a\u{1b}[2J\u{9b}31m\u{202e}\nstatus b.nl";
+    let path = written(&scratch, name, &file(0.0, "2 0", "3"));
+    let steers = |c: char| c.is_control() && c != '\n' || c == '\u{202e}';
+    let text = solved(&["nlp", &path]);
+    assert!(!text.contains(steers), "{text:?}");
+    assert!(
+        text.lines().next().unwrap().ends_with("status b.nl"),
+        "{text:?}"
+    );
+    let output = hangtime(&["nlp", &path, "--json"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(!text.contains(steers), "{text:?}");
+    let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(document["file"], path.as_str());
 }

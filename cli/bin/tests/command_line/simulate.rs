@@ -334,6 +334,65 @@ fn simulate_scene_with_friction_tells_when_it_sticks_and_gives_the_friction_forc
 }
 
 #[test]
+fn simulate_at_its_time_limit_ends_with_what_it_has() {
+    // Lines that take seconds: hundreds of bounces on short waves, many steps.
+    let waves = [
+        "simulate",
+        "pump-track",
+        "--set",
+        "k=300",
+        "--set",
+        "speed=0.2",
+    ];
+    let stepped = |steps| ["simulate", "box", "--horizon", "30s", "--steps", steps];
+    for (words, method) in [
+        (waves, "fesd"),
+        (waves, "event"),
+        (stepped("1000000"), "moreau"),
+        (stepped("300000"), "fesd"),
+    ] {
+        let mut arguments = words.to_vec();
+        arguments.extend(["--method", method, "--time-limit", "60ms", "--json"]);
+        let output = hangtime(&arguments);
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(3), "{arguments:?}: {stderr}");
+        assert_eq!(stderr.lines().count(), 1, "{stderr}");
+        assert!(
+            stderr.contains(": time_limit at t = ") && stderr.contains("ended after 0.06 s; raise"),
+            "{arguments:?}: {stderr}"
+        );
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(document["status"], "time_limit");
+        let message = document["diagnosis"]["message"].as_str().unwrap();
+        assert!(message.contains("--time-limit"), "{message}");
+        let (end, horizon) = (&document["final"]["time"], &document["horizon"]);
+        assert!(end.as_f64() < horizon.as_f64(), "{end} of {horizon}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn simulate_beyond_its_memory_limit_ends_with_status_3() {
+    let mut arguments = vec![
+        "simulate",
+        "pump-track",
+        "--set",
+        "k=250",
+        "--set",
+        "speed=0.3",
+    ];
+    arguments.extend(["--memory-limit", "0.001"]);
+    let output = hangtime(&arguments);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    assert!(
+        stderr.contains(": memory_limit") && stderr.contains("raise --memory-limit (0.001 GB)"),
+        "{stderr}"
+    );
+}
+
+#[test]
 fn simulate_every_scene_with_its_defaults_reaches_the_horizon() {
     for scene in json(&["list", "--json"])["scenes"].as_array().unwrap() {
         let name = scene["name"].as_str().unwrap();

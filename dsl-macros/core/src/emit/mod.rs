@@ -3,6 +3,7 @@
 mod declaration;
 mod equations;
 mod kernel;
+mod locals;
 mod oracle;
 mod plan;
 mod readable;
@@ -79,7 +80,7 @@ pub(crate) fn scene(
     code.push_str("};");
     let mut tokens = structure::tokens(scene, &plan);
     match code.parse::<TokenStream>() {
-        Ok(emitted) => tokens.extend(emitted),
+        Ok(emitted) => tokens.extend(locals::reserved(emitted, &scene.name.rust())),
         Err(error) => {
             let text = format!("the emitted code does not read as Rust: {error}");
             tokens.extend(quote::quote!(::core::compile_error! { #text }));

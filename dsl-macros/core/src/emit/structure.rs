@@ -38,8 +38,8 @@ pub(super) fn tokens(scene: &CheckedScene, plan: &Plan) -> TokenStream {
         quote! {
             #documentation
             #[must_use]
-            pub fn #setter(mut self, value: ::core::primitive::f64) -> Self {
-                self.#ident = value;
+            pub fn #setter(mut self, value_: ::core::primitive::f64) -> Self {
+                self.#ident = value_;
                 self
             }
         }

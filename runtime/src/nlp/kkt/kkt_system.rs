@@ -23,6 +23,7 @@ use crate::nlp::program::barrier_problem::{BarrierProblem, Objective};
 use crate::nlp::program::formulation::Formulation;
 use crate::nlp::program::iterate::Iterate;
 use crate::nlp::{Fault, InputError};
+use crate::seconds::Seconds;
 
 /// Assembly, factorization and solution of Newton systems on one pattern.
 pub(crate) struct KktSystem {
@@ -43,7 +44,7 @@ pub(crate) struct KktSystem {
     right_hand_side: Vec<f64>,
     solution: Vec<f64>,
     pub(crate) factorizations: usize,
-    pub(crate) seconds: f64,
+    pub(crate) seconds: Seconds,
 }
 
 /// Positions in the matrix.
@@ -103,7 +104,7 @@ impl KktSystem {
             right_hand_side: vec![0.0; n + m],
             solution: vec![0.0; n + m],
             factorizations: 0,
-            seconds: 0.0,
+            seconds: Seconds::default(),
         })
     }
 
@@ -177,7 +178,7 @@ impl KktSystem {
             values[map[1] as usize] += w * x_i * x_i;
             values[map[2] as usize] += r + w * x_i * x_j;
         }
-        self.seconds += start.elapsed().as_secs_f64();
+        self.seconds.factorize += start.elapsed().as_secs_f64();
     }
 
     /// Assembles the matrix of the least-squares multiplier problem, `[I J'; J -e]` with `D = 1`.
@@ -212,7 +213,7 @@ impl KktSystem {
         let start = ThreadTime::now();
         self.factorizations += 1;
         let result = self.solver.factor(delta_w, delta_c);
-        self.seconds += start.elapsed().as_secs_f64();
+        self.seconds.factorize += start.elapsed().as_secs_f64();
         result
     }
 
@@ -296,7 +297,7 @@ impl KktSystem {
             let g = self.barrier_gradient[n + k] + slack.sign * direction.y[slack.row];
             direction.v[n + k] = -g / self.stiffness[n + k];
         }
-        self.seconds += start.elapsed().as_secs_f64();
+        self.seconds.solve += start.elapsed().as_secs_f64();
         residual
     }
 

@@ -1,5 +1,7 @@
 //! The state of the method: the point, what was evaluated there, and the memory of its parts.
 
+use crate::seconds::Seconds;
+use cpu_time::ThreadTime;
 use std::time::Instant;
 
 use super::barrier::BarrierPath;
@@ -23,6 +25,7 @@ pub(crate) struct Core<'a, 'o> {
     pub(crate) violation_stationarity: Option<f64>,
     pub(crate) observer: Option<&'o mut Observer<'o>>,
     start: Instant,
+    clock: ThreadTime,
 }
 
 impl<'a, 'o> Core<'a, 'o> {
@@ -42,11 +45,21 @@ impl<'a, 'o> Core<'a, 'o> {
             violation_stationarity: None,
             observer,
             start: Instant::now(),
+            clock: ThreadTime::now(),
         })
     }
 
     pub(crate) fn seconds(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
+    }
+
+    /// CPU time by kind of work \[s\].
+    pub(crate) fn cpu(&self) -> Seconds {
+        Seconds {
+            total: self.clock.elapsed().as_secs_f64(),
+            evaluate: self.formulation.evaluate,
+            ..self.kkt.seconds
+        }
     }
 }
 

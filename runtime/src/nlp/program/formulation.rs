@@ -3,6 +3,7 @@
 
 use super::scaling::row_scaling;
 use crate::nlp::{Fault, InputError, NlpProblem};
+use crate::seconds::timed;
 
 /// Bounds of this size or larger count as absent.
 const INFINITE: f64 = 1e19;
@@ -45,6 +46,8 @@ pub(crate) struct Formulation<'a> {
     is_scaled: bool,
     entries: Entries,
     user: UserValues,
+    /// CPU time of evaluations \[s\].
+    pub(crate) evaluate: f64,
 }
 
 /// Patterns of the derivatives.
@@ -275,6 +278,7 @@ impl<'a> Formulation<'a> {
                 jacobian: jacobian_user,
                 hessian: vec![0.0; hessian_pattern.len()],
             },
+            evaluate: 0.0,
         })
     }
 
@@ -305,16 +309,17 @@ impl<'a> Formulation<'a> {
     /// Scaled objective.
     pub(crate) fn objective(&mut self, x: &[f64]) -> f64 {
         let x = full_point(&self.variables, x, &mut self.user.x);
-        self.objective_scale * self.problem.objective(x)
+        self.objective_scale * timed(&mut self.evaluate, || self.problem.objective(x))
     }
 
     /// Scaled gradient of the objective.
     pub(crate) fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
         let x = full_point(&self.variables, x, &mut self.user.x);
         if gradient.len() == x.len() {
-            self.problem.gradient(x, gradient);
+            timed(&mut self.evaluate, || self.problem.gradient(x, gradient));
         } else {
-            self.problem.gradient(x, &mut self.user.gradient);
+            let user = &mut self.user.gradient;
+            timed(&mut self.evaluate, || self.problem.gradient(x, user));
             for (g, &i) in gradient.iter_mut().zip(&self.variables) {
                 *g = self.user.gradient[i];
             }
@@ -330,9 +335,12 @@ impl<'a> Formulation<'a> {
     pub(crate) fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
         let x = full_point(&self.variables, x, &mut self.user.x);
         if c.len() == self.user.c.len() {
-            self.problem.constraint_values(x, c);
+            timed(&mut self.evaluate, || self.problem.constraint_values(x, c));
         } else {
-            self.problem.constraint_values(x, &mut self.user.c);
+            let user = &mut self.user.c;
+            timed(&mut self.evaluate, || {
+                self.problem.constraint_values(x, user)
+            });
             for (c, &i) in c.iter_mut().zip(&self.rows) {
                 *c = self.user.c[i];
             }
@@ -348,9 +356,12 @@ impl<'a> Formulation<'a> {
     pub(crate) fn jacobian(&mut self, x: &[f64], values: &mut [f64]) {
         let x = full_point(&self.variables, x, &mut self.user.x);
         if values.len() == self.user.jacobian.len() {
-            self.problem.jacobian_values(x, values);
+            timed(&mut self.evaluate, || {
+                self.problem.jacobian_values(x, values)
+            });
         } else {
-            self.problem.jacobian_values(x, &mut self.user.jacobian);
+            let user = &mut self.user.jacobian;
+            timed(&mut self.evaluate, || self.problem.jacobian_values(x, user));
             for (value, kept) in values.iter_mut().zip(&self.entries.jacobian) {
                 *value = self.user.jacobian[kept.position as usize];
             }
@@ -376,11 +387,15 @@ impl<'a> Formulation<'a> {
             y
         };
         if values.len() == self.user.hessian.len() {
-            self.problem.hessian_values(x, weight, y, values);
+            timed(&mut self.evaluate, || {
+                self.problem.hessian_values(x, weight, y, values);
+            });
             return;
         }
-        self.problem
-            .hessian_values(x, weight, y, &mut self.user.hessian);
+        let user = &mut self.user.hessian;
+        timed(&mut self.evaluate, || {
+            self.problem.hessian_values(x, weight, y, user);
+        });
         for (value, kept) in values.iter_mut().zip(&self.entries.hessian) {
             *value = self.user.hessian[kept.position as usize];
         }

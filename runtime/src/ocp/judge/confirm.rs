@@ -162,7 +162,7 @@ fn confirm(
         violations: solution.violations,
         size: ProblemSize::of(&program.program, 0),
         counts: runner.counts,
-        seconds: 0.0,
+        seconds: runner.seconds,
         time_freezing: None,
         optima: Vec::new(),
     })

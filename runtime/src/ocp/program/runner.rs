@@ -7,6 +7,7 @@ use crate::ocp::effort::Effort;
 use crate::ocp::progress::Watch;
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::Counts;
+use crate::seconds::Seconds;
 use crate::simulation::InputError;
 use crate::{mpcc, nlp};
 
@@ -56,6 +57,8 @@ pub(in crate::ocp) struct Run<'r> {
 pub(in crate::ocp) struct Runner<'s> {
     pub(in crate::ocp) settings: &'s Settings,
     pub(in crate::ocp) counts: Counts,
+    /// CPU time of all programs by kind of work.
+    pub(in crate::ocp) seconds: Seconds,
     pub(in crate::ocp) effort: Effort,
     watch: Watch<'s>,
     /// Most programs, those of coarser grids included.
@@ -65,16 +68,17 @@ pub(in crate::ocp) struct Runner<'s> {
 }
 
 impl<'s> Runner<'s> {
-    /// Goes on from the counts of coarser grids.
+    /// Goes on from the work of earlier runs.
     pub(in crate::ocp) fn new(
         settings: &'s Settings,
         watch: Watch<'s>,
-        counts: Counts,
+        (counts, seconds): (Counts, Seconds),
         effort: Effort,
     ) -> Self {
         Self {
             settings,
             counts,
+            seconds,
             effort,
             watch,
             most_programs: counts.programs + settings.maximum_programs,
@@ -140,6 +144,7 @@ impl<'s> Runner<'s> {
         self.counts.programs += 1;
         self.counts.iterations += solution.counts.iterations;
         self.counts.factorizations += solution.counts.factorizations;
+        self.seconds.add(&solution.cpu);
         let status = match solution.status {
             nlp::Status::Solved | nlp::Status::Acceptable => return Ok(Ok(solution)),
             nlp::Status::Interrupted if !self.watch.stopped => nlp::Status::RestorationFailed,
@@ -168,6 +173,7 @@ impl<'s> Runner<'s> {
         self.counts.programs += 1;
         self.counts.global_iterations += solution.iterations;
         self.counts.factorizations += solution.factorizations;
+        self.seconds.add(&solution.cpu);
         Ok(solution)
     }
 }

@@ -64,6 +64,7 @@ pub(super) fn solve_grid<'s>(
             start = Start {
                 watch,
                 counts: solution.counts,
+                seconds: solution.seconds,
                 coarser,
                 effort,
             };
@@ -76,8 +77,8 @@ pub(super) fn solve_grid<'s>(
             moves += 1;
             continue;
         }
-        let (counts, final_times, status) =
-            (solution.counts, solution.final_times, solution.status);
+        let (counts, seconds) = (solution.counts, solution.seconds);
+        let (final_times, status) = (solution.final_times, solution.status);
         let found = solution.motion.is_some();
         // What was found at an end, and is not found any more beyond it, has no optimum there either.
         let solution = match at_the_end.filter(|_| !found) {
@@ -90,6 +91,7 @@ pub(super) fn solve_grid<'s>(
         };
         let solution = Solution {
             counts,
+            seconds,
             final_times,
             ..solution
         };

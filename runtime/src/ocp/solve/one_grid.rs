@@ -20,6 +20,7 @@ use crate::ocp::search::ride::ride;
 use crate::ocp::settings::{Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Stationarity, Status};
 use crate::rk::{ButcherTableau, Scheme};
+use crate::seconds::Seconds;
 use crate::simulation::InputError;
 
 /// By how many stages the scheme grows where the re-simulation does not confirm a plan.
@@ -29,6 +30,7 @@ const MORE_STAGES: usize = 2;
 pub(super) struct Start<'s> {
     pub(super) watch: Watch<'s>,
     pub(super) counts: Counts,
+    pub(super) seconds: Seconds,
     /// The motion on a coarser grid.
     pub(super) coarser: Option<Previous>,
     pub(super) effort: Effort,
@@ -86,7 +88,12 @@ pub(super) fn solve_round<'s>(
         },
         shape: settings.controls,
     };
-    let mut runner = Runner::new(settings, start.watch, start.counts, start.effort);
+    let mut runner = Runner::new(
+        settings,
+        start.watch,
+        (start.counts, start.seconds),
+        start.effort,
+    );
     let elements = vec![settings.elements; problem.intervals];
     let mut search = Search {
         attempts: Attempts::new(setting, &elements),
@@ -202,5 +209,8 @@ fn failed(runner: &mut Runner, feasible: bool) -> Solution {
         nlp::Status::Interrupted => Status::Interrupted,
         status => Status::Failed(status),
     };
-    Solution::without_motion(status, violations, runner.counts)
+    Solution {
+        seconds: runner.seconds,
+        ..Solution::without_motion(status, violations, runner.counts)
+    }
 }

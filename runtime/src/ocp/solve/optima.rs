@@ -1,6 +1,7 @@
 //! What several runs come to: the best of them, and the distinct local optima that they saw.
 
 use crate::ocp::solution::{Counts, Optimum, Solution, Stationarity, Status};
+use crate::seconds::Seconds;
 
 /// Relative difference of the objective within which two local optima count as the same.
 const SAME: f64 = 1e-6;
@@ -59,10 +60,10 @@ fn agree(a: (f64, usize), b: (f64, usize)) -> bool {
 /// The first of the motions that were found, with the work of all runs and the local optima that were seen.
 pub(super) fn result(found: Vec<Found>, seen: Vec<Found>, stopped: bool) -> Solution {
     let mut counts = Counts::default();
-    let mut seconds = 0.0;
+    let mut seconds = Seconds::default();
     for run in &seen {
         counts.add(&run.solution.counts);
-        seconds += run.solution.seconds;
+        seconds.add(&run.solution.seconds);
     }
     let Some(best) = found.into_iter().next() else {
         return Solution::without_motion(Status::Interrupted, Vec::new(), counts);

@@ -1,5 +1,6 @@
 //! Single runs on one grid: from a start, or from a motion on a coarser grid.
 
+use crate::seconds::Seconds;
 use cpu_time::ThreadTime;
 
 use super::final_times::solve_grid;
@@ -68,12 +69,13 @@ impl Task<'_, '_> {
         let start = Start {
             watch: Watch::new(&mut observer),
             counts: Counts::default(),
+            seconds: Seconds::default(),
             coarser: coarser.and_then(|solution| solution.previous.clone()),
             effort,
         };
         let (mut solution, _) = solve_grid(self.model, self.problem, settings, start)?;
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
-            solution.seconds = elapsed.as_secs_f64();
+            solution.seconds.total = elapsed.as_secs_f64();
         }
         Ok(solution)
     }
