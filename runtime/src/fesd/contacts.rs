@@ -300,15 +300,6 @@ impl<'a> Contacts<'a> {
         })
     }
 
-    /// Normal acceleration of a contact under `acceleration` at the last evaluation.
-    pub(crate) fn normal_acceleration_under(&self, contact: usize, acceleration: &[f64]) -> f64 {
-        let (normal, curvature) = self.row(Line::Normal {
-            contact,
-            slope: 0.0,
-        });
-        dot(normal, acceleration) + curvature
-    }
-
     /// Sliding acceleration of a contact under `acceleration` at the last evaluation.
     pub(crate) fn sliding_acceleration(&self, contact: usize, acceleration: &[f64]) -> f64 {
         let (along, curvature) = self.row(Line::Tangent {

@@ -1,8 +1,7 @@
 //! The promise of accuracy: runs of increasing accuracy until two agree.
 //!
 //! Each element is held to an embedded error estimate, which knows neither what the rest of the motion makes
-//! of an error nor a switch that was missed. The difference to a looser run contains both. It also ends
-//! bounces earlier and joins impacts to clusters at other distances, so that it tells what these bounds do.
+//! of an error nor a switch that was missed. The difference to a looser run contains both.
 
 use super::driver::Driver;
 use super::settings::Fesd;
@@ -17,9 +16,6 @@ use crate::simulation::{Diagnosis, InitialValueProblem, Simulation, SimulationSt
 const MAX_RUNS: usize = 4;
 /// Error estimates of the elements of a run relative to those of the one before.
 const TIGHTER: f64 = 1e-2;
-/// Bounds on bounces and clusters of impacts in the first run, and in a run relative to those of the one before.
-const WIDER: f64 = 2.0;
-const NARROWER: f64 = 0.5;
 /// Smallest error estimate of an element that can be asked for.
 const SMALLEST: f64 = 1e-14;
 
@@ -37,7 +33,7 @@ pub(super) fn promised(
     let s = tableau.stages() as f64;
     let mut tolerance = 0.1 * promise.powf((s + 1.0) / (2.0 * s));
     watch.restart(false);
-    let mut looser = stepping::run(run(tolerance).cut_off(WIDER).forgetful(), watch);
+    let mut looser = stepping::run(run(tolerance).forgetful(), watch);
     let stopped = |run: &Simulation| matches!(run.status, SimulationStatus::Interrupted(_));
     if stopped(&looser) {
         return looser;
@@ -45,11 +41,9 @@ pub(super) fn promised(
     tolerance = promise.min(0.1 * tolerance);
     let mut spent = Spent::default();
     spent.add(&looser);
-    let mut cutoff = 1.0;
     for runs in 1..=MAX_RUNS {
         watch.restart(true);
-        let next = run(tolerance.max(SMALLEST)).cut_off(cutoff);
-        let mut tighter = stepping::run(next, watch);
+        let mut tighter = stepping::run(run(tolerance.max(SMALLEST)), watch);
         spent.add(&tighter);
         if stopped(&tighter) {
             return spent.charge(tighter);
@@ -74,7 +68,6 @@ pub(super) fn promised(
         }
         looser = tighter;
         tolerance *= TIGHTER;
-        cutoff *= NARROWER;
     }
     looser
 }

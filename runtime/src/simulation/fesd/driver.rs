@@ -80,8 +80,6 @@ pub(super) struct Driver<'a> {
     pub(super) error_estimate: f64,
     /// Error estimate that an element may have; none: elements of equal length.
     pub(super) local_tolerance: Option<f64>,
-    /// What ends bounces and joins impacts to clusters, as a multiple of what it is by default.
-    pub(super) cutoff: f64,
     /// Whether the trajectory is kept, or its end only.
     pub(super) keeps_trajectory: bool,
     /// Why the last attempt at a segment failed for the model's sake.
@@ -150,7 +148,6 @@ impl<'a> Driver<'a> {
             motion: MotionSize::new(&problem.q, &problem.v),
             error_estimate: 0.0,
             local_tolerance: None,
-            cutoff: 1.0,
             keeps_trajectory: true,
             not_finite: false,
             proposed_length: problem.horizon,
@@ -173,12 +170,6 @@ impl<'a> Driver<'a> {
     /// The same run with element lengths that keep the error estimate of each element below `local_tolerance`.
     pub(super) fn controlled(mut self, local_tolerance: f64) -> Self {
         self.local_tolerance = Some(local_tolerance);
-        self
-    }
-
-    /// The same run with other bounds on bounces and clusters of impacts.
-    pub(super) fn cut_off(mut self, cutoff: f64) -> Self {
-        self.cutoff = cutoff;
         self
     }
 

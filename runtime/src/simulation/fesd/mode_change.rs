@@ -2,24 +2,20 @@
 
 use super::driver::{Driver, EnergyGains};
 use super::switch::{Switch, SwitchKind};
-use crate::fesd::active_contact::{ActiveContact, Tangential, find};
+use crate::fesd::active_contact::{Tangential, find};
 use crate::fesd::contacts::{ModeError, dot};
 use crate::fesd::{contact_mode, impact};
 use crate::simulation::impact_cluster::{self, NearContact};
 use crate::simulation::{ContactMode, Direction, Event, EventKind};
 use crate::time_freezing::clock;
 
-/// Rest velocity where none is set, relative to the size of the normal velocity, for a contact that is pressed with all
-/// there is.
+/// Rest velocity where none is set, relative to the size of the normal velocity.
 const REST: f64 = 1e-6;
 
 /// Gap within which the impacts of several contacts are a cluster, and flight since the last impact that makes them
 /// one, relative to the gap that counts as touching: small beside the motion, large beside the errors of gaps, which
 /// give the order of the impacts.
-const COLLAPSED: f64 = 1e3;
-
-/// Smallest multiple of this gap: below it rounding errors give the order of the impacts.
-const NEAREST: f64 = 0.1;
+const COLLAPSED: f64 = 1e4;
 
 /// Kinetic energies are compared to this relative accuracy.
 const SAME_ENERGY: f64 = 1e-12;
@@ -166,7 +162,6 @@ impl Driver<'_> {
         if !near.is_empty() {
             closing = self.cluster(&near)?;
             touching = near.iter().map(|near| near.contact).collect();
-            self.close_up(&touching);
         } else if !closing.is_empty() {
             ended = self.impact(&touching, &closing)?;
         }
@@ -179,16 +174,12 @@ impl Driver<'_> {
         self.end_cascades(&ended);
         if !self.active.is_empty() {
             let active: Vec<usize> = self.active.iter().map(|held| held.contact).collect();
-            let listed = || active.iter().copied();
-            self.write_input();
-            self.contacts.evaluate_contacts(&self.x, listed());
-            // Clusters, and contacts that close together, do so within gaps that are more than rounding.
-            let apart = |i| self.contacts.gap(i).abs() > self.contacts.size(i, time).gap_rounding();
-            if listed().any(apart) {
+            if !near.is_empty() {
+                // A cluster ends within gaps that are more than rounding.
                 self.project(&active)?;
                 self.write_input();
-                self.contacts.evaluate_contacts(&self.x, listed());
             }
+            self.contacts.evaluate_contacts(&self.x, active);
             impact::hold(&self.contacts, &self.active, &mut self.state.v)?;
         }
         // A contact that already carried a force takes part in the impact without one of its own.
@@ -215,25 +206,10 @@ impl Driver<'_> {
         self.evaluate_state()
     }
 
-    /// Normal velocity below which a contact with restitution no longer bounces: one that nothing presses always does.
+    /// Normal velocity below which a contact with restitution no longer bounces.
     pub(super) fn rest_velocity(&self, contact: usize) -> f64 {
         let largest = self.contacts.size(contact, self.state.time).speed();
-        let press = self.press(contact);
-        let pressed = if press > 0.0 {
-            (press / self.contacts.phi_scale(contact)).min(1.0)
-        } else {
-            0.0
-        };
-        self.settings
-            .rest_velocity
-            .unwrap_or(self.cutoff * REST * largest * pressed.sqrt())
-    }
-
-    /// Normal acceleration with which the present mode presses a contact on its surface, at least zero.
-    fn press(&self, contact: usize) -> f64 {
-        let contacts = &self.contacts;
-        let away = contacts.normal_acceleration_under(contact, &self.acceleration);
-        (-away).max(0.0)
+        self.settings.rest_velocity.unwrap_or(REST * largest)
     }
 
     /// Whether a contact that comes with `speed` and touches, `alone` or beside others, bounces: not where its
@@ -243,9 +219,9 @@ impl Driver<'_> {
         let lowest = if alone {
             size.gap_rounding()
         } else {
-            self.cutoff * size.touching_gap()
+            size.touching_gap()
         };
-        let slowest = (2.0 * self.press(contact) * lowest).sqrt();
+        let slowest = (2.0 * self.contacts.phi_scale(contact) * lowest).sqrt();
         speed > self.rest_velocity(contact) && self.restitution[contact] * speed > slowest
     }
 
@@ -253,8 +229,7 @@ impl Driver<'_> {
     /// stayed near what counts as touching, since which another one as near has been struck.
     fn collapsing(&self, touching: &[usize], closing: &[usize]) -> Vec<NearContact> {
         let time = self.state.time;
-        let collapsed = COLLAPSED * self.cutoff.max(NEAREST);
-        let nearness = |i: usize| collapsed * self.contacts.size(i, time).touching_gap();
+        let nearness = |i: usize| COLLAPSED * self.contacts.size(i, time).touching_gap();
         let near: Vec<NearContact> = self
             .all_contacts
             .iter()
@@ -299,39 +274,6 @@ impl Driver<'_> {
             self.note(note);
         }
         Ok(cluster.struck)
-    }
-
-    /// Closes the gaps that a cluster has left between bodies at rest on each other, and ends what they still move,
-    /// whether or not a force holds them: the next impact would tell which of them it reaches first.
-    fn close_up(&mut self, near: &[usize]) {
-        let time = self.state.time;
-        let rests = |&i: &usize| {
-            let limit = self.contacts.size(i, time).touching_velocity();
-            self.contacts.normal_velocity(i).abs() <= limit
-        };
-        let together: Vec<usize> = near.iter().copied().filter(rests).collect();
-        let before = self.state.q.clone();
-        // Of surfaces that depend on each other some stay open.
-        if together.is_empty() || self.project(&together).is_err() {
-            self.state.q = before;
-            self.write_input();
-            return;
-        }
-        self.write_input();
-        self.contacts
-            .evaluate_contacts(&self.x, 0..self.all_contacts.len());
-        let held: Vec<ActiveContact> = together
-            .into_iter()
-            .map(|contact| ActiveContact {
-                contact,
-                tangential: Tangential::Idle,
-            })
-            .collect();
-        let before = self.state.v.clone();
-        if impact::hold(&self.contacts, &held, &mut self.state.v).is_err() {
-            self.state.v = before;
-        }
-        self.write_input();
     }
 
     /// The velocity jump of an impact of the `closing` contacts in which all `touching` ones take part.

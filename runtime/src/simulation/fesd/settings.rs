@@ -75,7 +75,7 @@ pub struct Fesd {
     pub auxiliary_acceleration: f64,
     /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
     /// ends infinite sequences of bounces, with a note. Default none, which means 1e-6 of the largest normal
-    /// velocity of the contact so far (the sum of its terms' sizes), and less where little presses the contact.
+    /// velocity of the contact so far (the sum of its terms' sizes).
     /// Where several contacts touch, bounces that stay within rounding error of the gap end as well.
     pub rest_velocity: Option<f64>,
 }
