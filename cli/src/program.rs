@@ -16,7 +16,7 @@ use crate::json::ProgramDocument;
 use crate::output::OutputDirectory;
 use crate::progress::SolveProgress;
 use crate::report::Report;
-use crate::table::{counted, seconds};
+use crate::table::{counted, residual_line, seconds};
 
 /// Most bytes of a file: its program takes about ten times as much memory.
 const MOST_BYTES: u64 = 500_000_000;
@@ -152,12 +152,7 @@ fn summary(name: &str, size: ProblemSize, solution: &Solution, ending: &Ending) 
         "stationarity  {}: {meaning}",
         solution.stationarity.name()
     );
-    let residuals = solution.residuals;
-    let _ = writeln!(
-        text,
-        "residuals     primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
-        residuals.primal, residuals.dual, residuals.complementarity
-    );
+    let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
     let _ = writeln!(
         text,
         "counts        {}, {} of them in crossovers, {}",

@@ -16,7 +16,7 @@ use crate::output::OutputDirectory;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::settings::ChosenScene;
-use crate::table::{counted, headed, per_second, seconds, table};
+use crate::table::{counted, headed, per_second, residual_line, seconds, table};
 
 /// Most events that are printed.
 const MOST_EVENTS: usize = 1_000;
@@ -210,16 +210,12 @@ fn event_table(declaration: &Declaration, events: &[Event]) -> String {
 
 /// Residuals, counts, CPU time, notes.
 fn work(simulation: &Simulation) -> String {
-    let (residuals, counts) = (simulation.residuals, simulation.counts);
+    let counts = simulation.counts;
     let mut text = String::new();
     if let Some(error) = simulation.error_estimate {
         let _ = writeln!(text, "error       about {error:.1e} of the largest values");
     }
-    let _ = writeln!(
-        text,
-        "residuals   primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
-        residuals.primal, residuals.dual, residuals.complementarity
-    );
+    let _ = writeln!(text, "residuals   {}", residual_line(simulation.residuals));
     let _ = writeln!(
         text,
         "counts      {}, {}, {}, {}, {} in {}",

@@ -23,7 +23,7 @@ use crate::report::Report;
 use crate::sampling::State;
 use crate::settings::ChosenScene;
 use crate::simulate::digits;
-use crate::table::{counted, headed, seconds, table};
+use crate::table::{counted, headed, residual_line, seconds, table};
 use crate::{Measure, PublishedData, Quantity, Scene};
 
 /// Control intervals, unless others are asked for.
@@ -210,12 +210,7 @@ fn tables(
     text += &ends(chosen.model.declaration(), &motion.trajectory);
     text += &switches(chosen.model.declaration(), solution);
     text += &controls(chosen.model.declaration(), solution);
-    let residuals = solution.residuals;
-    let _ = writeln!(
-        text,
-        "residuals     primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
-        residuals.primal, residuals.dual, residuals.complementarity
-    );
+    let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
     text + &work(solution)
 }
 

@@ -1,6 +1,7 @@
 //! Tables for people.
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use hangtime::simulation::Residuals;
 
 /// Lines up `rows` under `header`: the first column to the left, numbers to the right.
 pub(crate) fn table<H, R>(header: H, rows: R) -> String
@@ -47,6 +48,14 @@ where
         }
     }
     table.trim_fmt() + "\n"
+}
+
+/// What a result leaves unsatisfied, as it stands behind its title in a summary.
+pub(crate) fn residual_line(residuals: Residuals) -> String {
+    format!(
+        "primal {:.1e}, dual {:.1e}, complementarity {:.1e}",
+        residuals.primal, residuals.dual, residuals.complementarity
+    )
 }
 
 /// A number with its unit as an axis or a column is headed: `y [m]`, or `y` without a unit.

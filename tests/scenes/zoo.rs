@@ -1,4 +1,4 @@
-//! What holds for every scene of the zoo, on those that are quick to solve.
+//! What the search is meant to keep on any scene, tried on some of the zoo that are quick to solve.
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 

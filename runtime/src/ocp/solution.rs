@@ -321,7 +321,7 @@ impl Solution {
     /// [`Simulation::at`](crate::simulation::Simulation::at).
     ///
     /// # Errors
-    /// [`InputError`] outside of the motion, [`InputError`] if none was found.
+    /// [`InputError`] outside of the motion, and if none was found.
     pub fn at(&self, time: f64) -> Result<State, InputError> {
         match &self.motion {
             Some(motion) => motion.at(time),

@@ -1,6 +1,6 @@
-//! How far two runs of one motion are apart.
+//! How far two runs of one motion are apart, and what follows from it.
 
-use super::{Counts, Event, InitialValueProblem, Simulation};
+use super::{Counts, Diagnosis, Event, InitialValueProblem, Simulation, SimulationStatus};
 use crate::model::Model;
 
 /// Share of a coordinate that is rounding error.
@@ -13,17 +13,53 @@ const IDLE: f64 = 1e-3;
 /// The same share of what free bodies would do in the time of the run: where all are held only rounding error moves them.
 const HELD: f64 = 1e-9;
 
+/// How far two runs to the same horizon are apart.
+pub(super) struct Comparison {
+    /// Largest difference at their ends and events, as a share of the largest values; infinite where one has no end.
+    pub(super) error: f64,
+    /// Time up to which they have the same events at the same places, to the share that is promised \[s\].
+    until: f64,
+}
+
+impl Comparison {
+    /// Compares a run with a coarser one; its `error_estimate` is how far they are apart.
+    pub(super) fn of(
+        coarser: &Simulation,
+        finer: &mut Simulation,
+        (model, problem): (&dyn Model, &InitialValueProblem),
+        promise: f64,
+    ) -> Self {
+        let sizes = Sizes::of(finer, model, problem);
+        let error = difference(coarser, finer, &sizes);
+        finer.error_estimate = Some(error);
+        Self {
+            error,
+            until: agreed_until(coarser, finer, &sizes, promise),
+        }
+    }
+
+    /// The status of a run that differs by more than is promised.
+    pub(super) fn inaccurate(&self, message: String) -> SimulationStatus {
+        SimulationStatus::Inaccurate(Diagnosis {
+            time: self.until,
+            step: 0,
+            contact: None,
+            message,
+        })
+    }
+}
+
 /// What differences between two runs are compared with: the largest way from the start and the largest velocity, among
 /// the coordinates of one unit. So they depend neither on where a scene is nor on its units.
 #[derive(Debug, Clone)]
-pub(super) struct Sizes {
+struct Sizes {
     way: Vec<f64>,
     speed: Vec<f64>,
 }
 
 impl Sizes {
     /// Of the motion of a run with a trajectory.
-    pub(super) fn of(run: &Simulation, model: &dyn Model, problem: &InitialValueProblem) -> Self {
+    fn of(run: &Simulation, model: &dyn Model, problem: &InitialValueProblem) -> Self {
         let (n, horizon, start) = (problem.q.len(), problem.horizon, problem.input(model));
         let (mut mass, mut free) = (vec![0.0; n * n], vec![0.0; n]);
         model.mass_matrix(&start, &mut mass);
@@ -78,7 +114,7 @@ fn of_unit(run: &Simulation, values: &[f64]) -> Vec<f64> {
 
 /// Largest difference at the ends of two runs and at their events, as a share of the `sizes`; infinite where one has no
 /// end.
-pub(super) fn difference(a: &Simulation, b: &Simulation, sizes: &Sizes) -> f64 {
+fn difference(a: &Simulation, b: &Simulation, sizes: &Sizes) -> f64 {
     let (from, to) = (&a.trajectory, &b.trajectory);
     let (Some(qa), Some(qb), Some(va), Some(vb)) =
         (from.q.last(), to.q.last(), from.v.last(), to.v.last())
@@ -130,7 +166,7 @@ fn at_event(a: &Event, b: &Event, sizes: &Sizes) -> f64 {
 }
 
 /// Time up to which two runs have the same events at the same places, to the share `promise` \[s\].
-pub(super) fn agreed_until(a: &Simulation, b: &Simulation, sizes: &Sizes, promise: f64) -> f64 {
+fn agreed_until(a: &Simulation, b: &Simulation, sizes: &Sizes, promise: f64) -> f64 {
     let pairs = a.events.iter().zip(&b.events);
     let agreed = pairs.take_while(|(a, b)| {
         a.kind == b.kind && a.contact == b.contact && at_event(a, b, sizes) <= promise

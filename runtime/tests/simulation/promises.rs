@@ -2,23 +2,21 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+use crate::event_scales::Crests;
 use hangtime::model::Model;
 use hangtime::simulation::{
     EventDriven, EventKind, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
     StepFormulation,
 };
 
-hangtime::model! {
-    /// A mass on a track of sines.
-    pub Waves {
-        parameters { m: kg = 1, a: m = 0.3, k: 1/m = 1.4, g: m/s^2 = 9.81, v: m/s = 6.5 }
-        coordinates { x: m, z: m }
-        fn track(p) = a*sin(k*p)
-        lagrangian m/2*|dot((x, z))|^2 - m*g*z
-        surface track: z - track(x) >= 0
-        impact track: inelastic
-        start { dot(x): v, dot(z): v*diff(track)(0) }
-        horizon 2.4 [s]
+/// A mass that takes off from the waves that it rides over.
+fn fast_on_waves() -> Crests {
+    Crests {
+        v: 6.5,
+        a: 0.3,
+        k: 1.4,
+        g: 9.81,
+        ..Crests::default()
     }
 }
 
@@ -116,9 +114,9 @@ fn apart(a: &Simulation, b: &Simulation) -> f64 {
 #[test]
 fn time_freezing_on_a_grid_that_nobody_named_says_how_accurate_it_is() {
     for (v, horizon) in [(2.0, 0.3), (6.5, 0.9)] {
-        let model = Waves {
+        let model = Crests {
             v,
-            ..Waves::default()
+            ..fast_on_waves()
         };
         let exact = run(
             &EventDriven {
@@ -132,24 +130,25 @@ fn time_freezing_on_a_grid_that_nobody_named_says_how_accurate_it_is() {
         let method = Fesd::default().with_formulation(StepFormulation::TimeFreezing);
         let found = run(&method, &model, Some(horizon));
         let way = exact.trajectory.q.last().unwrap()[0];
-        match &found.status {
-            SimulationStatus::Solved => {
-                assert!(found.error_estimate.unwrap() <= 1e-6);
-                assert!(apart(&found, &exact) <= 1e-5 * way);
-            }
-            SimulationStatus::Inaccurate(diagnosis) => {
-                assert!(found.error_estimate.unwrap() > 1e-6);
-                assert!(diagnosis.time <= horizon && diagnosis.message.contains("agree until"));
-            }
-            SimulationStatus::StepFailed(_) => {}
-            status => panic!("{status}"),
+        if v < 3.0 {
+            assert_eq!(found.status, SimulationStatus::Solved);
+            assert!(found.error_estimate.unwrap() <= 1e-6);
+            assert!(apart(&found, &exact) <= 1e-5 * way);
+        } else {
+            // Jumps and contact share elements here.
+            let SimulationStatus::Inaccurate(diagnosis) = &found.status else {
+                panic!("{}", found.status);
+            };
+            assert!(found.error_estimate.unwrap() > 1e-6);
+            assert!(diagnosis.time <= horizon && diagnosis.message.contains("agree until"));
+            assert!(apart(&found, &exact) <= 1e-4 * way);
         }
     }
 }
 
 #[test]
 fn event_driven_run_says_by_how_much_another_one_differs() {
-    let run = run(&EventDriven::default(), &Waves::default(), None);
+    let run = run(&EventDriven::default(), &fast_on_waves(), None);
     assert_eq!(run.status, SimulationStatus::Solved);
     let estimate = run.error_estimate.unwrap();
     assert!((0.0..=1e-6).contains(&estimate), "{estimate:e}");
@@ -238,7 +237,7 @@ fn impact_is_found_within_a_horizon_of_ages() {
 }
 
 #[test]
-fn take_off_from_a_sharp_lip_is_where_the_lip_is_or_the_run_is_not_solved() {
+fn take_off_from_a_sharp_lip_is_where_the_lip_is() {
     let model = Lip::default();
     let exact = run(&EventDriven::default(), &model, None);
     assert_eq!(exact.status, SimulationStatus::Solved);
@@ -247,12 +246,10 @@ fn take_off_from_a_sharp_lip_is_where_the_lip_is_or_the_run_is_not_solved() {
     assert!(take_off.q[0].abs() < 1e-6);
     for method in [Fesd::default(), Fesd::default().with_tolerance(1e-9)] {
         let found = run(&method, &model, None);
-        println!("{}", found.status);
-        if found.status == SimulationStatus::Solved {
-            let event = &found.events[0];
-            assert_eq!(event.kind, EventKind::LiftOff);
-            assert!((event.time - take_off.time).abs() < 1e-5, "{event:?}");
-            assert!(event.q[0].abs() < 1e-4, "{event:?}");
-        }
+        assert_eq!(found.status, SimulationStatus::Solved);
+        let event = &found.events[0];
+        assert_eq!(event.kind, EventKind::LiftOff);
+        assert!((event.time - take_off.time).abs() < 1e-5, "{event:?}");
+        assert!(event.q[0].abs() < 1e-4, "{event:?}");
     }
 }

@@ -116,10 +116,20 @@ fn uniform(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
+/// The motion in `factor` times its time where that is free.
+fn scaled(motion: Trajectory, problem: &Problem, factor: impl FnOnce() -> f64) -> Trajectory {
+    if let Horizon::Free { .. } = problem.horizon {
+        let horizon = motion.horizon * factor();
+        motion.stretched(horizon)
+    } else {
+        motion
+    }
+}
+
 /// Controls that are random within their range over parts of the motion, between one and as many as there are
 /// intervals; the horizon scaled by up to a factor of two where it is free.
 fn randomly_driven(
-    mut motion: Trajectory,
+    motion: Trajectory,
     model: &dyn Model,
     problem: &Problem,
     seed: u64,
@@ -127,10 +137,7 @@ fn randomly_driven(
 ) -> Trajectory {
     let n = problem.q.len();
     let mut random = uniform(seed);
-    if let Horizon::Free { .. } = problem.horizon {
-        let horizon = motion.horizon * 2.0_f64.powf(random());
-        motion = motion.stretched(horizon);
-    }
+    let mut motion = scaled(motion, problem, || 2.0_f64.powf(random()));
     let intervals = problem.intervals as f64;
     let parts = intervals.powf(0.5 * (random() + 1.0)).round().max(1.0);
     let mut values = motion.controls.values().to_vec();
@@ -180,7 +187,7 @@ fn natural_size(model: &dyn Model, motion: &Trajectory, k: usize) -> f64 {
 /// Random controls within a quarter of their range, the horizon scaled by up to 15 %, and every coordinate
 /// bent by up to a twentieth of the distance to its goal.
 fn perturbed(
-    mut motion: Trajectory,
+    motion: Trajectory,
     model: &dyn Model,
     problem: &Problem,
     seed: u64,
@@ -188,10 +195,7 @@ fn perturbed(
 ) -> Trajectory {
     let n = problem.q.len();
     let mut random = uniform(seed);
-    if let Horizon::Free { .. } = problem.horizon {
-        let horizon = motion.horizon * (0.15 * random()).exp();
-        motion = motion.stretched(horizon);
-    }
+    let mut motion = scaled(motion, problem, || (0.15 * random()).exp());
     let mut values = motion.controls.values().to_vec();
     for controls in &mut values {
         for (u, k) in controls.iter_mut().zip(n..) {

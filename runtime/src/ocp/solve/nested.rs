@@ -1,8 +1,9 @@
 //! Nested grids: what is found on a grid is a candidate on every grid that contains it.
 //!
 //! Contact sequences are looked for where programs are small, on the coarsest grids whose intervals are made up of those
-//! of the grid asked for. A motion goes from there to all multiples of its grid that divide the one asked for, so that
-//! more intervals never end at a worse motion than fewer, as long as the finer grid contains the coarser one.
+//! of the grid asked for. A motion goes from there to all multiples of its grid that divide the one asked for, and is kept
+//! where a finer grid ends at a worse one. So the result is never worse than what was found on the way. That says nothing
+//! about another call on a coarser grid, which may look from more starts on it, and decides the neighbours there.
 
 use rayon::prelude::*;
 

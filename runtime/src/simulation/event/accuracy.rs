@@ -6,9 +6,9 @@
 use super::integration::Integration;
 use super::settings::EventDriven;
 use crate::model::Model;
-use crate::simulation::agreement::{Sizes, Spent, agreed_until, difference};
+use crate::simulation::agreement::{Comparison, Spent};
 use crate::simulation::watch::Watch;
-use crate::simulation::{Diagnosis, InitialValueProblem, Simulation, SimulationStatus};
+use crate::simulation::{InitialValueProblem, Simulation, SimulationStatus};
 
 /// Error that is promised, at least.
 const PROMISE: f64 = 1e-6;
@@ -60,14 +60,12 @@ pub(super) fn promised(
         let last = runs == MOST_RUNS || tolerance <= FINEST;
         let failed = [&coarser, &finer].map(|run| !run.status.is_solved());
         let ends = if failed == [false, false] {
-            let sizes = Sizes::of(&finer, model, problem);
-            let error = difference(&coarser, &finer, &sizes);
-            finer.error_estimate = Some(error);
-            if error > promise && last {
-                let until = agreed_until(&coarser, &finer, &sizes, promise);
-                finer.status = inaccurate(until, error, promise);
+            let compared = Comparison::of(&coarser, &mut finer, (model, problem), promise);
+            let kept = compared.error <= promise;
+            if !kept && last {
+                finer.status = inaccurate(&compared, promise);
             }
-            error <= promise
+            kept
         } else {
             failed == [true, true] && same_failure(&coarser, &finer)
         };
@@ -97,16 +95,12 @@ fn same_failure(coarser: &Simulation, finer: &Simulation) -> bool {
         && !matches!(finer.status, SimulationStatus::StepFailed(_))
 }
 
-/// The status of a run that agrees with another one until `time` only.
-fn inaccurate(time: f64, error: f64, promise: f64) -> SimulationStatus {
-    SimulationStatus::Inaccurate(Diagnosis {
-        time,
-        step: 0,
-        contact: None,
-        message: format!(
-            "runs with smaller and smaller tolerances agree until here, and differ by {error:.1e} of the largest \
-             values at the end, more than {promise:.0e}: the motion depends on its start too sensitively, or on which \
-             of several contacts comes first; shorten the horizon"
-        ),
-    })
+/// The status of a run that differs from another one by more than `promise`.
+fn inaccurate(compared: &Comparison, promise: f64) -> SimulationStatus {
+    compared.inaccurate(format!(
+        "runs with smaller and smaller tolerances agree until here, and differ by {:.1e} of the largest values at the \
+         end, more than {promise:.0e}: the motion depends on its start too sensitively, or on which of several \
+         contacts comes first; shorten the horizon",
+        compared.error
+    ))
 }

@@ -4,12 +4,12 @@ use cpu_time::ThreadTime;
 
 use super::audit::Audit;
 use super::contact_mode::{self, Outlook};
-use super::contact_problem;
 use super::contact_state::ContactState;
+use super::diagnosis::Place;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::error_scale::ErrorScale;
-use super::impact::{Impact, LowestBounce, Undetermined};
+use super::impact::{Impact, LowestBounce};
 use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
 use super::settings::EventDriven;
@@ -17,7 +17,7 @@ use super::velocity_jump;
 use crate::model::{Model, contact_point};
 use crate::simulation::watch::Watch;
 use crate::simulation::{
-    Diagnosis, Event, EventKind, InitialValueProblem, Residuals, Simulation, SimulationStatus,
+    Event, EventKind, InitialValueProblem, Residuals, Simulation, SimulationStatus,
 };
 
 /// Steps shorter than this share of the time reached do not change it.
@@ -34,9 +34,6 @@ const REPEATS: usize = 20;
 const AUDITED: [f64; 3] = [0.25, 0.5, 0.75];
 /// Steps at the same instant after which a contact mode is chosen by what follows later.
 const PATIENCE: usize = 2;
-
-/// Gain of a sliding contact below which steps that shrink to nothing approach a pole of its force.
-const JAMMING: f64 = 1e-2;
 
 /// State of a run.
 pub(super) struct Integration<'a> {
@@ -154,7 +151,9 @@ impl<'a> Integration<'a> {
             let event = match self.find_event(h) {
                 Outcome::Nothing => None,
                 Outcome::Event(event) => Some(event),
-                Outcome::Pole(function) => return Err(self.pole(function)),
+                Outcome::Pole(function) => {
+                    return Err(self.place().pole(self.dynamics.switch(function)));
+                }
                 Outcome::Unresolved(function) => {
                     self.shorten(h, self.dynamics.switch(function).contact())?;
                     continue;
@@ -235,13 +234,7 @@ impl<'a> Integration<'a> {
     /// Tries a step of length `h`; `false` if it was rejected and `self.h` reduced.
     fn try_step(&mut self, h: f64) -> Result<bool, SimulationStatus> {
         if self.steps >= self.settings.max_steps {
-            return Err(SimulationStatus::StepLimit(self.diagnosis(
-                None,
-                format!(
-                    "{} steps taken, the last of {h:.1e} s; raise the limit or the tolerance",
-                    self.steps
-                ),
-            )));
+            return Err(self.place().step_limit(self.steps, h));
         }
         self.steps += 1;
         self.dynamics.sample_from(&self.start_values);
@@ -310,10 +303,7 @@ impl<'a> Integration<'a> {
         if self.h > SHORTEST * self.t.max(self.problem.horizon) {
             return Ok(());
         }
-        Err(SimulationStatus::StepFailed(self.diagnosis(
-            Some(contact),
-            "the events of this contact cannot be told apart; lower the tolerance".into(),
-        )))
+        Err(self.place().events_too_close(contact))
     }
 
     /// Refuses endless switching at one instant.
@@ -333,49 +323,11 @@ impl<'a> Integration<'a> {
         if let Some(status) = self.jamming() {
             return Err(status);
         }
-        let Some(switch) = switch else {
-            return Err(self.unbounded());
-        };
-        let contact = switch.contact();
-        let name = self.dynamics.model.declaration().contacts[contact].name;
-        let message = format!(
-            "{} events at one instant, the last where {} of `{name}` vanishes; start from a slightly different state",
-            self.repeats,
-            switch.words()
-        );
-        Err(SimulationStatus::AmbiguousContact(
-            self.diagnosis(Some(contact), message),
-        ))
-    }
-
-    /// The status where steps shrink to nothing without an event.
-    fn unbounded(&self) -> SimulationStatus {
-        let n = self.dynamics.n;
-        let slope = &self.method.slope()[n..2 * n];
-        let fastest = (0..n).max_by(|&a, &b| slope[a].abs().total_cmp(&slope[b].abs()));
-        let name = fastest.map_or("", |k| {
-            self.dynamics.model.declaration().coordinates[k].name
-        });
-        SimulationStatus::NotFinite(self.diagnosis(
-            None,
-            format!(
-                "the acceleration of `{name}` grows without bound; check divisions and poles of the scene"
-            ),
-        ))
-    }
-
-    /// The status where a switching function changes its sign through infinity.
-    fn pole(&self, function: usize) -> SimulationStatus {
-        let switch = self.dynamics.switch(function);
-        let contact = switch.contact();
-        let name = self.dynamics.model.declaration().contacts[contact].name;
-        SimulationStatus::NotFinite(self.diagnosis(
-            Some(contact),
-            format!(
-                "{} of `{name}` changes its sign through infinity; check divisions and poles of the scene",
-                switch.words()
-            ),
-        ))
+        let place = self.place();
+        Err(match switch {
+            None => place.unbounded(self.method.slope()),
+            Some(switch) => place.unsettled(switch, self.repeats),
+        })
     }
 
     /// Applies the impact law and finds the contact mode right after the present instant, records both
@@ -411,7 +363,7 @@ impl<'a> Integration<'a> {
             vanished,
             outlook,
         )
-        .map_err(|problem| self.undetermined(problem))?;
+        .map_err(|problem| self.place().undetermined(problem))?;
         if at_start {
             self.result.initial_modes = self.dynamics.contact_modes();
         }
@@ -440,7 +392,7 @@ impl<'a> Integration<'a> {
             lowest,
             &self.last_impacts,
         )
-        .map_err(|problem| self.undetermined(problem))?;
+        .map_err(|problem| self.place().undetermined(problem))?;
         for &i in &impact.struck {
             self.last_impacts[i] = self.t;
         }
@@ -457,7 +409,6 @@ impl<'a> Integration<'a> {
         struck: &[usize],
         at_start: bool,
     ) -> Result<(), SimulationStatus> {
-        let count = self.result.events.len();
         for &i in struck {
             self.write_event(EventKind::Impact, i, before);
         }
@@ -477,19 +428,9 @@ impl<'a> Integration<'a> {
             };
             self.write_event(kind, i, before);
         }
-        let contact = self.result.events.get(count).map(|event| event.contact);
         let events = &self.result.events;
         if events.len() > self.settings.max_events {
-            let tenth = events[events.len() - 1 - events.len() / 10].time;
-            return Err(SimulationStatus::AmbiguousContact(self.diagnosis(
-                contact,
-                format!(
-                    "{} switches of the contact mode, the last tenth within {:.1e} s; raise the limit \
-                     on events unless they accumulate",
-                    events.len(),
-                    self.t - tenth
-                ),
-            )));
+            return Err(self.place().too_many_events(events));
         }
         Ok(())
     }
@@ -519,7 +460,7 @@ impl<'a> Integration<'a> {
             self.orientation = self.dynamics.orientation;
             Ok(())
         } else {
-            Err(self.not_finite())
+            Err(self.place().not_finite(self.method.slope()))
         }
     }
 
@@ -645,27 +586,19 @@ impl<'a> Integration<'a> {
         }
     }
 
-    fn diagnosis(&self, contact: Option<usize>, message: String) -> Diagnosis {
-        Diagnosis {
+    /// The present place, for what has to be said of it.
+    fn place(&self) -> Place<'_, 'a> {
+        Place {
+            dynamics: &self.dynamics,
             time: self.t,
             step: self.result.counts.elements,
-            contact,
-            message,
         }
     }
 
     /// The status where the force of a sliding contact grows beyond all bounds.
     fn jamming(&mut self) -> Option<SimulationStatus> {
         self.dynamics.derivative(self.t, &self.y, &mut self.slope);
-        let (contact, gain) = self.dynamics.smallest_gain()?;
-        (gain < JAMMING).then(|| {
-            let message = contact_problem::jammed(&self.dynamics, contact, gain);
-            SimulationStatus::AmbiguousContact(self.diagnosis(Some(contact), message))
-        })
-    }
-
-    fn undetermined(&self, problem: Undetermined) -> SimulationStatus {
-        SimulationStatus::AmbiguousContact(self.diagnosis(Some(problem.contact), problem.message))
+        self.place().jamming()
     }
 
     fn step_failure(&mut self, error: f64) -> SimulationStatus {
@@ -673,36 +606,9 @@ impl<'a> Integration<'a> {
             return status;
         }
         if error.is_finite() {
-            SimulationStatus::StepFailed(self.diagnosis(
-                self.dynamics.active.first().copied(),
-                format!(
-                    "steps of {:.1e} s do not meet the tolerance {:e}; the motion is not smooth here, \
-                     or the tolerance too small",
-                    self.h, self.settings.tolerance
-                ),
-            ))
+            self.place().step_too_short(self.h, self.settings.tolerance)
         } else {
-            self.not_finite()
+            self.place().not_finite(self.method.slope())
         }
-    }
-
-    fn not_finite(&self) -> SimulationStatus {
-        let n = self.dynamics.n;
-        let declaration = self.dynamics.model.declaration();
-        let contact = self.dynamics.undefined;
-        let slope = self.method.slope();
-        let what = match (0..n).find(|&k| !slope[n + k].is_finite()) {
-            Some(k) => format!("the acceleration of `{}`", declaration.coordinates[k].name),
-            None => match contact {
-                Some(i) => format!("the contact `{}`", declaration.contacts[i].name),
-                None => "the acceleration a moment later".into(),
-            },
-        };
-        SimulationStatus::NotFinite(self.diagnosis(
-            contact,
-            format!(
-                "{what} is not a finite number; check roots, divisions and parameters of the scene"
-            ),
-        ))
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
 //! mode, `dop853` integrates it (`error_scale` says how accurately), `search` and `locate` find where the mode ends,
-//! `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `audit` measures the signs. `accuracy` compares
-//! two runs.
+//! `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `audit` measures the signs,
+//! `diagnosis` says why a run ends early. `accuracy` compares two runs.
 
 mod accuracy;
 mod audit;
@@ -12,6 +12,7 @@ pub(super) mod contact_mode;
 pub(super) mod contact_problem;
 mod contact_state;
 pub(super) mod coulomb;
+mod diagnosis;
 pub(super) mod dop853;
 pub(super) mod dynamics;
 mod error_scale;

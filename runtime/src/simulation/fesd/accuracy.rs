@@ -8,9 +8,9 @@ use super::settings::Fesd;
 use super::stepping;
 use crate::model::Model;
 use crate::rk::ButcherTableau;
-use crate::simulation::agreement::{Sizes, Spent, agreed_until, difference};
+use crate::simulation::agreement::{Comparison, Spent};
 use crate::simulation::watch::Watch;
-use crate::simulation::{Diagnosis, InitialValueProblem, Simulation, SimulationStatus};
+use crate::simulation::{InitialValueProblem, Simulation, SimulationStatus};
 
 /// Runs after the first one.
 const MAX_RUNS: usize = 4;
@@ -50,14 +50,12 @@ pub(super) fn promised(
         }
         let failed = [&looser, &tighter].map(|run| run.status != SimulationStatus::Solved);
         if failed == [false, false] {
-            let sizes = Sizes::of(&tighter, model, problem);
-            let error = difference(&looser, &tighter, &sizes);
-            tighter.error_estimate = Some(error);
-            if error > promise && runs == MAX_RUNS {
-                let until = agreed_until(&looser, &tighter, &sizes, promise);
-                tighter.status = inaccurate(until, error, promise);
+            let compared = Comparison::of(&looser, &mut tighter, (model, problem), promise);
+            let kept = compared.error <= promise;
+            if !kept && runs == MAX_RUNS {
+                tighter.status = inaccurate(&compared, promise);
             }
-            if error <= promise || runs == MAX_RUNS {
+            if kept || runs == MAX_RUNS {
                 return spent.charge(tighter);
             }
         } else if failed[1] && (failed[0] || runs == MAX_RUNS) {
@@ -95,39 +93,28 @@ pub(super) fn compared(
     let mut fine = stepping::run(Driver::new(&twice, tableau, model, problem), watch);
     spent.add(&fine);
     if fine.status.is_solved() {
-        let sizes = Sizes::of(&fine, model, problem);
-        let error = difference(&coarse, &fine, &sizes);
-        fine.error_estimate = Some(error);
+        let compared = Comparison::of(&coarse, &mut fine, (model, problem), promise);
         if !coarse.status.is_solved() {
             // Nothing confirms the only run that reached the horizon.
             fine.status = coarse.status;
-        } else if error > promise {
-            let until = agreed_until(&coarse, &fine, &sizes, promise);
-            fine.status = SimulationStatus::Inaccurate(Diagnosis {
-                time: until,
-                step: 0,
-                contact: None,
-                message: format!(
-                    "runs of {steps} and {} steps agree until here, and differ by {error:.1e} of the largest values at \
-                     the end, more than {promise:.0e}: name a number of steps, or use the default formulation",
-                    2 * steps
-                ),
-            });
+        } else if compared.error > promise {
+            fine.status = compared.inaccurate(format!(
+                "runs of {steps} and {} steps agree until here, and differ by {:.1e} of the largest values at the \
+                 end, more than {promise:.0e}: name a number of steps, or use the default formulation",
+                2 * steps,
+                compared.error
+            ));
         }
     }
     spent.charge(fine)
 }
 
-/// The status of a run that differs by `error` from a looser one, with which it agrees until `time` only.
-fn inaccurate(time: f64, error: f64, promise: f64) -> SimulationStatus {
-    SimulationStatus::Inaccurate(Diagnosis {
-        time,
-        step: 0,
-        contact: None,
-        message: format!(
-            "runs with smaller and smaller elements agree until here, and still differ by {error:.1e} of the largest \
-             values at the end, more than the tolerance {promise:.0e}: the motion depends on its start too sensitively, or on \
-             which of several contacts comes first; shorten the horizon or raise the tolerance"
-        ),
-    })
+/// The status of a run that differs from a looser one by more than `promise`.
+fn inaccurate(compared: &Comparison, promise: f64) -> SimulationStatus {
+    compared.inaccurate(format!(
+        "runs with smaller and smaller elements agree until here, and still differ by {:.1e} of the largest values at \
+         the end, more than the tolerance {promise:.0e}: the motion depends on its start too sensitively, or on which \
+         of several contacts comes first; shorten the horizon or raise the tolerance",
+        compared.error
+    ))
 }

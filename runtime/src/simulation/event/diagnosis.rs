@@ -1,0 +1,138 @@
+//! Why a run ends before its horizon, in words.
+
+use super::contact_problem;
+use super::dynamics::{Dynamics, Switch};
+use super::impact::Undetermined;
+use crate::simulation::{Diagnosis, Event, SimulationStatus};
+
+/// Gain of a sliding contact below which steps that shrink to nothing approach a pole of its force.
+const JAMMING: f64 = 1e-2;
+
+/// Where a run has come to.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'p, 'a> {
+    pub(super) dynamics: &'p Dynamics<'a>,
+    pub(super) time: f64,
+    pub(super) step: usize,
+}
+
+impl Place<'_, '_> {
+    fn diagnosis(self, contact: Option<usize>, message: String) -> Diagnosis {
+        Diagnosis {
+            time: self.time,
+            step: self.step,
+            contact,
+            message,
+        }
+    }
+
+    fn contact_name(self, contact: usize) -> &'static str {
+        self.dynamics.model.declaration().contacts[contact].name
+    }
+
+    fn coordinate_name(self, coordinate: usize) -> &'static str {
+        self.dynamics.model.declaration().coordinates[coordinate].name
+    }
+
+    /// As many `steps` as are allowed have been taken, the last of length `h`.
+    pub(super) fn step_limit(self, steps: usize, h: f64) -> SimulationStatus {
+        let message =
+            format!("{steps} steps taken, the last of {h:.1e} s; raise the limit or the tolerance");
+        SimulationStatus::StepLimit(self.diagnosis(None, message))
+    }
+
+    /// Steps shrink to nothing at the events of a contact.
+    pub(super) fn events_too_close(self, contact: usize) -> SimulationStatus {
+        let message = "the events of this contact cannot be told apart; lower the tolerance";
+        SimulationStatus::StepFailed(self.diagnosis(Some(contact), message.into()))
+    }
+
+    /// Steps shrink to `h` where nothing jams and all is finite.
+    pub(super) fn step_too_short(self, h: f64, tolerance: f64) -> SimulationStatus {
+        let contact = self.dynamics.active.first().copied();
+        let message = format!(
+            "steps of {h:.1e} s do not meet the tolerance {tolerance:e}; the motion is not smooth here, \
+             or the tolerance too small"
+        );
+        SimulationStatus::StepFailed(self.diagnosis(contact, message))
+    }
+
+    /// Steps shrink to nothing without an event; `slope` is the derivative of the state.
+    pub(super) fn unbounded(self, slope: &[f64]) -> SimulationStatus {
+        let n = self.dynamics.n;
+        let slope = &slope[n..2 * n];
+        let fastest = (0..n).max_by(|&a, &b| slope[a].abs().total_cmp(&slope[b].abs()));
+        let name = fastest.map_or("", |k| self.coordinate_name(k));
+        let message = format!(
+            "the acceleration of `{name}` grows without bound; check divisions and poles of the scene"
+        );
+        SimulationStatus::NotFinite(self.diagnosis(None, message))
+    }
+
+    /// A switching function changes its sign through infinity.
+    pub(super) fn pole(self, switch: Switch) -> SimulationStatus {
+        let contact = switch.contact();
+        let message = format!(
+            "{} of `{}` changes its sign through infinity; check divisions and poles of the scene",
+            switch.words(),
+            self.contact_name(contact)
+        );
+        SimulationStatus::NotFinite(self.diagnosis(Some(contact), message))
+    }
+
+    /// The derivative `slope` of the state, or what a contact needs, is not finite.
+    pub(super) fn not_finite(self, slope: &[f64]) -> SimulationStatus {
+        let n = self.dynamics.n;
+        let contact = self.dynamics.undefined;
+        let what = match (0..n).find(|&k| !slope[n + k].is_finite()) {
+            Some(k) => format!("the acceleration of `{}`", self.coordinate_name(k)),
+            None => match contact {
+                Some(i) => format!("the contact `{}`", self.contact_name(i)),
+                None => "the acceleration a moment later".into(),
+            },
+        };
+        let message = format!(
+            "{what} is not a finite number; check roots, divisions and parameters of the scene"
+        );
+        SimulationStatus::NotFinite(self.diagnosis(contact, message))
+    }
+
+    /// The force of a sliding contact grows beyond all bounds, if it does at the last evaluation.
+    pub(super) fn jamming(self) -> Option<SimulationStatus> {
+        let (contact, gain) = self.dynamics.smallest_gain()?;
+        (gain < JAMMING).then(|| {
+            let message = contact_problem::jammed(self.dynamics, contact, gain);
+            SimulationStatus::AmbiguousContact(self.diagnosis(Some(contact), message))
+        })
+    }
+
+    /// Impact law or contact mode have no solution, or several.
+    pub(super) fn undetermined(self, problem: Undetermined) -> SimulationStatus {
+        SimulationStatus::AmbiguousContact(self.diagnosis(Some(problem.contact), problem.message))
+    }
+
+    /// That many `events` at one instant, the last of them that of `switch`.
+    pub(super) fn unsettled(self, switch: Switch, events: usize) -> SimulationStatus {
+        let contact = switch.contact();
+        let message = format!(
+            "{events} events at one instant, the last where {} of `{}` vanishes; start from a slightly different \
+             state",
+            switch.words(),
+            self.contact_name(contact)
+        );
+        SimulationStatus::AmbiguousContact(self.diagnosis(Some(contact), message))
+    }
+
+    /// More events than are allowed, of which the last is one of the contact that is named.
+    pub(super) fn too_many_events(self, events: &[Event]) -> SimulationStatus {
+        let count = events.len();
+        let tenth = events[count - 1 - count / 10].time;
+        let message = format!(
+            "{count} switches of the contact mode, the last tenth within {:.1e} s; raise the limit \
+             on events unless they accumulate",
+            self.time - tenth
+        );
+        let contact = events.last().map(|event| event.contact);
+        SimulationStatus::AmbiguousContact(self.diagnosis(contact, message))
+    }
+}
