@@ -1,6 +1,8 @@
 //! How far two runs of one motion are apart, and what follows from it.
 
-use super::{Counts, Diagnosis, Event, InitialValueProblem, Simulation, SimulationStatus};
+use super::{
+    Counts, Diagnosis, Event, EventKind, InitialValueProblem, Simulation, SimulationStatus,
+};
 use crate::model::Model;
 
 /// Share of a coordinate that is rounding error.
@@ -143,14 +145,30 @@ fn worse(most: f64, difference: f64, size: f64) -> f64 {
     }
 }
 
-/// Largest distance between the coordinates of corresponding events.
+/// Largest distance between the coordinates at the events of one run and those of the same kind that are next to them in
+/// the other: of impacts that follow each other ever faster both have another number.
 fn at_events(a: &[Event], b: &[Event], sizes: &Sizes) -> f64 {
     let mut largest = 0.0_f64;
-    for (k, event) in b.iter().enumerate() {
-        let same = |other: &&Event| other.kind == event.kind && other.contact == event.contact;
-        let earlier = b[..k].iter().filter(same).count();
-        if let Some(other) = a.iter().filter(same).nth(earlier) {
-            largest = largest.max(at_event(other, event, sizes));
+    let mut seen: Vec<(EventKind, usize)> = Vec::new();
+    for event in b {
+        let key = (event.kind, event.contact);
+        if seen.contains(&key) {
+            continue;
+        }
+        seen.push(key);
+        let alike = |events: &'_ [Event]| -> Vec<usize> {
+            let same = |&k: &usize| (events[k].kind, events[k].contact) == key;
+            (0..events.len()).filter(same).collect()
+        };
+        let others = alike(a);
+        for k in alike(b) {
+            let event = &b[k];
+            let after = others.partition_point(|&other| a[other].time < event.time);
+            let next_to = &others[after.saturating_sub(1)..others.len().min(after + 1)];
+            let nearest = next_to
+                .iter()
+                .map(|&other| at_event(&a[other], event, sizes));
+            largest = largest.max(nearest.reduce(f64::min).unwrap_or(0.0));
         }
     }
     largest

@@ -251,11 +251,8 @@ impl<'a> FixedRun<'a> {
             height: 0.0,
         };
         self.dynamics.observe_rounding(t, &self.y, h);
-        // Steps of fixed length know of no impacts between them, and so of no clusters.
-        let never = vec![f64::NEG_INFINITY; self.dynamics.contacts];
-        let impact =
-            velocity_jump::impact(&mut self.dynamics, t, &mut self.y, None, lowest, &never)
-                .map_err(|problem| self.undetermined(t, problem))?;
+        let impact = velocity_jump::impact(&mut self.dynamics, t, &mut self.y, None, lowest)
+            .map_err(|problem| self.undetermined(t, problem))?;
         self.y[2 * n] += impact.impulse / self.settings.auxiliary_acceleration;
         contact_mode::change(
             &mut self.dynamics,

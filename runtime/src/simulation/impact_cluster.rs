@@ -8,6 +8,8 @@
 //! 2. Each impact follows the impact law of the run; one that would raise the kinetic energy has no restitution.
 //! 3. The cluster ends when no contact approaches, or after [`MOST_IMPACTS`] with an impact without restitution of
 //!    all at once: what then still approaches does so by a share of its speed that falls with each impact.
+//! 4. Contacts that are left with less than the slowest bounce, or [`SAME_VELOCITY`], come to rest: without an end of bounces infinitely many
+//!    impacts would bring them there, and whether they touch decides what the next impact does.
 //!
 //! Velocities after the cluster depend on the order of its impacts alone. Each gap is therefore changed by its
 //! rounding error in turn: where the end differs, the order is not known.
@@ -35,6 +37,12 @@ pub(super) trait Bodies {
 
     /// Normal velocity below which a contact neither approaches nor leaves.
     fn zero_velocity(&self, contact: usize) -> f64;
+
+    /// Speed up to which the contact does not bounce; infinite without restitution.
+    fn slowest_bounce(&self, contact: usize) -> f64;
+
+    /// Takes the normal velocities of these contacts, and their gaps, unless they depend on each other.
+    fn bring_to_rest(&mut self, contacts: &[usize]);
 
     /// Impact of the contacts `together`, with the restitution of those that bounce if `elastic`. Returns the time
     /// that it takes in numerical time \[s\].
@@ -64,23 +72,29 @@ pub(super) struct Cluster {
     pub(super) undecided: bool,
 }
 
+/// Said of a cluster whose end rounding errors change.
+const UNDECIDED: &str = "impacts of several contacts follow so fast that rounding errors decide their order, and with \
+    it the motion that follows: other tolerances may give another one; compare runs";
+/// Said of any other cluster.
+const JOINED: &str = "impacts of several contacts that follow too fast to be told apart are carried out one after the \
+    other at one instant";
+
 impl Cluster {
     /// What a user should know of it.
     pub(super) fn note(&self) -> Option<&'static str> {
         if self.undecided {
-            Some(
-                "impacts of several contacts follow so fast that rounding errors decide their order, and with it \
-                 the motion that follows: other tolerances may give another one; compare runs",
-            )
+            Some(UNDECIDED)
         } else if self.impacts > 1 {
-            Some(
-                "impacts of several contacts that follow too fast to be told apart are carried out one after the \
-                 other at one instant",
-            )
+            Some(JOINED)
         } else {
             None
         }
     }
+}
+
+/// Whether a run with these notes has carried out a cluster.
+pub(super) fn is_noted_in(notes: &[String]) -> bool {
+    notes.iter().any(|note| note == UNDECIDED || note == JOINED)
 }
 
 /// Carries out the cluster of the contacts `near`.
@@ -112,6 +126,13 @@ pub(super) fn resolve<B: Bodies>(
         let mut pairs = other.iter().zip(&after);
         pairs.any(|(other, after)| (other - after).abs() > SAME_VELOCITY * largest)
     });
+    let slowest = |&i: &usize| bodies.slowest_bounce(i);
+    let finite = |speed: &f64| speed.is_finite();
+    let slowest = cluster.struck.iter().map(slowest).filter(finite);
+    let slowest = slowest.fold(SAME_VELOCITY * largest, f64::max);
+    let mut resting = cluster.struck.clone();
+    resting.retain(|&i| bodies.normal_velocity(i).abs() <= slowest);
+    bodies.bring_to_rest(&resting);
     Ok(cluster)
 }
 

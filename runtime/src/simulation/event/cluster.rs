@@ -1,47 +1,39 @@
 //! Clusters of impacts in a run from event to event.
 
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, dot};
 use super::impact::{EndOfBounces, Impact, LowestBounce, Undetermined, lowest_speeds, strike};
+use super::small_system;
 use crate::model::contact_point;
 use crate::simulation::impact_cluster::{self, Cluster, NearContact};
 
-/// Gap within which the impacts of several contacts are a cluster, and flight since the last impact that makes them
-/// one, relative to a closed gap: small beside the motion, large beside the errors of gaps, which give the order of
-/// the impacts.
-const COLLAPSED: f64 = 1e3;
-
-/// The contacts of a cluster at the state loaded, if those `closed` begin one: one of them is struck again after a
-/// flight that stayed near what counts as closed, since which another one as near has been struck. `last_impacts`
-/// are the times of the last impacts of all contacts \[s\].
-pub(super) fn collapsing(
-    dynamics: &mut Dynamics<'_>,
-    t: f64,
-    closed: &[usize],
-    last_impacts: &[f64],
-) -> Vec<NearContact> {
-    let near: Vec<NearContact> = (0..dynamics.contacts)
-        .filter_map(|contact| {
-            let gap = dynamics.point(contact)[contact_point::GAP];
-            let closed_gap = dynamics.closed_gap(contact);
-            let held = dynamics.is_active(contact);
-            let is_near = closed.contains(&contact) || gap <= COLLAPSED * closed_gap;
-            is_near.then(|| NearContact {
-                contact,
-                gap: if held { 0.0 } else { gap.max(0.0) },
-                rounding: if held { 0.0 } else { closed_gap },
-            })
-        })
-        .collect();
-    let collapses = closed.iter().any(|&i| {
-        let speed = -dynamics.point(i)[contact_point::NORMAL_VELOCITY];
-        let flight = speed * (t - last_impacts[i]);
-        speed > dynamics.zero_normal_velocity(i)
-            && flight <= COLLAPSED * dynamics.closed_gap(i)
-            && near
-                .iter()
-                .any(|j| j.contact != i && last_impacts[j.contact] >= last_impacts[i])
-    });
-    if collapses { near } else { Vec::new() }
+/// The contacts of a cluster at the state loaded, if the impact of those `closed` is one of several that follow too fast
+/// to be told apart: a contact among them has left its surface and goes on leaving, so it is not struck at the same
+/// instant. At the start only its gap tells.
+pub(super) fn collapsing(dynamics: &Dynamics<'_>, t: f64, closed: &[usize]) -> Vec<NearContact> {
+    let velocity = |i: usize| dynamics.point(i)[contact_point::NORMAL_VELOCITY];
+    let gap = |i: usize| dynamics.point(i)[contact_point::GAP];
+    let struck = |&i: &usize| velocity(i) < -dynamics.zero_normal_velocity(i);
+    let leaves = |&i: &usize| {
+        !dynamics.is_active(i)
+            && (t > 0.0 || gap(i) > dynamics.gap_rounding(i))
+            && velocity(i) > dynamics.zero_normal_velocity(i)
+    };
+    if !closed.iter().any(struck) || !closed.iter().any(leaves) {
+        return Vec::new();
+    }
+    let near = |&contact: &usize| {
+        let (gap, rounding) = if dynamics.is_active(contact) {
+            (0.0, 0.0)
+        } else {
+            (gap(contact).max(0.0), dynamics.closed_gap(contact))
+        };
+        NearContact {
+            contact,
+            gap,
+            rounding,
+        }
+    };
+    closed.iter().map(near).collect()
 }
 
 /// Carries out a cluster: changes the velocities in `y`, and adds its impulses and the contacts struck to `outcome`.
@@ -100,6 +92,37 @@ impl impact_cluster::Bodies for Bodies<'_, '_> {
 
     fn zero_velocity(&self, contact: usize) -> f64 {
         self.dynamics.zero_normal_velocity(contact)
+    }
+
+    fn slowest_bounce(&self, contact: usize) -> f64 {
+        self.lowest[contact]
+    }
+
+    fn bring_to_rest(&mut self, contacts: &[usize]) {
+        let (n, order) = (self.dynamics.n, contacts.len());
+        self.dynamics.load(self.t, self.y);
+        for &contact in contacts {
+            self.dynamics.evaluate_contact(contact);
+        }
+        for (quantity, at) in [(contact_point::GAP, 0), (contact_point::NORMAL_VELOCITY, n)] {
+            let normal = |i: usize| &self.dynamics.point(i)[contact_point::NORMAL..][..n];
+            let coupling = |(&i, &j): (&usize, &usize)| dot(normal(i), self.dynamics.direction(j));
+            let pairs = contacts
+                .iter()
+                .flat_map(|i| contacts.iter().map(move |j| (i, j)));
+            let mut matrix: Vec<f64> = pairs.map(coupling).collect();
+            let value = |&i: &usize| self.dynamics.point(i)[quantity];
+            let mut impulses: Vec<f64> = contacts.iter().map(value).collect();
+            if order == 0 || small_system::solve(&mut matrix, &mut impulses).is_none() {
+                return;
+            }
+            for (&i, impulse) in contacts.iter().zip(impulses) {
+                let direction = self.dynamics.direction(i);
+                for (y, d) in self.y[at..at + n].iter_mut().zip(direction) {
+                    *y -= impulse * d;
+                }
+            }
+        }
     }
 
     fn strike(&mut self, together: &[usize], elastic: bool) -> Result<f64, Undetermined> {

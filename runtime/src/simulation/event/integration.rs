@@ -58,8 +58,6 @@ pub(super) struct Integration<'a> {
     next_output: usize,
     steps: usize,
     repeats: usize,
-    /// Time of the last impact of each contact \[s\].
-    last_impacts: Vec<f64>,
     /// Sign of the determinant of the equations of the mode.
     orientation: f64,
     remarks: Remarks,
@@ -99,7 +97,6 @@ impl<'a> Integration<'a> {
             next_output: 1,
             steps: 0,
             repeats: 0,
-            last_impacts: vec![f64::NEG_INFINITY; contacts],
             orientation: 1.0,
             remarks: Remarks::default(),
             audit: Audit::new(settings.tolerance),
@@ -384,18 +381,9 @@ impl<'a> Integration<'a> {
             velocity: self.settings.rest_velocity,
             height: self.settings.tolerance.powi(2),
         };
-        let impact = velocity_jump::impact(
-            &mut self.dynamics,
-            self.t,
-            &mut self.y,
-            closing,
-            lowest,
-            &self.last_impacts,
-        )
-        .map_err(|problem| self.place().undetermined(problem))?;
-        for &i in &impact.struck {
-            self.last_impacts[i] = self.t;
-        }
+        let impact =
+            velocity_jump::impact(&mut self.dynamics, self.t, &mut self.y, closing, lowest)
+                .map_err(|problem| self.place().undetermined(problem))?;
         self.y[2 * self.dynamics.n] += impact.impulse / self.settings.auxiliary_acceleration;
         self.remarks.add(self.t, &impact);
         Ok(impact)

@@ -76,6 +76,20 @@ pub(crate) fn simulate_once(
     Ok(result)
 }
 
+/// The same to check another method's run, under its observer, which does not see the time.
+pub(super) fn simulate_to_check(
+    tolerance: f64,
+    (model, problem): (&dyn Model, &InitialValueProblem),
+    watch: &mut Watch<'_>,
+) -> Simulation {
+    watch.restart(false);
+    let settings = EventDriven {
+        tolerance,
+        ..EventDriven::default()
+    };
+    Integration::new(&settings, model, problem).run(watch)
+}
+
 fn check(
     settings: &EventDriven,
     model: &dyn Model,

@@ -15,8 +15,7 @@ use crate::model::contact_point;
 /// |s_i| <= mu_i p_i,   s_i v_t,i+ = -mu_i p_i |v_t,i+|
 /// ```
 ///
-/// `closing` counts as closed whatever its gap. Contacts that strike too fast one after the other since
-/// `last_impacts` \[s\] do so in one cluster.
+/// `closing` counts as closed whatever its gap. Contacts that strike too fast one after the other do so in one cluster.
 ///
 /// Source: Moreau, *Unilateral contact and dry friction in finite freedom dynamics* (1988); restitution in
 /// the normal direction alone, as Newton's law.
@@ -26,7 +25,6 @@ pub(in crate::simulation) fn impact(
     y: &mut [f64],
     closing: Option<usize>,
     lowest: LowestBounce,
-    last_impacts: &[f64],
 ) -> Result<Impact, Undetermined> {
     let mut closed = closed_contacts(dynamics, t, y, closing);
     let mut velocities: Vec<f64> = closed
@@ -42,7 +40,7 @@ pub(in crate::simulation) fn impact(
             .collect(),
         ..Impact::default()
     };
-    let near = cluster::collapsing(dynamics, t, &closed, last_impacts);
+    let near = cluster::collapsing(dynamics, t, &closed);
     if !near.is_empty() {
         let carried_out = cluster::resolve(dynamics, t, y, &near, lowest, &mut outcome)?;
         outcome.cluster = carried_out.note();

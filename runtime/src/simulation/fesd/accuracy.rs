@@ -1,14 +1,18 @@
 //! The promise of accuracy: runs of increasing accuracy until two agree.
 //!
 //! Each element is held to an embedded error estimate, which knows neither what the rest of the motion makes
-//! of an error nor a switch that was missed. The difference to a looser run contains both.
+//! of an error nor a switch that was missed. The difference to a looser run contains both. Where impacts follow each
+//! other too fast to be told apart, all runs join them alike, and the event-driven method has to confirm the result.
 
 use super::driver::Driver;
+use super::mode_change::{LEFT_OUT, LOW_FLIGHTS};
 use super::settings::Fesd;
 use super::stepping;
 use crate::model::Model;
 use crate::rk::ButcherTableau;
 use crate::simulation::agreement::{Comparison, Spent};
+use crate::simulation::event;
+use crate::simulation::impact_cluster;
 use crate::simulation::watch::Watch;
 use crate::simulation::{InitialValueProblem, Simulation, SimulationStatus};
 
@@ -18,6 +22,8 @@ const MAX_RUNS: usize = 4;
 const TIGHTER: f64 = 1e-2;
 /// Smallest error estimate of an element that can be asked for.
 const SMALLEST: f64 = 1e-14;
+/// Tolerance of the event-driven run that confirms clusters of impacts, relative to what is promised.
+const CONFIRMS: f64 = 1e-4;
 
 /// Simulates with at most the error `promise`, or ends with a status that says otherwise.
 pub(super) fn promised(
@@ -54,6 +60,9 @@ pub(super) fn promised(
             let kept = compared.error <= promise;
             if !kept && runs == MAX_RUNS {
                 tighter.status = inaccurate(&compared, promise);
+            }
+            if kept {
+                confirm(&mut tighter, promise, (model, problem), watch, &mut spent);
             }
             if kept || runs == MAX_RUNS {
                 return spent.charge(tighter);
@@ -107,6 +116,50 @@ pub(super) fn compared(
         }
     }
     spent.charge(fine)
+}
+
+/// Has the event-driven method confirm a run that joined impacts of several contacts, or left out bounces that others
+/// could feel: where it does so does not depend on its tolerance, so that runs of its own kind say nothing of it.
+fn confirm(
+    run: &mut Simulation,
+    promise: f64,
+    (model, problem): (&dyn Model, &InitialValueProblem),
+    watch: &mut Watch<'_>,
+    spent: &mut Spent,
+) {
+    let left_out = |note: &String| note.contains(LEFT_OUT) || note == LOW_FLIGHTS;
+    let bounces = run.notes.iter().any(left_out);
+    let felt = bounces && model.declaration().contacts.len() > 1;
+    if !felt && !impact_cluster::is_noted_in(&run.notes) {
+        return;
+    }
+    let tolerance = (CONFIRMS * promise).max(SMALLEST);
+    let other = event::simulate_to_check(tolerance, (model, problem), watch);
+    spent.add(&other);
+    if matches!(other.status, SimulationStatus::Interrupted(_)) {
+        run.status = other.status;
+        return;
+    }
+    let estimate = run.error_estimate;
+    let compared = Comparison::of(&other, run, (model, problem), promise);
+    let without = match other.status.diagnosis() {
+        None if compared.error <= promise => {
+            run.error_estimate = estimate.map(|estimate| estimate.max(compared.error));
+            return;
+        }
+        None => format!(
+            "gives another motion from here on, {:.1e} of the largest values away at the end",
+            compared.error
+        ),
+        Some(ended) => {
+            run.error_estimate = estimate;
+            format!("does not confirm the motion after that: {}", ended.message)
+        }
+    };
+    run.status = compared.inaccurate(format!(
+        "impacts follow too fast to be told apart, and the event-driven method {without}; shorten the horizon, or use \
+         `event` as method"
+    ));
 }
 
 /// The status of a run that differs from a looser one by more than `promise`.

@@ -91,8 +91,6 @@ pub(super) struct Driver<'a> {
     pub(super) rough: bool,
     /// Coefficients of restitution.
     pub(super) restitution: Vec<f64>,
-    /// Time of the last impact of each contact [s].
-    pub(super) struck: Vec<f64>,
     /// Ends of bounce cascades, one entry a contact.
     pub(super) cascades: Vec<Cascades>,
     pub(super) energy_gains: Option<EnergyGains>,
@@ -154,7 +152,6 @@ impl<'a> Driver<'a> {
             force_row: vec![0.0; contacts],
             rough: declaration.contacts.iter().any(|c| c.friction.is_some()),
             restitution: (0..contacts).map(|i| restitution(model, i)).collect(),
-            struck: vec![f64::NEG_INFINITY; contacts],
             cascades: vec![Cascades::default(); contacts],
             energy_gains: None,
             initial_modes: Vec::new(),

@@ -95,7 +95,8 @@ pub(super) fn first_entry(
             }
             detector.interpolate(element, k);
         }
-        if released && k + 1 < samples {
+        let bounced = k == 0 && gap >= 0.0 && start.velocities[i] > size.velocity_rounding();
+        if released && !bounced && k + 1 < samples {
             continue;
         }
         if gap < -size.gap_rounding() {
@@ -117,7 +118,7 @@ pub(super) fn first_entry(
             };
             let switch = detector.between(kind, i, element, k, before, after);
             keep_first(&mut first, switch);
-        } else if !released
+        } else if (!released || bounced)
             && let Some((lower, upper)) = possible_dip(detector, element, contacts, start, i, k)
         {
             if let Some(switch) = dip(detector, element, i, lower, upper, size.gap_rounding()) {
@@ -187,8 +188,19 @@ fn possible_dip(
         }
     };
     if k == 0 {
-        let reach = -start.velocities[contact] * detector.thetas[0] * element.length();
-        return (row[1] >= row[0] && row[0] < reach).then_some((0.0, detector.thetas[0]));
+        let duration = detector.thetas[0] * element.length();
+        let reach = -start.velocities[contact] * duration;
+        if row[1] >= row[0] && row[0] < reach {
+            return Some((0.0, detector.thetas[0]));
+        }
+        if row[0] >= -reach {
+            return None;
+        }
+        // A bounce may have come down and gone up again.
+        contacts.evaluate_contacts(&detector.x, [contact]);
+        let slopes = (-reach, contacts.normal_velocity(contact) * duration);
+        let from = last_top_of_cubic((row[0], row[1]), slopes)?;
+        return Some((from * detector.thetas[0], detector.thetas[0]));
     }
     let drop = (row[k - 1] - row[k]).max(row[k + 1] - row[k]);
     if row[k] <= row[k - 1] && row[k] <= row[k + 1] && row[k] < drop {
@@ -201,6 +213,19 @@ fn possible_dip(
         }
     }
     None
+}
+
+/// Where the cubic with these values and slopes at 0 and 1 has its maximum, if it has a minimum after it: the roots of
+/// its slope, `a s^2 + b s + c`.
+fn last_top_of_cubic((v0, v1): (f64, f64), (c, slope): (f64, f64)) -> Option<f64> {
+    let (a, b) = (
+        3.0 * (c + slope - 2.0 * (v1 - v0)),
+        2.0 * (3.0 * (v1 - v0) - 2.0 * c - slope),
+    );
+    let root = (b * b - 4.0 * a * c).sqrt();
+    // With `c > 0` the smaller of two positive roots is the maximum.
+    let (top, bottom) = (2.0 * c / (root - b), (root - b) / (2.0 * a));
+    (a > 0.0 && b < 0.0 && root > 0.0 && bottom < 1.0).then_some(top)
 }
 
 /// `max(g, v_n)` at sample `k - 1`, at least zero.

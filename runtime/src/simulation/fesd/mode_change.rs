@@ -2,7 +2,7 @@
 
 use super::driver::{Driver, EnergyGains};
 use super::switch::{Switch, SwitchKind};
-use crate::fesd::active_contact::{Tangential, find};
+use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::contacts::{ModeError, dot};
 use crate::fesd::{contact_mode, impact};
 use crate::simulation::impact_cluster::{self, NearContact};
@@ -12,10 +12,16 @@ use crate::time_freezing::clock;
 /// Rest velocity where none is set, relative to the size of the normal velocity.
 const REST: f64 = 1e-6;
 
-/// Gap within which the impacts of several contacts are a cluster, and flight since the last impact that makes them
-/// one, relative to the gap that counts as touching: small beside the motion, large beside the errors of gaps, which
-/// give the order of the impacts.
-const COLLAPSED: f64 = 1e4;
+/// What a run says of bounces that it leaves out.
+pub(super) const LEFT_OUT: &str = "slower than the rest velocity end in contact";
+
+/// What it says of flights that it leaves out, where they begin with more than the share [`FELT`] of the velocity.
+pub(super) const LOW_FLIGHTS: &str =
+    "flights lower than the rounding error of their gap are left out";
+const FELT: f64 = 1e-6;
+
+/// Share of the largest velocity of a contact with which it closes at the end of many bounces.
+const SLOW: f64 = 1e-3;
 
 /// Kinetic energies are compared to this relative accuracy.
 const SAME_ENERGY: f64 = 1e-12;
@@ -58,6 +64,29 @@ impl impact_cluster::Bodies for Bodies<'_, '_> {
         size.touching_velocity()
     }
 
+    fn slowest_bounce(&self, contact: usize) -> f64 {
+        self.0.slowest_bounce(contact, false)
+    }
+
+    fn bring_to_rest(&mut self, contacts: &[usize]) {
+        let driver = &mut *self.0;
+        let resting = contacts.iter().map(|&contact| ActiveContact {
+            contact,
+            tangential: Tangential::Idle,
+        });
+        let resting: Vec<ActiveContact> = resting.collect();
+        driver.write_input();
+        driver
+            .contacts
+            .evaluate_contacts(&driver.x, contacts.iter().copied());
+        if impact::hold(&driver.contacts, &resting, &mut driver.state.v).is_ok() {
+            let q = driver.state.q.clone();
+            if driver.project(contacts).is_err() {
+                driver.state.q = q;
+            }
+        }
+    }
+
     fn strike(&mut self, together: &[usize], elastic: bool) -> Result<f64, ModeError> {
         let driver = &mut *self.0;
         driver.write_input();
@@ -67,7 +96,7 @@ impl impact_cluster::Bodies for Bodies<'_, '_> {
         let restitution: Vec<f64> = together
             .iter()
             .map(|&i| {
-                let bounces = driver.bounces(i, -driver.contacts.normal_velocity(i), false);
+                let bounces = -driver.contacts.normal_velocity(i) > driver.slowest_bounce(i, false);
                 if elastic && bounces {
                     driver.restitution[i]
                 } else {
@@ -158,12 +187,20 @@ impl Driver<'_> {
             .collect();
         let v_before = self.state.v.clone();
         let mut ended = Vec::new();
-        let near = self.collapsing(&touching, &closing);
+        let mut near = self.collapsing(&touching, &closing);
         if !near.is_empty() {
             closing = self.cluster(&near)?;
             touching = near.iter().map(|near| near.contact).collect();
         } else if !closing.is_empty() {
-            ended = self.impact(&touching, &closing)?;
+            match self.impact(&touching, &closing) {
+                Ok(bounces) => ended = bounces,
+                // At the end of bounces contacts may strike one after the other where together they jam.
+                Err(ModeError::Jammed) if touching.len() > 1 && self.are_slow(&closing) => {
+                    near = self.near(&touching);
+                    closing = self.cluster(&near)?;
+                }
+                Err(error) => return Err(error),
+            }
         }
         let previous = self.active.clone();
         let mut active = std::mem::take(&mut self.active);
@@ -180,6 +217,7 @@ impl Driver<'_> {
                 self.write_input();
             }
             self.contacts.evaluate_contacts(&self.x, active);
+            self.note_held_flights();
             impact::hold(&self.contacts, &self.active, &mut self.state.v)?;
         }
         // A contact that already carried a force takes part in the impact without one of its own.
@@ -206,15 +244,27 @@ impl Driver<'_> {
         self.evaluate_state()
     }
 
+    /// Says whether contacts are held that leave with a velocity others could feel.
+    fn note_held_flights(&mut self) {
+        let time = self.state.time;
+        let leaves = |held: &ActiveContact| {
+            let i = held.contact;
+            self.contacts.normal_velocity(i) > FELT * self.contacts.size(i, time).speed()
+        };
+        if self.active.iter().any(leaves) {
+            self.note(LOW_FLIGHTS);
+        }
+    }
+
     /// Normal velocity below which a contact with restitution no longer bounces.
     pub(super) fn rest_velocity(&self, contact: usize) -> f64 {
         let largest = self.contacts.size(contact, self.state.time).speed();
         self.settings.rest_velocity.unwrap_or(REST * largest)
     }
 
-    /// Whether a contact that comes with `speed` and touches, `alone` or beside others, bounces: not where its
-    /// bounce stays within what counts as touching.
-    fn bounces(&self, contact: usize, speed: f64, alone: bool) -> bool {
+    /// Speed up to which a contact that touches, `alone` or beside others, does not bounce: its bounce would stay within
+    /// what counts as touching. Infinite without restitution.
+    fn slowest_bounce(&self, contact: usize, alone: bool) -> f64 {
         let size = self.contacts.size(contact, self.state.time);
         let lowest = if alone {
             size.gap_rounding()
@@ -222,42 +272,52 @@ impl Driver<'_> {
             size.touching_gap()
         };
         let slowest = (2.0 * self.contacts.phi_scale(contact) * lowest).sqrt();
-        speed > self.rest_velocity(contact) && self.restitution[contact] * speed > slowest
+        self.rest_velocity(contact)
+            .max(slowest / self.restitution[contact])
     }
 
-    /// The contacts of a cluster, if the `closing` ones begin one: one of them is struck again after a flight that
-    /// stayed near what counts as touching, since which another one as near has been struck.
+    /// The contacts of a cluster, if the impact of the `closing` ones is one of several that follow too fast to be told
+    /// apart: a contact that touches has left its surface and goes on leaving, so it is not struck at the same instant.
+    /// At the start only its gap tells.
     fn collapsing(&self, touching: &[usize], closing: &[usize]) -> Vec<NearContact> {
         let time = self.state.time;
-        let nearness = |i: usize| COLLAPSED * self.contacts.size(i, time).touching_gap();
-        let near: Vec<NearContact> = self
-            .all_contacts
-            .iter()
-            .copied()
-            .filter(|&i| touching.contains(&i) || self.contacts.gap(i) <= nearness(i))
-            .map(|contact| {
-                let held = find(&self.active, contact).is_some();
-                let touching = self.contacts.size(contact, time).touching_gap();
-                NearContact {
-                    contact,
-                    gap: if held {
-                        0.0
-                    } else {
-                        self.contacts.gap(contact).max(0.0)
-                    },
-                    rounding: if held { 0.0 } else { touching },
-                }
-            })
-            .collect();
-        let collapses = closing.iter().any(|&i| {
-            let speed = -self.contacts.normal_velocity(i);
-            let flight = speed * (time - self.struck[i]);
-            let mut others = near.iter().filter(|near| near.contact != i);
-            speed > self.rest_velocity(i)
-                && flight <= nearness(i)
-                && others.any(|j| self.struck[j.contact] >= self.struck[i])
-        });
-        if collapses { near } else { Vec::new() }
+        let leaves = |&i: &usize| {
+            let size = self.contacts.size(i, time);
+            find(&self.active, i).is_none()
+                && (time > 0.0 || self.contacts.gap(i) > size.gap_rounding())
+                && self.contacts.normal_velocity(i) > size.touching_velocity()
+        };
+        if closing.is_empty() || !touching.iter().any(leaves) {
+            return Vec::new();
+        }
+        self.near(touching)
+    }
+
+    /// Whether contacts close with little of what their velocities have been.
+    fn are_slow(&self, closing: &[usize]) -> bool {
+        closing.iter().all(|&i| {
+            let size = self.contacts.size(i, self.state.time);
+            -self.contacts.normal_velocity(i) <= SLOW * size.speed()
+        })
+    }
+
+    /// The gaps of contacts that may strike one after the other.
+    fn near(&self, touching: &[usize]) -> Vec<NearContact> {
+        let time = self.state.time;
+        let near = |&contact: &usize| {
+            let held = find(&self.active, contact).is_some();
+            let (gap, touching) = (
+                self.contacts.gap(contact).max(0.0),
+                self.contacts.size(contact, time).touching_gap(),
+            );
+            let (gap, rounding) = if held { (0.0, 0.0) } else { (gap, touching) };
+            NearContact {
+                contact,
+                gap,
+                rounding,
+            }
+        };
+        touching.iter().map(near).collect()
     }
 
     /// Carries out the impacts of a cluster; returns the contacts struck.
@@ -266,9 +326,6 @@ impl Driver<'_> {
         self.write_input();
         self.contacts
             .evaluate_contacts(&self.x, 0..self.all_contacts.len());
-        for &i in &cluster.struck {
-            self.struck[i] = self.state.time;
-        }
         self.numerical_time += cluster.numerical_time;
         if let Some(note) = cluster.note() {
             self.note(note);
@@ -288,14 +345,11 @@ impl Driver<'_> {
         let mut restitution = vec![0.0; touching.len()];
         for (e, &i) in restitution.iter_mut().zip(touching) {
             let speed = -self.contacts.normal_velocity(i);
-            if self.bounces(i, speed, alone) {
+            if speed > self.slowest_bounce(i, alone) {
                 *e = self.restitution[i];
             } else if self.restitution[i] > 0.0 && closing.contains(&i) {
                 ended.push((i, speed));
             }
-        }
-        for &i in closing {
-            self.struck[i] = self.state.time;
         }
         let elastic = restitution.iter().any(|e| *e > 0.0);
         let before = if elastic { self.kinetic_energy() } else { 0.0 };
@@ -382,7 +436,7 @@ impl Driver<'_> {
                     "repeatedly"
                 };
                 self.note(&format!(
-                    "bounces of `{}` slower than the rest velocity end in contact: {times}, first at t = {} s; \
+                    "bounces of `{}` {LEFT_OUT}: {times}, first at t = {} s; \
                      a bounce left out is at most {:.1e} {} high",
                     contact.name, cascades.first, cascades.height, contact.unit
                 ));
