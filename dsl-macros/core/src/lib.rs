@@ -16,6 +16,7 @@
 mod ast;
 mod check;
 mod derive;
+pub mod description;
 mod diagnostics;
 mod dimension;
 mod emit;
@@ -36,6 +37,7 @@ pub use diagnostics::Mistake;
 pub use mistakes::{explanation, mistake_codes};
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
+use description::{Description, Unfit};
 use proc_macro2::TokenStream;
 
 /// Expands one `model! { ... }` declaration into Rust items, or into `compile_error!`s and a stub.
@@ -71,6 +73,15 @@ pub fn try_expand(input: TokenStream) -> Result<TokenStream, Vec<Mistake>> {
 }
 
 fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<TokenStream> {
+    let (declared, scene, description) = derived(input, diagnostics)?;
+    Ok(emit::scene(&declared, &scene, &description))
+}
+
+/// From tokens to everything that is derived from them.
+fn derived(
+    input: TokenStream,
+    diagnostics: &mut Diagnostics,
+) -> Checked<(ast::Scene, scene::CheckedScene, Description)> {
     graph::reset();
     let declared = parse::scene(input, diagnostics)?;
     let scene = check::scene(&declared, diagnostics)?;
@@ -104,19 +115,20 @@ fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
         matches!(statement, ast::Statement::Start(list) if list.iter().any(|own| !own.velocity))
     });
     check::at_start(&scene, &equations.mass, positions, diagnostics)?;
-    emit::scene(&declared, &scene, &equations).map_err(|unfit| match unfit {
-        emit::Unfit::Long { kernel, operations } => diagnostics.report(
+    let description = Description::of(&scene, &equations).map_err(|unfit| match unfit {
+        Unfit::Long { kernel, operations } => diagnostics.report(
             "E22",
             scene.name.place(),
             format!(
                 "the derived function {kernel} has {operations} operations, more than {}; split the mechanism \
                  into smaller scenes or choose coordinates in which its inertia is simpler",
-                emit::BUDGET
+                description::BUDGET
             ),
         ),
-        emit::Unfit::Exhausted => diagnostics.report("E22", place, evaluate::TOO_LARGE),
-        emit::Unfit::Constant => diagnostics.report("E21", place, DERIVED_CONSTANT),
-    })
+        Unfit::Exhausted => diagnostics.report("E22", place, evaluate::TOO_LARGE),
+        Unfit::Constant => diagnostics.report("E21", place, DERIVED_CONSTANT),
+    })?;
+    Ok((declared, scene, description))
 }
 
 const DERIVED_CONSTANT: &str = "a constant in the derivatives of the declaration has no finite value in double \
