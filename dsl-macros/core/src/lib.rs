@@ -26,6 +26,7 @@ mod mistakes;
 mod parse;
 mod scene;
 mod tape;
+mod text;
 mod words;
 
 #[cfg(test)]
@@ -35,6 +36,7 @@ mod testing;
 
 pub use diagnostics::Mistake;
 pub use mistakes::{explanation, mistake_codes};
+pub use text::TextMistake;
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
 use description::{Description, Unfit};
@@ -48,16 +50,17 @@ pub fn expand(input: TokenStream) -> TokenStream {
         Ok(tokens) => tokens,
         Err(mistakes) => {
             let mut tokens = diagnostics::to_tokens(&mistakes);
-            if let Some(outline) = parse::outline(stub_of) {
-                tokens.extend(emit::stub(
-                    &outline.visibility,
-                    &outline.name,
-                    &outline.parameters,
-                ));
-            }
+            tokens.extend(stub(stub_of));
             tokens
         }
     }
+}
+
+/// What stands for a scene with mistakes, so that its uses give no further messages.
+fn stub(input: TokenStream) -> TokenStream {
+    parse::outline(input).map_or_else(TokenStream::new, |outline| {
+        emit::stub(&outline.visibility, &outline.name, &outline.parameters)
+    })
 }
 
 /// Expands one declaration, or lists its mistakes.
@@ -70,6 +73,49 @@ pub fn try_expand(input: TokenStream) -> Result<TokenStream, Vec<Mistake>> {
         Ok(tokens) if diagnostics.mistakes() == 0 => Ok(tokens),
         _ => Err(diagnostics.into_mistakes()),
     }
+}
+
+/// Expands the text of a file, which holds what stands inside `model! { ... }`, or only the statements of a scene that is
+/// then called after `stem`, the name of the file; or lists its mistakes, with a stub for the scene.
+///
+/// # Errors
+/// Every mistake found, and tokens that stand for the scene.
+pub fn expand_text(text: &str, stem: &str) -> Result<TokenStream, (Vec<TextMistake>, TokenStream)> {
+    let tokens = text::tokens(text, stem).map_err(|mistakes| (mistakes, TokenStream::new()))?;
+    try_expand(tokens.clone()).map_err(|mistakes| (in_text(mistakes), stub(tokens)))
+}
+
+/// Derives the scene that the text of a file declares, which holds what stands inside `model! { ... }`, or only the
+/// statements of a scene that is then called after `stem`, the name of the file.
+///
+/// Time and memory are bounded for any text. The expression graph stays in memory until the next derivation of the
+/// thread, and places of tokens as long as the thread lives.
+///
+/// # Errors
+/// Every mistake found, in the order of the declaration.
+///
+/// ```
+/// let ball = "
+///     parameters { m: kg = 1, g: m/s^2 = 9.81 }
+///     coordinates { z: m }
+///     lagrangian m/2*dot(z)^2 - m*g*z
+/// ";
+/// let derived = hangtime_dsl::describe_text(ball, "ball").expect("no mistakes");
+/// assert_eq!((derived.name.as_str(), derived.inputs()), ("Ball", 2));
+/// let mistakes = hangtime_dsl::describe_text(&ball.replace("dot(z)", "z'"), "ball").unwrap_err();
+/// assert!(mistakes[0].message.contains("dot(z)"));
+/// ```
+pub fn describe_text(text: &str, stem: &str) -> Result<Description, Vec<TextMistake>> {
+    let tokens = text::tokens(text, stem)?;
+    let mut diagnostics = Diagnostics::default();
+    match derived(tokens, &mut diagnostics) {
+        Ok((_, _, description)) if diagnostics.mistakes() == 0 => Ok(description),
+        _ => Err(in_text(diagnostics.into_mistakes())),
+    }
+}
+
+fn in_text(mistakes: Vec<Mistake>) -> Vec<TextMistake> {
+    mistakes.into_iter().map(TextMistake::of).collect()
 }
 
 fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<TokenStream> {

@@ -71,6 +71,22 @@ impl Operation {
         };
         first.into_iter().chain(second)
     }
+
+    /// The same operation on other operands.
+    #[must_use]
+    pub fn with_operands(self, to: impl Fn(u32) -> u32) -> Self {
+        match self {
+            Self::Parameter(_) | Self::Input(_) | Self::Weight(_) | Self::Constant(_) => self,
+            Self::Negate(a) => Self::Negate(to(a)),
+            Self::Root(a) => Self::Root(to(a)),
+            Self::Call(function, a) => Self::Call(function, to(a)),
+            Self::Add(a, b) => Self::Add(to(a), to(b)),
+            Self::Subtract(a, b) => Self::Subtract(to(a), to(b)),
+            Self::Multiply(a, b) => Self::Multiply(to(a), to(b)),
+            Self::Divide(a, b) => Self::Divide(to(a), to(b)),
+            Self::Call2(function, a, b) => Self::Call2(function, to(a), to(b)),
+        }
+    }
 }
 
 impl Kernel {
