@@ -35,6 +35,10 @@ pub(crate) enum Command {
     /// Show what was derived from a scene: equations, sparsity patterns, operation counts. Given the code
     /// of a mistake, as in `explain E07`, show its page.
     Explain(ExplainArguments),
+    /// Report the mistakes of a scene file, and nothing else.
+    Check(CheckArguments),
+    /// Write a scene file to begin with, which simulates and solves as it stands.
+    New(NewArguments),
     /// Reproduce the published results and write figures, data and a page.
     Reproduce(ReproduceArguments),
     /// Print the script that completes commands, options and their choices in a shell.
@@ -59,7 +63,7 @@ pub(crate) struct ListArguments {
 /// The scene and its parameters.
 #[derive(Debug, Args)]
 pub(crate) struct SceneArguments {
-    /// Name of the scene; `hangtime list` shows them.
+    /// Name of the scene; `hangtime list` shows them. Or the path of a scene file, which ends with .hang.
     #[arg(value_name = "SCENE")]
     pub(crate) scene: String,
     /// Set a parameter, in its declared unit or in the unit given: `--set start_y=8.264m`.
@@ -260,7 +264,7 @@ pub(crate) struct NlpArguments {
 /// Arguments of `chart`.
 #[derive(Debug, Args)]
 pub(crate) struct ChartArguments {
-    /// Name of the scene; default: all scenes.
+    /// Name of the scene, or path of a scene file; default: all scenes.
     #[arg(value_name = "SCENE")]
     pub(crate) scene: Option<String>,
     /// Set a parameter, in its declared unit or in the unit given.
@@ -278,6 +282,22 @@ pub(crate) struct ChartArguments {
 pub(crate) struct ExplainArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub(crate) struct CheckArguments {
+    /// The scene file, which ends with .hang.
+    #[arg(value_name = "FILE")]
+    pub(crate) file: String,
+}
+
+/// Arguments of `new`.
+#[derive(Debug, Args)]
+pub(crate) struct NewArguments {
+    /// Name of the scene; NAME.hang is written, unless there is such a file.
+    #[arg(value_name = "NAME")]
+    pub(crate) name: String,
 }
 
 /// Arguments of `reproduce`.

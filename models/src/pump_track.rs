@@ -91,14 +91,10 @@ pub(crate) const SCENE: Scene = Scene {
     name: "pump-track",
     title: "a bike and its rider gain speed on a wavy track by pushing against each other",
     variants: &[
-        Variant {
-            settings: &[("law", "paper")],
-            model: || Box::new(PumpTrack::default()),
-        },
-        Variant {
-            settings: &[("law", "holding")],
-            model: || Box::new(PumpTrackHolding::default()),
-        },
+        Variant::form(&[("law", "paper")], || Box::new(PumpTrack::default())),
+        Variant::form(&[("law", "holding")], || {
+            Box::new(PumpTrackHolding::default())
+        }),
     ],
     plane: Some(Plane {
         axes: ["y [m]", "z [m]"],
