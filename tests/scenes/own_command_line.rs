@@ -12,7 +12,7 @@ use hangtime_cli::CommandLine;
     reason = "the example is a program with a main function"
 )]
 #[path = "../../examples/own_command_line.rs"]
-mod example;
+pub(crate) mod example;
 
 #[test]
 fn sledge_flies_over_its_hollow_and_is_certified() {
