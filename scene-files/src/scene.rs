@@ -2,7 +2,8 @@
 
 use crate::declaration;
 use crate::program::{Program, TooLarge};
-use crate::scratch::{Scratch, zeros};
+use crate::scratch::Scratch;
+use crate::system::zeros;
 use hangtime::model::{Declaration, Model};
 use hangtime_dsl::description::{
     Contact, Description, Friction, Functions, Motion, MotionDerivatives, Rows,

@@ -1,6 +1,7 @@
 //! Memory of a thread for the evaluation of programs, so that no call allocates.
 
 use crate::program::Registers;
+use crate::system::Solution;
 use std::cell::Cell;
 
 /// Registers, and vectors and matrices for linear systems.
@@ -12,23 +13,6 @@ pub(crate) struct Scratch {
     /// Values of a second kernel.
     pub(crate) others: Vec<f64>,
     pub(crate) solution: Solution,
-}
-
-/// A factorized linear system, its solution and the derivatives of that.
-#[derive(Debug, Default)]
-pub(crate) struct Solution {
-    /// Unit lower triangle and upper triangle, row-major.
-    pub(crate) factors: Vec<f64>,
-    /// `rows[i]` is the row of the matrix that became row `i`.
-    pub(crate) rows: Vec<usize>,
-    /// Multipliers, and then the solution.
-    pub(crate) y: Vec<f64>,
-    /// Derivatives of the solution, row-major.
-    pub(crate) sensitivity: Vec<f64>,
-    /// A matrix over the inputs, row-major.
-    pub(crate) product: Vec<f64>,
-    /// Right-hand sides and intermediate vectors.
-    pub(crate) vectors: [Vec<f64>; 2],
 }
 
 thread_local! {
@@ -56,10 +40,4 @@ impl Scratch {
             Some(result)
         })
     }
-}
-
-/// The vector with this length, of zeros.
-pub(crate) fn zeros(vector: &mut Vec<f64>, length: usize) {
-    vector.clear();
-    vector.resize(length, 0.0);
 }

@@ -6,10 +6,25 @@
 //! A = dy/dx = -K^-1 F_x          d2(lambda' y)/dx2 = -(mu' F)_xx - P' A - A' P
 //! ```
 
-use crate::scratch::{Solution, zeros};
-
 /// Position of a structural nonzero: row, column.
 pub(crate) type Position = (usize, usize);
+
+/// A factorized linear system, its solution and the derivatives of that.
+#[derive(Debug, Default)]
+pub(crate) struct Solution {
+    /// Unit lower triangle and upper triangle, row-major.
+    pub(crate) factors: Vec<f64>,
+    /// `rows[i]` is the row of the matrix that became row `i`.
+    pub(crate) rows: Vec<usize>,
+    /// Multipliers, and then the solution.
+    pub(crate) y: Vec<f64>,
+    /// Derivatives of the solution, row-major.
+    pub(crate) sensitivity: Vec<f64>,
+    /// A matrix over the inputs, row-major.
+    pub(crate) product: Vec<f64>,
+    /// Right-hand sides and intermediate vectors.
+    pub(crate) vectors: [Vec<f64>; 2],
+}
 
 impl Solution {
     /// Factorizes the matrix of order `size` that stands before the right-hand side in `system`, and solves for it. The
@@ -160,4 +175,10 @@ fn subtract(y: &mut [f64], x: &[f64], factor: f64) {
     for (y, x) in y.iter_mut().zip(x) {
         *y -= factor * x;
     }
+}
+
+/// The vector with this length, of zeros.
+pub(crate) fn zeros(vector: &mut Vec<f64>, length: usize) {
+    vector.clear();
+    vector.resize(length, 0.0);
 }
