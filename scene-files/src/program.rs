@@ -53,6 +53,8 @@ enum Kind {
     Root,
     Call(Function),
     Call2(Function2),
+    /// Sine and cosine of one number, by one call; the second register is another result.
+    SineAndCosine,
 }
 
 /// A kernel has too many values for the registers.
@@ -95,7 +97,8 @@ impl Program {
                 _ => {}
             }
         }
-        let order = schedule(operations, &constant);
+        let cosines = cosines(operations, &constant);
+        let order = schedule(operations, &constant, &cosines);
         let mut runs: Vec<Run> = Vec::new();
         let mut registers = Vec::with_capacity(order.len());
         for (at, kind) in order {
@@ -103,18 +106,24 @@ impl Program {
                 Some(run) if run.kind == kind => run.length += 1,
                 _ => runs.push(Run { kind, length: 1 }),
             }
+            let cosine = cosines.of_sine(at);
             let mut parts = operations[at].operands();
             let first = parts.next().unwrap_or_default() as usize;
             let second = parts.next().map_or(first, |part| part as usize);
-            let operands = [places.of[first], places.of[second]];
-            for part in operations[at].operands() {
+            let mut operands = [places.of[first], places.of[second]];
+            let read = [Some(at), cosine].into_iter().flatten();
+            for part in read.flat_map(|at| operations[at].operands()) {
                 let part = part as usize;
                 uses[part] -= 1;
                 if uses[part] == 0 && !constant[part] {
                     places.free.push(places.of[part]);
                 }
             }
-            registers.push([places.take(at)?, operands[0], operands[1]]);
+            let result = places.take(at)?;
+            if let Some(cosine) = cosine {
+                operands[1] = places.take(cosine)?;
+            }
+            registers.push([result, operands[0], operands[1]]);
         }
         let [inputs, weights] = given;
         Ok(Self {
@@ -183,6 +192,12 @@ impl Program {
                 Kind::Root => each(now, r, |a, _| a.sqrt()),
                 Kind::Call(function) => each(now, r, |a, _| function.value(a)),
                 Kind::Call2(function) => each(now, r, |a, b| function.value(a, b)),
+                Kind::SineAndCosine => {
+                    for &[sine, a, cosine] in now {
+                        let values = r[usize::from(a)].sin_cos();
+                        (r[usize::from(sine)], r[usize::from(cosine)]) = values;
+                    }
+                }
             }
         }
         for (value, &register) in out.iter_mut().zip(&self.outputs) {
@@ -256,13 +271,50 @@ impl Places {
     }
 }
 
+/// Which sines are evaluated together with a cosine.
+struct Cosines {
+    of_sine: BTreeMap<usize, usize>,
+    sine_of: BTreeMap<usize, usize>,
+}
+
+impl Cosines {
+    fn of_sine(&self, sine: usize) -> Option<usize> {
+        self.of_sine.get(&sine).copied()
+    }
+}
+
+/// The sines and cosines of the same numbers.
+fn cosines(operations: &[Operation], constant: &[bool]) -> Cosines {
+    let calls = |wanted: Function| {
+        let found = operations.iter().enumerate();
+        found.filter_map(move |(at, operation)| match *operation {
+            Operation::Call(function, of) if function == wanted && !constant[at] => Some((of, at)),
+            _ => None,
+        })
+    };
+    let sines: BTreeMap<u32, usize> = calls(Function::Sin).collect();
+    let pairs = calls(Function::Cos).filter_map(|(of, cosine)| Some((*sines.get(&of)?, cosine)));
+    let of_sine: BTreeMap<usize, usize> = pairs.collect();
+    Cosines {
+        sine_of: of_sine
+            .iter()
+            .map(|(&sine, &cosine)| (cosine, sine))
+            .collect(),
+        of_sine,
+    }
+}
+
 /// The operations that are left to do, such that equal ones follow each other where possible.
-fn schedule(operations: &[Operation], constant: &[bool]) -> Vec<(usize, Kind)> {
+fn schedule(operations: &[Operation], constant: &[bool], cosines: &Cosines) -> Vec<(usize, Kind)> {
+    let kind = |at: usize| match cosines.of_sine(at) {
+        Some(_) => Some(Kind::SineAndCosine),
+        None => Kind::of(operations[at]),
+    };
     let mut users: Vec<Vec<usize>> = vec![Vec::new(); operations.len()];
     let mut waits = vec![0_usize; operations.len()];
     let mut ready: BTreeMap<Kind, VecDeque<usize>> = BTreeMap::new();
     for (at, operation) in operations.iter().enumerate() {
-        let Some(kind) = Kind::of(*operation).filter(|_| !constant[at]) else {
+        let Some(kind) = kind(at).filter(|_| !constant[at]) else {
             continue;
         };
         for part in operation.operands() {
@@ -272,23 +324,26 @@ fn schedule(operations: &[Operation], constant: &[bool]) -> Vec<(usize, Kind)> {
                 waits[at] += 1;
             }
         }
-        if waits[at] == 0 {
+        if waits[at] == 0 && !cosines.sine_of.contains_key(&at) {
             ready.entry(kind).or_default().push_back(at);
         }
     }
     let mut order = Vec::new();
     // The kind of which most are ready; of what it makes ready, its own kind follows in the same run.
-    while let Some((&kind, _)) = ready
+    while let Some((&now, _)) = ready
         .iter()
         .filter(|(_, waiting)| !waiting.is_empty())
         .max_by_key(|(_, waiting)| waiting.len())
     {
-        while let Some(at) = ready.get_mut(&kind).and_then(VecDeque::pop_front) {
-            order.push((at, kind));
-            for &user in &users[at] {
+        while let Some(at) = ready.get_mut(&now).and_then(VecDeque::pop_front) {
+            order.push((at, now));
+            let done = [Some(at), cosines.of_sine(at)].into_iter().flatten();
+            for &user in done.flat_map(|at| &users[at]) {
                 waits[user] -= 1;
+                // A cosine follows from its sine.
                 if waits[user] == 0
-                    && let Some(kind) = Kind::of(operations[user])
+                    && !cosines.sine_of.contains_key(&user)
+                    && let Some(kind) = kind(user)
                 {
                     ready.entry(kind).or_default().push_back(user);
                 }
