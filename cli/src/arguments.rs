@@ -10,12 +10,15 @@ use hangtime_units::Quantity;
 #[command(name = "hangtime", version, propagate_version = true)]
 #[command(
     after_help = "Exit status: 0 solved, 2 bad input or files that could not be written, 3 not converged or ended at a \
-        limit; one line on the standard error stream says why."
+        limit; one line on the standard error stream says why (mistakes in a scene file: with the lines of the file)."
 )]
 pub(crate) struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
+    /// Run again whenever the scene file changes, until Ctrl-C.
+    #[arg(long, global = true)]
+    pub(crate) watch: bool,
 }
 
 /// The commands.
@@ -50,6 +53,18 @@ pub(crate) enum Command {
 impl Command {
     /// Name of the command that reproduces published results.
     pub(crate) const REPRODUCE: &str = "reproduce";
+
+    /// The scene that it is about, if it is about one.
+    pub(crate) fn scene(&self) -> Option<&str> {
+        match self {
+            Self::Simulate(arguments) => Some(&arguments.scene.scene),
+            Self::Solve(arguments) => Some(&arguments.scene.scene),
+            Self::Explain(arguments) => Some(&arguments.scene.scene),
+            Self::Chart(arguments) => arguments.scene.as_deref(),
+            Self::Check(arguments) => Some(&arguments.file),
+            _ => None,
+        }
+    }
 }
 
 /// Arguments of `list`.

@@ -11,7 +11,10 @@ use crate::Scene;
 use crate::arguments::{Arguments, Command, ListArguments, ReproduceArguments};
 use crate::failure::{BadInput, visible};
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, refuse};
-use crate::{authoring, chart, explain, list, program, reproduce, scene, shell, simulate, solve};
+use crate::scene_file::is_path;
+use crate::{
+    authoring, chart, explain, list, program, reproduce, scene, shell, simulate, solve, watch,
+};
 
 /// The command line over a list of scenes.
 ///
@@ -68,9 +71,24 @@ impl CommandLine {
         let arguments: Vec<OsString> = arguments.into_iter().collect();
         let mut command = self.command(arguments.first());
         let outcome = match command
-            .try_get_matches_from_mut(arguments)
+            .try_get_matches_from_mut(arguments.clone())
             .and_then(|matches| Arguments::from_arg_matches(&matches))
         {
+            Ok(Arguments {
+                command,
+                watch: true,
+            }) => {
+                let refusal = match command.as_ref().and_then(Command::scene) {
+                    Some(file) if is_path(file) => {
+                        let Err(refusal) = watch::run(file, &arguments);
+                        refusal
+                    }
+                    _ => BadInput::new(
+                        "--watch looks at a scene file; give its path, which ends with .hang, as the scene",
+                    ),
+                };
+                Ok(Err(refusal))
+            }
             // A mistake in this program must not end it by a panic: its message is on the screen by then.
             Ok(arguments) => panic::catch_unwind(AssertUnwindSafe(|| {
                 scene::check(self.scenes)?;

@@ -39,6 +39,7 @@ mod table;
 mod testing;
 mod thinning;
 mod timing;
+mod watch;
 
 pub use command_line::CommandLine;
 pub use published::{

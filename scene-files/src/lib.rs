@@ -36,7 +36,7 @@ pub use hangtime_dsl::TextMistake;
 pub use scene::TextScene;
 
 use program::TooLarge;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::Path;
 use std::{fmt, thread};
@@ -81,6 +81,12 @@ impl std::error::Error for SceneError {}
 pub fn read(file: &Path) -> Result<TextScene, SceneError> {
     let shown = file.display();
     let unreadable = |why: String| SceneError::Unreadable(format!("scene file `{shown}`: {why}"));
+    // Reading from a pipe might never end.
+    if fs::metadata(file).is_ok_and(|found| !found.is_file()) {
+        return Err(unreadable(
+            "this is no file; give the path of one".to_owned(),
+        ));
+    }
     let mut bytes = Vec::new();
     File::open(file)
         .and_then(|opened| opened.take(LONGEST).read_to_end(&mut bytes))

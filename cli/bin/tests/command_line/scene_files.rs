@@ -1,8 +1,9 @@
 //! Scenes from files.
 
 use std::fs;
+use std::io::{BufRead as _, BufReader};
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use crate::support::{Scratch, hangtime, json, refused, solved};
 
@@ -49,6 +50,32 @@ fn new_scene_simulates_and_solves_and_is_never_overwritten() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("the file exists"));
     assert_eq!(scratch.read("ride.hang"), "mine");
     assert!(refused(&["new", "../ride"]).contains("ASCII letters"));
+}
+
+#[test]
+fn watched_scene_runs_again_when_its_file_changes() {
+    let scratch = Scratch::new("watched-scene");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("incline.hang");
+    fs::copy(shipped("incline"), &file).unwrap();
+    let mut running = Command::new(env!("CARGO_BIN_EXE_hangtime"))
+        .args(["check", file.to_str().unwrap(), "--watch"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(running.stdout.take().unwrap()).lines();
+    let mut next = || lines.next().unwrap().unwrap();
+    assert!(next().contains("has 2 coordinates, 0 controls and 1 contact"));
+    let text = fs::read_to_string(&file).unwrap();
+    fs::write(
+        &file,
+        text + "surface roof: z <= 100[m] impact roof: inelastic",
+    )
+    .unwrap();
+    assert!(next().contains("has 2 coordinates, 0 controls and 2 contacts"));
+    running.kill().unwrap();
+    running.wait().unwrap();
+    assert!(refused(&["simulate", "incline", "--watch"]).contains("looks at a scene file"));
 }
 
 #[test]
