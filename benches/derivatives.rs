@@ -156,7 +156,8 @@ fn derivation(text: &str) -> f64 {
     now(start) - begin
 }
 
-fn report<M: Model>(name: &str, model: &M, text: &str) {
+/// Times of acceleration, Jacobian and Hessian [ns a call].
+fn times(model: &dyn Model) -> [f64; 3] {
     let declaration = model.declaration();
     let n = declaration.coordinates.len();
     let mut x: Vec<f64> = (0..declaration.inputs())
@@ -168,29 +169,42 @@ fn report<M: Model>(name: &str, model: &M, text: &str) {
     let mut a = vec![0.0; n];
     let mut jacobian = vec![0.0; declaration.free_jacobian.entries.len()];
     let mut hessian = vec![0.0; declaration.free_hessian.entries.len()];
+    [
+        time(&mut x, |x| model.free_acceleration(x, black_box(&mut a))),
+        time(&mut x, |x| model.free_jacobian(x, black_box(&mut jacobian))),
+        time(&mut x, |x| {
+            model.free_hessian(x, &weights, black_box(&mut hessian))
+        }),
+    ]
+}
+
+fn report<M: Model>(name: &str, model: &M, text: &str) {
+    let declaration = model.declaration();
     let operations: Vec<String> = declaration
         .kernels
         .iter()
         .filter(|kernel| kernel.name.starts_with("free") || kernel.name.starts_with("motion"))
         .map(|kernel| kernel.operations.to_string())
         .collect();
-    let f = time(&mut x, |x| model.free_acceleration(x, black_box(&mut a)));
-    let j = time(&mut x, |x| model.free_jacobian(x, black_box(&mut jacobian)));
-    let h = time(&mut x, |x| {
-        model.free_hessian(x, &weights, black_box(&mut hessian))
-    });
+    let [f, j, h] = times(model);
+    // The same text without a compiler.
+    let loaded = hangtime_scene_files::of_text("scene.hang", text).expect("the scene is derived");
+    let interpreted = times(&loaded).map(|time| format!("{time:.1}"));
     println!(
-        "| {name} | {f:.1} | {j:.1} | {h:.1} | {} | {} | {} | {:.3} |",
+        "| {name} | {f:.1} | {j:.1} | {h:.1} | {} | {} | {} | {:.3} | {} |",
         operations.join("+"),
-        jacobian.len(),
-        hessian.len(),
-        derivation(text)
+        declaration.free_jacobian.entries.len(),
+        declaration.free_hessian.entries.len(),
+        derivation(text),
+        interpreted.join(" | ")
     );
 }
 
 fn main() {
-    println!("| model | f ns | J ns | H ns | operations | nnz J | nnz H | derivation s |");
-    println!("|---|---|---|---|---|---|---|---|");
+    println!(
+        "| model | f ns | J ns | H ns | operations | nnz J | nnz H | derivation s | f from text | J from text | H from text |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
     report("pump", &Pump::default(), PUMP);
     report("bike2", &Bike2::default(), BIKE2);
     report("chain3", &Chain3::default(), CHAIN3);

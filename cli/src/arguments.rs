@@ -10,12 +10,15 @@ use hangtime_units::Quantity;
 #[command(name = "hangtime", version, propagate_version = true)]
 #[command(
     after_help = "Exit status: 0 solved, 2 bad input or files that could not be written, 3 not converged or ended at a \
-        limit; one line on the standard error stream says why."
+        limit; one line on the standard error stream says why (mistakes in a scene file: with the lines of the file)."
 )]
 pub(crate) struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
+    /// Run again whenever the scene file changes, until Ctrl-C.
+    #[arg(long, global = true)]
+    pub(crate) watch: bool,
 }
 
 /// The commands.
@@ -35,6 +38,10 @@ pub(crate) enum Command {
     /// Show what was derived from a scene: equations, sparsity patterns, operation counts. Given the code
     /// of a mistake, as in `explain E07`, show its page.
     Explain(ExplainArguments),
+    /// Report the mistakes of a scene file, and nothing else.
+    Check(CheckArguments),
+    /// Write a scene file to begin with, which simulates and solves as it stands.
+    New(NewArguments),
     /// Reproduce the published results and write figures, data and a page.
     Reproduce(ReproduceArguments),
     /// Print the script that completes commands, options and their choices in a shell.
@@ -46,6 +53,18 @@ pub(crate) enum Command {
 impl Command {
     /// Name of the command that reproduces published results.
     pub(crate) const REPRODUCE: &str = "reproduce";
+
+    /// The scene that it is about, if it is about one.
+    pub(crate) fn scene(&self) -> Option<&str> {
+        match self {
+            Self::Simulate(arguments) => Some(&arguments.scene.scene),
+            Self::Solve(arguments) => Some(&arguments.scene.scene),
+            Self::Explain(arguments) => Some(&arguments.scene.scene),
+            Self::Chart(arguments) => arguments.scene.as_deref(),
+            Self::Check(arguments) => Some(&arguments.file),
+            _ => None,
+        }
+    }
 }
 
 /// Arguments of `list`.
@@ -59,7 +78,7 @@ pub(crate) struct ListArguments {
 /// The scene and its parameters.
 #[derive(Debug, Args)]
 pub(crate) struct SceneArguments {
-    /// Name of the scene; `hangtime list` shows them.
+    /// Name of the scene; `hangtime list` shows them. Or the path of a scene file, which ends with .hang.
     #[arg(value_name = "SCENE")]
     pub(crate) scene: String,
     /// Set a parameter, in its declared unit or in the unit given: `--set start_y=8.264m`.
@@ -260,7 +279,7 @@ pub(crate) struct NlpArguments {
 /// Arguments of `chart`.
 #[derive(Debug, Args)]
 pub(crate) struct ChartArguments {
-    /// Name of the scene; default: all scenes.
+    /// Name of the scene, or path of a scene file; default: all scenes.
     #[arg(value_name = "SCENE")]
     pub(crate) scene: Option<String>,
     /// Set a parameter, in its declared unit or in the unit given.
@@ -278,6 +297,22 @@ pub(crate) struct ChartArguments {
 pub(crate) struct ExplainArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub(crate) struct CheckArguments {
+    /// The scene file, which ends with .hang.
+    #[arg(value_name = "FILE")]
+    pub(crate) file: String,
+}
+
+/// Arguments of `new`.
+#[derive(Debug, Args)]
+pub(crate) struct NewArguments {
+    /// Name of the scene; NAME.hang is written, unless there is such a file.
+    #[arg(value_name = "NAME")]
+    pub(crate) name: String,
 }
 
 /// Arguments of `reproduce`.

@@ -10,8 +10,11 @@ use clap::{CommandFactory as _, FromArgMatches as _};
 use crate::Scene;
 use crate::arguments::{Arguments, Command, ListArguments, ReproduceArguments};
 use crate::failure::{BadInput, visible};
-use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain};
-use crate::{chart, explain, list, program, reproduce, scene, shell, simulate, solve};
+use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, refuse};
+use crate::scene_file::is_path;
+use crate::{
+    authoring, chart, explain, list, program, reproduce, scene, shell, simulate, solve, watch,
+};
 
 /// The command line over a list of scenes.
 ///
@@ -59,7 +62,7 @@ impl CommandLine {
     }
 
     /// Runs one command; `arguments` begin with the name of the program. Prints the report, or one line that says what
-    /// was refused and how to mend it. Without a command, published results are reproduced, if a scene has some;
+    /// was refused and how to mend it (mistakes in a scene file: with the lines of the file). Without a command, published results are reproduced, if a scene has some;
     /// otherwise the scenes are listed.
     ///
     /// The exit status is 0 for a solved problem, 2 for bad input and for files that could not be written, 3 for a
@@ -68,9 +71,24 @@ impl CommandLine {
         let arguments: Vec<OsString> = arguments.into_iter().collect();
         let mut command = self.command(arguments.first());
         let outcome = match command
-            .try_get_matches_from_mut(arguments)
+            .try_get_matches_from_mut(arguments.clone())
             .and_then(|matches| Arguments::from_arg_matches(&matches))
         {
+            Ok(Arguments {
+                command,
+                watch: true,
+            }) => {
+                let refusal = match command.as_ref().and_then(Command::scene) {
+                    Some(file) if is_path(file) => {
+                        let Err(refusal) = watch::run(file, &arguments);
+                        refusal
+                    }
+                    _ => BadInput::new(
+                        "--watch looks at a scene file; give its path, which ends with .hang, as the scene",
+                    ),
+                };
+                Ok(Err(refusal))
+            }
             // A mistake in this program must not end it by a panic: its message is on the screen by then.
             Ok(arguments) => panic::catch_unwind(AssertUnwindSafe(|| {
                 scene::check(self.scenes)?;
@@ -86,7 +104,7 @@ impl CommandLine {
         match outcome {
             Ok(Ok(report)) => report.print(),
             Ok(Err(refusal)) => {
-                complain(&refusal.to_string());
+                refuse(&refusal);
                 ExitCode::from(BAD_INPUT)
             }
             Err(_) => {
@@ -138,6 +156,8 @@ impl CommandLine {
             Some(Command::Nlp(arguments)) => program::run(&arguments),
             Some(Command::Chart(arguments)) => chart::run(scenes, &arguments),
             Some(Command::Explain(arguments)) => explain::run(scenes, &arguments),
+            Some(Command::Check(arguments)) => authoring::check(&arguments),
+            Some(Command::New(arguments)) => authoring::new(&arguments),
             Some(Command::Reproduce(arguments)) => reproduce::run(scenes, &arguments),
             Some(Command::Completions(arguments)) => Ok(shell::completions(parser, &arguments)),
             Some(Command::Man(arguments)) => shell::manual(parser, &arguments),

@@ -1,16 +1,26 @@
-//! Bad input, reduced to one line.
+//! Bad input, reduced to one line, or shown where it stands.
 
 use hangtime::simulation::InputError;
 
-/// Why a command was refused: one line that says what, where, and how to mend it.
+/// Why a command was refused: one line that says what, where, and how to mend it, or the report on a scene file.
 #[derive(Debug, PartialEq, thiserror::Error)]
-#[error("{0}")]
-pub(crate) struct BadInput(String);
+pub(crate) enum BadInput {
+    #[error("{0}")]
+    Line(String),
+    /// Mistakes in a scene file, shown in its lines.
+    #[error("{0}")]
+    Report(String),
+}
 
 impl BadInput {
     /// A refusal in one short line.
     pub(crate) fn new(message: impl AsRef<str>) -> Self {
-        Self(one_line(message.as_ref()))
+        Self::Line(one_line(message.as_ref()))
+    }
+
+    /// A refusal of a text, with the lines that are wrong in it.
+    pub(crate) fn report(text: &str) -> Self {
+        Self::Report(visible(text))
     }
 }
 

@@ -5,6 +5,7 @@
 
 mod animation;
 mod arguments;
+mod authoring;
 mod bounds;
 mod chart;
 mod command_line;
@@ -27,6 +28,7 @@ mod report;
 mod reproduce;
 mod sampling;
 mod scene;
+mod scene_file;
 mod settings;
 mod shell;
 mod simulate;
@@ -37,6 +39,7 @@ mod table;
 mod testing;
 mod thinning;
 mod timing;
+mod watch;
 
 pub use command_line::CommandLine;
 pub use published::{

@@ -3,7 +3,7 @@
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
-use crate::failure::{one_line, visible};
+use crate::failure::{BadInput, one_line, visible};
 use crate::output::OutputDirectory;
 
 /// Exit status of a result that did not converge.
@@ -71,6 +71,16 @@ impl Report {
             _ if !self.refusals.is_empty() => ExitCode::from(BAD_INPUT),
             _ if self.diagnoses.is_empty() => ExitCode::SUCCESS,
             _ => ExitCode::from(NOT_CONVERGED),
+        }
+    }
+}
+
+/// Why a command was refused, on the standard error stream.
+pub(crate) fn refuse(refusal: &BadInput) {
+    match refusal {
+        BadInput::Line(line) => complain(line),
+        BadInput::Report(text) => {
+            let _ = writeln!(io::stderr(), "{text}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What the list of scenes knows about each one.
 
 use hangtime::model::Model;
+use hangtime_scene_files::TextScene;
 
 use crate::failure::BadInput;
 use crate::published::PublishedCase;
@@ -26,8 +27,14 @@ pub struct Variant {
     /// The settings that select this form, as (name, choice); every variant of a scene has the same
     /// names. Empty if the scene has a single form.
     pub settings: &'static [(&'static str, &'static str)],
-    /// Makes the model with default parameters.
-    pub model: fn() -> Box<dyn Model>,
+    model: ModelSource,
+}
+
+/// Where the model of a variant comes from.
+#[derive(Debug, Clone, Copy)]
+enum ModelSource {
+    Made(fn() -> Box<dyn Model>),
+    Loaded(&'static TextScene),
 }
 
 /// How a scene that moves in a vertical plane is drawn.
@@ -60,9 +67,35 @@ impl Variant {
     /// The only form of a scene.
     #[must_use]
     pub const fn new(model: fn() -> Box<dyn Model>) -> Self {
+        Self::form(&[], model)
+    }
+
+    /// One of several forms of a scene, selected by `settings`.
+    #[must_use]
+    pub const fn form(
+        settings: &'static [(&'static str, &'static str)],
+        model: fn() -> Box<dyn Model>,
+    ) -> Self {
+        Self {
+            settings,
+            model: ModelSource::Made(model),
+        }
+    }
+
+    /// The only form of a scene from a file.
+    pub(crate) const fn loaded(model: &'static TextScene) -> Self {
         Self {
             settings: &[],
-            model,
+            model: ModelSource::Loaded(model),
+        }
+    }
+
+    /// A model with default parameters.
+    #[must_use]
+    pub fn model(&self) -> Box<dyn Model> {
+        match self.model {
+            ModelSource::Made(make) => make(),
+            ModelSource::Loaded(model) => model.boxed(),
         }
     }
 }
@@ -163,7 +196,7 @@ pub(crate) fn check(scenes: &[Scene]) -> Result<(), BadInput> {
             return refuse(scene.name, "it has no variant; give it at least one model");
         }
         for variant in scene.variants {
-            let parameters = (variant.model)().declaration().parameters;
+            let parameters = variant.model().declaration().parameters;
             for (place, (setting, _)) in variant.settings.iter().enumerate() {
                 let twice = variant.settings[..place]
                     .iter()
@@ -243,10 +276,7 @@ mod tests {
         }
         assert!(refusal(&[Scene::new("none", "", &[])]).contains("no variant"));
         for settings in [&[("g", "x")][..], &[("law", "x"), ("law", "y")]] {
-            let variants = Box::new([Variant {
-                settings,
-                model: || Box::new(Wave::default()),
-            }]);
+            let variants = Box::new([Variant::form(settings, || Box::new(Wave::default()))]);
             let refusal = refusal(&[Scene::new("two", "", Box::leak(variants))]);
             assert!(refusal.contains("stands for two things"), "{refusal}");
         }

@@ -7,6 +7,7 @@ use hangtime_units::{Quantity, UnitError};
 
 use crate::arguments::SceneArguments;
 use crate::failure::{BadInput, did_you_mean};
+use crate::scene_file::{EXTENSION, is_path, load};
 
 /// A scene with its settings applied.
 pub(crate) struct ChosenScene {
@@ -95,13 +96,16 @@ impl ChosenScene {
     }
 }
 
-/// The scene called `name`.
+/// The scene called `name`, or that of the file with this path.
 pub(crate) fn find(scenes: &'static [Scene], name: &str) -> Result<&'static Scene, BadInput> {
+    if is_path(name) {
+        return load(name);
+    }
     let named = scenes.iter().find(|scene| scene.name == name);
     named.ok_or_else(|| {
         let names: Vec<&str> = scenes.iter().map(|scene| scene.name).collect();
         BadInput::new(format!(
-            "unknown scene `{name}`{} (scenes: {})",
+            "unknown scene `{name}`{} (scenes: {}; a scene file ends with .{EXTENSION})",
             did_you_mean(name, names.iter().copied()),
             names.join(", ")
         ))
@@ -147,7 +151,7 @@ fn choose(scene: &'static Scene, pairs: &[(&str, &str)]) -> Result<Form, BadInpu
                 .iter()
                 .all(|&(name, choice)| given(name).is_none_or(|&(_, wanted)| wanted == choice))
         })
-        .map(|variant| (variant.settings, (variant.model)()))
+        .map(|variant| (variant.settings, variant.model()))
         .ok_or_else(|| {
             let forms: Vec<String> = scene
                 .variants
@@ -211,19 +215,13 @@ mod tests {
         name: "two-forms",
         title: "",
         variants: &[
-            Variant {
-                settings: &[("law", "paper")],
-                model: || Box::new(Slide::default()),
-            },
-            Variant {
-                settings: &[("law", "holding")],
-                model: || {
-                    Box::new(Slide {
-                        start_y: 4.0,
-                        ..Slide::default()
-                    })
-                },
-            },
+            Variant::form(&[("law", "paper")], || Box::new(Slide::default())),
+            Variant::form(&[("law", "holding")], || {
+                Box::new(Slide {
+                    start_y: 4.0,
+                    ..Slide::default()
+                })
+            }),
         ],
         plane: None,
         published: &[],

@@ -1,4 +1,4 @@
-//! The macro behind `hangtime::model!`: a thin shell over [`hangtime_dsl`].
+//! The macros behind `hangtime::model!` and `hangtime::model_file!`: a thin shell over [`hangtime_dsl`].
 //!
 //! The language is described where the macro is used from, at `hangtime::model!`.
 
@@ -6,4 +6,12 @@
 #[proc_macro]
 pub fn model(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
     hangtime_dsl::expand(input.into()).into()
+}
+
+mod file;
+
+/// Expands the declaration in a file; see `hangtime::model_file!`.
+#[proc_macro]
+pub fn model_file(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
+    file::expand(input)
 }

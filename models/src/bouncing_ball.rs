@@ -5,36 +5,7 @@
 
 use hangtime_cli::{Plane, Scene, Variant};
 
-hangtime::model! {
-    /// A ball that bounces along a floor.
-    pub BouncingBall {
-        parameters {
-            /// Mass of the ball.
-            m: kg = 1,
-            /// Gravitational acceleration.
-            g: m/s^2 = 9.81,
-            /// Coefficient of restitution.
-            e = 0.8,
-            /// Height of the start.
-            height: m = 1,
-            /// Horizontal speed, which nothing changes.
-            speed: m/s = 0.5,
-        }
-        coordinates {
-            /// Horizontal position.
-            y: m,
-            /// Height.
-            z: m,
-        }
-
-        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
-        surface floor: z >= 0
-        impact floor: restitution e
-
-        start { z: height, dot(y): speed }
-        horizon 5 [s]
-    }
-}
+hangtime::model_file!("scenes/bouncing-ball.hang");
 
 /// Its entry in the list of scenes.
 pub(crate) const SCENE: Scene = Scene::new(

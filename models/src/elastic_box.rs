@@ -4,39 +4,7 @@ use hangtime::model::Model;
 
 use hangtime_cli::{GroundLine, Plane, Scene, Variant, parameter};
 
-hangtime::model! {
-    /// A ball between a floor, a ceiling and two walls, none of which takes energy.
-    pub ElasticBox {
-        parameters {
-            /// Mass of the ball.
-            m: kg = 1,
-            /// Gravitational acceleration.
-            g: m/s^2 = 9.81,
-            /// Distance of the walls.
-            width: m = 2,
-            /// Distance of floor and ceiling.
-            height: m = 1.5,
-            /// Speed at the start, to the right and upwards.
-            speed: m/s = 4,
-        }
-        coordinates {
-            /// Horizontal position.
-            y: m,
-            /// Height.
-            z: m,
-        }
-
-        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
-        surface floor: z >= 0
-        surface ceiling: height - z >= 0
-        surface left: y >= 0
-        surface right: width - y >= 0
-        impact floor, ceiling, left, right: restitution 1
-
-        start { y: width/4, z: height/2, dot(y): speed, dot(z): speed }
-        horizon 4 [s]
-    }
-}
+hangtime::model_file!("scenes/elastic-box.hang");
 
 /// Its entry in the list of scenes.
 pub(crate) const SCENE: Scene = Scene::new(

@@ -20,85 +20,18 @@ use hangtime::model::Model;
 use crate::published;
 use hangtime_cli::{GroundLine, Plane, Scene, Variant, parameter};
 
-/// The scene; its forms differ in the law of the impact.
-macro_rules! pump_track {
-    ($(#[$documentation:meta])* $name:ident: $($law:tt)+) => {
-        hangtime::model! {
-            $(#[$documentation])*
-            pub $name {
-                parameters {
-                    /// Mass of the bike.
-                    m_b: kg = 15,
-                    /// Mass of the rider.
-                    m_r: kg = 75,
-                    /// Gravitational acceleration.
-                    g: m/s^2 = 9.81,
-                    /// Amplitude of the track.
-                    a: m = 0.2,
-                    /// Wave number of the track.
-                    k: 1/m = 2,
-                    /// Speed at the start.
-                    speed: km/h = 15,
-                }
-                coordinates {
-                    /// Horizontal position of both.
-                    y: m,
-                    /// Height of the bike above the track.
-                    s: m,
-                    /// Length of the link.
-                    l: m in 0.27803..=0.59559,
-                }
-                controls {
-                    /// Force along the link.
-                    u: N in -108.25..=376.875,
-                }
-
-                fn track(y) = a*(1 - cos(k*y))
-                let bike = (y, track(y) + s)
-                let rider = (y, track(y) + s + l)
-
-                lagrangian m_b/2*|dot(bike)|^2 + m_r/2*|dot(rider)|^2 - m_b*g*bike.z - m_r*g*rider.z
-                forces { l: u }
-                surface ground: s >= 0
-                impact ground: $($law)+
-
-                minimize time
-                finally {
-                    /// Two waves of the track as published.
-                    y == 2*pi*1[m],
-                }
-                start { l: 0.4368 [m], dot(y): speed }
-                horizon 2 [s]
-            }
-        }
-    };
-}
-
-pump_track! {
-    /// A bike and its rider, two point masses on a massless link, on a wavy track; the track pushes
-    /// along (-track', 1, 0), as published.
-    PumpTrack: inelastic, along (-diff(track)(y), 1, 0)
-}
-
-pump_track! {
-    /// A bike and its rider, two point masses on a massless link, on a wavy track; the track pushes
-    /// along its normal while the link is held.
-    PumpTrackHolding: inelastic, holding l
-}
+hangtime::model_file!("scenes/pump-track.hang");
+hangtime::model_file!("scenes/pump-track-holding.hang");
 
 /// Its entry in the list of scenes.
 pub(crate) const SCENE: Scene = Scene {
     name: "pump-track",
     title: "a bike and its rider gain speed on a wavy track by pushing against each other",
     variants: &[
-        Variant {
-            settings: &[("law", "paper")],
-            model: || Box::new(PumpTrack::default()),
-        },
-        Variant {
-            settings: &[("law", "holding")],
-            model: || Box::new(PumpTrackHolding::default()),
-        },
+        Variant::form(&[("law", "paper")], || Box::new(PumpTrack::default())),
+        Variant::form(&[("law", "holding")], || {
+            Box::new(PumpTrackHolding::default())
+        }),
     ],
     plane: Some(Plane {
         axes: ["y [m]", "z [m]"],

@@ -77,5 +77,19 @@ pub use front::simulate::{Simulate, simulate};
 pub use front::solve::{Solve, solve};
 #[doc = include_str!("model_macro.md")]
 pub use hangtime_macros::model;
+/// A scene that is declared in a file of its own.
+///
+/// The file holds what stands inside [`model!`] `{ ... }`, or only the statements; the scene is then called after the
+/// file. Its path is counted from the folder of the package's manifest. `hangtime simulate scenes/ball.hang` runs the same
+/// file without a compiler.
+///
+/// ```ignore
+/// hangtime::model_file!("scenes/ski-jump.hang");
+///
+/// let jump = SkiJump::default();
+/// ```
+///
+/// Mistakes are named with the file, line and column.
+pub use hangtime_macros::model_file;
 pub use input_error::InputError;
 pub use progress::{Observer, Progress};

@@ -9,3 +9,5 @@ mod derivatives;
 mod hygiene;
 mod impact_laws;
 mod optimal_control_functions;
+mod same;
+mod scene_texts;

@@ -9,7 +9,7 @@ use hangtime::ocp::{self, Problem, Settings, Stationarity};
     reason = "the example is a program with a main function"
 )]
 #[path = "../../examples/bike_on_two_wheels.rs"]
-mod example;
+pub(crate) mod example;
 
 #[test]
 fn bike_lands_on_a_downhill_slope_and_is_faster_than_in_flight() {

@@ -9,5 +9,6 @@ mod own_command_line;
 mod published_results;
 mod pump_track;
 mod readme;
+mod scene_files;
 mod teaching_models;
 mod zoo;

@@ -7,23 +7,23 @@ use hangtime::simulation::{
 
 #[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/block_on_incline.rs"]
-mod block_on_incline;
+pub(crate) mod block_on_incline;
 
 #[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/bouncing_ball.rs"]
-mod bouncing_ball;
+pub(crate) mod bouncing_ball;
 
 #[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/double_pendulum_with_stop.rs"]
-mod double_pendulum_with_stop;
+pub(crate) mod double_pendulum_with_stop;
 
 #[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/elastic_ball_in_box.rs"]
-mod elastic_ball_in_box;
+pub(crate) mod elastic_ball_in_box;
 
 #[expect(dead_code, reason = "the example is a program with a main function")]
 #[path = "../../examples/pendulum_against_wall.rs"]
-mod pendulum_against_wall;
+pub(crate) mod pendulum_against_wall;
 
 /// Kinetic and potential energy together, without controls.
 fn energy(model: &dyn Model, q: &[f64], v: &[f64]) -> f64 {

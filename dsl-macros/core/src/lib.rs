@@ -16,6 +16,7 @@
 mod ast;
 mod check;
 mod derive;
+pub mod description;
 mod diagnostics;
 mod dimension;
 mod emit;
@@ -25,6 +26,7 @@ mod mistakes;
 mod parse;
 mod scene;
 mod tape;
+mod text;
 mod words;
 
 #[cfg(test)]
@@ -34,8 +36,10 @@ mod testing;
 
 pub use diagnostics::Mistake;
 pub use mistakes::{explanation, mistake_codes};
+pub use text::TextMistake;
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
+use description::{Description, Unfit};
 use proc_macro2::TokenStream;
 
 /// Expands one `model! { ... }` declaration into Rust items, or into `compile_error!`s and a stub.
@@ -46,16 +50,17 @@ pub fn expand(input: TokenStream) -> TokenStream {
         Ok(tokens) => tokens,
         Err(mistakes) => {
             let mut tokens = diagnostics::to_tokens(&mistakes);
-            if let Some(outline) = parse::outline(stub_of) {
-                tokens.extend(emit::stub(
-                    &outline.visibility,
-                    &outline.name,
-                    &outline.parameters,
-                ));
-            }
+            tokens.extend(stub(stub_of));
             tokens
         }
     }
+}
+
+/// What stands for a scene with mistakes, so that its uses give no further messages.
+fn stub(input: TokenStream) -> TokenStream {
+    parse::outline(input).map_or_else(TokenStream::new, |outline| {
+        emit::stub(&outline.visibility, &outline.name, &outline.parameters)
+    })
 }
 
 /// Expands one declaration, or lists its mistakes.
@@ -70,7 +75,59 @@ pub fn try_expand(input: TokenStream) -> Result<TokenStream, Vec<Mistake>> {
     }
 }
 
+/// Expands the text of a file, which holds what stands inside `model! { ... }`, or only the statements of a scene that is
+/// then called after `stem`, the name of the file; or lists its mistakes, with a stub for the scene.
+///
+/// # Errors
+/// Every mistake found, and tokens that stand for the scene.
+pub fn expand_text(text: &str, stem: &str) -> Result<TokenStream, (Vec<TextMistake>, TokenStream)> {
+    let tokens = text::tokens(text, stem).map_err(|mistakes| (mistakes, TokenStream::new()))?;
+    try_expand(tokens.clone()).map_err(|mistakes| (in_text(mistakes), stub(tokens)))
+}
+
+/// Derives the scene that the text of a file declares, which holds what stands inside `model! { ... }`, or only the
+/// statements of a scene that is then called after `stem`, the name of the file.
+///
+/// Time and memory are bounded for any text. The expression graph stays in memory until the next derivation of the
+/// thread, and places of tokens as long as the thread lives.
+///
+/// # Errors
+/// Every mistake found, in the order of the declaration.
+///
+/// ```
+/// let ball = "
+///     parameters { m: kg = 1, g: m/s^2 = 9.81 }
+///     coordinates { z: m }
+///     lagrangian m/2*dot(z)^2 - m*g*z
+/// ";
+/// let derived = hangtime_dsl::describe_text(ball, "ball").expect("no mistakes");
+/// assert_eq!((derived.name.as_str(), derived.inputs()), ("Ball", 2));
+/// let mistakes = hangtime_dsl::describe_text(&ball.replace("dot(z)", "z'"), "ball").unwrap_err();
+/// assert!(mistakes[0].message.contains("dot(z)"));
+/// ```
+pub fn describe_text(text: &str, stem: &str) -> Result<Description, Vec<TextMistake>> {
+    let tokens = text::tokens(text, stem)?;
+    let mut diagnostics = Diagnostics::default();
+    match derived(tokens, &mut diagnostics) {
+        Ok((_, _, description)) if diagnostics.mistakes() == 0 => Ok(description),
+        _ => Err(in_text(diagnostics.into_mistakes())),
+    }
+}
+
+fn in_text(mistakes: Vec<Mistake>) -> Vec<TextMistake> {
+    mistakes.into_iter().map(TextMistake::of).collect()
+}
+
 fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<TokenStream> {
+    let (declared, scene, description) = derived(input, diagnostics)?;
+    Ok(emit::scene(&declared, &scene, &description))
+}
+
+/// From tokens to everything that is derived from them.
+fn derived(
+    input: TokenStream,
+    diagnostics: &mut Diagnostics,
+) -> Checked<(ast::Scene, scene::CheckedScene, Description)> {
     graph::reset();
     let declared = parse::scene(input, diagnostics)?;
     let scene = check::scene(&declared, diagnostics)?;
@@ -104,19 +161,20 @@ fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
         matches!(statement, ast::Statement::Start(list) if list.iter().any(|own| !own.velocity))
     });
     check::at_start(&scene, &equations.mass, positions, diagnostics)?;
-    emit::scene(&declared, &scene, &equations).map_err(|unfit| match unfit {
-        emit::Unfit::Long { kernel, operations } => diagnostics.report(
+    let description = Description::of(&scene, &equations).map_err(|unfit| match unfit {
+        Unfit::Long { kernel, operations } => diagnostics.report(
             "E22",
             scene.name.place(),
             format!(
                 "the derived function {kernel} has {operations} operations, more than {}; split the mechanism \
                  into smaller scenes or choose coordinates in which its inertia is simpler",
-                emit::BUDGET
+                description::BUDGET
             ),
         ),
-        emit::Unfit::Exhausted => diagnostics.report("E22", place, evaluate::TOO_LARGE),
-        emit::Unfit::Constant => diagnostics.report("E21", place, DERIVED_CONSTANT),
-    })
+        Unfit::Exhausted => diagnostics.report("E22", place, evaluate::TOO_LARGE),
+        Unfit::Constant => diagnostics.report("E21", place, DERIVED_CONSTANT),
+    })?;
+    Ok((declared, scene, description))
 }
 
 const DERIVED_CONSTANT: &str = "a constant in the derivatives of the declaration has no finite value in double \

@@ -6,6 +6,7 @@ mod nlp;
 mod player;
 mod random;
 mod refusals;
+mod scene_files;
 mod simulate;
 mod solve;
 mod studies;

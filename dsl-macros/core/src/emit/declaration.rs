@@ -1,34 +1,28 @@
 //! The static description of a scene.
 
-use super::equations;
 use super::kernel::literal;
-use super::plan::{Pattern, Plan};
-use super::structure::text;
-use crate::ast::WrittenUnit;
-use crate::derive::Equations;
-use crate::scene::{CheckedScene, Condition};
-use hangtime_units::Unit;
+use super::methods::positions;
+use crate::description::{Condition, Contact, Description, OptimalControl, Pattern};
 use std::fmt::Write;
 
 /// Writes `static DECLARATION`.
-pub(super) fn write(scene: &CheckedScene, derived: &Equations, plan: &Plan, code: &mut String) {
+pub(super) fn write(scene: &Description, code: &mut String) {
     let _ = write!(
         code,
         "static DECLARATION: ::hangtime::model::Declaration = ::hangtime::model::Declaration {{ name: \
          {:?}, documentation: {:?}, parameters: &[",
-        scene.name.text,
-        text(&scene.documentation)
+        scene.name, scene.documentation
     );
     for parameter in &scene.parameters {
         let _ = write!(
             code,
             "::hangtime::model::ParameterDeclaration {{ name: {:?}, unit: {:?}, default: {}, positive: \
              {}, documentation: {:?} }},",
-            parameter.name.text,
-            unit(parameter.unit.as_ref()),
+            parameter.name,
+            parameter.unit,
             literal(parameter.default),
-            is_inertia(parameter.unit.as_ref()),
-            text(&parameter.documentation)
+            parameter.positive,
+            parameter.documentation
         );
     }
     for (field, list) in [
@@ -40,33 +34,31 @@ pub(super) fn write(scene: &CheckedScene, derived: &Equations, plan: &Plan, code
             let _ = write!(
                 code,
                 "::hangtime::model::VariableDeclaration {{ name: {:?}, unit: {:?}, documentation: {:?} }},",
-                quantity.name.text,
-                unit(quantity.unit.as_ref()),
-                text(&quantity.documentation)
+                quantity.name, quantity.unit, quantity.documentation
             );
         }
     }
     code.push_str("], contacts: &[");
-    contacts(scene, plan, code);
+    contacts(&scene.contacts, code);
     let _ = write!(
         code,
         "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: {}, kernels: &[",
         scene.explicit_time,
-        pattern(&plan.free_patterns[0]),
-        pattern(&plan.free_patterns[1]),
-        optimal_control(scene, plan)
+        pattern(&scene.motion.jacobian),
+        pattern(&scene.motion.hessian),
+        optimal_control(scene.optimal_control.as_ref())
     );
-    for kernel in plan.listed() {
+    for kernel in scene.listed() {
         let _ = write!(
             code,
             "::hangtime::model::Kernel {{ name: {:?}, operations: {}, outputs: {} }},",
             kernel.name,
-            kernel.tape.operations(),
-            kernel.tape.outputs.len()
+            kernel.cost(),
+            kernel.outputs.len()
         );
     }
     code.push_str("], equations: &[");
-    for (left, right) in equations::readable(scene, derived) {
+    for [left, right] in &scene.equations {
         let _ = write!(
             code,
             "::hangtime::model::Equation {{ left: {left:?}, right: {right:?} }},"
@@ -75,14 +67,14 @@ pub(super) fn write(scene: &CheckedScene, derived: &Equations, plan: &Plan, code
     code.push_str("] };");
 }
 
-fn contacts(scene: &CheckedScene, plan: &Plan, code: &mut String) {
-    for (contact, plan) in scene.contacts.iter().zip(&plan.contacts) {
-        let friction = match &plan.friction {
+fn contacts(contacts: &[Contact], code: &mut String) {
+    for contact in contacts {
+        let friction = match &contact.friction {
             None => "__Option::None".to_owned(),
             Some(friction) => format!(
                 "__Option::Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {} }})",
-                pattern(&friction.derivatives.jacobian_pattern),
-                pattern(&friction.derivatives.hessian_pattern)
+                pattern(&friction.rows.jacobian),
+                pattern(&friction.rows.hessian)
             ),
         };
         let _ = write!(
@@ -90,40 +82,40 @@ fn contacts(scene: &CheckedScene, plan: &Plan, code: &mut String) {
             "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
              ::hangtime::model::ImpactLaw::{}, friction: {friction}, custom_direction: {}, held: &{:?}, \
              jacobian: {}, hessian: {}, documentation: {:?} }},",
-            contact.name.text,
-            inferred(contact.unit),
+            contact.name,
+            contact.unit,
             if contact.restitution.is_some() {
                 "Restitution"
             } else {
                 "Inelastic"
             },
-            contact.along.is_some(),
+            contact.custom_direction,
             contact.held,
-            pattern(&plan.derivatives.jacobian_pattern),
-            pattern(&plan.derivatives.hessian_pattern),
-            text(&contact.documentation)
+            pattern(&contact.rows.jacobian),
+            pattern(&contact.rows.hessian),
+            contact.documentation
         );
     }
 }
 
-fn optimal_control(scene: &CheckedScene, plan: &Plan) -> String {
-    let (Some(task), Some(plan)) = (&scene.optimal_control, &plan.optimal_control) else {
+fn optimal_control(task: Option<&OptimalControl>) -> String {
+    let Some(task) = task else {
         return "__Option::None".to_owned();
     };
-    let free_start: Vec<usize> = task.free_start.iter().map(|&(index, _)| index).collect();
     format!(
         "__Option::Some(::hangtime::model::OptimalControlDeclaration {{ running_cost: {}, final_cost: {}, \
-         constraints: &[{}], goals: &[{}], free_time: {}, free_start: &{free_start:?}, path_jacobian: {}, \
+         constraints: &[{}], goals: &[{}], free_time: {}, free_start: &{:?}, path_jacobian: {}, \
          path_hessian: {}, terminal_jacobian: {}, terminal_hessian: {} }})",
-        task.running_cost.is_some(),
-        task.final_cost.is_some(),
+        task.running_cost,
+        task.final_cost,
         conditions(&task.constraints),
         conditions(&task.goals),
         task.free_time,
-        pattern(&plan.path.jacobian_pattern),
-        pattern(&plan.path.hessian_pattern),
-        pattern(&plan.terminal.jacobian_pattern),
-        pattern(&plan.terminal.hessian_pattern)
+        task.free_start,
+        pattern(&task.path.jacobian),
+        pattern(&task.path.hessian),
+        pattern(&task.terminal.jacobian),
+        pattern(&task.terminal.hessian)
     )
 }
 
@@ -135,34 +127,16 @@ fn conditions(conditions: &[Condition]) -> String {
             "::hangtime::model::ConstraintDeclaration {{ name: {:?}, unit: {:?}, relation: \
              ::hangtime::model::ConstraintRelation::{}, documentation: {:?} }},",
             condition.name,
-            inferred(condition.unit),
+            condition.unit,
             if condition.equality {
                 "Zero"
             } else {
                 "NonNegative"
             },
-            text(&condition.documentation)
+            condition.documentation
         );
     }
     code
-}
-
-fn unit(written: Option<&WrittenUnit>) -> &str {
-    written.map_or("", |unit| unit.text.as_str())
-}
-
-/// A unit that follows from others; empty for pure numbers, as where none is declared.
-fn inferred(unit: Option<Unit>) -> String {
-    unit.filter(|unit| !unit.same_dimension(Unit::ONE))
-        .map_or_else(String::new, |unit| unit.to_string())
-}
-
-/// Masses and moments of inertia, which must be positive.
-fn is_inertia(written: Option<&WrittenUnit>) -> bool {
-    written.is_some_and(|written| {
-        written.unit.same_dimension(Unit::mechanical(0, 1, 0))
-            || written.unit.same_dimension(Unit::mechanical(2, 1, 0))
-    })
 }
 
 fn pattern(pattern: &Pattern) -> String {
@@ -170,6 +144,6 @@ fn pattern(pattern: &Pattern) -> String {
         "::hangtime::model::SparsityPattern {{ rows: {}, columns: {}, entries: {} }}",
         pattern.rows,
         pattern.columns,
-        pattern.entries()
+        positions(&pattern.entries)
     )
 }

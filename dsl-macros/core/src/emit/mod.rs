@@ -1,60 +1,22 @@
-//! Equations to Rust items: the struct, its parameters, and the implementation of the model trait.
+//! A derived scene to Rust items: the struct, its parameters, and the implementation of the model trait.
 
 mod declaration;
-mod equations;
 mod kernel;
 mod locals;
+mod methods;
 mod oracle;
-mod plan;
-mod readable;
 mod structure;
 
 pub(crate) use structure::stub;
 
 use crate::ast::Scene;
-use crate::derive::Equations;
-use crate::graph;
+use crate::description::{Contact, Description, Friction, Rows};
 use crate::scene::CheckedScene;
-use plan::{ContactPlan, FrictionPlan, Plan};
 use proc_macro2::TokenStream;
 use std::fmt::Write;
 
-/// Most operations of one kernel: some seconds of compile time.
-pub(crate) const BUDGET: usize = 60_000;
-
-/// Why a scene is not emitted.
-pub(crate) enum Unfit {
-    /// A kernel has too many operations to be compiled in reasonable time.
-    Long { kernel: String, operations: usize },
-    /// Ordering the operations takes too much work.
-    Exhausted,
-    /// A constant in a kernel is not finite.
-    Constant,
-}
-
 /// Emits a scene.
-pub(crate) fn scene(
-    declared: &Scene,
-    scene: &CheckedScene,
-    equations: &Equations,
-) -> Result<TokenStream, Unfit> {
-    let plan = Plan::of(scene, equations);
-    if graph::is_exhausted() {
-        return Err(Unfit::Exhausted);
-    }
-    for kernel in &plan.kernels {
-        let operations = kernel.tape.operations();
-        if operations > BUDGET {
-            return Err(Unfit::Long {
-                kernel: kernel.name.clone(),
-                operations,
-            });
-        }
-        // Bounds, which are not listed, may be open.
-        if kernel.listed && !kernel.tape.is_finite() {
-            return Err(Unfit::Constant);
-        }
-    }
+pub(crate) fn scene(declared: &Scene, scene: &CheckedScene, derived: &Description) -> TokenStream {
     let mut code = String::new();
     code.push_str(
         "#[allow(unused, non_snake_case, non_upper_case_globals, clippy::all, clippy::pedantic, \
@@ -65,31 +27,33 @@ pub(crate) fn scene(
         "use ::core::primitive::{f64 as __f64, u32 as __u32, usize as __usize}; \
          use ::core::option::Option as __Option;",
     );
-    for kernel in &plan.kernels {
-        kernel.write(scene, &mut code);
+    let name = scene.name.rust();
+    for index in 0..derived.kernels.len() {
+        kernel::write(derived, index, &mut code);
     }
-    code.push_str(&plan.helpers);
-    declaration::write(scene, equations, &plan, &mut code);
-    implementation(scene, &plan, &mut code);
+    for system in &derived.systems {
+        methods::helpers(derived, system, &name, &mut code);
+    }
+    declaration::write(derived, &mut code);
+    implementation(scene, derived, &mut code);
     if cfg!(feature = "oracle")
         && let Some((helpers, methods)) = oracle::write(declared, scene)
     {
-        let name = scene.name.rust();
         let _ = write!(code, "impl {name} {{ {helpers} {methods} }}");
     }
     code.push_str("};");
-    let mut tokens = structure::tokens(scene, &plan);
+    let mut tokens = structure::tokens(scene, derived);
     match code.parse::<TokenStream>() {
-        Ok(emitted) => tokens.extend(locals::reserved(emitted, &scene.name.rust())),
+        Ok(emitted) => tokens.extend(locals::reserved(emitted, &name)),
         Err(error) => {
             let text = format!("the emitted code does not read as Rust: {error}");
             tokens.extend(quote::quote!(::core::compile_error! { #text }));
         }
     }
-    Ok(tokens)
+    tokens
 }
 
-fn implementation(scene: &CheckedScene, plan: &Plan, code: &mut String) {
+fn implementation(scene: &CheckedScene, derived: &Description, code: &mut String) {
     let name = scene.name.rust();
     let mut read = String::new();
     let mut write = String::new();
@@ -98,14 +62,16 @@ fn implementation(scene: &CheckedScene, plan: &Plan, code: &mut String) {
         let _ = write!(read, "{i} => self.{field},");
         let _ = write!(write, "{i} => self.{field} = value,");
     }
-    let arms = |body: &dyn Fn(&ContactPlan) -> &str| {
+    let arms = |body: &dyn Fn(&Contact) -> String| {
         let mut arms = String::new();
-        for (i, contact) in plan.contacts.iter().enumerate() {
+        for (i, contact) in derived.contacts.iter().enumerate() {
             let _ = write!(arms, "{i} => {{ {} }}", body(contact));
         }
         arms
     };
-    let further = laws(plan) + &optimal_control(plan);
+    let further = laws(derived) + &optimal_control(derived);
+    let given = &derived.given;
+    let of_parameters = |kernel, out| methods::of_parameters(derived, kernel, out);
     let _ = write!(
         code,
         "#[automatically_derived] impl ::hangtime::model::Model for {name} {{
@@ -132,49 +98,52 @@ fn implementation(scene: &CheckedScene, plan: &Plan, code: &mut String) {
             fn boxed(&self) -> ::std::boxed::Box<dyn ::hangtime::model::Model> {{ \
          ::std::boxed::Box::new(::core::clone::Clone::clone(self)) }}
         }}",
-        plan.start[0],
-        plan.start[1],
-        plan.horizon,
-        plan.bounds[0],
-        plan.bounds[1],
-        plan.free_acceleration,
-        plan.free_jacobian,
-        plan.free_hessian,
-        plan.mass_matrix,
-        plan.energy,
-        arms(&|contact| &contact.gap),
-        arms(&|contact| &contact.contact),
-        arms(&|contact| &contact.derivatives.jacobian),
-        arms(&|contact| &contact.derivatives.hessian),
+        of_parameters(given.start[0], "q"),
+        of_parameters(given.start[1], "v"),
+        methods::horizon(derived),
+        of_parameters(given.bounds[0], "lower"),
+        of_parameters(given.bounds[1], "upper"),
+        methods::free_acceleration(derived),
+        methods::free_jacobian(derived),
+        methods::free_hessian(derived),
+        methods::of_inputs(derived, derived.motion.mass_matrix, "m"),
+        methods::of_inputs(derived, derived.motion.energy, "energy"),
+        arms(&|contact| methods::of_inputs(derived, contact.gap, "&mut out")),
+        arms(&|contact| methods::contact_point(derived, contact)),
+        arms(&|contact| methods::rows_jacobian(derived, &contact.rows)),
+        arms(&|contact| methods::rows_hessian(derived, &contact.rows)),
     );
 }
 
 /// The methods for restitution and friction, as far as the scene declares them.
-fn laws(plan: &Plan) -> String {
-    let arms = |body: &dyn Fn(&ContactPlan) -> Option<&String>| {
+fn laws(derived: &Description) -> String {
+    let arms = |body: &dyn Fn(&Contact) -> Option<String>| {
         let mut arms = String::new();
-        for (i, contact) in plan.contacts.iter().enumerate() {
+        for (i, contact) in derived.contacts.iter().enumerate() {
             if let Some(body) = body(contact) {
                 let _ = write!(arms, "{i} => {{ {body} }}");
             }
         }
         arms
     };
-    let mut methods = String::new();
-    let restitution = arms(&|contact| contact.restitution.as_ref());
+    let value = |kernel| methods::coefficient(derived, kernel);
+    let mut written = String::new();
+    let restitution = arms(&|contact| contact.restitution.map(value));
     if !restitution.is_empty() {
         let _ = write!(
-            methods,
+            written,
             "fn restitution(&self, contact: __usize) -> __f64 {{ match contact {{ {restitution} _ => 0.0 }} }}"
         );
     }
-    let friction = |body: &dyn Fn(&FrictionPlan) -> &String| {
-        arms(&|contact| contact.friction.as_ref().map(body))
-    };
-    let coefficient = friction(&|friction| &friction.coefficient);
+    let friction =
+        |body: &dyn Fn(&Friction) -> String| arms(&|contact| contact.friction.as_ref().map(body));
+    let coefficient = friction(&|friction| value(friction.coefficient));
     if !coefficient.is_empty() {
+        let rows = |body: &dyn Fn(&Description, &Rows) -> String| {
+            friction(&|friction| body(derived, &friction.rows))
+        };
         let _ = write!(
-            methods,
+            written,
             "fn friction(&self, contact: __usize) -> __f64 {{ match contact {{ {coefficient} _ => 0.0 }} }}
             fn tangent(&self, contact: __usize, x: &[__f64], point: &mut [__f64]) {{ match contact {{ {} _ => \
              point.fill(__f64::NAN) }} }}
@@ -182,27 +151,27 @@ fn laws(plan: &Plan) -> String {
              {} _ => values.fill(__f64::NAN) }} }}
             fn tangent_hessian(&self, contact: __usize, x: &[__f64], multipliers: &[__f64], values: &mut [__f64]) \
              {{ match contact {{ {} _ => values.fill(__f64::NAN) }} }}",
-            friction(&|friction| &friction.tangent),
-            friction(&|friction| &friction.derivatives.jacobian),
-            friction(&|friction| &friction.derivatives.hessian),
+            friction(&|friction| methods::tangent_point(derived, friction.tangent, &friction.rows)),
+            rows(&methods::rows_jacobian),
+            rows(&methods::rows_hessian),
         );
     }
-    methods
+    written
 }
 
 /// The methods for optimal control, as far as the scene declares it.
-fn optimal_control(plan: &Plan) -> String {
-    let mut methods = String::new();
-    let Some(control) = &plan.optimal_control else {
-        return methods;
+fn optimal_control(derived: &Description) -> String {
+    let mut written = String::new();
+    let Some(control) = &derived.optimal_control else {
+        return written;
     };
-    for (kind, input, plan) in [
-        ("path", 'x', &control.path),
-        ("terminal", 'z', &control.terminal),
+    for (kind, input, functions) in [
+        ("path", "x", &control.path),
+        ("terminal", "z", &control.terminal),
     ] {
-        if let Some([values, jacobian, hessian]) = &plan.bodies {
+        if let Some([values, jacobian, hessian]) = methods::functions(derived, functions, input) {
             let _ = write!(
-                methods,
+                written,
                 "fn {kind}_functions(&self, {input}: &[__f64], values: &mut [__f64]) {{ {values} }}
                 fn {kind}_jacobian(&self, {input}: &[__f64], values: &mut [__f64]) {{ {jacobian} }}
                 fn {kind}_hessian(&self, {input}: &[__f64], multipliers: &[__f64], values: &mut [__f64]) {{ \
@@ -210,11 +179,14 @@ fn optimal_control(plan: &Plan) -> String {
             );
         }
     }
-    if let Some([lower, upper]) = &control.free_start_bounds {
+    if let Some(bounds) = control.free_start_bounds {
+        let [lower, upper] = bounds;
         let _ = write!(
-            methods,
-            "fn free_start_bounds(&self, lower: &mut [__f64], upper: &mut [__f64]) {{ {lower}; {upper} }}"
+            written,
+            "fn free_start_bounds(&self, lower: &mut [__f64], upper: &mut [__f64]) {{ {}; {} }}",
+            methods::of_parameters(derived, lower, "lower"),
+            methods::of_parameters(derived, upper, "upper")
         );
     }
-    methods
+    written
 }

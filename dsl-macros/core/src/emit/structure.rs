@@ -1,17 +1,16 @@
 //! The struct of a scene: its parameters as fields, with defaults and setters.
 
-use super::plan::Plan;
-use super::readable::formula;
-use crate::ast::{Documentation, Name, WrittenUnit};
+use crate::ast::{Name, WrittenUnit};
+use crate::description::{Description, documentation_text as text, formula};
 use crate::scene::{CheckedScene, Contact, Coordinate, OptimalControl, Parameter};
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 use std::fmt::Write;
 
 /// The struct, its default, and its setters.
-pub(super) fn tokens(scene: &CheckedScene, plan: &Plan) -> TokenStream {
+pub(super) fn tokens(scene: &CheckedScene, derived: &Description) -> TokenStream {
     let (visibility, name) = (&scene.visibility, scene.name.rust_ident());
-    let documentation = doc(&scene_documentation(scene, plan));
+    let documentation = doc(&scene_documentation(scene, derived));
     let fields = scene.parameters.iter().map(|parameter| {
         let ident = parameter.name.rust_ident();
         let documentation = doc(&parameter_documentation(parameter));
@@ -157,7 +156,7 @@ fn parameter_documentation(parameter: &Parameter) -> String {
     text
 }
 
-fn scene_documentation(scene: &CheckedScene, plan: &Plan) -> String {
+fn scene_documentation(scene: &CheckedScene, derived: &Description) -> String {
     let mut page = text(&scene.documentation);
     if page.is_empty() {
         let _ = write!(page, "The scene `{}`.", scene.name.text);
@@ -193,17 +192,17 @@ fn scene_documentation(scene: &CheckedScene, plan: &Plan) -> String {
         page.push_str(&optimal_control(scene, task));
     }
     page.push_str("\n# Derived functions\n\n| function | operations | values |\n|---|---|---|\n");
-    for kernel in plan.listed() {
+    for kernel in derived.listed() {
         let _ = writeln!(
             page,
             "| `{}` | {} | {} |",
             kernel.name,
-            kernel.tape.operations(),
-            kernel.tape.outputs.len()
+            kernel.cost(),
+            kernel.outputs.len()
         );
     }
     page.push_str("\n# Pattern of the Jacobian of the free acceleration\n\n```text\n");
-    let jacobian = &plan.free_patterns[0];
+    let jacobian = &derived.motion.jacobian;
     for row in 0..jacobian.rows {
         for column in 0..jacobian.columns {
             page.push(if jacobian.entries.contains(&(row, column)) {
@@ -295,49 +294,4 @@ fn sentence(text: &str) -> String {
     } else {
         format!(": {text}")
     }
-}
-
-/// Doc comments as plain text.
-pub(super) fn text(documentation: &Documentation) -> String {
-    let lines: Vec<String> = documentation
-        .lines
-        .iter()
-        .map(|line| unquote(&line.to_string()).trim().to_owned())
-        .collect();
-    lines.join("\n").trim().to_owned()
-}
-
-/// The content of a string literal.
-fn unquote(literal: &str) -> String {
-    if let Some(raw) = literal.strip_prefix('r') {
-        return raw.trim_matches('#').trim_matches('"').to_owned();
-    }
-    let inner = literal
-        .strip_prefix('"')
-        .and_then(|rest| rest.strip_suffix('"'))
-        .unwrap_or(literal);
-    let mut text = String::with_capacity(inner.len());
-    let mut characters = inner.chars();
-    while let Some(character) = characters.next() {
-        if character != '\\' {
-            text.push(character);
-            continue;
-        }
-        match characters.next() {
-            Some('n') => text.push('\n'),
-            Some('t') => text.push('\t'),
-            Some('r') => text.push('\r'),
-            Some('u') => {
-                let code: String = characters
-                    .by_ref()
-                    .skip(1)
-                    .take_while(|&c| c != '}')
-                    .collect();
-                text.extend(u32::from_str_radix(&code, 16).ok().and_then(char::from_u32));
-            }
-            Some(other) => text.push(other),
-            None => {}
-        }
-    }
-    text
 }

@@ -2,24 +2,36 @@
 
 /// Functions of one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) enum Function {
+pub enum Function {
+    /// Sine.
     Sin,
+    /// Cosine.
     Cos,
+    /// Tangent.
     Tan,
+    /// Arc sine.
     Asin,
+    /// Arc cosine.
     Acos,
+    /// Arc tangent.
     Atan,
+    /// Hyperbolic sine.
     Sinh,
+    /// Hyperbolic cosine.
     Cosh,
+    /// Hyperbolic tangent.
     Tanh,
+    /// Exponential function.
     Exp,
+    /// Natural logarithm.
     Ln,
+    /// Cube root.
     Cbrt,
 }
 
 /// Functions of two numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) enum Function2 {
+pub enum Function2 {
     /// `atan2(y, x)`.
     Atan2,
     /// `base^exponent` with an exponent that is no multiple of 1/2.
@@ -49,7 +61,9 @@ impl Function {
         }
     }
 
-    pub(crate) fn value(self, x: f64) -> f64 {
+    /// Its value, as `f64` computes it.
+    #[must_use]
+    pub fn value(self, x: f64) -> f64 {
         match self {
             Self::Sin => x.sin(),
             Self::Cos => x.cos(),
@@ -101,7 +115,9 @@ impl Function2 {
         }
     }
 
-    pub(crate) fn value(self, first: f64, second: f64) -> f64 {
+    /// Its value, as `f64` computes it.
+    #[must_use]
+    pub fn value(self, first: f64, second: f64) -> f64 {
         match self {
             Self::Atan2 => first.atan2(second),
             Self::Power => first.powf(second),

@@ -17,7 +17,7 @@ mod number;
 mod passes;
 mod second_order;
 
-pub(crate) use elementary::{Function, Function2};
+pub use elementary::{Function, Function2};
 pub(crate) use expand::{expand, pythagoras};
 pub(crate) use function::Compose;
 pub(crate) use limits::{Fault, is_exhausted, spend, take_fault};

@@ -108,13 +108,6 @@ impl Tape {
         self.outputs.iter().map(|&i| values[i as usize]).collect()
     }
 
-    /// Whether all constants are finite.
-    pub(crate) fn is_finite(&self) -> bool {
-        self.ops
-            .iter()
-            .all(|op| !matches!(op, Op::Constant(bits) if !f64::from_bits(*bits).is_finite()))
-    }
-
     /// Number of arithmetic operations and function calls.
     pub(crate) fn operations(&self) -> usize {
         self.ops

@@ -4,4 +4,5 @@ mod fuzz;
 mod messages;
 mod pages;
 mod slips;
+mod texts;
 mod tokens;

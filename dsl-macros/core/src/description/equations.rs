@@ -12,7 +12,7 @@ use crate::words;
 const LONGEST: usize = 240;
 
 /// Left and right sides.
-pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<(String, String)> {
+pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<[String; 2]> {
     let mut list = List {
         scene,
         names: scene
@@ -36,7 +36,7 @@ pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<(Stri
     if let (Some(task), Some(derived)) = (&scene.optimal_control, &equations.optimal_control) {
         list.optimal_control(task, derived);
     }
-    list.all
+    list.all.into_iter().map(Into::into).collect()
 }
 
 struct List<'a> {

@@ -1,0 +1,92 @@
+//! Collects kernels and linear systems.
+
+use super::kernel::Kernel;
+use crate::derive::{Implicit, Sparse};
+use crate::graph::Sym;
+use crate::scene::CheckedScene;
+
+/// Pattern of a sparse matrix.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pattern {
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of columns.
+    pub columns: usize,
+    /// (row, column) of each nonzero, in the order of the values.
+    pub entries: Vec<(usize, usize)>,
+}
+
+/// A linear system `K(x) y = b(x)` and what the derivatives of its solution need; `F(x, y) = K y - b`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct System {
+    /// What is solved for.
+    pub name: String,
+    /// Order of `K`.
+    pub size: usize,
+    /// Kernel of `K`, row-major, and then `b`.
+    pub solve: usize,
+    /// Kernel and pattern of `F_x`, of `(x, y)` with the solution behind as many other weights.
+    pub jacobian: (usize, Vec<(usize, usize)>),
+    /// Kernel and pattern of `(mu' F)_xx` (lower triangle), with `mu` and then the solution as weights.
+    pub hessian: (usize, Vec<(usize, usize)>),
+    /// Kernel and pattern of `P = d(K' mu)/dx`, with `mu` and then the solution as weights.
+    pub cross: (usize, Vec<(usize, usize)>),
+}
+
+impl Pattern {
+    pub(super) fn of(sparse: &Sparse) -> Self {
+        Self {
+            rows: sparse.rows,
+            columns: sparse.columns,
+            entries: sparse.entries.clone(),
+        }
+    }
+}
+
+pub(super) struct Builder<'a> {
+    pub(super) scene: &'a CheckedScene,
+    pub(super) inputs: usize,
+    /// Whether kernels from now on read `(q, v, T)` with the final time `T` instead of the input vector.
+    pub(super) at_the_end: bool,
+    pub(super) kernels: Vec<Kernel>,
+    pub(super) systems: Vec<System>,
+}
+
+impl Builder<'_> {
+    /// Adds a kernel; its index.
+    pub(super) fn kernel(&mut self, name: &str, outputs: &[Sym]) -> usize {
+        self.add(name, outputs, true)
+    }
+
+    /// Adds a kernel of the parameters alone; its index.
+    pub(super) fn unlisted(&mut self, name: &str, outputs: &[Sym]) -> usize {
+        self.add(name, outputs, false)
+    }
+
+    fn add(&mut self, name: &str, outputs: &[Sym], listed: bool) -> usize {
+        let kernel = Kernel::new(self.scene, name, outputs, (listed, self.at_the_end));
+        self.kernels.push(kernel);
+        self.kernels.len() - 1
+    }
+
+    /// Adds a linear system and what the derivatives of its solution need; its index.
+    pub(super) fn system(&mut self, name: &str, implicit: &Implicit) -> usize {
+        let mut system = implicit.matrix.clone();
+        system.extend(&implicit.right);
+        let solve = self.kernel(&format!("{name}_system"), &system);
+        let mut part = |suffix: &str, sparse: &Sparse| {
+            let kernel = self.kernel(&format!("{name}_{suffix}"), &sparse.values);
+            (kernel, sparse.entries.clone())
+        };
+        let system = System {
+            name: name.to_owned(),
+            size: implicit.size,
+            solve,
+            jacobian: part("jacobian", &implicit.residual_jacobian),
+            hessian: part("hessian", &implicit.residual_hessian),
+            cross: part("cross", &implicit.cross),
+        };
+        self.systems.push(system);
+        self.systems.len() - 1
+    }
+}

@@ -1,0 +1,183 @@
+//! The functions of one contact.
+
+use super::builder::{Builder, Pattern};
+use super::declared::{inferred, text};
+use crate::derive::{ContactEquations, Explicit, FrictionEquations, Implicit, InverseInertia};
+use crate::graph::Sym;
+use crate::scene;
+
+/// A contact: what is declared of it, and its kernels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contact {
+    /// Name of the surface, as written.
+    pub name: String,
+    /// Unit of the gap; empty for a pure number.
+    pub unit: String,
+    /// Documentation, as written.
+    pub documentation: String,
+    /// Whether an impulse direction is declared.
+    pub custom_direction: bool,
+    /// Coordinates that are rigid under the contact force.
+    pub held: Vec<usize>,
+    /// Kernel of the gap.
+    pub gap: usize,
+    /// Kernel of what is known at a point, as far as it is formulas.
+    pub point: usize,
+    /// Whether the inverse inertia along the normal comes from the system of motion.
+    pub inertia_from_motion: bool,
+    /// The rows gap, normal velocity and direction, with their derivatives.
+    pub rows: Rows,
+    /// Kernel of the coefficient of restitution; none for an inelastic contact.
+    pub restitution: Option<usize>,
+    /// Friction, if it is declared.
+    pub friction: Option<Friction>,
+}
+
+/// The kernels of the friction of a contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Friction {
+    /// Kernel of the coefficient.
+    pub coefficient: usize,
+    /// Kernel of what is known at a point, as far as it is formulas.
+    pub tangent: usize,
+    /// The rows sliding velocity and direction, with their derivatives.
+    pub rows: Rows,
+}
+
+/// Derivatives of some rows: those that are formulas, followed by the solution of a linear system if there is one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rows {
+    /// Kernels of Jacobian and Hessian of the formulas.
+    pub kernels: [usize; 2],
+    /// Pattern of the Jacobian of all rows.
+    pub jacobian: Pattern,
+    /// Pattern (lower triangle) of the Hessian of all rows.
+    pub hessian: Pattern,
+    /// The rows behind the formulas.
+    pub solved: Option<SolvedRows>,
+}
+
+/// Rows that are the first part of the solution of a linear system.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolvedRows {
+    /// Index of the system.
+    pub system: usize,
+    /// Number of rows before them.
+    pub formulas: usize,
+    /// Where each value of the formulas' Hessian is added to the Hessian of all rows.
+    pub places: Vec<usize>,
+}
+
+pub(super) fn contact(
+    builder: &mut Builder<'_>,
+    declared: &scene::Contact,
+    contact: &ContactEquations,
+) -> Contact {
+    let name = &declared.name.text;
+    let rows = &contact.rows;
+    let gap = builder.kernel(&format!("gap_{name}"), &rows.values[..1]);
+    let mut point = vec![rows.values[0], rows.values[1], contact.curvature];
+    point.push(match contact.inverse_inertia {
+        InverseInertia::Formula(inverse_inertia) => inverse_inertia,
+        InverseInertia::Solved => Sym::ZERO,
+    });
+    point.extend(&contact.normal);
+    point.extend(&rows.values[2..]);
+    let point = builder.kernel(&format!("contact_{name}"), &point);
+    let kernel = format!("contact_{{}}_{name}");
+    let solved = contact.direction.as_ref();
+    let solved = solved.map(|solved| (format!("direction_{name}"), solved));
+    let solves = matches!(contact.inverse_inertia, InverseInertia::Solved);
+    Contact {
+        name: name.clone(),
+        unit: inferred(declared.unit),
+        documentation: text(&declared.documentation),
+        custom_direction: declared.along.is_some(),
+        held: declared.held.clone(),
+        gap,
+        point,
+        inertia_from_motion: solves && solved.is_none(),
+        rows: all_rows(builder, &kernel, rows, solved),
+        restitution: declared
+            .restitution
+            .map(|value| builder.unlisted(&format!("restitution_{name}"), &[value])),
+        friction: declared
+            .friction
+            .as_ref()
+            .zip(contact.friction.as_ref())
+            .map(|(declared, derived)| friction(builder, name, declared.coefficient, derived)),
+    }
+}
+
+fn friction(
+    builder: &mut Builder<'_>,
+    name: &str,
+    coefficient: Sym,
+    friction: &FrictionEquations,
+) -> Friction {
+    let rows = &friction.rows;
+    let mut point = vec![rows.values[0], friction.curvature];
+    point.extend(&friction.tangent);
+    point.extend(&rows.values[1..]);
+    let tangent = builder.kernel(&format!("tangent_{name}"), &point);
+    let kernel = format!("tangent_{{}}_{name}");
+    let solved = friction.direction.as_ref();
+    let solved = solved.map(|solved| (format!("friction_direction_{name}"), solved));
+    let rows = all_rows(builder, &kernel, rows, solved);
+    Friction {
+        coefficient: builder.unlisted(&format!("friction_{name}"), &[coefficient]),
+        tangent,
+        rows,
+    }
+}
+
+/// Rows that are formulas, followed by the solution of a linear system with this name if there is one. `kernel` is the
+/// name of the kernels, `{}` in it what they compute.
+fn all_rows(
+    builder: &mut Builder<'_>,
+    kernel: &str,
+    rows: &Explicit,
+    solved: Option<(String, &Implicit)>,
+) -> Rows {
+    let [jacobian, hessian] = ["jacobian", "hessian"].map(|what| kernel.replace("{}", what));
+    let jacobian = builder.kernel(&jacobian, &rows.jacobian.values);
+    let Some((name, solved)) = solved else {
+        return Rows {
+            kernels: [jacobian, builder.kernel(&hessian, &rows.hessian.values)],
+            jacobian: Pattern::of(&rows.jacobian),
+            hessian: Pattern::of(&rows.hessian),
+            solved: None,
+        };
+    };
+    let formulas = rows.values.len();
+    let n = builder.scene.coordinates.len();
+    let system = builder.system(&name, solved);
+    let mut jacobian_entries = rows.jacobian.entries.clone();
+    let solved_entries = solved.jacobian_pattern(n);
+    let below = solved_entries.iter();
+    jacobian_entries.extend(below.map(|&(row, column)| (row + formulas, column)));
+    let mut hessian_entries = solved.hessian_pattern();
+    hessian_entries.extend(&rows.hessian.entries);
+    hessian_entries.sort_unstable();
+    hessian_entries.dedup();
+    let places = rows.hessian.entries.iter();
+    let places = places.filter_map(|entry| hessian_entries.binary_search(entry).ok());
+    Rows {
+        solved: Some(SolvedRows {
+            system,
+            formulas,
+            places: places.collect(),
+        }),
+        kernels: [jacobian, builder.kernel(&hessian, &rows.hessian.values)],
+        jacobian: Pattern {
+            rows: formulas + n,
+            columns: builder.inputs,
+            entries: jacobian_entries,
+        },
+        hessian: Pattern {
+            rows: builder.inputs,
+            columns: builder.inputs,
+            entries: hessian_entries,
+        },
+    }
+}

@@ -1,0 +1,254 @@
+//! A derived scene as data: what it declares, its functions as straight-line operations, and how the methods of the
+//! model trait are made of them. The emitted Rust is written from it, and whatever evaluates a scene without a
+//! compiler reads it.
+
+mod builder;
+mod contact;
+mod declared;
+mod equations;
+mod kernel;
+mod optimal_control;
+mod readable;
+
+pub use crate::graph::{Function, Function2};
+pub use builder::{Pattern, System};
+pub use contact::{Contact, Friction, Rows, SolvedRows};
+pub(crate) use declared::text as documentation_text;
+pub use declared::{Parameter, Variable};
+pub use kernel::{Kernel, Operation};
+pub use optimal_control::{Condition, Functions, OptimalControl};
+pub(crate) use readable::formula;
+
+use crate::derive::{Equations, Explicit, Solution};
+use crate::graph::{self, Sym};
+use crate::scene::CheckedScene;
+use builder::Builder;
+use declared::text;
+
+/// Most operations of one kernel: some seconds of compile time.
+pub(crate) const BUDGET: usize = 60_000;
+
+/// Everything that is derived from a declaration. Kernels and systems are named by their index.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Description {
+    /// Name of the scene, as written.
+    pub name: String,
+    /// Documentation, as written.
+    pub documentation: String,
+    /// Parameters in order of declaration.
+    pub parameters: Vec<Parameter>,
+    /// Coordinates in order of declaration.
+    pub coordinates: Vec<Variable>,
+    /// Controls in order of declaration.
+    pub controls: Vec<Variable>,
+    /// Whether the physical time is the last component of the input vector.
+    pub explicit_time: bool,
+    /// The derived equations, left and right sides, as a person would write them.
+    pub equations: Vec<[String; 2]>,
+    /// Start, horizon and bounds.
+    pub given: Given,
+    /// The free motion.
+    pub motion: Motion,
+    /// Contacts in order of declaration.
+    pub contacts: Vec<Contact>,
+    /// What is declared for optimal control, if anything is.
+    pub optimal_control: Option<OptimalControl>,
+    /// All straight-line functions.
+    pub kernels: Vec<Kernel>,
+    /// All linear systems.
+    pub systems: Vec<System>,
+}
+
+/// Kernels of what is declared in terms of the parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Given {
+    /// Initial coordinates and velocities.
+    pub start: [usize; 2],
+    /// Lower and upper bounds of the coordinates and then the controls; infinite where none is declared.
+    pub bounds: [usize; 2],
+    /// Length of a simulation, if it is declared.
+    pub horizon: Option<usize>,
+}
+
+/// Kernels of the motion without contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// Kernel of the acceleration; without one, it is the solution of the system.
+    pub acceleration: Option<usize>,
+    /// Where its derivatives come from.
+    pub derivatives: MotionDerivatives,
+    /// Pattern of the Jacobian of the acceleration.
+    pub jacobian: Pattern,
+    /// Pattern (lower triangle) of the Hessian of the weighted acceleration.
+    pub hessian: Pattern,
+    /// Kernel of the mass matrix, row-major.
+    pub mass_matrix: usize,
+    /// Kernel of kinetic and potential energy.
+    pub energy: usize,
+}
+
+/// How the acceleration is differentiated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MotionDerivatives {
+    /// By the kernels of its Jacobian and its Hessian.
+    Kernels([usize; 2]),
+    /// As the solution of this linear system.
+    System(usize),
+}
+
+/// Why a scene is refused after all has been derived.
+pub(crate) enum Unfit {
+    /// A kernel has too many operations to be compiled in reasonable time.
+    Long { kernel: String, operations: usize },
+    /// Ordering the operations takes too much work.
+    Exhausted,
+    /// A constant in a kernel is not finite.
+    Constant,
+}
+
+impl Description {
+    pub(crate) fn of(scene: &CheckedScene, equations: &Equations) -> Result<Self, Unfit> {
+        let mut builder = Builder {
+            scene,
+            inputs: equations.inputs,
+            at_the_end: false,
+            kernels: Vec::new(),
+            systems: Vec::new(),
+        };
+        let motion = motion(&mut builder, equations);
+        let contacts = scene
+            .contacts
+            .iter()
+            .zip(&equations.contacts)
+            .map(|(declared, contact)| contact::contact(&mut builder, declared, contact))
+            .collect();
+        let optimal_control = scene
+            .optimal_control
+            .as_ref()
+            .zip(equations.optimal_control.as_ref())
+            .map(|(declared, derived)| {
+                optimal_control::optimal_control(&mut builder, declared, derived)
+            });
+        let given = given(&mut builder);
+        let description = Self {
+            name: scene.name.text.clone(),
+            documentation: text(&scene.documentation),
+            parameters: scene.parameters.iter().map(Parameter::of).collect(),
+            coordinates: scene.coordinates.iter().map(Variable::of).collect(),
+            controls: scene.controls.iter().map(Variable::of).collect(),
+            explicit_time: scene.explicit_time,
+            equations: Vec::new(),
+            given,
+            motion,
+            contacts,
+            optimal_control,
+            kernels: builder.kernels,
+            systems: builder.systems,
+        };
+        description.check()?;
+        Ok(Self {
+            equations: equations::readable(scene, equations),
+            ..description
+        })
+    }
+
+    /// Whether all kernels can be compiled and evaluated.
+    fn check(&self) -> Result<(), Unfit> {
+        if graph::is_exhausted() {
+            return Err(Unfit::Exhausted);
+        }
+        for kernel in &self.kernels {
+            let operations = kernel.cost();
+            if operations > BUDGET {
+                return Err(Unfit::Long {
+                    kernel: kernel.name.clone(),
+                    operations,
+                });
+            }
+            // Bounds, which are not listed, may be open.
+            if kernel.listed && !kernel.is_finite() {
+                return Err(Unfit::Constant);
+            }
+        }
+        Ok(())
+    }
+
+    /// The functions that are evaluated again and again.
+    pub fn listed(&self) -> impl Iterator<Item = &Kernel> {
+        self.kernels.iter().filter(|kernel| kernel.listed)
+    }
+
+    /// Length of the input vector: coordinates, velocities, controls and the time, where it occurs.
+    #[must_use]
+    pub fn inputs(&self) -> usize {
+        2 * self.coordinates.len() + self.controls.len() + usize::from(self.explicit_time)
+    }
+}
+
+fn motion(builder: &mut Builder<'_>, equations: &Equations) -> Motion {
+    let (acceleration, derivatives, jacobian, hessian) = match &equations.acceleration {
+        Solution::Explicit(Explicit {
+            values,
+            jacobian,
+            hessian,
+        }) => {
+            let acceleration = builder.kernel("free_acceleration", values);
+            let derivatives = MotionDerivatives::Kernels([
+                builder.kernel("free_jacobian", &jacobian.values),
+                builder.kernel("free_hessian", &hessian.values),
+            ]);
+            let (jacobian, hessian) = (Pattern::of(jacobian), Pattern::of(hessian));
+            (Some(acceleration), derivatives, jacobian, hessian)
+        }
+        Solution::Implicit(implicit) => {
+            let solution = implicit.solution.as_ref();
+            let acceleration =
+                solution.map(|solution| builder.kernel("free_acceleration", solution));
+            let system = builder.system("motion", implicit);
+            let n = implicit.size;
+            let jacobian = Pattern {
+                rows: n,
+                columns: builder.inputs,
+                entries: implicit.jacobian_pattern(n),
+            };
+            let hessian = Pattern {
+                rows: builder.inputs,
+                columns: builder.inputs,
+                entries: implicit.hessian_pattern(),
+            };
+            let derivatives = MotionDerivatives::System(system);
+            (acceleration, derivatives, jacobian, hessian)
+        }
+    };
+    Motion {
+        acceleration,
+        derivatives,
+        jacobian,
+        hessian,
+        mass_matrix: builder.kernel("mass_matrix", &equations.mass),
+        energy: builder.kernel("energy", &equations.energy),
+    }
+}
+
+fn given(builder: &mut Builder<'_>) -> Given {
+    let scene = builder.scene;
+    let bound = |open: f64, pick: fn((Sym, Sym)) -> Sym| -> Vec<Sym> {
+        let quantities = scene.coordinates.iter().chain(&scene.controls);
+        quantities
+            .map(|quantity| quantity.bounds.map_or(Sym::number(open), pick))
+            .collect()
+    };
+    let horizon = scene.horizon;
+    let horizon = horizon.map(|horizon| builder.unlisted("horizon", &[horizon]));
+    Given {
+        horizon,
+        start: [
+            builder.unlisted("start_coordinates", &scene.start.0),
+            builder.unlisted("start_velocities", &scene.start.1),
+        ],
+        bounds: [
+            builder.unlisted("lower_bounds", &bound(f64::NEG_INFINITY, |(low, _)| low)),
+            builder.unlisted("upper_bounds", &bound(f64::INFINITY, |(_, high)| high)),
+        ],
+    }
+}

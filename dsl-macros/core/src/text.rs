@@ -1,0 +1,375 @@
+//! A declaration as the text of a file: from characters to tokens, and mistakes with their place in the text.
+
+use crate::diagnostics::Mistake;
+use crate::words;
+use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
+use std::ops::Range;
+
+/// Most bytes of a text.
+pub(crate) const LONGEST: usize = 1 << 16;
+/// Most brackets inside each other.
+const DEEPEST: usize = 64;
+/// Most mistakes of the characters that are listed.
+const MOST: usize = 20;
+
+/// One mistake of a text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TextMistake {
+    /// Code of the mistake (`E01` to `E22`); `None` for plain syntax errors.
+    pub code: Option<&'static str>,
+    /// What is wrong and what to write instead, in one line.
+    pub message: String,
+    /// The bytes of the text where it stands.
+    pub place: Range<usize>,
+}
+
+impl TextMistake {
+    fn new(place: Range<usize>, message: impl Into<String>) -> Self {
+        Self {
+            code: None,
+            message: message.into(),
+            place,
+        }
+    }
+
+    /// What is shown of it: the code, if there is one, then the message.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self.code {
+            Some(code) => format!("{code}: {}", self.message),
+            None => self.message.clone(),
+        }
+    }
+
+    /// A mistake in tokens of the text.
+    pub(crate) fn of(mistake: Mistake) -> Self {
+        let [first, last] = mistake.place().map(|span| span.byte_range());
+        Self {
+            place: first.start..last.end.max(first.start),
+            code: mistake.code,
+            message: mistake.message,
+        }
+    }
+}
+
+/// The tokens of a text that holds what stands inside `model! { ... }`, or only the statements of a scene that is then
+/// called after `stem`, the name of its file.
+pub(crate) fn tokens(text: &str, stem: &str) -> Result<TokenStream, Vec<TextMistake>> {
+    if text.len() > LONGEST {
+        let message = format!(
+            "the text has {} bytes, more than {LONGEST}; declare one scene in a file",
+            text.len()
+        );
+        return Err(vec![TextMistake::new(0..0, message)]);
+    }
+    let mistakes = characters(text);
+    if !mistakes.is_empty() {
+        return Err(mistakes);
+    }
+    match text.parse::<TokenStream>() {
+        Ok(tokens) => Ok(with_header(tokens, stem)),
+        Err(error) => {
+            let at = error.span().byte_range().start.min(text.len());
+            let end = text[at..].chars().next().map_or(at, |c| at + c.len_utf8());
+            let message = "no number, name or symbol of the language begins here";
+            Err(vec![TextMistake::new(at..end, message)])
+        }
+    }
+}
+
+/// The declaration with `pub Name { ... }` around it if it is without.
+fn with_header(tokens: TokenStream, stem: &str) -> TokenStream {
+    let mut tokens = tokens.into_iter().peekable();
+    let mut header: Vec<TokenTree> = Vec::new();
+    // Documentation of a whole file is written `//!` or `///`.
+    while let Some(TokenTree::Punct(mark)) = tokens.peek()
+        && matches!(mark.as_char(), '#' | '!')
+    {
+        let mark = mark.as_char();
+        let token = tokens.next();
+        if mark == '#' {
+            header.extend(token);
+        }
+        if let Some(TokenTree::Group(_)) = tokens.peek() {
+            header.extend(tokens.next());
+        }
+    }
+    let begins = |token: &TokenTree| matches!(token, TokenTree::Ident(word) if words::STATEMENTS.contains(&word.to_string().as_str()));
+    if tokens.peek().is_none_or(begins) {
+        let body: Vec<TokenTree> = tokens.collect();
+        let span = |token: Option<&TokenTree>| token.map_or_else(Span::call_site, TokenTree::span);
+        let (first, last) = (span(body.first()), span(body.last()));
+        let mut group = Group::new(Delimiter::Brace, body.into_iter().collect());
+        group.set_span(last);
+        header.extend([
+            TokenTree::Ident(Ident::new("pub", first)),
+            TokenTree::Ident(Ident::new(&type_name(stem), first)),
+            TokenTree::Group(group),
+        ]);
+        return header.into_iter().collect();
+    }
+    header.into_iter().chain(tokens).collect()
+}
+
+/// The name of a scene whose file is called `stem`: `ski-jump` is `SkiJump`.
+fn type_name(stem: &str) -> String {
+    let words = stem.split(|c: char| !c.is_ascii_alphanumeric());
+    let name: String = words
+        .filter_map(|word| {
+            let mut letters = word.chars();
+            let first = letters.next()?;
+            Some(first.to_ascii_uppercase().to_string() + letters.as_str())
+        })
+        .collect();
+    if name.starts_with(|c: char| c.is_ascii_alphabetic()) && !words::is_rust_word(&name) {
+        name
+    } else {
+        format!("Scene{name}")
+    }
+}
+
+/// What is wrong with the characters: brackets that do not match, comments without end, and what no token holds.
+fn characters(text: &str) -> Vec<TextMistake> {
+    let mut scan = Scan {
+        text,
+        at: 0,
+        open: Vec::new(),
+        mistakes: Vec::new(),
+    };
+    while scan.at < text.len() && scan.mistakes.len() < MOST {
+        if !scan.step() {
+            break;
+        }
+    }
+    if scan.mistakes.is_empty()
+        && let Some(&(at, bracket)) = scan.open.last()
+    {
+        let message = format!("the bracket `{bracket}` is never closed");
+        scan.mistakes.push(TextMistake::new(at..at + 1, message));
+    }
+    scan.mistakes
+}
+
+struct Scan<'a> {
+    text: &'a str,
+    at: usize,
+    /// Open brackets and where they stand.
+    open: Vec<(usize, char)>,
+    mistakes: Vec<TextMistake>,
+}
+
+impl Scan<'_> {
+    /// Reads on; false if there is no sense in it.
+    fn step(&mut self) -> bool {
+        let rest = &self.text[self.at..];
+        let Some(c) = rest.chars().next() else {
+            return false;
+        };
+        let length = match c {
+            _ if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
+            _ if rest.starts_with("/*") => match comment(rest) {
+                Some(length) => length,
+                None => return self.stop(2, "this comment is never closed; end it with `*/`"),
+            },
+            '"' => match string(rest) {
+                Some(length) => length,
+                None => return self.stop(1, "this string is never closed"),
+            },
+            '(' | '[' | '{' => {
+                self.open.push((self.at, c));
+                if self.open.len() > DEEPEST {
+                    return self.stop(
+                        1,
+                        "brackets are nested too deeply here; introduce abbreviations with `let`",
+                    );
+                }
+                1
+            }
+            ')' | ']' | '}' => match self.open.pop() {
+                Some((_, open)) if closes(open, c) => 1,
+                Some((_, open)) => {
+                    let message =
+                        format!("`{c}` closes nothing here: the bracket `{open}` is open");
+                    return self.stop(1, &message);
+                }
+                None => {
+                    return self.stop(1, &format!("`{c}` closes nothing: no bracket is open"));
+                }
+            },
+            '\'' => self.prime(),
+            _ => {
+                if let Some(remedy) = stray(c) {
+                    let message = format!("`{}` is no character of the language{remedy}", shown(c));
+                    let place = self.at..self.at + c.len_utf8();
+                    self.mistakes.push(TextMistake::new(place, message));
+                }
+                c.len_utf8()
+            }
+        };
+        self.at += length;
+        true
+    }
+
+    /// Notes a mistake behind which nothing can be read.
+    fn stop(&mut self, length: usize, message: &str) -> bool {
+        let place = self.at..self.at + length;
+        self.mistakes.push(TextMistake::new(place, message));
+        false
+    }
+
+    /// Primes, which do not denote rates here; how many bytes they are.
+    fn prime(&mut self) -> usize {
+        let (before, rest) = self.text.split_at(self.at);
+        let count = rest.len() - rest.trim_start_matches('\'').len();
+        let is_part = |c: char| c.is_alphanumeric() || c == '_';
+        let name = &before[before.trim_end_matches(is_part).len()..];
+        let (start, message) = if name.is_empty() {
+            (
+                self.at,
+                "`'` has no meaning here; the rate of a quantity `y` is written `dot(y)`".into(),
+            )
+        } else if count == 1 {
+            let start = self.at - name.len();
+            (
+                start,
+                format!("write `dot({name})` for the rate of `{name}`, instead of `{name}'`"),
+            )
+        } else {
+            let start = self.at - name.len();
+            let message = format!(
+                "write `dot({name})` for the rate of `{name}`; accelerations are derived and do not occur in a \
+                 declaration"
+            );
+            (start, message)
+        };
+        self.mistakes
+            .push(TextMistake::new(start..self.at + count, message));
+        count
+    }
+}
+
+fn closes(open: char, close: char) -> bool {
+    matches!((open, close), ('(', ')') | ('[', ']') | ('{', '}'))
+}
+
+/// Length of a comment, which may hold others.
+fn comment(text: &str) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let (mut depth, mut at) = (0_usize, 0);
+    while at + 1 < bytes.len() {
+        match &bytes[at..at + 2] {
+            b"/*" => depth += 1,
+            b"*/" => depth -= 1,
+            _ => {
+                at += 1;
+                continue;
+            }
+        }
+        at += 2;
+        if depth == 0 {
+            return Some(at);
+        }
+    }
+    None
+}
+
+/// Length of a string literal.
+fn string(text: &str) -> Option<usize> {
+    let mut escaped = false;
+    for (at, c) in text.char_indices().skip(1) {
+        match c {
+            '"' if !escaped => return Some(at + 1),
+            _ => escaped = c == '\\' && !escaped,
+        }
+    }
+    None
+}
+
+/// A character as it can be printed.
+fn shown(c: char) -> String {
+    if c.is_control() {
+        c.escape_unicode().to_string()
+    } else {
+        c.to_string()
+    }
+}
+
+/// Whether a character occurs in no token; then what to write instead, if that is clear.
+fn stray(c: char) -> Option<&'static str> {
+    let remedy = match c {
+        '\u{d7}' | '\u{b7}' | '\u{22c5}' | '\u{2219}' => "; write `*`",
+        '\u{2212}' | '\u{2013}' | '\u{2014}' => "; write `-`",
+        '\u{f7}' => "; write `/`",
+        '\u{2264}' => "; write `<=`",
+        '\u{2265}' => "; write `>=`",
+        '\u{b2}' => "; write `^2`",
+        '\u{b3}' => "; write `^3`",
+        '\u{b0}' => "; angles in degrees have the unit `deg`",
+        '\u{2032}' | '\u{2019}' => "; the rate of a quantity `y` is written `dot(y)`",
+        '\u{221a}' => "; write `sqrt(...)`",
+        '`' | '\\' => "",
+        '\u{feff}' => return None,
+        _ if c.is_ascii_control() && !c.is_ascii_whitespace() => "",
+        _ if c.is_ascii() || c.is_alphanumeric() || c.is_whitespace() => return None,
+        _ => "",
+    };
+    Some(remedy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{characters, type_name};
+
+    fn first(text: &str) -> (usize, String) {
+        let mistake = characters(text).into_iter().next().unwrap();
+        (mistake.place.start, mistake.message)
+    }
+
+    #[test]
+    fn characters_of_a_declaration_pass() {
+        for text in [
+            "",
+            "a { b [c] (d) } // it's (\n",
+            "/* y' /* ( */ */ x",
+            "#[doc = \"it's ( \\\" \"] {}",
+        ] {
+            assert!(characters(text).is_empty(), "{text}");
+        }
+    }
+
+    #[test]
+    fn wrong_characters_are_named_where_they_stand() {
+        for (text, at, words) in [
+            ("m*y'^2", 2, "write `dot(y)` for the rate of `y`"),
+            ("m*y''", 2, "accelerations are derived"),
+            ("{ (a }", 5, "the bracket `(` is open"),
+            ("{ a", 0, "`{` is never closed"),
+            ("a )", 2, "no bracket is open"),
+            ("a /* b", 2, "never closed"),
+            ("m\u{b7}g", 1, "write `*`"),
+            ("a \u{1b}[2J", 2, "\\u{1b}"),
+            ("a `b`", 2, "no character of the language"),
+        ] {
+            let (found, message) = first(text);
+            assert_eq!(found, at, "{text}: {message}");
+            assert!(message.contains(words), "{text}: {message}");
+        }
+        let deep = "(".repeat(100_000);
+        assert!(first(&deep).1.contains("nested too deeply"));
+        assert_eq!(characters(&"`".repeat(1000)).len(), super::MOST);
+    }
+
+    #[test]
+    fn file_gives_its_name_to_a_scene_without_one() {
+        for (stem, name) in [
+            ("ski-jump", "SkiJump"),
+            ("ball_2", "Ball2"),
+            ("2-balls", "Scene2Balls"),
+            ("self", "SceneSelf"),
+            ("\u{e4}", "Scene"),
+            ("", "Scene"),
+        ] {
+            assert_eq!(type_name(stem), name);
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Declarations as texts of files.
+
+use hangtime_dsl::{describe_text, expand, expand_text};
+
+const BODY: &str = "parameters { m: kg = 1, g: m/s^2 = 9.81 } coordinates { z: m } // height
+    lagrangian m/2*dot(z)^2 - m*g*z surface floor: z >= 0 impact floor: inelastic start { z: 1 }";
+
+#[test]
+fn text_with_and_without_a_header_is_the_declaration_of_the_macro() {
+    let declared = format!("/// A ball.\n pub Ball {{ {BODY} }}");
+    let wanted = expand(declared.parse().unwrap()).to_string();
+    for text in [
+        declared,
+        format!("//! A ball.\n{BODY}"),
+        format!("/// A ball.\n{BODY}"),
+    ] {
+        let expanded = expand_text(&text, "ball").map(|tokens| tokens.to_string());
+        assert_eq!(expanded.ok().as_ref(), Some(&wanted), "{text}");
+        let described = describe_text(&text, "ball").unwrap();
+        assert_eq!(
+            (described.name.as_str(), described.documentation.as_str()),
+            ("Ball", "A ball.")
+        );
+    }
+}
+
+#[test]
+fn mistakes_of_a_text_are_those_of_the_macro_with_their_place() {
+    let text = format!(
+        "\u{feff}//! \u{e4}\r\n{}",
+        BODY.replace("dot(z)^2 -", "dot(zz)^2 -")
+            .replace("start { z: 1 }", "")
+    );
+    let (mistakes, stub) = expand_text(&text, "ball").unwrap_err();
+    let shown: Vec<(&str, &str)> = mistakes
+        .iter()
+        .map(|mistake| {
+            (
+                mistake.code.unwrap_or_default(),
+                &text[mistake.place.clone()],
+            )
+        })
+        .collect();
+    assert_eq!(shown, [("E01", "zz")]);
+    assert_eq!(Err(mistakes), describe_text(&text, "ball"));
+    assert!(stub.to_string().contains("pub struct Ball"), "{stub}");
+}
+
+#[test]
+fn text_that_is_no_declaration_is_answered_by_a_message() {
+    let long = "// x\n".repeat(20_000);
+    for (text, words) in [
+        ("", "declares no coordinates"),
+        ("Ball", "expected `{` after the name `Ball`"),
+        ("pub Ball { } pub Other { }", "after the scene"),
+        (
+            "coordinates { y } lagrangian dot(y)^2/2 + 0x",
+            "begins here",
+        ),
+        ("#![no_std]", "only doc comments may stand here"),
+        (&long, "more than 65536"),
+    ] {
+        let mistakes = describe_text(text, "ball").unwrap_err();
+        let shown: Vec<String> = mistakes
+            .iter()
+            .map(hangtime_dsl::TextMistake::text)
+            .collect();
+        assert!(
+            shown.iter().any(|shown| shown.contains(words)),
+            "{text}: {shown:?}"
+        );
+    }
+}

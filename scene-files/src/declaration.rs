@@ -1,0 +1,119 @@
+//! What a scene declares, as static data like that of a compiled one.
+
+use hangtime::model::{
+    ConstraintDeclaration, ConstraintRelation, ContactDeclaration, Declaration, Equation,
+    FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
+    SparsityPattern, VariableDeclaration,
+};
+use hangtime_dsl::description::{
+    Condition, Contact, Description, OptimalControl, Pattern, Rows, Variable,
+};
+
+/// The declaration of a described scene. It is never freed: solvers and results keep names of it.
+pub(crate) fn of(scene: &Description) -> &'static Declaration {
+    let parameters = scene.parameters.iter().map(|known| ParameterDeclaration {
+        name: text(&known.name),
+        unit: text(&known.unit),
+        default: known.default,
+        positive: known.positive,
+        documentation: text(&known.documentation),
+    });
+    let kernels = scene.listed().map(|kernel| Kernel {
+        name: text(&kernel.name),
+        operations: kernel.cost(),
+        outputs: kernel.outputs.len(),
+    });
+    let equations = scene.equations.iter().map(|[left, right]| Equation {
+        left: text(left),
+        right: text(right),
+    });
+    Box::leak(Box::new(Declaration {
+        name: text(&scene.name),
+        documentation: text(&scene.documentation),
+        parameters: list(parameters),
+        coordinates: list(scene.coordinates.iter().map(variable)),
+        controls: list(scene.controls.iter().map(variable)),
+        contacts: list(scene.contacts.iter().map(contact)),
+        explicit_time: scene.explicit_time,
+        free_jacobian: pattern(&scene.motion.jacobian),
+        free_hessian: pattern(&scene.motion.hessian),
+        optimal_control: scene.optimal_control.as_ref().map(optimal_control),
+        kernels: list(kernels),
+        equations: list(equations),
+    }))
+}
+
+fn text(text: &str) -> &'static str {
+    text.to_owned().leak()
+}
+
+fn list<T>(items: impl Iterator<Item = T>) -> &'static [T] {
+    items.collect::<Vec<T>>().leak()
+}
+
+fn pattern(pattern: &Pattern) -> SparsityPattern {
+    let entries = pattern.entries.iter();
+    SparsityPattern {
+        rows: pattern.rows,
+        columns: pattern.columns,
+        entries: list(entries.map(|&(row, column)| (row as u32, column as u32))),
+    }
+}
+
+fn variable(variable: &Variable) -> VariableDeclaration {
+    VariableDeclaration {
+        name: text(&variable.name),
+        unit: text(&variable.unit),
+        documentation: text(&variable.documentation),
+    }
+}
+
+fn contact(contact: &Contact) -> ContactDeclaration {
+    let patterns = |rows: &Rows| [pattern(&rows.jacobian), pattern(&rows.hessian)];
+    let [jacobian, hessian] = patterns(&contact.rows);
+    let friction = contact.friction.as_ref().map(|friction| {
+        let [jacobian, hessian] = patterns(&friction.rows);
+        FrictionDeclaration { jacobian, hessian }
+    });
+    ContactDeclaration {
+        name: text(&contact.name),
+        unit: text(&contact.unit),
+        law: match contact.restitution {
+            Some(_) => ImpactLaw::Restitution,
+            None => ImpactLaw::Inelastic,
+        },
+        friction,
+        custom_direction: contact.custom_direction,
+        held: list(contact.held.iter().copied()),
+        jacobian,
+        hessian,
+        documentation: text(&contact.documentation),
+    }
+}
+
+fn optimal_control(task: &OptimalControl) -> OptimalControlDeclaration {
+    let conditions = |conditions: &[Condition]| {
+        list(conditions.iter().map(|condition| ConstraintDeclaration {
+            name: text(&condition.name),
+            unit: text(&condition.unit),
+            relation: if condition.equality {
+                ConstraintRelation::Zero
+            } else {
+                ConstraintRelation::NonNegative
+            },
+            documentation: text(&condition.documentation),
+        }))
+    };
+    OptimalControlDeclaration {
+        running_cost: task.running_cost,
+        final_cost: task.final_cost,
+        constraints: conditions(&task.constraints),
+        goals: conditions(&task.goals),
+        free_time: task.free_time,
+        free_start: list(task.free_start.iter().copied()),
+        path_jacobian: pattern(&task.path.jacobian),
+        path_hessian: pattern(&task.path.hessian),
+        terminal_jacobian: pattern(&task.terminal.jacobian),
+        terminal_hessian: pattern(&task.terminal.hessian),
+    }
+}

@@ -1,0 +1,144 @@
+//! Scenes from files, which run without a compiler.
+//!
+//! A file `NAME.hang` holds what stands inside `hangtime::model! { ... }`, or only the statements. [`read`] derives it and
+//! gives a [`TextScene`], a [`Model`](hangtime::model::Model) like any other:
+//!
+//! ```
+//! use hangtime::prelude::*;
+//!
+//! let ball = hangtime_scene_files::of_text("ball.hang", "
+//!     parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 1 }
+//!     coordinates { z: m }
+//!     lagrangian m/2*dot(z)^2 - m*g*z
+//!     surface floor: z >= 0
+//!     impact floor: inelastic
+//!     start { z: height }
+//!     horizon 1 [s]
+//! ")?;
+//! let fall = simulate(&ball).run()?;
+//! assert!((fall.events[0].time - (2.0 / 9.81_f64).sqrt()).abs() < 1e-9);
+//!
+//! let refusal = hangtime_scene_files::of_text("ball.hang", "coordinates { z: m } lagrangian z'").unwrap_err();
+//! assert!(refusal.to_string().contains("dot(z)"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A file is data: it can name no path and no command, and whatever it holds takes bounded time and memory.
+
+mod declaration;
+mod program;
+mod report;
+mod scene;
+mod scratch;
+mod system;
+
+pub use hangtime_dsl::TextMistake;
+pub use scene::TextScene;
+
+use program::TooLarge;
+use std::fs::{self, File};
+use std::io::Read as _;
+use std::path::Path;
+use std::{fmt, thread};
+
+/// Most bytes that are read of a file; a longer one is refused by the language.
+const LONGEST: u64 = 1 << 17;
+/// Stack for a derivation, whose recursion is bounded.
+const STACK: usize = 64 << 20;
+
+/// Why a scene was refused.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The file was not read, or is no text; one line says why.
+    Unreadable(String),
+    /// The text has mistakes.
+    Mistakes {
+        /// All of them.
+        mistakes: Vec<TextMistake>,
+        /// The same for people: file, line, column, the line itself with a mark below it.
+        report: String,
+    },
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unreadable(line) => f.write_str(line),
+            Self::Mistakes { report, .. } => f.write_str(report),
+        }
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+/// Reads a scene from a file.
+///
+/// What the scene declares stays in memory until the program ends, some kilobytes for each file that is read.
+///
+/// # Errors
+/// The file cannot be read, or its text has mistakes.
+pub fn read(file: &Path) -> Result<TextScene, SceneError> {
+    let shown = file.display();
+    let unreadable = |why: String| SceneError::Unreadable(format!("scene file `{shown}`: {why}"));
+    // Reading from a pipe might never end.
+    if fs::metadata(file).is_ok_and(|found| !found.is_file()) {
+        return Err(unreadable(
+            "this is no file; give the path of one".to_owned(),
+        ));
+    }
+    let mut bytes = Vec::new();
+    File::open(file)
+        .and_then(|opened| opened.take(LONGEST).read_to_end(&mut bytes))
+        .map_err(|error| {
+            unreadable(format!("{error}; give the path of a file that can be read"))
+        })?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let place = error.utf8_error().valid_up_to();
+        unreadable(format!(
+            "byte {place} is no text in UTF-8; save it as UTF-8"
+        ))
+    })?;
+    of_text(&shown.to_string(), &text)
+}
+
+/// Derives a scene from a text; `file` is what its messages call the file, and the name of a scene without one follows
+/// from it.
+///
+/// What the scene declares stays in memory until the program ends.
+///
+/// # Errors
+/// The text has mistakes.
+pub fn of_text(file: &str, text: &str) -> Result<TextScene, SceneError> {
+    let stem = Path::new(file).file_stem().unwrap_or_default();
+    let stem = stem.to_string_lossy();
+    // On a thread of its own, whose stack is known, and whose memory of expressions and places ends with it.
+    let derived = thread::scope(|scope| {
+        let work = || hangtime_dsl::describe_text(text, &stem);
+        let worker = thread::Builder::new()
+            .stack_size(STACK)
+            .spawn_scoped(scope, work);
+        worker.map(|worker| worker.join())
+    });
+    let refuse = |mistakes: Vec<TextMistake>| SceneError::Mistakes {
+        report: report::report(file, text, &mistakes),
+        mistakes,
+    };
+    match derived {
+        Ok(Ok(derived)) => {
+            let description = derived.map_err(refuse)?;
+            TextScene::new(description).map_err(|TooLarge| {
+                refuse(vec![TextMistake {
+                    code: Some("E22"),
+                    message: "a derived function has too many values; split the mechanism into smaller scenes"
+                        .to_owned(),
+                    place: 0..0,
+                }])
+            })
+        }
+        Ok(Err(panic)) => std::panic::resume_unwind(panic),
+        Err(error) => Err(SceneError::Unreadable(format!(
+            "scene file `{file}`: no thread for its derivation: {error}"
+        ))),
+    }
+}

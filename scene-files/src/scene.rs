@@ -1,0 +1,411 @@
+//! A scene whose functions are evaluated without a compiler.
+
+use crate::declaration;
+use crate::program::{Program, TooLarge};
+use crate::scratch::Scratch;
+use crate::system::zeros;
+use hangtime::model::{Declaration, Model};
+use hangtime_dsl::description::{
+    Contact, Description, Friction, Functions, Motion, MotionDerivatives, Rows,
+};
+use std::sync::Arc;
+
+/// A scene from a text: a model like those that the compiler makes, with the same operations in the same order.
+///
+/// Copies share everything but the values of the parameters. Evaluation allocates nothing after the first one of a thread.
+#[derive(Debug, Clone)]
+pub struct TextScene {
+    shared: Arc<Shared>,
+    parameters: Vec<f64>,
+    /// What depends on parameters only, of all programs.
+    folded: Vec<f64>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    declaration: &'static Declaration,
+    description: Description,
+    programs: Vec<Program>,
+}
+
+impl TextScene {
+    pub(crate) fn new(description: Description) -> Result<Self, TooLarge> {
+        let mut programs: Vec<Program> = Vec::with_capacity(description.kernels.len());
+        for kernel in &description.kernels {
+            let before = programs.last().map_or(0, |last| last.folded.end);
+            programs.push(Program::new(kernel, before)?);
+        }
+        let defaults = description.parameters.iter().map(|known| known.default);
+        let mut scene = Self {
+            parameters: defaults.collect(),
+            folded: Vec::new(),
+            shared: Arc::new(Shared {
+                declaration: declaration::of(&description),
+                description,
+                programs,
+            }),
+        };
+        scene.fold();
+        Ok(scene)
+    }
+
+    /// Computes what depends on parameters only.
+    fn fold(&mut self) {
+        self.folded.clear();
+        for program in &self.shared.programs {
+            self.folded.extend(program.fold(&self.parameters));
+        }
+    }
+
+    fn description(&self) -> &Description {
+        &self.shared.description
+    }
+
+    fn motion(&self) -> &Motion {
+        &self.shared.description.motion
+    }
+
+    /// Evaluates a kernel in lent memory.
+    fn run(&self, scratch: &mut Scratch, kernel: usize, of: (&[f64], &[f64]), out: &mut [f64]) {
+        let program = &self.shared.programs[kernel];
+        let folded = &self.folded[program.folded.clone()];
+        program.run(folded, of, out, &mut scratch.registers);
+    }
+
+    /// Evaluates a kernel.
+    fn evaluate(&self, kernel: usize, x: &[f64], y: &[f64], out: &mut [f64]) {
+        Scratch::lend(|scratch| self.run(scratch, kernel, (x, y), out));
+    }
+
+    /// The value of a kernel that has one.
+    fn value(&self, kernel: usize, x: &[f64]) -> f64 {
+        let mut out = [f64::NAN];
+        self.evaluate(kernel, x, &[], &mut out);
+        out[0]
+    }
+
+    /// The values of a kernel, in lent memory.
+    fn values(&self, scratch: &mut Scratch, kernel: usize, of: (&[f64], &[f64])) -> Vec<f64> {
+        let mut values = std::mem::take(&mut scratch.values);
+        zeros(
+            &mut values,
+            self.description().kernels[kernel].outputs.len(),
+        );
+        self.run(scratch, kernel, of, &mut values);
+        values
+    }
+
+    /// Solves a linear system.
+    fn solve(&self, scratch: &mut Scratch, system: usize, x: &[f64]) {
+        let system = &self.description().systems[system];
+        let values = self.values(scratch, system.solve, (x, &[]));
+        scratch.solution.solve_system(&values, system.size);
+        scratch.values = values;
+    }
+
+    /// Solves a linear system and differentiates the solution.
+    fn differentiate(&self, scratch: &mut Scratch, system: usize, x: &[f64]) {
+        self.solve(scratch, system, x);
+        let (kernel, pattern) = &self.description().systems[system].jacobian;
+        let y = std::mem::take(&mut scratch.solution.y);
+        let values = self.values(scratch, *kernel, (x, &y));
+        scratch.solution.y = y;
+        let inputs = self.description().inputs();
+        scratch.solution.differentiate(pattern, &values, inputs);
+        scratch.values = values;
+    }
+
+    /// Second derivatives of the weighted solution of a linear system; weights behind those given are zero.
+    fn second(
+        &self,
+        scratch: &mut Scratch,
+        (system, weights): (usize, &[f64]),
+        x: &[f64],
+        (pattern, out): (&[(usize, usize)], &mut [f64]),
+    ) {
+        self.differentiate(scratch, system, x);
+        let system = &self.description().systems[system];
+        let mut lambda = std::mem::take(&mut scratch.solution.vectors[1]);
+        lambda.clear();
+        lambda.extend_from_slice(weights);
+        lambda.resize(system.size, 0.0);
+        scratch.solution.solve_transposed(&lambda);
+        scratch.solution.vectors[1] = lambda;
+        let y = std::mem::take(&mut scratch.solution.y);
+        let residual = self.values(scratch, system.hessian.0, (x, &y));
+        scratch.values = std::mem::take(&mut scratch.others);
+        let cross = self.values(scratch, system.cross.0, (x, &y));
+        scratch.solution.y = y;
+        scratch.solution.pull_back(
+            (&system.hessian.1, &residual),
+            (&system.cross.1, &cross),
+            pattern,
+            out,
+        );
+        scratch.values = residual;
+        scratch.others = cross;
+    }
+
+    /// What is known at a point: a kernel, and the solution of a linear system behind it.
+    fn point(&self, kernel: usize, rows: &Rows, x: &[f64], point: &mut [f64]) {
+        self.evaluate(kernel, x, &[], point);
+        let Some(solved) = &rows.solved else { return };
+        let first = self.description().kernels[kernel].outputs.len();
+        let size = self.description().systems[solved.system].size;
+        Scratch::lend(|scratch| {
+            self.solve(scratch, solved.system, x);
+            let rest = &mut point[first..];
+            rest.copy_from_slice(&scratch.solution.y[size..][..rest.len()]);
+        });
+    }
+
+    fn rows_jacobian(&self, rows: &Rows, x: &[f64], values: &mut [f64]) {
+        let kernel = rows.kernels[0];
+        self.evaluate(kernel, x, &[], values);
+        let Some(solved) = &rows.solved else { return };
+        let first = self.description().kernels[kernel].outputs.len();
+        Scratch::lend(|scratch| {
+            self.differentiate(scratch, solved.system, x);
+            let below = &rows.jacobian.entries[first..];
+            scratch
+                .solution
+                .gather(below, solved.formulas, &mut values[first..]);
+        });
+    }
+
+    fn rows_hessian(&self, rows: &Rows, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
+        let kernel = rows.kernels[1];
+        let Some(solved) = &rows.solved else {
+            return self.evaluate(kernel, x, multipliers, values);
+        };
+        Scratch::lend(|scratch| {
+            let weighted = (solved.system, &multipliers[solved.formulas..]);
+            self.second(scratch, weighted, x, (&rows.hessian.entries, values));
+            let geometry = self.values(scratch, kernel, (x, multipliers));
+            for (&place, value) in solved.places.iter().zip(&geometry) {
+                values[place] += value;
+            }
+            scratch.values = geometry;
+        });
+    }
+
+    fn contact_of(&self, contact: usize) -> Option<&Contact> {
+        self.description().contacts.get(contact)
+    }
+
+    fn friction_of(&self, contact: usize) -> Option<&Friction> {
+        self.contact_of(contact)?.friction.as_ref()
+    }
+
+    /// The kernel at one place of functions of optimal control, if there are any.
+    fn function(&self, terminal: bool, place: usize) -> Option<usize> {
+        let task = self.description().optimal_control.as_ref()?;
+        let Functions { kernels, .. } = if terminal { &task.terminal } else { &task.path };
+        kernels.map(|kernels| kernels[place])
+    }
+}
+
+impl Model for TextScene {
+    fn declaration(&self) -> &'static Declaration {
+        self.shared.declaration
+    }
+
+    fn parameter(&self, index: usize) -> f64 {
+        self.parameters.get(index).copied().unwrap_or(f64::NAN)
+    }
+
+    fn set_parameter(&mut self, index: usize, value: f64) {
+        if let Some(parameter) = self.parameters.get_mut(index) {
+            *parameter = value;
+            self.fold();
+        }
+    }
+
+    fn start(&self, q: &mut [f64], v: &mut [f64]) {
+        let [coordinates, velocities] = self.description().given.start;
+        self.evaluate(coordinates, &[], &[], q);
+        self.evaluate(velocities, &[], &[], v);
+    }
+
+    fn horizon(&self) -> Option<f64> {
+        let kernel = self.description().given.horizon?;
+        Some(self.value(kernel, &[]))
+    }
+
+    fn bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+        let [low, high] = self.description().given.bounds;
+        self.evaluate(low, &[], &[], lower);
+        self.evaluate(high, &[], &[], upper);
+    }
+
+    fn free_acceleration(&self, x: &[f64], a: &mut [f64]) {
+        match (self.motion().acceleration, self.motion().derivatives) {
+            (Some(kernel), _) => self.evaluate(kernel, x, &[], a),
+            (None, MotionDerivatives::System(system)) => {
+                Scratch::lend(|scratch| {
+                    self.solve(scratch, system, x);
+                    let size = self.description().systems[system].size;
+                    a.copy_from_slice(&scratch.solution.y[size..]);
+                });
+            }
+            (None, MotionDerivatives::Kernels(_)) => a.fill(f64::NAN),
+        }
+    }
+
+    fn free_jacobian(&self, x: &[f64], values: &mut [f64]) {
+        match self.motion().derivatives {
+            MotionDerivatives::Kernels([kernel, _]) => self.evaluate(kernel, x, &[], values),
+            MotionDerivatives::System(system) => {
+                Scratch::lend(|scratch| {
+                    self.differentiate(scratch, system, x);
+                    let pattern = &self.motion().jacobian.entries;
+                    scratch.solution.gather(pattern, 0, values);
+                });
+            }
+        }
+    }
+
+    fn free_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
+        match self.motion().derivatives {
+            MotionDerivatives::Kernels([_, kernel]) => {
+                self.evaluate(kernel, x, multipliers, values);
+            }
+            MotionDerivatives::System(system) => {
+                Scratch::lend(|scratch| {
+                    let pattern = &self.motion().hessian.entries[..];
+                    self.second(scratch, (system, multipliers), x, (pattern, values));
+                });
+            }
+        }
+    }
+
+    fn mass_matrix(&self, x: &[f64], m: &mut [f64]) {
+        self.evaluate(self.motion().mass_matrix, x, &[], m);
+    }
+
+    fn energy(&self, x: &[f64], energy: &mut [f64]) {
+        self.evaluate(self.motion().energy, x, &[], energy);
+    }
+
+    fn gap(&self, contact: usize, x: &[f64]) -> f64 {
+        self.contact_of(contact)
+            .map_or(f64::NAN, |contact| self.value(contact.gap, x))
+    }
+
+    fn contact(&self, contact: usize, x: &[f64], point: &mut [f64]) {
+        let Some(contact) = self.contact_of(contact) else {
+            return point.fill(f64::NAN);
+        };
+        self.point(contact.point, &contact.rows, x, point);
+        let n = self.description().coordinates.len();
+        let normal = 4..4 + n;
+        if let Some(solved) = &contact.rows.solved {
+            let size = self.description().systems[solved.system].size;
+            Scratch::lend(|scratch| point[3] = 1.0 / scratch.solution.y[2 * size - 1]);
+        } else if contact.inertia_from_motion
+            && let MotionDerivatives::System(system) = self.motion().derivatives
+        {
+            Scratch::lend(|scratch| {
+                self.solve(scratch, system, x);
+                let mut w = std::mem::take(&mut scratch.solution.vectors[0]);
+                zeros(&mut w, n);
+                scratch.solution.solve(&point[normal.clone()], &mut w);
+                point[3] = w.iter().zip(&point[normal]).map(|(a, b)| a * b).sum();
+                scratch.solution.vectors[0] = w;
+            });
+        }
+    }
+
+    fn contact_jacobian(&self, contact: usize, x: &[f64], values: &mut [f64]) {
+        match self.contact_of(contact) {
+            Some(contact) => self.rows_jacobian(&contact.rows, x, values),
+            None => values.fill(f64::NAN),
+        }
+    }
+
+    fn contact_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
+        match self.contact_of(contact) {
+            Some(contact) => self.rows_hessian(&contact.rows, x, multipliers, values),
+            None => values.fill(f64::NAN),
+        }
+    }
+
+    fn restitution(&self, contact: usize) -> f64 {
+        let kernel = self.contact_of(contact).and_then(|known| known.restitution);
+        kernel.map_or(0.0, |kernel| self.value(kernel, &[]))
+    }
+
+    fn friction(&self, contact: usize) -> f64 {
+        self.friction_of(contact)
+            .map_or(0.0, |friction| self.value(friction.coefficient, &[]))
+    }
+
+    fn tangent(&self, contact: usize, x: &[f64], point: &mut [f64]) {
+        match self.friction_of(contact) {
+            Some(friction) => self.point(friction.tangent, &friction.rows, x, point),
+            None => point.fill(f64::NAN),
+        }
+    }
+
+    fn tangent_jacobian(&self, contact: usize, x: &[f64], values: &mut [f64]) {
+        match self.friction_of(contact) {
+            Some(friction) => self.rows_jacobian(&friction.rows, x, values),
+            None => values.fill(f64::NAN),
+        }
+    }
+
+    fn tangent_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
+        match self.friction_of(contact) {
+            Some(friction) => self.rows_hessian(&friction.rows, x, multipliers, values),
+            None => values.fill(f64::NAN),
+        }
+    }
+
+    fn path_functions(&self, x: &[f64], values: &mut [f64]) {
+        if let Some(kernel) = self.function(false, 0) {
+            self.evaluate(kernel, x, &[], values);
+        }
+    }
+
+    fn path_jacobian(&self, x: &[f64], values: &mut [f64]) {
+        if let Some(kernel) = self.function(false, 1) {
+            self.evaluate(kernel, x, &[], values);
+        }
+    }
+
+    fn path_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
+        if let Some(kernel) = self.function(false, 2) {
+            self.evaluate(kernel, x, multipliers, values);
+        }
+    }
+
+    fn terminal_functions(&self, z: &[f64], values: &mut [f64]) {
+        if let Some(kernel) = self.function(true, 0) {
+            self.evaluate(kernel, z, &[], values);
+        }
+    }
+
+    fn terminal_jacobian(&self, z: &[f64], values: &mut [f64]) {
+        if let Some(kernel) = self.function(true, 1) {
+            self.evaluate(kernel, z, &[], values);
+        }
+    }
+
+    fn terminal_hessian(&self, z: &[f64], multipliers: &[f64], values: &mut [f64]) {
+        if let Some(kernel) = self.function(true, 2) {
+            self.evaluate(kernel, z, multipliers, values);
+        }
+    }
+
+    fn free_start_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+        let task = self.description().optimal_control.as_ref();
+        if let Some([low, high]) = task.and_then(|task| task.free_start_bounds) {
+            self.evaluate(low, &[], &[], lower);
+            self.evaluate(high, &[], &[], upper);
+        }
+    }
+
+    fn boxed(&self) -> Box<dyn Model> {
+        Box::new(self.clone())
+    }
+}

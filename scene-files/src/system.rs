@@ -1,0 +1,184 @@
+//! Small linear systems and the derivatives of their solutions, with the operations of compiled scenes in their order.
+//!
+//! A vector `y(x)` solves `K(x) y = b(x)`; `F(x, y) = K y - b`. With `mu = K^-T lambda` and `P = d(K' mu)/dx`,
+//!
+//! ```text
+//! A = dy/dx = -K^-1 F_x          d2(lambda' y)/dx2 = -(mu' F)_xx - P' A - A' P
+//! ```
+
+/// Position of a structural nonzero: row, column.
+pub(crate) type Position = (usize, usize);
+
+/// A factorized linear system, its solution and the derivatives of that.
+#[derive(Debug, Default)]
+pub(crate) struct Solution {
+    /// Unit lower triangle and upper triangle, row-major.
+    pub(crate) factors: Vec<f64>,
+    /// `rows[i]` is the row of the matrix that became row `i`.
+    pub(crate) rows: Vec<usize>,
+    /// Multipliers, and then the solution.
+    pub(crate) y: Vec<f64>,
+    /// Derivatives of the solution, row-major.
+    pub(crate) sensitivity: Vec<f64>,
+    /// A matrix over the inputs, row-major.
+    pub(crate) product: Vec<f64>,
+    /// Right-hand sides and intermediate vectors.
+    pub(crate) vectors: [Vec<f64>; 2],
+}
+
+impl Solution {
+    /// Factorizes the matrix of order `size` that stands before the right-hand side in `system`, and solves for it. The
+    /// solution stands behind as many zeros in `y`.
+    pub(crate) fn solve_system(&mut self, system: &[f64], size: usize) {
+        let (matrix, right) = system.split_at(size * size);
+        self.factorize(matrix, size);
+        zeros(&mut self.y, 2 * size);
+        let mut y = std::mem::take(&mut self.y);
+        self.solve(right, &mut y[size..]);
+        self.y = y;
+    }
+
+    /// `P K = L U` with row exchanges. A singular matrix gives factors that are not finite.
+    fn factorize(&mut self, matrix: &[f64], size: usize) {
+        self.factors.clear();
+        self.factors.extend_from_slice(matrix);
+        self.rows.clear();
+        self.rows.extend(0..size);
+        let factors = &mut self.factors[..];
+        for k in 0..size {
+            let mut pivot = k;
+            for i in k + 1..size {
+                if factors[i * size + k].abs() > factors[pivot * size + k].abs() {
+                    pivot = i;
+                }
+            }
+            if pivot != k {
+                let (above, below) = factors.split_at_mut(pivot * size);
+                above[k * size..][..size].swap_with_slice(&mut below[..size]);
+            }
+            self.rows.swap(k, pivot);
+            let inverse = 1.0 / factors[k * size + k];
+            let (above, below) = factors.split_at_mut((k + 1) * size);
+            let eliminated = &above[k * size..];
+            for row in below.chunks_exact_mut(size) {
+                let factor = row[k] * inverse;
+                row[k] = factor;
+                if factor != 0.0 {
+                    subtract(&mut row[k + 1..], &eliminated[k + 1..], factor);
+                }
+            }
+        }
+    }
+
+    /// Solution of `K x = b`.
+    pub(crate) fn solve(&self, b: &[f64], x: &mut [f64]) {
+        let rows = self.factors.chunks_exact(x.len());
+        for (i, row) in rows.clone().enumerate() {
+            x[i] = b[self.rows[i]] - inner(&row[..i], &x[..i]);
+        }
+        for (i, row) in rows.enumerate().rev() {
+            x[i] = (x[i] - inner(&row[i + 1..], &x[i + 1..])) / row[i];
+        }
+    }
+
+    /// Solution of `K' mu = lambda`, which becomes the first half of `y`.
+    pub(crate) fn solve_transposed(&mut self, lambda: &[f64]) {
+        let size = lambda.len();
+        let rows = self.factors.chunks_exact(size);
+        let work = &mut self.vectors[0];
+        work.clear();
+        work.extend_from_slice(lambda);
+        for (i, row) in rows.clone().enumerate() {
+            work[i] /= row[i];
+            let (known, rest) = work.split_at_mut(i + 1);
+            subtract(rest, &row[i + 1..], known[i]);
+        }
+        for (i, row) in rows.enumerate().rev() {
+            let (rest, known) = work.split_at_mut(i);
+            subtract(rest, &row[..i], known[0]);
+        }
+        for (value, &row) in work.iter().zip(&self.rows) {
+            self.y[row] = *value;
+        }
+    }
+
+    /// `A = -K^-1 F_x` from the nonzeros of `F_x`, with a column for each input.
+    pub(crate) fn differentiate(&mut self, pattern: &[Position], values: &[f64], inputs: usize) {
+        let size = self.rows.len();
+        zeros(&mut self.sensitivity, size * inputs);
+        let a = &mut self.sensitivity[..];
+        for (&(row, column), value) in pattern.iter().zip(values) {
+            let place = self.rows.iter().position(|&own| own == row);
+            a[place.unwrap_or_default() * inputs + column] = -value;
+        }
+        let rows = self.factors.chunks_exact(size);
+        for (i, factors) in rows.clone().enumerate() {
+            let (known, rest) = a.split_at_mut(i * inputs);
+            for (row, &factor) in known.chunks_exact(inputs).zip(factors) {
+                subtract(&mut rest[..inputs], row, factor);
+            }
+        }
+        for (i, factors) in rows.enumerate().rev() {
+            let (rest, known) = a.split_at_mut((i + 1) * inputs);
+            let own = &mut rest[i * inputs..];
+            for (row, &factor) in known.chunks_exact(inputs).zip(&factors[i + 1..]) {
+                subtract(own, row, factor);
+            }
+            let inverse = 1.0 / factors[i];
+            for value in own {
+                *value *= inverse;
+            }
+        }
+    }
+
+    /// Picks entries of `A`; `above` is subtracted from their rows.
+    pub(crate) fn gather(&self, pattern: &[Position], above: usize, values: &mut [f64]) {
+        let inputs = self.sensitivity.len() / self.rows.len();
+        for (&(row, column), value) in pattern.iter().zip(values) {
+            *value = self.sensitivity[(row - above) * inputs + column];
+        }
+    }
+
+    /// Hessian of `lambda' y` at the positions `pattern` of its lower triangle: from `A`, the nonzeros of `(mu' F)_xx`
+    /// (lower triangle) and those of `P`.
+    pub(crate) fn pull_back(
+        &mut self,
+        (residual_pattern, residual): (&[Position], &[f64]),
+        (cross_pattern, cross): (&[Position], &[f64]),
+        pattern: &[Position],
+        values: &mut [f64],
+    ) {
+        let inputs = self.sensitivity.len() / self.rows.len();
+        zeros(&mut self.product, inputs * inputs);
+        let product = &mut self.product[..];
+        // P'A, row i from each nonzero P[k][i]; its transpose is added where an entry is read.
+        for (&(k, i), &value) in cross_pattern.iter().zip(cross) {
+            let row = &self.sensitivity[k * inputs..][..inputs];
+            subtract(&mut product[i * inputs..][..inputs], row, -value);
+        }
+        // An entry is read as the sum of its two places, which on the diagonal are one.
+        for (&(i, j), &value) in residual_pattern.iter().zip(residual) {
+            product[i * inputs + j] += if i == j { 0.5 * value } else { value };
+        }
+        for (&(i, j), value) in pattern.iter().zip(values) {
+            *value = -(product[i * inputs + j] + product[j * inputs + i]);
+        }
+    }
+}
+
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `y -= factor * x`.
+fn subtract(y: &mut [f64], x: &[f64], factor: f64) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y -= factor * x;
+    }
+}
+
+/// The vector with this length, of zeros.
+pub(crate) fn zeros(vector: &mut Vec<f64>, length: usize) {
+    vector.clear();
+    vector.resize(length, 0.0);
+}
