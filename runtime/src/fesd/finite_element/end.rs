@@ -1,6 +1,6 @@
 //! The state at the end of an element.
 
-use super::{ElementError, FiniteElement, MAX_ITERATIONS};
+use super::{ElementError, FiniteElement, MAX_ITERATIONS, numerical_time};
 use crate::linalg::dense;
 
 /// The end state; without a stage at the end of the element it is projected on the constraints, which
@@ -17,6 +17,10 @@ pub(super) fn finish(element: &mut FiniteElement<'_>) -> Result<(), ElementError
     }
     let block = element.block();
     let multipliers = n + element.constraints.count();
+    if element.clock.is_slowed() {
+        numerical_time::write_end(element);
+        return project_end(element);
+    }
     for k in 0..n {
         let (mut first, mut second) = (0.0, 0.0);
         for j in 0..stages {

@@ -1,6 +1,8 @@
 //! Newton's method for one element.
 
-use super::{ElementError, FiniteElement, MAX_ITERATIONS, State, assembly, end, largest};
+use super::{
+    ElementError, FiniteElement, MAX_ITERATIONS, State, assembly, end, largest, numerical_time,
+};
 use crate::linalg::dense;
 use crate::model::ControlPiece;
 use crate::rk::ButcherTableau;
@@ -177,6 +179,10 @@ fn is_solved(element: &FiniteElement<'_>) -> bool {
 
 /// Stage states from the unknowns.
 fn update_stages(element: &mut FiniteElement<'_>) {
+    if element.clock.is_slowed() {
+        numerical_time::update_stages(element);
+        return;
+    }
     let (n, h, block) = (element.n, element.length, element.block());
     let multipliers = n + element.constraints.count();
     let stages = element.tableau.stages();

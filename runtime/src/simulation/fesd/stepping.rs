@@ -160,7 +160,7 @@ fn advance(
             .controls
             .next_break(driver.state.time)
             .map_or(end, |next| next.min(end));
-        if driver.settings.formulation == StepFormulation::TimeFreezing {
+        if driver.settings.formulation == StepFormulation::Complementarity {
             if let Err(stop) = program::solve_program(driver, segment_end) {
                 return Err(diagnosis::stopped(driver, step, &stop));
             }

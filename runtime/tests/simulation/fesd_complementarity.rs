@@ -14,7 +14,7 @@ fn time_freezing(steps: usize) -> Fesd {
     Fesd::default()
         .with_scheme(Scheme::RadauIia, 3)
         .with_grid(steps, 3)
-        .with_formulation(StepFormulation::TimeFreezing)
+        .with_formulation(StepFormulation::Complementarity)
 }
 
 fn solve(simulator: &Fesd, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
