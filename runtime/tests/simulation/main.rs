@@ -9,11 +9,13 @@ mod event_scales;
 mod fesd_accuracy;
 mod fesd_against_event_driven;
 mod fesd_complementarity;
+
 mod fesd_friction;
 mod fesd_laws_against_event_driven;
 mod fesd_properties;
 mod fesd_restitution;
 mod fesd_shared_friction;
+mod fesd_time_freezing;
 mod friction_coupled;
 mod friction_event;
 mod friction_time_stepping;

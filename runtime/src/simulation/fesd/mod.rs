@@ -24,6 +24,7 @@ mod detection;
 mod detector;
 mod diagnosis;
 mod driver;
+mod estimate;
 mod friction_switch;
 mod gap_switch;
 mod location;
@@ -62,6 +63,9 @@ impl Simulator for Fesd {
             None if self.steps.is_none() => {
                 let promise = self.tolerance.unwrap_or(Self::PROMISE);
                 accuracy::compared(self, promise, &tableau, (model, problem), &mut watch)
+            }
+            None if self.formulation == StepFormulation::TimeFreezing => {
+                estimate::estimated(self, &tableau, (model, problem), &mut watch)
             }
             None => {
                 let driver = driver::Driver::new(self, &tableau, model, problem);
