@@ -92,6 +92,37 @@ fn thrust() -> InitialValueProblem {
     }
 }
 
+/// Rods that fall on two tips, and the ski jump from two heights.
+fn falls() -> Vec<Case> {
+    vec![
+        case(
+            "falling rod",
+            Feet::default(),
+            start(&[0.0, 0.8, 0.3], &[0.2, 0.0, 0.0], 1.0),
+        ),
+        case(
+            "falling rod with friction",
+            Feet {
+                front: 0.8,
+                gyration: 0.6,
+                mu: 0.2,
+                ..Feet::default()
+            },
+            start(&[0.0, 0.8, 0.3], &[0.5, 0.0, 0.0], 1.0),
+        ),
+        case(
+            "ski jump from the table",
+            scenes::ski_jump(),
+            start(&[10.2759, 45.001_581_073_295_704], &[0.0; 2], 5.0),
+        ),
+        case(
+            "ski jump from above",
+            scenes::ski_jump(),
+            start(&[10.2759, 50.0], &[0.0; 2], 5.0),
+        ),
+    ]
+}
+
 /// Scenes without restitution.
 fn inelastic() -> Vec<Case> {
     let rough = |mu: f64| Ground {
@@ -112,7 +143,7 @@ fn inelastic() -> Vec<Case> {
         stiffness: 16.0,
         ..rough(0.4)
     };
-    vec![
+    let mut cases = vec![
         case(
             "ball with friction",
             rough(0.3),
@@ -138,21 +169,6 @@ fn inelastic() -> Vec<Case> {
             start(&[0.0, above], &[1.0, 0.0], 2.0),
         ),
         case(
-            "falling rod",
-            Feet::default(),
-            start(&[0.0, 0.8, 0.3], &[0.2, 0.0, 0.0], 1.0),
-        ),
-        case(
-            "falling rod with friction",
-            Feet {
-                front: 0.8,
-                gyration: 0.6,
-                mu: 0.2,
-                ..Feet::default()
-            },
-            start(&[0.0, 0.8, 0.3], &[0.5, 0.0, 0.0], 1.0),
-        ),
-        case(
             "stick-slip",
             Assembled::on_belt(&belt, 0.5),
             start(&[-0.1, 0.0], &[0.0; 2], 3.0),
@@ -168,17 +184,9 @@ fn inelastic() -> Vec<Case> {
             Driven::default(),
             start(&[0.0, 0.0], &[0.0, 0.0], 3.0),
         ),
-        case(
-            "ski jump from the table",
-            scenes::ski_jump(),
-            start(&[10.2759, 45.001_581_073_295_704], &[0.0; 2], 5.0),
-        ),
-        case(
-            "ski jump from above",
-            scenes::ski_jump(),
-            start(&[10.2759, 50.0], &[0.0; 2], 5.0),
-        ),
-    ]
+    ];
+    cases.extend(falls());
+    cases
 }
 
 /// Scenes with restitution.

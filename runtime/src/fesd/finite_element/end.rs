@@ -1,6 +1,6 @@
 //! The state at the end of an element.
 
-use super::{ElementError, FiniteElement, MAX_ITERATIONS, numerical_time};
+use super::{ElementError, FiniteElement, MAX_ITERATIONS};
 use crate::linalg::dense;
 
 /// The end state; without a stage at the end of the element it is projected on the constraints, which
@@ -18,7 +18,10 @@ pub(super) fn finish(element: &mut FiniteElement<'_>) -> Result<(), ElementError
     let block = element.block();
     let multipliers = n + element.constraints.count();
     if element.clock.is_slowed() {
-        numerical_time::write_end(element);
+        let mut x = element.stage_input(0).to_vec();
+        element.interpolate(1.0, element.tableau.b(), &mut x);
+        element.end.q.copy_from_slice(&x[..n]);
+        element.end.v.copy_from_slice(&x[n..2 * n]);
         return project_end(element);
     }
     for k in 0..n {

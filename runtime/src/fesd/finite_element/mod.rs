@@ -33,6 +33,7 @@ mod end;
 mod motion_size;
 pub(crate) mod newton;
 mod numerical_time;
+mod stage_clock;
 
 pub(crate) use motion_size::MotionSize;
 
@@ -41,7 +42,7 @@ use super::constraints::Constraints;
 use crate::model::{ControlPiece, Model};
 use crate::rk::ButcherTableau;
 use crate::time_freezing::clock;
-use numerical_time::StageClock;
+use stage_clock::StageClock;
 
 /// Newton iterations after which an element counts as not converged.
 const MAX_ITERATIONS: usize = 15;
@@ -311,19 +312,19 @@ impl<'a> FiniteElement<'a> {
     ///
     /// In numerical time the place is that of the clock: the share of the physical length that has passed there.
     pub(crate) fn interpolate(&self, theta: f64, weights: &[f64], x: &mut [f64]) {
-        if self.clock.is_slowed() {
-            numerical_time::interpolate(self, theta, x);
-            return;
-        }
         let (n, h, block) = (self.n, self.length, self.block());
+        let mut placed = [0.0; ButcherTableau::MAX_STAGES];
+        let placed = &mut placed[..weights.len()];
+        let weights = self.clock.weights_at(self.tableau, theta, weights, placed);
         let multipliers = n + self.constraints.count();
         x.copy_from_slice(self.stage_input(0));
         for k in 0..n {
             let (mut velocity, mut position) = (0.0, 0.0);
             for (j, weight) in weights.iter().enumerate() {
                 let unknown = &self.unknowns[j * block..(j + 1) * block];
-                velocity += weight * unknown[k];
-                position += weight * self.inputs_of_stages[j * self.inputs + n + k];
+                let share = weight * self.clock.share(j);
+                velocity += share * unknown[k];
+                position += share * self.inputs_of_stages[j * self.inputs + n + k];
                 for (i, eta) in unknown[multipliers..].iter().enumerate() {
                     position += weight * h * eta * self.corrections[i * n + k];
                 }
