@@ -217,22 +217,17 @@ impl<'a> FiniteElement<'a> {
         clock::rate(self.stage_forces(m), auxiliary_acceleration)
     }
 
-    /// Numerical length of the solved element, whose numerical time advances at the `rates` at its stages.
-    pub(crate) fn numerical_length(&self, rates: &[f64]) -> f64 {
-        self.clock.numerical_length(self.length, || {
-            let weights = self.tableau.b().iter().zip(rates);
-            weights.map(|(b, rate)| b * rate).sum()
-        })
-    }
-
-    /// The same until stage `m`.
-    pub(crate) fn numerical_length_until(&self, m: usize, rates: &[f64]) -> f64 {
-        let stages = rates.iter().enumerate();
-        if self.clock.is_slowed() {
-            return self.tableau.c()[m] * self.numerical_length(rates);
-        }
-        let past: f64 = stages.map(|(j, rate)| self.tableau.a(m, j) * rate).sum();
-        past * self.length
+    /// Numerical length of the solved element for a physical one of 1, weighted by `weights` of the stages (those of the
+    /// scheme, or of one of its stages), where numerical time advances at the `rates`.
+    pub(crate) fn numerical_length(
+        &self,
+        rates: &[f64],
+        weights: impl Iterator<Item = f64>,
+    ) -> f64 {
+        let terms = weights.zip(rates).enumerate();
+        terms
+            .map(|(j, (w, rate))| w * self.clock.share(j) * rate)
+            .sum()
     }
 
     /// Input vector of stage `m` of the solved element.

@@ -44,6 +44,9 @@ pub(crate) fn solve(
     }
     evaluate_start(element);
     predict(element, h);
+    if numerical_time::adapt(element) {
+        element.factorized = false;
+    }
     let predicted = element.has_previous;
     let mut outcome = iterate(element);
     if outcome.is_err() {
@@ -147,6 +150,12 @@ fn iterate(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
             *unknown -= step;
         }
         element.counts.iterations += 1;
+        if numerical_time::adapt(element) {
+            // The equations of the next iteration are others.
+            element.factorized = false;
+            last_change = f64::INFINITY;
+            continue;
+        }
         let change = relative_change(element);
         if !change.is_finite() {
             return Err(ElementError::NotConverged);

@@ -25,6 +25,10 @@
 //! `omega_j = rho_j / sum_k b_k rho_k`, 1 where nothing is in contact; with them the element has the physical length `h` as
 //! any other, and its stages lie at the physical times `t_m`.
 //!
+//! Where contacts press harder than `a_bar` the clock nearly stops, and the motion between two nodes would be lost. The
+//! element takes a larger `a_bar` there ([`StageClock::adapt`](super::stage_clock::StageClock::adapt)), which scales its
+//! numerical time and nothing else.
+//!
 //! Source of the system: Nurkanovic, Albrecht, Brogliato, Diehl, Automatica 158 (2023) 111295; several contacts in the
 //! lean product form.
 
@@ -47,8 +51,18 @@ fn update_shares(element: &mut FiniteElement<'_>) {
     for value in clock.shares.iter_mut().chain(&mut clock.slopes) {
         *value /= mean;
     }
-    clock.mean = mean;
     element.clock = clock;
+}
+
+/// Raises the acceleration of the auxiliary dynamics to what the forces among the unknowns ask for; true if they do.
+pub(super) fn adapt(element: &mut FiniteElement<'_>) -> bool {
+    if !element.clock.is_slowed() {
+        return false;
+    }
+    let stages = 0..element.tableau.stages();
+    let sums = stages.map(|m| element.stage_forces(m).iter().map(|r| r.max(0.0)).sum());
+    let largest = sums.fold(0.0, f64::max);
+    element.clock.adapt(largest)
 }
 
 /// Stage states from the unknowns.

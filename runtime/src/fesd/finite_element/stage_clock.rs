@@ -5,15 +5,19 @@ use crate::rk::ButcherTableau;
 /// Newton iterations for the place at which the clock shows a time; four or five are needed.
 const MAX_ITERATIONS: usize = 20;
 
+/// Least speed of the clock in an element: its nodes would leave out what happens where it is slower.
+const LEAST_SPEED: f64 = 0.5;
+/// Speed of the clock under the largest forces where that is not kept.
+const RAISED_SPEED: f64 = 0.9;
+
 /// The clock of an element, stage by stage.
 #[derive(Default)]
 pub(super) struct StageClock {
-    /// Acceleration `a_bar` of the auxiliary dynamics; none in physical time.
+    /// Acceleration `a_bar` of the auxiliary dynamics, larger than asked for where contacts press harder; none in physical
+    /// time.
     pub(super) auxiliary_acceleration: Option<f64>,
     /// Active contacts.
     pub(super) contacts: usize,
-    /// Mean speed of the clock `h / h_tau = sum_k b_k rho_k`.
-    pub(super) mean: f64,
     /// Shares `omega_j`.
     pub(super) shares: Vec<f64>,
     /// Derivatives of `rho_j / sum_k b_k rho_k` with respect to the forces of its own stage, the sum held: one row a stage.
@@ -49,13 +53,18 @@ impl StageClock {
         self.slopes.resize(stages * contacts, 0.0);
     }
 
-    /// Numerical length of an element of physical `length`; that of one in physical time is `mean_rate` times as long.
-    pub(super) fn numerical_length(&self, length: f64, mean_rate: impl FnOnce() -> f64) -> f64 {
-        if self.is_slowed() {
-            length / self.mean
-        } else {
-            length * mean_rate()
+    /// Raises the acceleration of the auxiliary dynamics where contact accelerations of the sum `force` ask for it; true if
+    /// they do. It scales numerical time, and nothing else.
+    pub(super) fn adapt(&mut self, force: f64) -> bool {
+        let allowed = |acceleration: f64, speed: f64| acceleration * (1.0 / speed - 1.0);
+        let Some(acceleration) = &mut self.auxiliary_acceleration else {
+            return false;
+        };
+        let raises = force.is_finite() && force > allowed(*acceleration, LEAST_SPEED);
+        if raises {
+            *acceleration = force / allowed(1.0, RAISED_SPEED);
         }
+        raises
     }
 
     /// Share of the physical length that has passed at stage `m`.

@@ -208,7 +208,9 @@ impl<'a> Driver<'a> {
         if self.local_tolerance.is_some() && self.keeps_trajectory {
             self.record_stages(&rates[..stages]);
         }
-        self.numerical_time += self.element.numerical_length(&rates[..stages]);
+        let weights = self.tableau.b().iter().copied();
+        let length = self.element.length();
+        self.numerical_time += length * self.element.numerical_length(&rates[..stages], weights);
         self.add_error();
         self.state.copy_from(&self.element.end);
         self.motion.include(&self.state.q, &self.state.v);
@@ -284,13 +286,14 @@ impl<'a> Driver<'a> {
 
     /// Records the inner stages of the solved element; `rates` are those of numerical time.
     fn record_stages(&mut self, rates: &[f64]) {
-        let present = self.numerical_time;
+        let (present, length) = (self.numerical_time, self.element.length());
         for m in 0..self.tableau.stages() {
             let c = self.tableau.c()[m];
             if c >= 1.0 {
                 break;
             }
-            let past = self.element.numerical_length_until(m, rates);
+            let weights = (0..rates.len()).map(|j| self.tableau.a(m, j));
+            let past = length * self.element.numerical_length(rates, weights);
             self.x.copy_from_slice(self.element.stage_input(m));
             let held = self.active.iter().map(|held| held.contact);
             self.contacts.evaluate_contacts(&self.x, held);

@@ -18,6 +18,9 @@
 //! Elements between two switches of one step have equal length (step equilibration, exact). Impacts follow
 //! Moreau's law for all touching contacts at once, with Newton's restitution and Coulomb friction between
 //! impulses; in the time-freezing system they take numerical time only.
+//!
+//! The formulation `TimeFreezing` does all this with elements in numerical time, and measures the error of a grid by
+//! another one (`estimate`).
 
 mod accuracy;
 mod detection;

@@ -81,7 +81,8 @@ pub struct Fesd {
     /// earliest take-off that the published method admits, to show what the condition is worth.
     pub exit_condition: bool,
     /// Acceleration `a_bar` of the auxiliary dynamics [m/s^2 for a gap in metres]. It scales the numerical
-    /// time, never the result in physical time. Default 981 (100 times gravity, as in the paper).
+    /// time; the result in physical time changes by the errors of the elements at most. Default 981 (100 times gravity, as
+    /// in the paper).
     pub auxiliary_acceleration: f64,
     /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
     /// ends infinite sequences of bounces, with a note. Default none, which means 1e-6 of the largest normal
