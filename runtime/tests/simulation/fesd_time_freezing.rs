@@ -460,6 +460,29 @@ fn auxiliary_acceleration_changes_numerical_time_only() {
 }
 
 #[test]
+fn forces_beyond_the_auxiliary_acceleration_cost_no_elements() {
+    // The mass presses with up to 20,000 m/s^2 at the bottom of the bowl; the clock would run at a twentieth of its speed.
+    let bowl = Ground {
+        curvature: 200.0,
+        ..Ground::default()
+    };
+    let bowl = case("bowl", bowl, start(&[0.0, 0.0], &[10.0, 0.0], 0.5));
+    let exact = exact(&bowl);
+    let [frozen, default] =
+        [time_freezing(), Fesd::default()].map(|simulator| solved(&simulator, &bowl));
+    let error = apart(&frozen, &exact, bowl.name) / size(&exact);
+    assert!(error <= 1e-6, "{error:e}");
+    let elements = [&frozen, &default].map(|run| run.counts.elements);
+    assert!(2 * elements[0] <= 3 * elements[1], "{elements:?}");
+    let [numerical, expected] =
+        [&frozen, &exact].map(|run| *run.trajectory.numerical_time.last().unwrap());
+    assert!(
+        (numerical / expected - 1.0).abs() <= 1e-5,
+        "{numerical} {expected}"
+    );
+}
+
+#[test]
 fn jam_ends_with_a_named_status() {
     // n' (d - mu e) < 0 while the rod slides forward and presses: no force holds it.
     let (angle, half) = (-0.9_f64, 1.0);

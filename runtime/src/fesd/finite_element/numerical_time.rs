@@ -54,7 +54,7 @@ fn update_shares(element: &mut FiniteElement<'_>) {
     element.clock = clock;
 }
 
-/// Raises the acceleration of the auxiliary dynamics to what the forces among the unknowns ask for; true if they do.
+/// Raises the acceleration of the auxiliary dynamics to what the forces of the solved element ask for; true if they do.
 pub(super) fn adapt(element: &mut FiniteElement<'_>) -> bool {
     if !element.clock.is_slowed() {
         return false;
