@@ -199,8 +199,7 @@ pub(crate) enum SchemeName {
 pub(crate) enum FormulationName {
     /// Newton's method in a fixed contact mode, switches located.
     ActiveSet,
-    /// The complementarity problem of the time-freezing system: slower, with events known to the
-    /// length of an element.
+    /// The time-freezing system in numerical time, region by region, with the same switches located.
     TimeFreezing,
 }
 

@@ -9,6 +9,7 @@ use hangtime::ocp::{
 };
 use hangtime::simulation::{
     EventDriven, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
+    StepFormulation,
 };
 use hangtime_models::{PumpTrack, PumpTrackHolding};
 
@@ -43,19 +44,20 @@ fn end(simulation: &Simulation) -> (Vec<f64>, Vec<f64>) {
     )
 }
 
-fn accurate() -> (EventDriven, Fesd) {
+fn accurate() -> (EventDriven, Fesd, Fesd) {
     let event = EventDriven {
         tolerance: 1e-12,
         ..EventDriven::default()
     };
     let mut fesd = Fesd::default();
     fesd.tolerance = Some(1e-11);
-    (event, fesd)
+    let frozen = fesd.clone().with_formulation(StepFormulation::TimeFreezing);
+    (event, fesd, frozen)
 }
 
 fn check_against_certified(model: &dyn Model, certified: &Certified) {
-    let (event, fesd) = accurate();
-    for simulator in [&event as &dyn Simulator, &fesd] {
+    let (event, fesd, frozen) = accurate();
+    for simulator in [&event as &dyn Simulator, &fesd, &frozen] {
         let (q, v) = end(&ride(model, simulator, 2.0));
         // A few hundred times the tolerance of a step; the ride does not amplify errors by more than ten.
         let (y, speed) = certified.after_two_seconds;
@@ -84,7 +86,7 @@ fn ride_without_input_of_both_laws_matches_the_certified_values() {
 
 #[test]
 fn ride_without_input_at_other_speeds_agrees_between_methods() {
-    let (event, fesd) = accurate();
+    let (event, fesd, frozen) = accurate();
     for speed in [10.0, 22.0] {
         let models: [Box<dyn Model>; 2] = [
             Box::new(PumpTrack {
@@ -96,8 +98,11 @@ fn ride_without_input_at_other_speeds_agrees_between_methods() {
                 ..PumpTrackHolding::default()
             }),
         ];
-        for model in models {
-            let [a, b] = [&event as &dyn Simulator, &fesd]
+        let pairs = models
+            .iter()
+            .flat_map(|model| [(model, &fesd), (model, &frozen)]);
+        for (model, fesd) in pairs {
+            let [a, b] = [&event as &dyn Simulator, fesd]
                 .map(|simulator| ride(model.as_ref(), simulator, 2.0));
             let kinds = |s: &Simulation| s.events.iter().map(|e| e.kind).collect::<Vec<_>>();
             assert_eq!(kinds(&a), kinds(&b), "{speed}");

@@ -37,6 +37,55 @@ pub(crate) fn rate(r: &[f64], auxiliary_acceleration: f64) -> f64 {
     }
 }
 
+/// Least ratio `r / a_bar` of all contacts together at which the speed of the clock is smooth: contacts do not pull,
+/// but an element that is tried beyond the end of a contact has forces that do.
+const LEAST_RATIO: f64 = -0.2;
+
+/// Speed of the clock `theta_free = d t / d tau` for normal contact accelerations `r`, and its derivatives with
+/// respect to them in `slopes`:
+///
+/// ```text
+/// theta = P,  P = prod_k (1 - rho_k theta),  rho_k = r_k / a_bar
+/// d theta / d r_i = -(theta / a_bar) c_i / (1 + sum_k rho_k c_k),  c_k = P / (1 - rho_k theta)
+/// ```
+pub(crate) fn speed(r: &[f64], auxiliary_acceleration: f64, slopes: &mut [f64]) -> f64 {
+    let least = LEAST_RATIO / r.len().max(1) as f64;
+    let ratio = |r: f64| (r / auxiliary_acceleration).max(least);
+    // One contact knows its root; that of several lies below those of each.
+    let mut theta = r
+        .iter()
+        .fold(f64::INFINITY, |bound, &r| bound.min(1.0 / (1.0 + ratio(r))));
+    if r.is_empty() {
+        theta = 1.0;
+    }
+    for _ in 0..50 {
+        if r.len() < 2 {
+            break;
+        }
+        let (product, decrease) = product(r.iter().map(|&r| ratio(r)), theta);
+        let step = (theta - product) / (1.0 + decrease);
+        theta -= step;
+        if step.abs() <= 1e-16 {
+            break;
+        }
+    }
+    let (product, decrease) = product(r.iter().map(|&r| ratio(r)), theta);
+    for (slope, &r) in slopes.iter_mut().zip(r) {
+        let others = product / (1.0 - ratio(r) * theta);
+        let kept = f64::from(r / auxiliary_acceleration > least);
+        *slope = -kept * theta / auxiliary_acceleration * others / (1.0 + decrease);
+    }
+    theta
+}
+
+/// `prod (1 - rho theta)` and minus its derivative with respect to `theta`.
+fn product(ratios: impl Iterator<Item = f64>, theta: f64) -> (f64, f64) {
+    ratios.fold((1.0, 0.0), |(product, decrease), ratio| {
+        let factor = 1.0 - ratio * theta;
+        (product * factor, decrease * factor + product * ratio)
+    })
+}
+
 /// Numerical time of an impact with normal velocity increments `impulses`: the auxiliary dynamics
 /// raise each contact's normal velocity at the rate `a_bar` until the last one is done.
 pub(crate) fn jump(impulses: &[f64], auxiliary_acceleration: f64) -> f64 {
@@ -52,6 +101,28 @@ mod tests {
         // rho = a_bar / (a_bar + r): half speed at r = a_bar.
         assert_eq!(rate(&[10.0], 10.0), 2.0);
         assert_eq!(rate(&[], 10.0), 1.0);
+    }
+
+    #[test]
+    fn speed_is_the_inverse_rate_and_its_slopes_are_its_derivatives() {
+        let a_bar = 10.0;
+        let cases: [&[f64]; 4] = [&[], &[4.0], &[3.0, 5.0, 0.5], &[-0.3, 2.0]];
+        for r in cases {
+            let mut slopes = vec![0.0; r.len()];
+            let theta = speed(r, a_bar, &mut slopes);
+            if r.iter().all(|r| *r >= 0.0) {
+                assert!((theta * rate(r, a_bar) - 1.0).abs() < 1e-15);
+            }
+            for (i, slope) in slopes.iter().enumerate() {
+                let moved = |step: f64| {
+                    let mut r = r.to_vec();
+                    r[i] += step;
+                    speed(&r, a_bar, &mut vec![0.0; r.len()])
+                };
+                let difference = (moved(1e-4) - moved(-1e-4)) / 2e-4;
+                assert!((slope - difference).abs() < 1e-9, "{r:?} {i}");
+            }
+        }
     }
 
     #[test]

@@ -14,6 +14,19 @@
 //! the maximum of gap and normal velocity, replaces the published two; it makes the step functions unique
 //! in contact.
 //!
+//! A simulation follows the system from region to region (`fesd::finite_element`): free flow, where numerical and physical
+//! time are the same; sustained contact, in which the clock is slowed down ([`clock::speed`]); jumps, whose field is
+//! constant. Of a jump the impact law gives the impulses `p_i` and `s_i`, and the field is
+//!
+//! ```text
+//! y' = (0, a_bar sum_i (p_i d_i + s_i e_i) / max_k p_k, 0)
+//! ```
+//!
+//! It ends after `max_k p_k / a_bar` ([`clock::jump`]) where the law says. For one contact that slides in one sense this is
+//! `f_aux`; one that begins to stick within its jump ends at the same velocity. It is another field than the sum of the
+//! `f_aux,i` where contacts push each other apart (`n_i' d_j > 0`) or where sliding turns round within the jump: there
+//! that sum has a law of its own. The step form, in which a program chooses the regions (`dcs`), has the fields below.
+//!
 //! *Friction* adds the auxiliary force that its bound allows, against the sliding velocity, so that impulses
 //! and sustained forces both follow Coulomb's law:
 //!

@@ -441,7 +441,7 @@ fn time_freezing_program_estimates_its_error_by_the_length_of_its_elements() {
     let found = end_of(
         &Fesd::default()
             .with_grid(8, 3)
-            .with_formulation(StepFormulation::TimeFreezing),
+            .with_formulation(StepFormulation::Complementarity),
     );
     let error = (end(&found).0[0] - end(&exact).0[0]).abs() / end(&exact).0[0];
     let estimate = found.error_estimate.unwrap();

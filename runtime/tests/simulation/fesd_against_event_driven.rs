@@ -9,7 +9,7 @@ use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
     ControlSignal, EventDriven, EventKind, Fesd, InitialValueProblem, Simulation, SimulationStatus,
-    Simulator,
+    Simulator, StepFormulation,
 };
 
 /// Order 9 with elements of about a hundredth of a motion's time scale: errors near rounding.
@@ -25,9 +25,20 @@ fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProbl
         .expect("the problem is accepted")
 }
 
-/// Same events at the same times, same end, contact forces and gaps of the right sign.
+/// Same events at the same times, same end, contact forces and gaps of the right sign, in physical and numerical time.
 fn agree(model: &dyn Model, problem: &InitialValueProblem, tolerance: f64) -> Simulation {
-    let fesd = run(&accurate(), model, problem);
+    let frozen = accurate().with_formulation(StepFormulation::TimeFreezing);
+    agree_by(&frozen, model, problem, tolerance);
+    agree_by(&accurate(), model, problem, tolerance)
+}
+
+fn agree_by(
+    simulator: &Fesd,
+    model: &dyn Model,
+    problem: &InitialValueProblem,
+    tolerance: f64,
+) -> Simulation {
+    let fesd = run(simulator, model, problem);
     let event = run(
         &EventDriven {
             tolerance: 1e-13,

@@ -7,7 +7,7 @@ use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
     ControlSignal, Event, EventDriven, EventKind, Fesd, InitialValueProblem, Simulation,
-    SimulationStatus, Simulator,
+    SimulationStatus, Simulator, StepFormulation,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -50,12 +50,25 @@ fn agree(
     problem: &InitialValueProblem,
     tolerance: f64,
 ) -> Result<(), TestCaseError> {
-    let fesd = Fesd::default()
-        .with_scheme(Scheme::RadauIia, 5)
-        .with_grid(1, 1)
-        .with_tolerance(1e-13)
-        .with_rest_velocity(REST);
-    let fesd = run(&fesd, model, problem);
+    for formulation in [StepFormulation::ActiveSet, StepFormulation::TimeFreezing] {
+        let fesd = Fesd::default()
+            .with_scheme(Scheme::RadauIia, 5)
+            .with_grid(1, 1)
+            .with_tolerance(1e-13)
+            .with_formulation(formulation)
+            .with_rest_velocity(REST);
+        agree_by(&fesd, model, problem, tolerance)?;
+    }
+    Ok(())
+}
+
+fn agree_by(
+    simulator: &Fesd,
+    model: &dyn Model,
+    problem: &InitialValueProblem,
+    tolerance: f64,
+) -> Result<(), TestCaseError> {
+    let fesd = run(simulator, model, problem);
     let event = EventDriven {
         tolerance: 1e-13,
         rest_velocity: Some(REST),

@@ -194,7 +194,7 @@ fn every_method_stops_where_its_observer_says() {
     let methods: [&dyn Simulator; 6] = [
         &EventDriven::default(),
         &Fesd::default(),
-        &Fesd::default().with_formulation(StepFormulation::TimeFreezing),
+        &Fesd::default().with_formulation(StepFormulation::Complementarity),
         &Moreau::default(),
         &FixedStep::default(),
         &Smooth::default(),

@@ -142,7 +142,7 @@ fn steps_as_complementarity_problems_follow_the_ramps() {
     // element would locate.
     let simulator = Fesd::default()
         .with_grid(9, 2)
-        .with_formulation(StepFormulation::TimeFreezing);
+        .with_formulation(StepFormulation::Complementarity);
     let problem = InitialValueProblem {
         horizon: 3.0,
         ..lifting()

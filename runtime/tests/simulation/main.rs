@@ -8,6 +8,8 @@ mod event_properties;
 mod event_scales;
 mod fesd_accuracy;
 mod fesd_against_event_driven;
+mod fesd_complementarity;
+
 mod fesd_friction;
 mod fesd_laws_against_event_driven;
 mod fesd_properties;

@@ -191,7 +191,7 @@ fn every_method_knows_the_modes_of_the_start() {
         &Fesd::default(),
         &Fesd::default()
             .with_grid(4, 3)
-            .with_formulation(StepFormulation::TimeFreezing),
+            .with_formulation(StepFormulation::Complementarity),
         &Moreau {
             steps: 100,
             ..Moreau::default()

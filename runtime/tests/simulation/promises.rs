@@ -127,7 +127,7 @@ fn time_freezing_on_a_grid_that_nobody_named_says_how_accurate_it_is() {
             Some(horizon),
         );
         assert_eq!(exact.status, SimulationStatus::Solved);
-        let method = Fesd::default().with_formulation(StepFormulation::TimeFreezing);
+        let method = Fesd::default().with_formulation(StepFormulation::Complementarity);
         let found = run(&method, &model, Some(horizon));
         let way = exact.trajectory.q.last().unwrap()[0];
         if v < 3.0 {

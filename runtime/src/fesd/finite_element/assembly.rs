@@ -1,6 +1,6 @@
 //! The Newton matrix of an element.
 
-use super::FiniteElement;
+use super::{FiniteElement, numerical_time};
 
 /// The Newton matrix at the present stages.
 pub(super) fn assemble(element: &mut FiniteElement<'_>) {
@@ -10,12 +10,13 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
     let size = stages * block;
     element.matrix.clear();
     element.matrix.resize(size * size, 0.0);
+    numerical_time::differentiate(element);
     for m in 0..stages {
         evaluate_stage_jacobian(element, m);
         let constraints = &element.constraints;
         for j in 0..stages {
-            let first = h * element.tableau.a(m, j);
-            let second = h * h * element.tableau.a_squared(m, j);
+            let (first, second) = numerical_time::weights(element, m, j);
+            let shift = h * element.tableau.a(m, j);
             let rows = m * block;
             let columns = j * block;
             for row in 0..n {
@@ -29,7 +30,7 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                     let correction: f64 = (0..n)
                         .map(|k| element.by_q[row * n + k] * element.corrections[i * n + k])
                         .sum();
-                    line[n + forces + i] -= h * first * correction;
+                    line[n + forces + i] -= h * shift * correction;
                 }
                 if m == j {
                     line[row] += 1.0;
@@ -49,7 +50,7 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 for other in 0..contacts {
                     let correction = &element.corrections[other * n..(other + 1) * n];
                     let turned: f64 = turning.iter().zip(correction).map(|(a, b)| a * b).sum();
-                    element.matrix[velocity_row + n + forces + other] = first * turned;
+                    element.matrix[velocity_row + n + forces + other] = shift * turned;
                 }
             }
             for i in 0..contacts {
@@ -65,6 +66,7 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 }
             }
         }
+        numerical_time::add_to_rows(element, m);
     }
 }
 

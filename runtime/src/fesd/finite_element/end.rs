@@ -17,6 +17,13 @@ pub(super) fn finish(element: &mut FiniteElement<'_>) -> Result<(), ElementError
     }
     let block = element.block();
     let multipliers = n + element.constraints.count();
+    if element.clock.is_slowed() {
+        let mut x = element.stage_input(0).to_vec();
+        element.interpolate(1.0, element.tableau.b(), &mut x);
+        element.end.q.copy_from_slice(&x[..n]);
+        element.end.v.copy_from_slice(&x[n..2 * n]);
+        return project_end(element);
+    }
     for k in 0..n {
         let (mut first, mut second) = (0.0, 0.0);
         for j in 0..stages {

@@ -21,6 +21,9 @@
 //!
 //! which has index 2 as well, so that the order stays.
 //!
+//! In *numerical time* ([`FiniteElement::in_numerical_time`]) the same equations are those of the time-freezing system in
+//! a sliding mode, whose right-hand side a contact slows down by the speed of the clock (`numerical_time`).
+//!
 //! Unknowns of stage `m`: accelerations `A_m` (`n_q`), then the forces: `r_m` of each active contact and
 //! `s_m` of each that sticks; then `eta_m`, one an active contact. [`newton`] solves for them, with the matrix of `assembly`
 //! and the end state of `end`.
@@ -29,6 +32,8 @@ mod assembly;
 mod end;
 mod motion_size;
 pub(crate) mod newton;
+mod numerical_time;
+mod stage_clock;
 
 pub(crate) use motion_size::MotionSize;
 
@@ -36,6 +41,8 @@ use super::active_contact::ActiveContact;
 use super::constraints::Constraints;
 use crate::model::{ControlPiece, Model};
 use crate::rk::ButcherTableau;
+use crate::time_freezing::clock;
+use stage_clock::StageClock;
 
 /// Newton iterations after which an element counts as not converged.
 const MAX_ITERATIONS: usize = 15;
@@ -84,6 +91,7 @@ pub(crate) struct FiniteElement<'a> {
     n: usize,
     inputs: usize,
     controls: ControlPiece,
+    clock: StageClock,
     /// Input vector at the start.
     first: Vec<f64>,
     constraints: Constraints<'a>,
@@ -129,6 +137,7 @@ impl<'a> FiniteElement<'a> {
             n,
             inputs: declaration.inputs(),
             controls: ControlPiece::default(),
+            clock: StageClock::default(),
             first: vec![0.0; declaration.inputs()],
             constraints: Constraints::new(model),
             start: State::default(),
@@ -159,6 +168,12 @@ impl<'a> FiniteElement<'a> {
         }
     }
 
+    /// The same element in numerical time, with the acceleration `a_bar` of the auxiliary dynamics.
+    pub(crate) fn in_numerical_time(mut self, auxiliary_acceleration: f64) -> Self {
+        self.clock = StageClock::slowed(auxiliary_acceleration);
+        self
+    }
+
     /// Unknowns of one stage.
     fn block(&self) -> usize {
         self.n + self.constraints.count() + self.active().len()
@@ -174,7 +189,7 @@ impl<'a> FiniteElement<'a> {
         self.constraints.active()
     }
 
-    /// Length of the solved element [s].
+    /// Physical length of the solved element [s].
     pub(crate) fn length(&self) -> f64 {
         self.length
     }
@@ -191,6 +206,30 @@ impl<'a> FiniteElement<'a> {
         &self.unknowns[begin..begin + self.constraints.count()]
     }
 
+    /// Physical time of stage `m` of the solved element \[s\].
+    pub(crate) fn stage_time(&self, m: usize) -> f64 {
+        let passed = self.clock.passed(self.tableau, m);
+        self.start.time + passed * self.length
+    }
+
+    /// Rate `d tau / d t` of numerical time at stage `m` of the solved element.
+    pub(crate) fn numerical_rate(&self, m: usize, auxiliary_acceleration: f64) -> f64 {
+        clock::rate(self.stage_forces(m), auxiliary_acceleration)
+    }
+
+    /// Numerical length of the solved element for a physical one of 1, weighted by `weights` of the stages (those of the
+    /// scheme, or of one of its stages), where numerical time advances at the `rates`.
+    pub(crate) fn numerical_length(
+        &self,
+        rates: &[f64],
+        weights: impl Iterator<Item = f64>,
+    ) -> f64 {
+        let terms = weights.zip(rates).enumerate();
+        terms
+            .map(|(j, (w, rate))| w * self.clock.share(j) * rate)
+            .sum()
+    }
+
     /// Input vector of stage `m` of the solved element.
     pub(crate) fn stage_input(&self, m: usize) -> &[f64] {
         &self.inputs_of_stages[m * self.inputs..(m + 1) * self.inputs]
@@ -205,6 +244,7 @@ impl<'a> FiniteElement<'a> {
         self.residual.resize(size, 0.0);
         self.pivots.resize(size, 0);
         self.corrections.resize(active.len() * self.n, 0.0);
+        self.clock.set_mode(self.tableau.stages(), active.len());
         self.has_previous = false;
         self.factorized = false;
     }
@@ -264,16 +304,22 @@ impl<'a> FiniteElement<'a> {
 
     /// State inside the solved element by its collocation polynomials; `weights` are the dense output
     /// weights at that place.
+    ///
+    /// In numerical time the place is that of the clock: the share of the physical length that has passed there.
     pub(crate) fn interpolate(&self, theta: f64, weights: &[f64], x: &mut [f64]) {
         let (n, h, block) = (self.n, self.length, self.block());
+        let mut placed = [0.0; ButcherTableau::MAX_STAGES];
+        let placed = &mut placed[..weights.len()];
+        let weights = self.clock.weights_at(self.tableau, theta, weights, placed);
         let multipliers = n + self.constraints.count();
         x.copy_from_slice(self.stage_input(0));
         for k in 0..n {
             let (mut velocity, mut position) = (0.0, 0.0);
             for (j, weight) in weights.iter().enumerate() {
                 let unknown = &self.unknowns[j * block..(j + 1) * block];
-                velocity += weight * unknown[k];
-                position += weight * self.inputs_of_stages[j * self.inputs + n + k];
+                let share = weight * self.clock.share(j);
+                velocity += share * unknown[k];
+                position += share * self.inputs_of_stages[j * self.inputs + n + k];
                 for (i, eta) in unknown[multipliers..].iter().enumerate() {
                     position += weight * h * eta * self.corrections[i * n + k];
                 }

@@ -1,6 +1,8 @@
 //! Newton's method for one element.
 
-use super::{ElementError, FiniteElement, MAX_ITERATIONS, State, assembly, end, largest};
+use super::{
+    ElementError, FiniteElement, MAX_ITERATIONS, State, assembly, end, largest, numerical_time,
+};
 use crate::linalg::dense;
 use crate::model::ControlPiece;
 use crate::rk::ButcherTableau;
@@ -11,6 +13,8 @@ const CONVERGED: f64 = 2e-16;
 const ROUNDING: f64 = 1e-12;
 /// Rounding error of the gaps, as a relative change, above which it hides the convergence.
 const HIDDEN: f64 = 10.0 * ROUNDING;
+/// Contraction below which an iteration in numerical time goes on.
+const CONTRACTS: f64 = 0.1;
 /// Contraction above which the Jacobian is evaluated anew.
 const SLOW: f64 = 0.05;
 /// Most times longer than the previous element that an element may be to be predicted from it.
@@ -55,6 +59,10 @@ pub(crate) fn solve(
         }
     }
     outcome?;
+    if numerical_time::adapt(element) {
+        element.factorized = false;
+        iterate(element)?;
+    }
     end::finish(element)?;
     element.previous.clone_from(&element.unknowns);
     element.previous_length = h;
@@ -153,7 +161,7 @@ fn iterate(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
         if change <= CONVERGED
             || (iteration > 0 && contraction < 1.0 && change * contraction <= 0.1 * CONVERGED)
             || (change <= ROUNDING && contraction >= 0.3)
-            || change <= rounding_of_gaps(element)
+            || (change <= rounding_of_gaps(element) && !still_contracts(element, contraction))
         {
             update_stages(element);
             return Ok(());
@@ -177,6 +185,10 @@ fn is_solved(element: &FiniteElement<'_>) -> bool {
 
 /// Stage states from the unknowns.
 fn update_stages(element: &mut FiniteElement<'_>) {
+    if element.clock.is_slowed() {
+        numerical_time::update_stages(element);
+        return;
+    }
     let (n, h, block) = (element.n, element.length, element.block());
     let multipliers = n + element.constraints.count();
     let stages = element.tableau.stages();
@@ -260,6 +272,12 @@ fn evaluate_residual(element: &mut FiniteElement<'_>) -> Result<(), ElementError
 fn rounding_of_gaps(element: &FiniteElement<'_>) -> f64 {
     let rounding = 8.0 * element.gap_rounding / (element.length * element.speed());
     if rounding > HIDDEN { rounding } else { 0.0 }
+}
+
+/// Whether an iteration that gaps call converged still gains digits of the velocities: in numerical time it contracts more
+/// slowly, and they decide whether a sliding contact is at rest.
+fn still_contracts(element: &FiniteElement<'_>, contraction: f64) -> bool {
+    element.clock.is_slowed() && contraction < CONTRACTS
 }
 
 /// Relative change of the stage states by the last Newton step (in `residual`).

@@ -4,7 +4,7 @@ use super::detector::Detector;
 use super::settings::Fesd;
 use super::stop::Stop;
 use crate::fesd::active_contact::{ActiveContact, force_count};
-use crate::fesd::contacts::{Contacts, ModeError, dot};
+use crate::fesd::contacts::{Contacts, ModeError};
 use crate::fesd::finite_element::{FiniteElement, MotionSize, State};
 use crate::model::{ControlPiece, ImpactLaw, Model};
 use crate::rk::ButcherTableau;
@@ -12,7 +12,6 @@ use crate::simulation::{
     ContactMode, ControlSignal, Counts, Event, InitialValueProblem, ProblemSize, Residuals,
     Trajectory,
 };
-use crate::time_freezing::clock;
 
 /// Impacts that raised the kinetic energy.
 #[derive(Debug, Clone, Copy)]
@@ -125,8 +124,8 @@ impl<'a> Driver<'a> {
             horizon: problem.horizon,
             n: declaration.coordinates.len(),
             all_contacts: (0..contacts).collect(),
-            element: FiniteElement::new(model, tableau),
-            next_element: FiniteElement::new(model, tableau),
+            element: settings.element(model, tableau),
+            next_element: settings.element(model, tableau),
             contacts: Contacts::new(model),
             detector: Detector::new(model, tableau),
             tableau,
@@ -199,13 +198,16 @@ impl<'a> Driver<'a> {
         let stages = self.tableau.stages();
         let mut rates = [0.0; ButcherTableau::MAX_STAGES];
         for (m, rate) in rates[..stages].iter_mut().enumerate() {
-            let forces = self.element.stage_forces(m);
-            *rate = clock::rate(forces, self.settings.auxiliary_acceleration);
+            *rate = self
+                .element
+                .numerical_rate(m, self.settings.auxiliary_acceleration);
         }
         if self.local_tolerance.is_some() && self.keeps_trajectory {
             self.record_stages(&rates[..stages]);
         }
-        self.numerical_time += dot(self.tableau.b(), &rates[..stages]) * self.element.length();
+        let weights = self.tableau.b().iter().copied();
+        let length = self.element.length();
+        self.numerical_time += length * self.element.numerical_length(&rates[..stages], weights);
         self.add_error();
         self.state.copy_from(&self.element.end);
         self.motion.include(&self.state.q, &self.state.v);
@@ -281,22 +283,20 @@ impl<'a> Driver<'a> {
 
     /// Records the inner stages of the solved element; `rates` are those of numerical time.
     fn record_stages(&mut self, rates: &[f64]) {
-        let (start, length) = (self.state.time, self.element.length());
-        let present = self.numerical_time;
+        let (present, length) = (self.numerical_time, self.element.length());
         for m in 0..self.tableau.stages() {
             let c = self.tableau.c()[m];
             if c >= 1.0 {
                 break;
             }
-            let past: f64 = (0..rates.len())
-                .map(|j| self.tableau.a(m, j) * rates[j])
-                .sum();
+            let weights = (0..rates.len()).map(|j| self.tableau.a(m, j));
+            let past = length * self.element.numerical_length(rates, weights);
             self.x.copy_from_slice(self.element.stage_input(m));
             let held = self.active.iter().map(|held| held.contact);
             self.contacts.evaluate_contacts(&self.x, held);
             let forces = self.element.stage_constraint_forces(m).to_vec();
-            self.numerical_time = present + past * length;
-            self.push_instant(start + c * length, &forces);
+            self.numerical_time = present + past;
+            self.push_instant(self.element.stage_time(m), &forces);
         }
         self.numerical_time = present;
     }

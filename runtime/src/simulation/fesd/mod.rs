@@ -18,12 +18,16 @@
 //! Elements between two switches of one step have equal length (step equilibration, exact). Impacts follow
 //! Moreau's law for all touching contacts at once, with Newton's restitution and Coulomb friction between
 //! impulses; in the time-freezing system they take numerical time only.
+//!
+//! The formulation `TimeFreezing` does all this with elements in numerical time, and measures the error of a grid by
+//! another one (`estimate`).
 
 mod accuracy;
 mod detection;
 mod detector;
 mod diagnosis;
 mod driver;
+mod estimate;
 mod friction_switch;
 mod gap_switch;
 mod location;
@@ -62,6 +66,9 @@ impl Simulator for Fesd {
             None if self.steps.is_none() => {
                 let promise = self.tolerance.unwrap_or(Self::PROMISE);
                 accuracy::compared(self, promise, &tableau, (model, problem), &mut watch)
+            }
+            None if self.formulation == StepFormulation::TimeFreezing => {
+                estimate::estimated(self, &tableau, (model, problem), &mut watch)
             }
             None => {
                 let driver = driver::Driver::new(self, &tableau, model, problem);

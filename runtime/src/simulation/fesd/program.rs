@@ -6,6 +6,7 @@
 
 use super::driver::Driver;
 use super::mode_change::sliding_event;
+use super::settings::StepFormulation;
 use super::stop::Stop;
 use crate::dcs::HeavisideSystem;
 use crate::fesd::active_contact::{ActiveContact, Tangential, find};
@@ -67,6 +68,12 @@ fn tangential(share: Option<f64>) -> Tangential {
 
 /// Advances to `end` by one complementarity problem.
 pub(super) fn solve_program(driver: &mut Driver<'_>, end: f64) -> Result<(), Stop> {
+    if driver.settings.formulation == StepFormulation::TimeFreezing {
+        // Its switches are known to the length of an element only, and this formulation promises more.
+        return Err(Stop::Program(
+            "Newton's method did not solve the step; take more steps",
+        ));
+    }
     // Contacts that rest do not bounce; nor do impacts below the rest velocity, which a second run finds.
     let resting: Vec<usize> = driver.active.iter().map(|held| held.contact).collect();
     let elastic = |i: &usize| driver.restitution[*i] > 0.0 && !resting.contains(i);

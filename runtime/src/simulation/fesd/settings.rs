@@ -1,5 +1,7 @@
 //! Settings of the simulation by finite elements.
 
+use crate::fesd::finite_element::FiniteElement;
+use crate::model::Model;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 
@@ -11,11 +13,19 @@ pub enum StepFormulation {
     /// that fails.
     #[default]
     ActiveSet,
-    /// The complementarity problem of the time-freezing system in every step, a cross-check of the
-    /// active-set form: slower, with impact times known to the length of an element.
+    /// The time-freezing system in numerical time, region by region: free flow, frozen jumps, and contacts that slow the
+    /// clock down. Every start and end of a jump, of contact, and of sticking is an end of an element, so that the order
+    /// of the scheme is kept through impacts.
+    ///
+    /// The auxiliary dynamics of a jump is a constant field along the impulses of the impact law, whatever number of
+    /// contacts jump together, so that it ends where the law says.
+    TimeFreezing,
+    /// The complementarity problem of the time-freezing system in every step, in step form with one switching function
+    /// `max(gap, v_n)` a contact: slower, with impact times known to the length of an element. It is the last resort of
+    /// [`ActiveSet`](Self::ActiveSet).
     /// Simultaneous impacts follow the law of the lean product form, which is Moreau's where the contacts
     /// do not push each other apart.
-    TimeFreezing,
+    Complementarity,
 }
 
 /// Simulator by finite elements with switch detection.
@@ -71,7 +81,8 @@ pub struct Fesd {
     /// earliest take-off that the published method admits, to show what the condition is worth.
     pub exit_condition: bool,
     /// Acceleration `a_bar` of the auxiliary dynamics [m/s^2 for a gap in metres]. It scales the numerical
-    /// time, never the result in physical time. Default 981 (100 times gravity, as in the paper).
+    /// time; the result in physical time changes by the errors of the elements at most. Default 981 (100 times gravity, as
+    /// in the paper).
     pub auxiliary_acceleration: f64,
     /// Normal velocity below which a contact with restitution no longer bounces \[unit of the gap / s\], which
     /// ends infinite sequences of bounces, with a note. Default none, which means 1e-6 of the largest normal
@@ -108,7 +119,8 @@ impl Fesd {
     #[must_use]
     pub fn promise(&self) -> Option<f64> {
         let grid = self.steps.is_some() && self.tolerance.is_none();
-        let published = self.formulation == StepFormulation::TimeFreezing || !self.exit_condition;
+        let published =
+            self.formulation == StepFormulation::Complementarity || !self.exit_condition;
         let controlled = !published && !grid;
         controlled.then(|| self.tolerance.unwrap_or(Self::PROMISE))
     }
@@ -169,6 +181,19 @@ impl Fesd {
     pub fn with_rest_velocity(mut self, rest_velocity: f64) -> Self {
         self.rest_velocity = Some(rest_velocity);
         self
+    }
+
+    /// An element for the formulation.
+    pub(super) fn element<'a>(
+        &self,
+        model: &'a dyn Model,
+        tableau: &'a ButcherTableau,
+    ) -> FiniteElement<'a> {
+        let element = FiniteElement::new(model, tableau);
+        match self.formulation {
+            StepFormulation::TimeFreezing => element.in_numerical_time(self.auxiliary_acceleration),
+            StepFormulation::ActiveSet | StepFormulation::Complementarity => element,
+        }
     }
 
     /// The scheme, with all settings checked.
