@@ -42,6 +42,7 @@ pub(crate) const SCENE: Scene = Scene {
         ground,
     }),
     published: published::pump_track::CASES,
+    published_sizes: published::pump_track::SIZES,
 };
 
 /// Points of the ground line.
