@@ -52,7 +52,7 @@ impl PublishedSize {
     /// The grid, in the words of this library.
     pub(crate) fn discretization(&self) -> String {
         format!(
-            "{}, {} stages, {} intervals of {} elements",
+            "{}, {} stages, {} intervals x {} elements",
             self.scheme.name(),
             self.stages,
             self.intervals,

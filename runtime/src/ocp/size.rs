@@ -81,7 +81,7 @@ fn time_freezing(
     Ok(FormulationSize {
         formulation: "optimal control, time-freezing program".to_owned(),
         discretization: format!(
-            "{}, {} stages, {} intervals of {} elements",
+            "{}, {} stages, {} intervals x {} elements",
             settings.scheme.name(),
             settings.stages,
             problem.intervals,
@@ -124,7 +124,7 @@ fn phases(
     let contact_implicit = FormulationSize {
         formulation: "optimal control, contact-implicit program".to_owned(),
         discretization: format!(
-            "implicit Euler, {} intervals of {per_interval} elements",
+            "implicit Euler, {} intervals x {per_interval} elements",
             problem.intervals
         ),
         groups: groups(&coarse.program, declaration),
@@ -146,7 +146,7 @@ fn phases(
     let collocation = FormulationSize {
         formulation: "optimal control, collocation".to_owned(),
         discretization: format!(
-            "{}, {} stages, {} intervals of {} elements, {} contact switches of the ride",
+            "{}, {} stages, {} intervals x {} elements, {} contact switches as in the ride",
             Scheme::RadauIia.name(),
             settings.stages,
             problem.intervals,
