@@ -225,6 +225,7 @@ mod tests {
         ],
         plane: None,
         published: &[],
+        published_sizes: &[],
     };
 
     fn chosen(settings: &[&str]) -> Result<&'static str, String> {

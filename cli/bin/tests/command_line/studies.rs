@@ -1,6 +1,7 @@
-//! `reproduce` and `chart`.
+//! `reproduce`, `chart` and `explain --size`.
 
-use crate::support::{Scratch, assert_page_shows_its_result, result_files, solved};
+use crate::support::{Scratch, assert_page_shows_its_result, json, result_files, solved};
+use serde_json::Value;
 
 #[test]
 fn reproduce_covers_the_publication_with_figures_data_and_pages() {

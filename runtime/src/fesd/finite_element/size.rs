@@ -176,3 +176,68 @@ pub(crate) fn groups(
     }
     tally.groups()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{FiniteElement, State, assembly, newton};
+    use super::*;
+    use crate::model::ControlPiece;
+    use crate::rk::{ButcherTableau, Scheme};
+
+    crate::model! {
+        /// A point mass on wavy ground that rubs, in a wind.
+        Wave {
+            parameters { m: kg = 2, g: m/s^2 = 9.81, a: m = 0.2, k: 1/m = 2, w: N*s/m = 0.1 }
+            coordinates { y: m, z: m }
+            lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+            forces { y: -w*dot(y) + 1[N/s]*t }
+            surface ground: z >= a*cos(k*y)
+            impact ground: inelastic, friction 0.3
+        }
+    }
+
+    /// Nonzero entries of the assembled matrix of a solved element.
+    fn counted(model: &Wave, mode: &[ActiveContact], numerical: bool, v: f64) -> usize {
+        let tableau = ButcherTableau::new(Scheme::RadauIia, 3).unwrap();
+        let mut element = FiniteElement::new(model, &tableau);
+        if numerical {
+            element = element.in_numerical_time(20.0);
+        }
+        element.set_mode(mode);
+        let (y, a, k) = (0.4_f64, 0.2, 2.0);
+        let start = State {
+            time: 0.1,
+            q: vec![y, a * (k * y).cos()],
+            v: vec![v, -a * k * (k * y).sin() * v],
+        };
+        newton::solve(&mut element, &start, 0.01, &ControlPiece::default()).unwrap();
+        assembly::assemble(&mut element);
+        element.matrix.iter().filter(|entry| **entry != 0.0).count()
+    }
+
+    #[test]
+    fn nonzeros_are_those_of_the_assembled_matrix() {
+        let model = Wave::default();
+        let held = |tangential| {
+            vec![ActiveContact {
+                contact: 0,
+                tangential,
+            }]
+        };
+        // At a point that is not special, so that nothing vanishes by chance.
+        let x = [0.4, 0.2 * 0.8_f64.cos(), 0.3, -0.1, 0.1];
+        for numerical in [false, true] {
+            for (mode, v) in [
+                (Vec::new(), 0.7),
+                (held(Tangential::Idle), 0.7),
+                (held(Tangential::Forward), 0.7),
+                (held(Tangential::Sticking), 0.0),
+            ] {
+                let groups = groups(&model, &mode, 3, numerical, &x);
+                let sum: usize = groups.iter().map(|g| g.size.jacobian_nonzeros).sum();
+                let counted = counted(&model, &mode, numerical, v);
+                assert_eq!(sum, counted, "{mode:?}, numerical time: {numerical}");
+            }
+        }
+    }
+}

@@ -31,7 +31,7 @@ mod purposes;
 mod task;
 
 pub(crate) use program::transcribe;
-pub(crate) use purposes::groups;
+pub(crate) use purposes::size_groups;
 pub(crate) use task::{Controls, Guess, Task, Weights};
 
 use crate::dcs::{Group, HeavisideSystem};

@@ -111,7 +111,7 @@ fn of_row(transcription: &Transcription<'_>, index: usize) -> Purpose {
 }
 
 /// The groups of a transcription.
-pub(crate) fn groups(transcription: &Transcription<'_>) -> Vec<SizeGroup> {
+pub(crate) fn size_groups(transcription: &Transcription<'_>) -> Vec<SizeGroup> {
     groups_of(
         transcription,
         transcription.complementarities(),

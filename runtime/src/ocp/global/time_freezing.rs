@@ -3,7 +3,7 @@
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
 use crate::fesd::transcription::{
-    Controls, Guess, Task, Transcription, Weights, groups, transcribe,
+    Controls, Guess, Task, Transcription, Weights, size_groups, transcribe,
 };
 use crate::model::{ConstraintRelation, ImpactLaw, Model, OptimalControlDeclaration};
 use crate::mpcc::Mpcc;
@@ -112,7 +112,7 @@ impl<'a> TimeFreezing<'a> {
     /// What its variables and rows are there for.
     #[must_use]
     pub fn groups(&self) -> Vec<SizeGroup> {
-        groups(&self.transcription)
+        size_groups(&self.transcription)
     }
 
     /// The motion at the point `x` of the program.

@@ -5,7 +5,7 @@ use super::settings::{Fesd, StepFormulation};
 use crate::dcs::HeavisideSystem;
 use crate::fesd::active_contact::{ActiveContact, Tangential};
 use crate::fesd::finite_element::{State, groups as groups_of_element};
-use crate::fesd::transcription::{Task, groups as groups_of_program, transcribe};
+use crate::fesd::transcription::{Task, size_groups, transcribe};
 use crate::model::{ImpactLaw, Model, friction_coefficients};
 use crate::rk::ButcherTableau;
 use crate::simulation::{FormulationSize, InitialValueProblem, InputError};
@@ -157,7 +157,7 @@ fn program_of_a_step(
             method.scheme.name(),
             tableau.stages()
         ),
-        groups: groups_of_program(&program),
+        groups: size_groups(&program),
         kernels: kernels(declaration, &prefixes, true),
     }
 }
