@@ -108,6 +108,8 @@ impl Scope {
             .collect();
         let of = text
             .strip_suffix("_dot")
+            .or_else(|| text.strip_suffix("dot"))
+            .or_else(|| text.strip_prefix('d'))
             .filter(|stem| known.contains(stem));
         if let Some(of) = of {
             return diagnostics.report(
