@@ -59,7 +59,7 @@ fn shipped_scene(name: &str, draw: &mut Draw) -> Box<dyn Model> {
         let Some(variant) = variants.nth(index) else {
             unreachable!("kinds are named after variants");
         };
-        let mut model = variant.model();
+        let mut model = (variant.model)();
         for (i, parameter) in model.declaration().parameters.iter().enumerate() {
             if draw.chance(0.5) {
                 model.set_parameter(i, parameter.default * draw.factor(FACTOR));

@@ -44,7 +44,7 @@ struct VariantEntry {
 impl SceneEntry {
     /// `None` for a scene without a variant.
     fn of(scene: &Scene) -> Option<Self> {
-        let model = scene.variants.first()?.model();
+        let model = (scene.variants.first()?.model)();
         let declaration = model.declaration();
         Some(Self {
             name: scene.name,

@@ -13,8 +13,10 @@ pub struct Scene {
     pub name: &'static str,
     /// What it is, in one line.
     pub title: &'static str,
-    /// The forms in which the scene exists; the first one is the default. Never empty.
+    /// The forms in which the scene exists; the first one is the default. Empty only if the scene is one from a file.
     pub variants: &'static [Variant],
+    /// The scene itself, if it is one from a file.
+    pub text: Option<&'static TextScene>,
     /// How to draw the scene, if it moves in a plane.
     pub plane: Option<Plane>,
     /// Published results that the scene reproduces.
@@ -27,14 +29,8 @@ pub struct Variant {
     /// The settings that select this form, as (name, choice); every variant of a scene has the same
     /// names. Empty if the scene has a single form.
     pub settings: &'static [(&'static str, &'static str)],
-    model: ModelSource,
-}
-
-/// Where the model of a variant comes from.
-#[derive(Debug, Clone, Copy)]
-enum ModelSource {
-    Made(fn() -> Box<dyn Model>),
-    Loaded(&'static TextScene),
+    /// Makes the model with default parameters.
+    pub model: fn() -> Box<dyn Model>,
 }
 
 /// How a scene that moves in a vertical plane is drawn.
@@ -67,35 +63,9 @@ impl Variant {
     /// The only form of a scene.
     #[must_use]
     pub const fn new(model: fn() -> Box<dyn Model>) -> Self {
-        Self::form(&[], model)
-    }
-
-    /// One of several forms of a scene, selected by `settings`.
-    #[must_use]
-    pub const fn form(
-        settings: &'static [(&'static str, &'static str)],
-        model: fn() -> Box<dyn Model>,
-    ) -> Self {
-        Self {
-            settings,
-            model: ModelSource::Made(model),
-        }
-    }
-
-    /// The only form of a scene from a file.
-    pub(crate) const fn loaded(model: &'static TextScene) -> Self {
         Self {
             settings: &[],
-            model: ModelSource::Loaded(model),
-        }
-    }
-
-    /// A model with default parameters.
-    #[must_use]
-    pub fn model(&self) -> Box<dyn Model> {
-        match self.model {
-            ModelSource::Made(make) => make(),
-            ModelSource::Loaded(model) => model.boxed(),
+            model,
         }
     }
 }
@@ -158,6 +128,7 @@ impl Scene {
             name,
             title,
             variants,
+            text: None,
             plane: None,
             published: &[],
         }
@@ -192,11 +163,12 @@ pub(crate) fn check(scenes: &[Scene]) -> Result<(), BadInput> {
                 "another scene has this name; rename one of them",
             );
         }
-        if scene.variants.is_empty() {
+        if scene.variants.is_empty() && scene.text.is_none() {
             return refuse(scene.name, "it has no variant; give it at least one model");
         }
         for variant in scene.variants {
-            let parameters = variant.model().declaration().parameters;
+            let model = (variant.model)();
+            let parameters = model.declaration().parameters;
             for (place, (setting, _)) in variant.settings.iter().enumerate() {
                 let twice = variant.settings[..place]
                     .iter()
@@ -276,7 +248,10 @@ mod tests {
         }
         assert!(refusal(&[Scene::new("none", "", &[])]).contains("no variant"));
         for settings in [&[("g", "x")][..], &[("law", "x"), ("law", "y")]] {
-            let variants = Box::new([Variant::form(settings, || Box::new(Wave::default()))]);
+            let variants = Box::new([Variant {
+                settings,
+                model: || Box::new(Wave::default()),
+            }]);
             let refusal = refusal(&[Scene::new("two", "", Box::leak(variants))]);
             assert!(refusal.contains("stands for two things"), "{refusal}");
         }

@@ -6,7 +6,7 @@ use hangtime::model::{Declaration, Model};
 use hangtime_scene_files::{SceneError, TextScene};
 
 use crate::failure::BadInput;
-use crate::scene::{GroundLine, Plane, Scene, Variant, heights};
+use crate::scene::{GroundLine, Plane, Scene, heights};
 
 /// The end of the name of a scene file.
 pub(crate) const EXTENSION: &str = "hang";
@@ -39,8 +39,8 @@ pub(crate) fn load(file: &str) -> Result<&'static Scene, BadInput> {
     let title = title.take_while(|line| !line.is_empty());
     let title = title.collect::<Vec<_>>().join(" ");
     let title = title.trim_end_matches('.');
-    let variants: &'static [Variant] = Box::leak(Box::new([Variant::loaded(model)]));
     let scene = Scene {
+        text: Some(model),
         plane: plane(name, declaration),
         ..Scene::new(
             name,
@@ -48,7 +48,7 @@ pub(crate) fn load(file: &str) -> Result<&'static Scene, BadInput> {
                 "" => "a scene from a file",
                 title => title.to_owned().leak(),
             },
-            variants,
+            &[],
         )
     };
     Ok(Box::leak(Box::new(scene)))

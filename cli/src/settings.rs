@@ -141,6 +141,9 @@ type Form = (&'static [(&'static str, &'static str)], Box<dyn Model>);
 
 /// The first variant of the scene that agrees with the settings.
 fn choose(scene: &'static Scene, pairs: &[(&str, &str)]) -> Result<Form, BadInput> {
+    if let Some(text) = scene.text {
+        return Ok((&[], text.boxed()));
+    }
     let given = |name: &str| pairs.iter().find(|&&(given, _)| given == name);
     scene
         .variants
@@ -151,7 +154,7 @@ fn choose(scene: &'static Scene, pairs: &[(&str, &str)]) -> Result<Form, BadInpu
                 .iter()
                 .all(|&(name, choice)| given(name).is_none_or(|&(_, wanted)| wanted == choice))
         })
-        .map(|variant| (variant.settings, variant.model()))
+        .map(|variant| (variant.settings, (variant.model)()))
         .ok_or_else(|| {
             let forms: Vec<String> = scene
                 .variants
@@ -211,21 +214,25 @@ mod tests {
     use super::{choose, split_all};
 
     /// A scene in two forms that differ in a parameter.
-    static TWO_FORMS: Scene = Scene {
-        name: "two-forms",
-        title: "",
-        variants: &[
-            Variant::form(&[("law", "paper")], || Box::new(Slide::default())),
-            Variant::form(&[("law", "holding")], || {
-                Box::new(Slide {
-                    start_y: 4.0,
-                    ..Slide::default()
-                })
-            }),
+    static TWO_FORMS: Scene = Scene::new(
+        "two-forms",
+        "",
+        &[
+            Variant {
+                settings: &[("law", "paper")],
+                model: || Box::new(Slide::default()),
+            },
+            Variant {
+                settings: &[("law", "holding")],
+                model: || {
+                    Box::new(Slide {
+                        start_y: 4.0,
+                        ..Slide::default()
+                    })
+                },
+            },
         ],
-        plane: None,
-        published: &[],
-    };
+    );
 
     fn chosen(settings: &[&str]) -> Result<&'static str, String> {
         let settings: Vec<String> = settings.iter().map(|&setting| setting.into()).collect();

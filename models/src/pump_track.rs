@@ -25,14 +25,6 @@ hangtime::model_file!("scenes/pump-track-holding.hang");
 
 /// Its entry in the list of scenes.
 pub(crate) const SCENE: Scene = Scene {
-    name: "pump-track",
-    title: "a bike and its rider gain speed on a wavy track by pushing against each other",
-    variants: &[
-        Variant::form(&[("law", "paper")], || Box::new(PumpTrack::default())),
-        Variant::form(&[("law", "holding")], || {
-            Box::new(PumpTrackHolding::default())
-        }),
-    ],
     plane: Some(Plane {
         axes: ["y [m]", "z [m]"],
         unit: "m",
@@ -42,6 +34,20 @@ pub(crate) const SCENE: Scene = Scene {
         ground,
     }),
     published: published::pump_track::CASES,
+    ..Scene::new(
+        "pump-track",
+        "a bike and its rider gain speed on a wavy track by pushing against each other",
+        &[
+            Variant {
+                settings: &[("law", "paper")],
+                model: || Box::new(PumpTrack::default()),
+            },
+            Variant {
+                settings: &[("law", "holding")],
+                model: || Box::new(PumpTrackHolding::default()),
+            },
+        ],
+    )
 };
 
 /// Points of the ground line.

@@ -16,7 +16,7 @@ pub(crate) mod example;
 
 #[test]
 fn sledge_flies_over_its_hollow_and_is_certified() {
-    let model = example::SCENES[0].variants[0].model();
+    let model = (example::SCENES[0].variants[0].model)();
     let problem = Problem::of(&*model, 10);
     let solution = ocp::solve(&*model, &problem, &Settings::default(), &mut |_| true).unwrap();
     assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());

@@ -45,7 +45,10 @@ fn shipped() -> Vec<(Box<dyn Model>, TextScene)> {
     let files = FILES
         .iter()
         .map(|(name, text)| loaded(&format!("{name}.hang"), text));
-    variants.map(|variant| variant.model()).zip(files).collect()
+    variants
+        .map(|variant| (variant.model)())
+        .zip(files)
+        .collect()
 }
 
 /// Compares two simulations of one scene.

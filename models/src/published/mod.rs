@@ -21,7 +21,7 @@ mod tests {
         assert_eq!(cases.len(), 8);
         for (scene, case) in cases {
             let data = (case.data)().unwrap();
-            let declaration = scene.variants[0].model().declaration();
+            let declaration = (scene.variants[0].model)().declaration();
             let bodies = scene.plane.unwrap().bodies.len();
             assert!(data.points.len() > 10, "{}", case.name);
             assert!(data.points.is_sorted_by(|a, b| a.time < b.time));

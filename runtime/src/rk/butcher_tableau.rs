@@ -51,6 +51,8 @@ pub(crate) struct ButcherTableau {
     b: Vec<f64>,
     b_times_a: Vec<f64>,
     c: Vec<f64>,
+    /// Places and weights that integrate the polynomials of the nodes exactly.
+    rule: Vec<[f64; 2]>,
 }
 
 impl ButcherTableau {
@@ -67,12 +69,13 @@ impl ButcherTableau {
             Scheme::RadauIia => nodes::radau_iia(stages),
             Scheme::GaussLegendre => nodes::gauss_legendre(stages),
         };
+        let rule = gauss_rule(stages.div_ceil(2));
         let mut a = vec![0.0; stages * stages];
         for (i, row) in a.chunks_exact_mut(stages).enumerate() {
-            lagrange_integrals(&c, c[i], row);
+            lagrange_integrals(&c, &rule, c[i], row);
         }
         let mut b = vec![0.0; stages];
-        lagrange_integrals(&c, 1.0, &mut b);
+        lagrange_integrals(&c, &rule, 1.0, &mut b);
         let mut a_squared = vec![0.0; stages * stages];
         let mut b_times_a = vec![0.0; stages];
         for j in 0..stages {
@@ -90,6 +93,7 @@ impl ButcherTableau {
             b,
             b_times_a,
             c,
+            rule,
         })
     }
 
@@ -138,7 +142,7 @@ impl ButcherTableau {
     /// Dense output weights `b_j(theta) = int_0^theta l_j`: `x(theta) = x_0 + h sum_j b_j(theta) k_j`.
     /// `weights` has length `s`.
     pub(crate) fn dense_weights(&self, theta: f64, weights: &mut [f64]) {
-        lagrange_integrals(&self.c, theta, weights);
+        lagrange_integrals(&self.c, &self.rule, theta, weights);
     }
 
     /// Values `l_j(theta)` of the Lagrange polynomials of the nodes; `values` has length `s`.
@@ -190,16 +194,21 @@ fn lagrange(c: &[f64], j: usize, x: f64) -> f64 {
         .product()
 }
 
-/// `int_0^end l_j` for all `j`, by a Gauss rule that is exact for the degree.
-fn lagrange_integrals(c: &[f64], end: f64, integrals: &mut [f64]) {
-    let points = c.len().div_ceil(2);
-    let rule = nodes::gauss_legendre(points);
-    integrals.fill(0.0);
-    for &node in &rule {
-        // Weight of the node on [0, 1]: 1 / ((1 - y^2) P'(y)^2) at y = 2 node - 1.
+/// Places and weights of a Gauss rule on `[0, 1]`: `1 / ((1 - y^2) P'(y)^2)` at `y = 2 node - 1`.
+fn gauss_rule(points: usize) -> Vec<[f64; 2]> {
+    let weight = |node: f64| {
         let y = 2.0 * node - 1.0;
         let slope = nodes::legendre_derivative(points, y);
-        let weight = 1.0 / ((1.0 - y * y) * slope * slope);
+        1.0 / ((1.0 - y * y) * slope * slope)
+    };
+    let rule = nodes::gauss_legendre(points).into_iter();
+    rule.map(|node| [node, weight(node)]).collect()
+}
+
+/// `int_0^end l_j` for all `j`, by a Gauss rule that is exact for the degree.
+fn lagrange_integrals(c: &[f64], rule: &[[f64; 2]], end: f64, integrals: &mut [f64]) {
+    integrals.fill(0.0);
+    for [node, weight] in rule {
         for (j, integral) in integrals.iter_mut().enumerate() {
             *integral += end * weight * lagrange(c, j, node * end);
         }
