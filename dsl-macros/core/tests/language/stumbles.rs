@@ -38,8 +38,11 @@ fn scene(statements: &str) -> String {
     }
 }
 
-/// Each text with its mistakes in order: code (empty for plain syntax), place, and the end of the message or a part of it.
-fn assert_answers(table: &[(&str, &[(&str, &str, &str)])]) {
+/// What is wanted of one mistake: code (empty for plain syntax), place, and a part of the message.
+type Answer<'a> = (&'a str, &'a str, &'a str);
+
+/// Each text with its mistakes in order.
+fn assert_answers(table: &[(&str, &[Answer<'_>])]) {
     for (statements, wanted) in table {
         let text = scene(statements);
         let found = found(&text);
