@@ -82,10 +82,7 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             name, left, right, ..
         } => {
             let result = surface(walk, name, left, right);
-            if result.is_err() {
-                walk.faulty.insert(name.text.clone());
-            }
-            result
+            noted(walk, name, result)
         }
         Statement::Impact { surfaces, law } => impact_law(walk, surfaces, law),
         Statement::Minimize { value, .. } => walk.scalar(value).map(|_| ()),
@@ -111,18 +108,29 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         }
         Statement::Start(assignments) => {
             for assignment in assignments {
-                if start(walk, assignment).is_err() {
-                    walk.faulty.insert(assignment.target.text.clone());
-                }
+                let result = start(walk, assignment);
+                let _: Checked<()> = noted(walk, &assignment.target, result);
             }
             Ok(())
         }
-        Statement::Horizon { value, .. } if is_bare(value) => Ok(()),
-        Statement::Horizon { value, .. } => {
-            let own = walk.scalar(value)?;
-            walk.expect(value, &own, &Dimension::second(), "the horizon is a time")
-        }
+        Statement::Horizon { value, .. } => horizon(walk, value),
     }
+}
+
+/// Remembers what `name` belongs to if its units differ.
+fn noted(walk: &mut Walk<'_>, name: &Name, result: Checked<()>) -> Checked<()> {
+    if result.is_err() {
+        walk.faulty.insert(name.text.clone());
+    }
+    result
+}
+
+fn horizon(walk: &mut Walk<'_>, value: &Expr) -> Checked<()> {
+    if is_bare(value) {
+        return Ok(());
+    }
+    let own = walk.scalar(value)?;
+    walk.expect(value, &own, &Dimension::second(), "the horizon is a time")
 }
 
 fn surface(walk: &mut Walk<'_>, name: &Name, left: &Expr, right: &Expr) -> Checked<()> {
