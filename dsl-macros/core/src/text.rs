@@ -201,6 +201,12 @@ impl Scan<'_> {
                 }
             },
             '\'' => self.prime(),
+            '#' if !rest.starts_with("#[") && !rest.starts_with("#!") => {
+                let place = self.at..self.at + 1;
+                let message = "`#` begins no comment; write `//`";
+                self.mistakes.push(TextMistake::new(place, message));
+                rest.find('\n').unwrap_or(rest.len())
+            }
             _ => {
                 if let Some(remedy) = stray(c) {
                     let message = format!("`{}` is no character of the language{remedy}", shown(c));

@@ -546,6 +546,7 @@ impl Parser<'_> {
     fn juxtaposed(&mut self, cursor: &Cursor, left: &Expr, list: bool) -> Checked<()> {
         let right = match cursor.peek() {
             _ if cursor.at_invisible_group(0) => "...".to_owned(),
+            _ if cursor.at_symbol("|") => "|...|".to_owned(),
             Some(TokenTree::Punct(punct)) if punct.as_char() == '\'' => {
                 return Err(self.apostrophe(cursor, left));
             }

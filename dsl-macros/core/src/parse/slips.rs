@@ -102,6 +102,15 @@ pub(super) fn missing_operator(left: &Expr, right: &str, list: bool) -> String {
              `{text}*{right}`"
         );
     }
+    if let Kind::Power { base, exponent, .. } = &factor.kind
+        && let Kind::Name(function) = &base.kind
+        && words::is_function(&function.text)
+    {
+        let (function, argument) = (&function.text, right.trim_matches(['(', ')']));
+        return format!(
+            "the power of a function stands behind its argument; write `{function}({argument})^{exponent}`"
+        );
+    }
     let shown = match last.to_string() {
         long if long.chars().count() > 24 => "...".to_owned(),
         short => short,

@@ -1,7 +1,7 @@
 //! Units: `kg m/s^2` after a colon or in brackets.
 
 use super::cursor::Cursor;
-use crate::ast::WrittenUnit;
+use crate::ast::{Name, WrittenUnit};
 use crate::diagnostics::{Checked, Diagnostics};
 use crate::words;
 use hangtime_units::Unit;
@@ -47,6 +47,26 @@ pub(super) fn bracketed(
         index += 1;
     }
     read(&text, diagnostics, place)
+}
+
+/// A unit in brackets behind the name of a quantity, which is reported and read.
+pub(super) fn in_brackets(
+    cursor: &mut Cursor,
+    name: &Name,
+    diagnostics: &mut Diagnostics,
+) -> Option<WrittenUnit> {
+    let place = cursor.place();
+    let group = cursor
+        .eat_group(Delimiter::Parenthesis)
+        .or_else(|| cursor.eat_group(Delimiter::Bracket))?;
+    let whole = place.to(cursor.previous());
+    let unit = bracketed(&group, diagnostics).ok()??;
+    let message = format!(
+        "a unit stands behind a colon here; write `{}: {}`",
+        name.text, unit.text
+    );
+    diagnostics.syntax(whole, message);
+    Some(unit)
 }
 
 /// The longest unit that `begin` and the next tokens spell, and how many tokens that are. Products are left out, as

@@ -184,6 +184,47 @@ fn missing_parts_are_answered_by_what_to_write() {
 }
 
 #[test]
+fn habits_of_other_languages_are_answered_by_what_to_write() {
+    assert_answers(&[
+        (
+            "lagrangian m/2*pow(dot(y), 2) + m/2*d(z)^2",
+            &[("E01", "pow", "`x^2`"), ("E01", "d", "`dot(y)`")],
+        ),
+        (
+            "lagrangian m/2*|dot((y, z))|^2 - mgz",
+            &[("E01", "mgz", "write `m*g*z`")],
+        ),
+        (
+            "lagrangian m/2|dot((y, z))|^2 - m*g*z",
+            &[("", "|", "write a product as `m/2*|...|`")],
+        ),
+        (
+            "lagrangian m/2*|dot((y, z))|^2 - m*g*z*sin^2(y/z)",
+            &[("", "(", "write `sin(...)^2`")],
+        ),
+        (
+            "parameters { m (kg) = 1, g [m/s^2] = 9.81 } coordinates { y: m, z: m }",
+            &[
+                ("", "(kg)", "write `m: kg`"),
+                ("", "[m/s^2]", "write `g: m/s^2`"),
+            ],
+        ),
+        (
+            "controls { u: N = 0 in -1..=1 } forces { y: u }",
+            &[("", "in", "bounds stand before the value")],
+        ),
+        (
+            "# a comment that isn't one\nlet a = y'",
+            &[("", "#", "write `//`"), ("", "y'", "`dot(y)`")],
+        ),
+        (
+            "surface z >= 0",
+            &[("", ">", "as in `surface ground: z >= 0`")],
+        ),
+    ]);
+}
+
+#[test]
 fn places_and_angles_are_doubted_where_they_are_written() {
     assert_answers(&[
         (
