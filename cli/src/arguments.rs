@@ -296,6 +296,12 @@ pub(crate) struct ChartArguments {
 pub(crate) struct ExplainArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
+    /// Show how large every formulation of the scene is, and what each part of it is there for.
+    #[arg(long)]
+    pub(crate) size: bool,
+    /// Print the sizes as one JSON object.
+    #[arg(long, requires = "size")]
+    pub(crate) json: bool,
 }
 
 /// Arguments of `check`.

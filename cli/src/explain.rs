@@ -12,6 +12,7 @@ use crate::arguments::ExplainArguments;
 use crate::failure::BadInput;
 use crate::report::Report;
 use crate::settings::ChosenScene;
+use crate::sizes::Sizes;
 use crate::table::{headed, table};
 
 pub(crate) fn run(
@@ -22,6 +23,13 @@ pub(crate) fn run(
         return Ok(Report::of(page));
     }
     let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
+    if arguments.size {
+        let sizes = Sizes::of(&chosen);
+        return Ok(Report::of(match arguments.json {
+            true => sizes.json(&chosen),
+            false => sizes.text(),
+        }));
+    }
     let declaration = chosen.model.declaration();
     let mut text = format!("{} ({})\n", chosen.scene.name, declaration.name);
     let documentation = declaration.documentation.lines().map(str::trim);

@@ -32,6 +32,7 @@ mod scene_file;
 mod settings;
 mod shell;
 mod simulate;
+mod sizes;
 mod solve;
 mod spreadsheet;
 mod table;
@@ -44,6 +45,6 @@ mod watch;
 pub use command_line::CommandLine;
 pub use published::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
-    PublishedPoint, Quantity, Reference, Task,
+    PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
 pub use scene::{GroundLine, Plane, Scene, Variant, heights, parameter};

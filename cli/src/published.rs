@@ -1,6 +1,7 @@
 //! Published results that the scenes reproduce: the plotted data, what they mean, and the values that
 //! are known better.
 
+use hangtime::rk::Scheme;
 use hangtime::simulation::EventKind;
 
 /// One published simulation or optimal motion.
@@ -20,6 +21,44 @@ pub struct PublishedCase {
     pub data: fn() -> Result<PublishedData, PublishedDataError>,
     /// The numbers to compare.
     pub values: &'static [ComparedValue],
+}
+
+/// How large an optimal control problem is as another program transcribes it.
+#[derive(Debug, Clone, Copy)]
+pub struct PublishedSize {
+    /// Which program.
+    pub what: &'static str,
+    /// Where the numbers are from.
+    pub source: &'static str,
+    /// Runge-Kutta scheme.
+    pub scheme: Scheme,
+    /// Its stages.
+    pub stages: usize,
+    /// Control intervals.
+    pub intervals: usize,
+    /// Finite elements of each.
+    pub elements: usize,
+    /// Variables.
+    pub variables: usize,
+    /// Constraints.
+    pub constraints: usize,
+    /// Nonzeros of the Jacobian.
+    pub jacobian_nonzeros: usize,
+    /// Nonzeros of a triangle of the Hessian.
+    pub hessian_nonzeros: usize,
+}
+
+impl PublishedSize {
+    /// The grid, in the words of this library.
+    pub(crate) fn discretization(&self) -> String {
+        format!(
+            "{}, {} stages, {} intervals x {} elements",
+            self.scheme.name(),
+            self.stages,
+            self.intervals,
+            self.elements
+        )
+    }
 }
 
 /// What was computed.

@@ -4,7 +4,7 @@ use hangtime::model::Model;
 use hangtime_scene_files::TextScene;
 
 use crate::failure::BadInput;
-use crate::published::PublishedCase;
+use crate::published::{PublishedCase, PublishedSize};
 
 /// A scene as the command line knows it.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +21,8 @@ pub struct Scene {
     pub plane: Option<Plane>,
     /// Published results that the scene reproduces.
     pub published: &'static [PublishedCase],
+    /// Published sizes of its optimal control problem, as other programs transcribe it.
+    pub published_sizes: &'static [PublishedSize],
 }
 
 /// One form of a scene: a model of its own, chosen by settings that are words instead of numbers.
@@ -131,6 +133,7 @@ impl Scene {
             text: None,
             plane: None,
             published: &[],
+            published_sizes: &[],
         }
     }
 

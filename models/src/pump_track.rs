@@ -34,6 +34,7 @@ pub(crate) const SCENE: Scene = Scene {
         ground,
     }),
     published: published::pump_track::CASES,
+    published_sizes: published::pump_track::SIZES,
     ..Scene::new(
         "pump-track",
         "a bike and its rider gain speed on a wavy track by pushing against each other",

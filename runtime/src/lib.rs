@@ -71,6 +71,7 @@ mod progress;
 pub mod rk;
 mod seconds;
 pub mod simulation;
+mod size;
 mod time_freezing;
 
 pub use front::simulate::{Simulate, simulate};

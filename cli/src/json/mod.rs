@@ -10,7 +10,7 @@ mod program;
 mod simulation;
 mod solution;
 
-pub(crate) use parts::{SCHEMA, to_line};
+pub(crate) use parts::{SCHEMA, SizeEntry, to_line};
 pub(crate) use program::ProgramDocument;
 pub(crate) use simulation::Document;
 pub(crate) use solution::{SolutionDocument, SolverSettings};

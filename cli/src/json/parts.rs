@@ -245,7 +245,7 @@ pub(super) struct ResidualsEntry {
 
 #[derive(Serialize)]
 #[serde(remote = "ProblemSize")]
-pub(super) struct SizeEntry {
+pub(crate) struct SizeEntry {
     variables: usize,
     equalities: usize,
     inequalities: usize,

@@ -6,12 +6,13 @@
 
 use std::f64::consts::TAU;
 
+use hangtime::rk::Scheme;
 use hangtime::simulation::EventKind::{Impact, LiftOff};
 
 use super::read::rows;
 use hangtime_cli::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
-    PublishedPoint, Quantity, Reference, Task,
+    PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
 
 /// Position along the track, speed, length of the link, and force along it.
@@ -29,6 +30,35 @@ const POSITION: &str = include_str!("../../data/pump_q1_over_t.csv");
 const SPEEDS: &str = include_str!("../../data/pump_v1_over_t.csv");
 const LENGTHS: &str = include_str!("../../data/pump_s_over_t.csv");
 const FORCES: &str = include_str!("../../data/pump_u_over_t.csv");
+
+/// The fastest ride as nosnoc 0.2.0 transcribes it (the Python package, with IPOPT by CasADi 3.8.2), on the grid of the
+/// publication: measured on the scene written for it by hand.
+pub(crate) const SIZES: &[PublishedSize] = &[
+    PublishedSize {
+        what: "nosnoc 0.2.0",
+        source: "measured, CasADi 3.8.2",
+        scheme: Scheme::GaussLegendre,
+        stages: 2,
+        intervals: 30,
+        elements: 3,
+        variables: 4111,
+        constraints: 3931,
+        jacobian_nonzeros: 22622,
+        hessian_nonzeros: 9472,
+    },
+    PublishedSize {
+        what: "nosnoc 0.2.0",
+        source: "measured, CasADi 3.8.2",
+        scheme: Scheme::RadauIia,
+        stages: 2,
+        intervals: 30,
+        elements: 3,
+        variables: 3031,
+        constraints: 2941,
+        jacobian_nonzeros: 17949,
+        hessian_nonzeros: 8752,
+    },
+];
 
 /// The rides without input, then the fastest rides.
 pub(crate) const CASES: &[PublishedCase] = &[

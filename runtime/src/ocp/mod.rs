@@ -81,6 +81,7 @@ mod program;
 mod progress;
 mod search;
 mod settings;
+mod size;
 mod solution;
 mod solve;
 mod summary;
@@ -90,6 +91,7 @@ pub use motion::control_grid::ControlShape;
 pub use previous::Previous;
 pub use problem::{Horizon, Problem};
 pub use settings::{BoundsAt, Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
+pub use size::program_sizes;
 pub use solution::{
     Counts, Excess, Margin, Optimum, Solution, Stationarity, Status, TimeFreezingReport,
 };

@@ -6,8 +6,8 @@ use std::ops::Index;
 use super::quantity::{Quantity, number};
 use super::{ContactMode, InputError, Residuals, State, Trajectory};
 use crate::model::Declaration;
-use crate::nlp::NlpProblem;
 use crate::seconds::Seconds;
+use crate::size::ProblemSize;
 
 /// Result of a simulation.
 ///
@@ -445,42 +445,6 @@ impl fmt::Display for Simulation {
             write!(f, "\nnote: {note}")?;
         }
         Ok(())
-    }
-}
-
-/// Size of a discrete system.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct ProblemSize {
-    /// Unknowns.
-    pub variables: usize,
-    /// Equations.
-    pub equalities: usize,
-    /// Inequalities that are checked or imposed.
-    pub inequalities: usize,
-    /// Complementarity pairs.
-    pub complementarities: usize,
-    /// Structural nonzeros of the Jacobian.
-    pub jacobian_nonzeros: usize,
-    /// Structural nonzeros of the Hessian (lower triangle).
-    pub hessian_nonzeros: usize,
-}
-
-impl ProblemSize {
-    /// Size of a program with that many complementarity pairs.
-    #[must_use]
-    pub fn of(program: &dyn NlpProblem, complementarities: usize) -> Self {
-        let rows = program.constraints();
-        let (mut lower, mut upper) = (vec![0.0; rows], vec![0.0; rows]);
-        program.constraint_bounds(&mut lower, &mut upper);
-        let equalities = lower.iter().zip(&upper).filter(|(l, u)| l == u).count();
-        Self {
-            variables: program.variables(),
-            equalities,
-            inequalities: rows - equalities,
-            complementarities,
-            jacobian_nonzeros: program.jacobian_pattern().len(),
-            hessian_nonzeros: program.hessian_pattern().len(),
-        }
     }
 }
 

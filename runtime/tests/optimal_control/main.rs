@@ -9,4 +9,5 @@ mod friction;
 mod linear_controls;
 mod refinement;
 mod scaling;
+mod sizes;
 mod support;

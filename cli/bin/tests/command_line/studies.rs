@@ -1,6 +1,7 @@
-//! `reproduce` and `chart`.
+//! `reproduce`, `chart` and `explain --size`.
 
-use crate::support::{Scratch, assert_page_shows_its_result, result_files, solved};
+use crate::support::{Scratch, assert_page_shows_its_result, json, result_files, solved};
+use serde_json::Value;
 
 #[test]
 fn reproduce_covers_the_publication_with_figures_data_and_pages() {
@@ -50,6 +51,44 @@ fn reproduce_covers_the_publication_with_figures_data_and_pages() {
             "{name} is not linked"
         );
     }
+}
+
+#[test]
+fn sizes_of_all_scenes_are_classified_and_those_of_the_pump_track_stand_beside_published_ones() {
+    for scene in ["ski-jump", "pump-track", "bouncing-ball", "incline", "box"] {
+        let sizes = json(&["explain", scene, "--size", "--json"]);
+        assert!(
+            sizes["formulations"].as_array().unwrap().len() >= 5,
+            "{scene}"
+        );
+        let text = solved(&["explain", scene, "--size"]);
+        assert!(!text.contains("not classified"), "{text}");
+    }
+    let sizes = json(&["explain", "pump-track", "--size", "--json"]);
+    let shares = |grid: &Value, formulation: &str| -> [f64; 2] {
+        let ours = grid["ours"].as_array().unwrap().iter();
+        let name = |own: &&Value| own["formulation"].as_str().unwrap().ends_with(formulation);
+        let own = ours.clone().find(name).unwrap();
+        ["variables", "jacobian_nonzeros"]
+            .map(|what| own["size"][what].as_f64().unwrap() / grid[what].as_f64().unwrap())
+    };
+    let [gauss, radau] = [0, 1].map(|grid| &sizes["published"][grid]);
+    assert_eq!(gauss["variables"], 4111);
+    assert_eq!(radau["jacobian_nonzeros"], 17949);
+    // The default formulation on the same grid takes at most 60 %.
+    assert!(
+        shares(radau, "collocation")
+            .iter()
+            .all(|share| *share <= 0.6)
+    );
+    assert!(
+        shares(radau, "contact-implicit program")
+            .iter()
+            .all(|share| *share <= 0.6)
+    );
+    // That of the publication is as large as there.
+    assert_eq!(shares(gauss, "time-freezing program")[0], 1.0);
+    assert_eq!(shares(radau, "time-freezing program")[0], 1.0);
 }
 
 #[test]

@@ -33,9 +33,11 @@ mod end;
 mod motion_size;
 pub(crate) mod newton;
 mod numerical_time;
+mod size;
 mod stage_clock;
 
 pub(crate) use motion_size::MotionSize;
+pub(crate) use size::groups;
 
 use super::active_contact::ActiveContact;
 use super::constraints::Constraints;

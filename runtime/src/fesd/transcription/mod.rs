@@ -27,9 +27,11 @@ mod modes;
 mod names;
 mod neighbours;
 mod program;
+mod purposes;
 mod task;
 
 pub(crate) use program::transcribe;
+pub(crate) use purposes::size_groups;
 pub(crate) use task::{Controls, Guess, Task, Weights};
 
 use crate::dcs::{Group, HeavisideSystem};

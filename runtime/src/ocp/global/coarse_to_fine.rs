@@ -11,6 +11,7 @@ use crate::ocp::motion::read_sequence::{Elements, of_elements};
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Failure, Runner};
+use crate::ocp::settings::Settings;
 use crate::simulation::InputError;
 
 /// Elements an interval of the first programs of the global phase, and the rules that relax them: the programs differ
@@ -65,6 +66,11 @@ struct Relaxation {
     barrier: Option<f64>,
 }
 
+/// Elements of an interval in the refined programs.
+pub(in crate::ocp) fn refined_elements(settings: &Settings, intervals: usize) -> usize {
+    LEAST_ELEMENTS.div_ceil(intervals) * settings.refined_elements
+}
+
 /// The contact-implicit phase: distinct motions, the best first; the guess itself if no program could be solved.
 pub(in crate::ocp) fn candidates(
     runner: &mut Runner,
@@ -72,7 +78,7 @@ pub(in crate::ocp) fn candidates(
     guess: &Trajectory,
 ) -> Result<Vec<Candidate>, InputError> {
     let finer = LEAST_ELEMENTS.div_ceil(setting.problem.intervals);
-    let elements = finer * runner.settings.refined_elements;
+    let elements = refined_elements(runner.settings, setting.problem.intervals);
     let mut coarse: Vec<Candidate> = Vec::new();
     let mut fine: Vec<Candidate> = Vec::new();
     for (per_interval, rule) in COARSE_PROGRAMS {

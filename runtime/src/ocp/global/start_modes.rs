@@ -11,7 +11,7 @@ const AT_START: f64 = 1e-9;
 const NEAR_START: f64 = 1e-3;
 
 /// What the contacts do at the start of a motion.
-pub(super) fn modes_at_start(setting: Setting, motion: &Trajectory) -> Vec<Mode> {
+pub(in crate::ocp) fn modes_at_start(setting: Setting, motion: &Trajectory) -> Vec<Mode> {
     let Setting {
         model,
         problem,

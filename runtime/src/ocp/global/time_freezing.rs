@@ -2,7 +2,9 @@
 
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
-use crate::fesd::transcription::{Controls, Guess, Task, Transcription, Weights, transcribe};
+use crate::fesd::transcription::{
+    Controls, Guess, Task, Transcription, Weights, size_groups, transcribe,
+};
 use crate::model::{ConstraintRelation, ImpactLaw, Model, OptimalControlDeclaration};
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
@@ -11,7 +13,7 @@ use crate::ocp::motion::targets::{horizon_guess, targets};
 use crate::ocp::problem::{Horizon, Problem, bounds};
 use crate::ocp::settings::TimeFreezingSettings;
 use crate::rk::ButcherTableau;
-use crate::simulation::InputError;
+use crate::simulation::{InputError, SizeGroup};
 use crate::time_freezing::TimeFreezingSystem;
 
 /// An optimal control problem on a [`Model`] as a mathematical program with complementarity constraints:
@@ -105,6 +107,12 @@ impl<'a> TimeFreezing<'a> {
         (0..program.elements())
             .map(|e| program.numerical_length(x, e))
             .collect()
+    }
+
+    /// What its variables and rows are there for.
+    #[must_use]
+    pub fn groups(&self) -> Vec<SizeGroup> {
+        size_groups(&self.transcription)
     }
 
     /// The motion at the point `x` of the program.

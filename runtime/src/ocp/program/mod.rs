@@ -5,6 +5,7 @@
 
 pub(in crate::ocp) mod frame;
 pub(in crate::ocp) mod kernel;
+pub(in crate::ocp) mod purposes;
 pub(in crate::ocp) mod runner;
 pub(in crate::ocp) mod sparse_program;
 pub(in crate::ocp) mod units;

@@ -8,7 +8,6 @@ use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::trajectory::Trajectory;
-use crate::ocp::program::runner::Runner;
 use crate::simulation::{EventDriven, InputError, SimulationStatus, simulate_once};
 
 /// Instants at which the goals are looked at.
@@ -30,8 +29,8 @@ struct End {
     violation: f64,
 }
 
-/// The ride over the final times that are looked at; nothing where it cannot be simulated.
-pub(in crate::ocp) fn ride(runner: &Runner, setting: Setting) -> Result<Option<Ride>, InputError> {
+/// The ride over the final times that are looked at, simulated to a tolerance; nothing where it cannot be simulated.
+pub(in crate::ocp) fn ride(tolerance: f64, setting: Setting) -> Result<Option<Ride>, InputError> {
     let Setting {
         model,
         problem,
@@ -47,7 +46,7 @@ pub(in crate::ocp) fn ride(runner: &Runner, setting: Setting) -> Result<Option<R
     let start = problem.start();
     let longest = setting.final_times().longest;
     let simulator = EventDriven {
-        tolerance: runner.settings.replay_tolerance,
+        tolerance,
         output_times: SAMPLES,
         ..EventDriven::default()
     };
@@ -74,7 +73,7 @@ pub(in crate::ocp) fn ride(runner: &Runner, setting: Setting) -> Result<Option<R
         time: vec![0.0],
         states: vec![start],
     };
-    let replay = simulate(setting, &ridden, runner.settings.replay_tolerance)?;
+    let replay = simulate(setting, &ridden, tolerance)?;
     if replay.status != SimulationStatus::Solved {
         return Ok(None);
     }

@@ -165,7 +165,7 @@ fn find(
     if !search.found.optima.is_empty() || runner.stopped() {
         return Ok(false);
     }
-    let Some(ride) = ride(runner, setting)? else {
+    let Some(ride) = ride(runner.settings.replay_tolerance, setting)? else {
         return Ok(false);
     };
     search.try_candidate(runner, ride.candidate, true)?;

@@ -34,11 +34,13 @@ mod location;
 mod mode_change;
 mod program;
 mod settings;
+mod size;
 mod stepping;
 mod stop;
 mod switch;
 
 pub use settings::{Fesd, StepFormulation};
+pub use size::step_sizes;
 
 use super::watch::Watch;
 use super::{InitialValueProblem, InputError, Simulation, Simulator};

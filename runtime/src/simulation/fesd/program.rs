@@ -18,14 +18,14 @@ use crate::simulation::EventKind;
 use crate::time_freezing::TimeFreezingSystem;
 
 /// Finite elements that one switch with an impact needs: before, jump, after.
-const ELEMENTS: usize = 3;
+pub(super) const ELEMENTS: usize = 3;
 /// The same for a bounce: before, fall, rise, after.
-const BOUNCE_ELEMENTS: usize = 4;
+pub(super) const BOUNCE_ELEMENTS: usize = 4;
 /// Numbers of elements that are tried in turn; another number often solves a step that one does not.
 const ATTEMPTS: usize = 3;
 /// Acceleration of the auxiliary dynamics here, of the order of contact accelerations: the step functions
 /// stay away from 0 and 1, and more steps are solved (of 448 with and without impact 411, with 981 m/s^2 357).
-const AUXILIARY_ACCELERATION: f64 = 20.0;
+pub(super) const AUXILIARY_ACCELERATION: f64 = 20.0;
 /// Barrier parameter of the start, which is a coarse simulation: from 1e-5 424 of the 448 steps are solved, in
 /// two thirds of the iterations that 0.1 takes for 412.
 const BARRIER_PARAMETER: f64 = 1e-5;

@@ -1,0 +1,121 @@
+//! What the variables and rows of a transcription are there for.
+
+use super::{SUMS, Transcription};
+use crate::mpcc::Mpcc as _;
+use crate::size::{Purpose, SizeGroup, groups_of};
+
+/// Numbers of contacts, and of those with friction.
+fn counts(transcription: &Transcription<'_>) -> (usize, usize) {
+    let layout = &transcription.dcs.layout;
+    let contacts = layout.contacts();
+    let rough = (0..contacts).filter(|&i| layout.slip_group(i).is_some());
+    (contacts, rough.count())
+}
+
+/// What the state `k` is there for.
+fn of_state(transcription: &Transcription<'_>, k: usize) -> Purpose {
+    let time = transcription.dcs.layout.time();
+    match k {
+        k if k < time => Purpose::State,
+        k if k == time => Purpose::Clock,
+        _ => Purpose::Gap,
+    }
+}
+
+/// What the local variable `k` is there for.
+fn of_local(transcription: &Transcription<'_>, k: usize) -> Purpose {
+    let layout = &transcription.dcs.layout;
+    if k < layout.states() {
+        return of_state(transcription, k);
+    }
+    match layout.algebraic_symbol(k) {
+        Some(("alpha" | "beta" | "lp" | "ln" | "p" | "w", _)) => Purpose::StepFunction,
+        Some(("f" | "r", _)) => Purpose::Restitution,
+        Some(_) => Purpose::Friction,
+        None => Purpose::SeveralContacts,
+    }
+}
+
+/// What the sum `sum`, counted over all groups, is there for.
+fn of_sum(transcription: &Transcription<'_>, sum: usize) -> Purpose {
+    let (contacts, rough) = counts(transcription);
+    match sum / SUMS {
+        group if group < contacts => Purpose::CrossComplementarity,
+        group if group < contacts + rough => Purpose::Friction,
+        _ => Purpose::Restitution,
+    }
+}
+
+fn of_variable(transcription: &Transcription<'_>, index: usize) -> Purpose {
+    if transcription.horizon == Some(index) {
+        return Purpose::FinalTime;
+    }
+    let intervals = &transcription.intervals;
+    let k = intervals.partition_point(|interval| interval.length <= index);
+    let interval = &intervals[k.saturating_sub(1)];
+    if interval.length == index {
+        return Purpose::Clock;
+    }
+    if interval.controls.contains(&index) {
+        return Purpose::Control;
+    }
+    let elements = &transcription.elements;
+    let e = elements.partition_point(|element| element.length <= index);
+    let element = &elements[e.saturating_sub(1)];
+    if element.length == index {
+        return Purpose::ElementLength;
+    }
+    if let Some(sum) = index.checked_sub(element.sums) {
+        return of_sum(transcription, sum);
+    }
+    let mut blocks = element.blocks.iter();
+    let local = blocks.find_map(|block| block.variables.iter().position(|v| *v == Some(index)));
+    local.map_or(Purpose::Other, |k| of_local(transcription, k))
+}
+
+fn of_row(transcription: &Transcription<'_>, index: usize) -> Purpose {
+    if index >= transcription.goal_rows {
+        return Purpose::Goal;
+    }
+    let intervals = &transcription.intervals;
+    let k = intervals.partition_point(|interval| interval.rows <= index);
+    match index - intervals[k.saturating_sub(1)].rows {
+        0 => return Purpose::ElementLength,
+        1 => return Purpose::Clock,
+        _ => {}
+    }
+    let elements = &transcription.elements;
+    let e = elements.partition_point(|element| element.collocation_rows <= index);
+    let element = &elements[e.saturating_sub(1)];
+    if let Some(sum) = index.checked_sub(element.sum_rows) {
+        return of_sum(transcription, sum);
+    }
+    let blocks = &element.blocks;
+    let b = blocks.partition_point(|block| block.algebraic_rows <= index);
+    let Some(block) = b.checked_sub(1).map(|b| &blocks[b]) else {
+        let states = transcription.dcs.layout.states();
+        return of_state(transcription, (index - element.collocation_rows) % states);
+    };
+    // Of a contact three rows at a stage, two at an end; of friction two and one; of a bounce one at a stage.
+    let (contacts, rough) = counts(transcription);
+    let (of_contact, of_friction) = if block.boundary { (2, 1) } else { (3, 2) };
+    let row = index - block.algebraic_rows;
+    let before_bounces = of_contact * contacts + of_friction * rough;
+    let elastic = transcription.groups.len() - contacts - rough;
+    match row {
+        row if row < of_contact * contacts => Purpose::StepFunction,
+        row if row < before_bounces => Purpose::Friction,
+        row if row < before_bounces + elastic => Purpose::Restitution,
+        _ => Purpose::SeveralContacts,
+    }
+}
+
+/// The groups of a transcription.
+pub(crate) fn size_groups(transcription: &Transcription<'_>) -> Vec<SizeGroup> {
+    groups_of(
+        transcription,
+        transcription.complementarities(),
+        &|index| of_variable(transcription, index),
+        &|index| of_row(transcription, index),
+    )
+}

@@ -1,0 +1,160 @@
+//! How large the programs of a problem are, before any is solved.
+
+use super::collocation::discretization::{Places, Setting, parabolas};
+use super::collocation::transcribe::transcribe;
+use super::global::coarse_to_fine::refined_elements;
+use super::global::contact_implicit::ContactImplicit;
+use super::global::guess::guess;
+use super::global::start_modes::modes_at_start;
+use super::global::time_freezing::TimeFreezing;
+use super::motion::candidate::Candidate;
+use super::motion::mode::is_frictional;
+use super::motion::sequence::Sequence;
+use super::problem::{Problem, bounds};
+use super::program::purposes::groups;
+use super::program::units::Units;
+use super::search::ride::ride;
+use super::settings::{Formulation, Settings, TimeFreezingSettings};
+use crate::model::{Declaration, Kernel, Model};
+use crate::rk::{ButcherTableau, Scheme};
+use crate::simulation::{FormulationSize, InputError};
+use crate::size::kernels;
+
+/// The sizes of the programs that [`solve`](super::solve) makes of a problem under `settings`: the refined
+/// contact-implicit program and the collocation with the contact sequence of the ride without controls, or the program of
+/// the time-freezing formulation.
+///
+/// # Errors
+/// [`InputError`] if problem or settings are refused.
+///
+/// # Examples
+/// ```
+/// use hangtime::ocp::{Problem, Settings, program_sizes};
+/// # hangtime::model! {
+/// #     /// A cart that is pushed.
+/// #     pub Cart {
+/// #         parameters { m: kg = 2 }
+/// #         coordinates { y: m }
+/// #         controls { u: N in -1..=1 }
+/// #         lagrangian m/2*dot(y)^2
+/// #         forces { y: u }
+/// #         minimize time
+/// #         finally { y == 1[m] }
+/// #     }
+/// # }
+/// let cart = Cart::default();
+/// let sizes = program_sizes(&cart, &Problem::of(&cart, 4), &Settings::default())?;
+/// // Four stages with (y, v) in each interval, its control, and the final time.
+/// assert_eq!(sizes[1].size().variables, 4 * (4 * 2 + 1) + 1);
+/// # Ok::<(), hangtime::InputError>(())
+/// ```
+pub fn program_sizes(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+) -> Result<Vec<FormulationSize>, InputError> {
+    settings.check()?;
+    problem.check(model)?;
+    match &settings.formulation {
+        Formulation::Phases => phases(model, problem, settings),
+        Formulation::TimeFreezing(settings) => Ok(vec![time_freezing(model, problem, settings)?]),
+    }
+}
+
+/// The kernels of optimal control that a formulation calls.
+fn called(model: &dyn Model, conditions: &[&'static str]) -> Vec<&'static Kernel> {
+    let declaration: &Declaration = model.declaration();
+    let mut prefixes = vec!["free_", "contact_"];
+    if (0..declaration.contacts.len()).any(|contact| is_frictional(model, contact)) {
+        prefixes.push("tangent_");
+    }
+    prefixes.extend(conditions);
+    kernels(declaration, &prefixes, true)
+}
+
+fn time_freezing(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &TimeFreezingSettings,
+) -> Result<FormulationSize, InputError> {
+    let program = TimeFreezing::new(model, problem, settings)?;
+    Ok(FormulationSize {
+        formulation: "optimal control, time-freezing program".to_owned(),
+        discretization: format!(
+            "{}, {} stages, {} intervals x {} elements",
+            settings.scheme.name(),
+            settings.stages,
+            problem.intervals,
+            settings.elements
+        ),
+        groups: program.groups(),
+        // Costs and goals are linear, or quadratic in the controls: numbers in this program.
+        kernels: called(model, &[]),
+    })
+}
+
+fn phases(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+) -> Result<Vec<FormulationSize>, InputError> {
+    let (lower, upper) = bounds(model);
+    let bounds = (&lower[..], &upper[..]);
+    let guessed = guess(model, problem, &settings.guess, bounds)?;
+    let units = Units::new(model, &guessed, bounds);
+    let Some(tableau) = ButcherTableau::new(Scheme::RadauIia, settings.stages) else {
+        return Err(settings.refuse_stages());
+    };
+    let setting = Setting {
+        model,
+        problem,
+        tableau: &tableau,
+        units: &units,
+        bounds,
+        parabolas: &parabolas(model, &problem.start()),
+        places: Places {
+            bounds: settings.bounds,
+            path: settings.path_points,
+        },
+        shape: settings.controls,
+    };
+    let declaration = model.declaration();
+    let per_interval = refined_elements(settings, problem.intervals);
+    let coarse = ContactImplicit::new(setting, per_interval, &guessed);
+    let contact_implicit = FormulationSize {
+        formulation: "optimal control, contact-implicit program".to_owned(),
+        discretization: format!(
+            "implicit Euler, {} intervals x {per_interval} elements",
+            problem.intervals
+        ),
+        groups: groups(&coarse.program, declaration),
+        kernels: called(model, &["path_", "terminal_"]),
+    };
+    let ridden = ride(settings.replay_tolerance, setting)?.map(|ride| ride.candidate);
+    let sequence = Sequence {
+        initially: modes_at_start(setting, &guessed),
+        switches: Vec::new(),
+    };
+    let candidate = ridden.unwrap_or(Candidate {
+        objective: f64::INFINITY,
+        sequence,
+        trajectory: guessed,
+    });
+    let (sequence, motion) = (&candidate.sequence, &candidate.trajectory);
+    let elements = vec![settings.elements; problem.intervals];
+    let fine = transcribe(setting, sequence, motion, &[], &elements);
+    let collocation = FormulationSize {
+        formulation: "optimal control, collocation".to_owned(),
+        discretization: format!(
+            "{}, {} stages, {} intervals x {} elements, {} contact switches as in the ride",
+            Scheme::RadauIia.name(),
+            settings.stages,
+            problem.intervals,
+            settings.elements,
+            sequence.switches.len()
+        ),
+        groups: groups(&fine.program, declaration),
+        kernels: called(model, &["path_", "terminal_"]),
+    };
+    Ok(vec![contact_implicit, collocation])
+}

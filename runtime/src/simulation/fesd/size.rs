@@ -1,0 +1,163 @@
+//! What a step of the simulation takes, before any is made.
+
+use super::program::{AUXILIARY_ACCELERATION, BOUNCE_ELEMENTS, ELEMENTS};
+use super::settings::{Fesd, StepFormulation};
+use crate::dcs::HeavisideSystem;
+use crate::fesd::active_contact::{ActiveContact, Tangential};
+use crate::fesd::finite_element::{State, groups as groups_of_element};
+use crate::fesd::transcription::{Task, size_groups, transcribe};
+use crate::model::{ImpactLaw, Model, friction_coefficients};
+use crate::rk::ButcherTableau;
+use crate::simulation::{FormulationSize, InitialValueProblem, InputError};
+use crate::size::kernels;
+use crate::time_freezing::TimeFreezingSystem;
+
+/// The sizes of the systems that `method` solves on the way over `problem`: an element in free flight, one for each
+/// contact that holds (and slips or sticks where it rubs), and one where all hold; or the program of a step where the
+/// method solves steps as programs.
+///
+/// # Errors
+/// [`InputError`] if the problem or the method's settings are refused.
+///
+/// # Examples
+/// ```
+/// use hangtime::prelude::*;
+/// use hangtime::simulation::{InitialValueProblem, Purpose, step_sizes};
+///
+/// # hangtime::model! {
+/// #     /// A ball above a floor.
+/// #     pub Ball {
+/// #         parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 1 }
+/// #         coordinates { z: m }
+/// #         lagrangian m/2*dot(z)^2 - m*g*z
+/// #         surface floor: z >= 0
+/// #         impact floor: inelastic
+/// #         start { z: height }
+/// #         horizon 1 [s]
+/// #     }
+/// # }
+/// let ball = Ball::default();
+/// let sizes = step_sizes(&ball, &InitialValueProblem::of(&ball, None)?, &Fesd::default())?;
+/// assert_eq!(sizes[0].size().variables, 6);
+/// assert_eq!(sizes[1].of(Purpose::ContactForce).variables, 6);
+/// # Ok::<(), InputError>(())
+/// ```
+pub fn step_sizes(
+    model: &dyn Model,
+    problem: &InitialValueProblem,
+    method: &Fesd,
+) -> Result<Vec<FormulationSize>, InputError> {
+    let tableau = method.tableau()?;
+    problem.check(model)?;
+    match method.formulation {
+        StepFormulation::Complementarity => {
+            Ok(vec![program_of_a_step(model, problem, method, &tableau)])
+        }
+        _ => Ok(elements(model, problem, method, &tableau)),
+    }
+}
+
+/// The elements of the modes in which at most one contact holds, and of that in which all do.
+fn elements(
+    model: &dyn Model,
+    problem: &InitialValueProblem,
+    method: &Fesd,
+    tableau: &ButcherTableau,
+) -> Vec<FormulationSize> {
+    let declaration = model.declaration();
+    let friction = friction_coefficients(model);
+    let held = |contact: usize, tangential| ActiveContact {
+        contact,
+        tangential,
+    };
+    let resting = |i: usize| match friction[i] > 0.0 {
+        true => held(i, Tangential::Sticking),
+        false => held(i, Tangential::Idle),
+    };
+    let contacts = declaration.contacts.iter().enumerate();
+    let mut modes = vec![("free flight".to_owned(), Vec::new())];
+    for (i, contact) in contacts {
+        let name = contact.name;
+        if friction[i] > 0.0 {
+            let slips = vec![held(i, Tangential::Forward)];
+            modes.push((format!("`{name}` slips"), slips));
+            modes.push((format!("`{name}` sticks"), vec![resting(i)]));
+        } else {
+            modes.push((format!("`{name}` holds"), vec![resting(i)]));
+        }
+    }
+    if declaration.contacts.len() > 1 {
+        let all = (0..declaration.contacts.len()).map(resting).collect();
+        modes.push(("all contacts hold".to_owned(), all));
+    }
+    let numerical = method.formulation == StepFormulation::TimeFreezing;
+    let time = if numerical {
+        "time-freezing element"
+    } else {
+        "element"
+    };
+    let stages = tableau.stages();
+    let x = problem.input(model);
+    let sizes = modes.into_iter().map(|(name, active)| {
+        let mut prefixes = vec!["free_", "gap_", "contact_"];
+        if active
+            .iter()
+            .any(|held| held.tangential != Tangential::Idle)
+        {
+            prefixes.push("tangent_");
+        }
+        let mut called = kernels(declaration, &prefixes, false);
+        if active.is_empty() {
+            called.retain(|kernel| !kernel.name.starts_with("contact_jacobian_"));
+        }
+        FormulationSize {
+            formulation: format!("simulation, {time}, {name}"),
+            discretization: format!("{}, {stages} stages", method.scheme.name()),
+            groups: groups_of_element(model, &active, stages, numerical, &x),
+            kernels: called,
+        }
+    });
+    sizes.collect()
+}
+
+/// The complementarity problem of a step of a grid.
+fn program_of_a_step(
+    model: &dyn Model,
+    problem: &InitialValueProblem,
+    method: &Fesd,
+    tableau: &ButcherTableau,
+) -> FormulationSize {
+    let declaration = model.declaration();
+    let bounces = |i: &usize| {
+        declaration.contacts[*i].law == ImpactLaw::Restitution && model.restitution(*i) > 0.0
+    };
+    let contacts = 0..declaration.contacts.len();
+    let elements = match contacts.into_iter().any(|i| bounces(&i)) {
+        true => BOUNCE_ELEMENTS,
+        false => ELEMENTS,
+    };
+    let start = State {
+        time: 0.0,
+        q: problem.q.clone(),
+        v: problem.v.clone(),
+    };
+    let steps = method.steps.unwrap_or(Fesd::DEFAULT_STEPS);
+    let controls = vec![0.0; declaration.controls.len()];
+    let task = Task::step(&start, &controls, problem.horizon / steps as f64, elements);
+    let system = TimeFreezingSystem::new(model, AUXILIARY_ACCELERATION);
+    let program = transcribe(HeavisideSystem::new(system), tableau, task);
+    let mut prefixes = vec!["free_", "contact_"];
+    if friction_coefficients(model).iter().any(|mu| *mu > 0.0) {
+        prefixes.push("tangent_");
+    }
+    FormulationSize {
+        formulation: "simulation, time-freezing, program of a step".to_owned(),
+        discretization: format!(
+            "{}, {} stages, {elements} elements",
+            method.scheme.name(),
+            tableau.stages()
+        ),
+        groups: size_groups(&program),
+        kernels: kernels(declaration, &prefixes, true),
+    }
+}

@@ -1,0 +1,291 @@
+//! How large a discrete system is, and what each part of it is there for.
+
+use crate::model::{Declaration, Kernel};
+use crate::nlp::NlpProblem;
+
+/// Size of a discrete system.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ProblemSize {
+    /// Unknowns.
+    pub variables: usize,
+    /// Equations.
+    pub equalities: usize,
+    /// Inequalities that are checked or imposed.
+    pub inequalities: usize,
+    /// Complementarity pairs.
+    pub complementarities: usize,
+    /// Structural nonzeros of the Jacobian.
+    pub jacobian_nonzeros: usize,
+    /// Structural nonzeros of the Hessian (lower triangle).
+    pub hessian_nonzeros: usize,
+}
+
+impl ProblemSize {
+    /// Size of a program with that many complementarity pairs.
+    #[must_use]
+    pub fn of(program: &dyn NlpProblem, complementarities: usize) -> Self {
+        let rows = program.constraints();
+        let (mut lower, mut upper) = (vec![0.0; rows], vec![0.0; rows]);
+        program.constraint_bounds(&mut lower, &mut upper);
+        let equalities = lower.iter().zip(&upper).filter(|(l, u)| l == u).count();
+        Self {
+            variables: program.variables(),
+            equalities,
+            inequalities: rows - equalities,
+            complementarities,
+            jacobian_nonzeros: program.jacobian_pattern().len(),
+            hessian_nonzeros: program.hessian_pattern().len(),
+        }
+    }
+
+    fn add(&mut self, other: Self) {
+        self.variables += other.variables;
+        self.equalities += other.equalities;
+        self.inequalities += other.inequalities;
+        self.complementarities += other.complementarities;
+        self.jacobian_nonzeros += other.jacobian_nonzeros;
+        self.hessian_nonzeros += other.hessian_nonzeros;
+    }
+}
+
+/// What variables, equations and derivatives are there for, from what every motion has to what few scenes ask for. An
+/// entry of a Jacobian or Hessian belongs to the later one of the two that it joins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Purpose {
+    /// Coordinates and velocities.
+    State,
+    /// Physical time as a state of the time-freezing system, and numerical lengths.
+    Clock,
+    /// Lengths of the finite elements.
+    ElementLength,
+    /// Forces of contacts.
+    ContactForce,
+    /// Gaps of contacts.
+    Gap,
+    /// Step functions of the contacts.
+    StepFunction,
+    /// Sums over an element.
+    CrossComplementarity,
+    /// Times of contact switches.
+    SwitchTime,
+    /// Velocities after impacts, and impulses.
+    Impact,
+    /// Terminal conditions.
+    Goal,
+    /// Bounds of coordinates between the ends of the intervals.
+    Bound,
+    /// Path constraints.
+    PathConstraint,
+    /// Controls.
+    Control,
+    /// A final time that is free.
+    FinalTime,
+    /// The time where the scene reads it.
+    ExplicitTime,
+    /// Initial values that are free.
+    FreeStart,
+    /// Several contacts at once.
+    SeveralContacts,
+    /// Friction.
+    Friction,
+    /// Bounces.
+    Restitution,
+    /// Not classified.
+    Other,
+}
+
+impl Purpose {
+    /// Name of the group.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        self.words().0
+    }
+
+    /// Why it is there, in a short phrase.
+    #[must_use]
+    pub const fn why(self) -> &'static str {
+        self.words().1
+    }
+
+    const fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::State => ("state", "coordinates and velocities at the stages"),
+            Self::Clock => ("clock", "time-freezing: a clock state, numerical lengths"),
+            Self::ElementLength => ("element lengths", "switches lie on ends of elements"),
+            Self::ContactForce => ("contact force", "holds the normal velocity at zero"),
+            Self::Gap => (
+                "gap",
+                "bodies do not pass through surfaces, nor drift off them",
+            ),
+            Self::StepFunction => ("step functions", "free, jump or contact, as pairs"),
+            Self::CrossComplementarity => ("cross complementarity", "one mode in each element"),
+            Self::SwitchTime => ("switch times", "phases of the contact sequence"),
+            Self::Impact => ("impacts", "velocities after them, impulses"),
+            Self::Goal => ("goals", "declared by `finally`"),
+            Self::Bound => ("bounds", "bounds of a coordinate between the nodes"),
+            Self::PathConstraint => ("path constraints", "declared by `constraint`"),
+            Self::Control => ("controls", "declared by `controls`"),
+            Self::FinalTime => (
+                "free final time",
+                "`time` occurs in the objective or a goal",
+            ),
+            Self::ExplicitTime => ("explicit time", "the scene reads `t`"),
+            Self::FreeStart => ("free start", "initial values declared free"),
+            Self::SeveralContacts => ("several contacts", "products of step functions"),
+            Self::Friction => ("friction", "declared by `friction`"),
+            Self::Restitution => ("restitution", "declared by `restitution`"),
+            Self::Other => ("other", "not classified"),
+        }
+    }
+}
+
+/// What one purpose takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SizeGroup {
+    /// What for.
+    pub purpose: Purpose,
+    /// How much.
+    pub size: ProblemSize,
+}
+
+/// The size of one formulation of a scene: what its solver sees. Variables whose bounds fix them are numbers, and rows
+/// without bounds do not exist.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct FormulationSize {
+    /// Which formulation.
+    pub formulation: String,
+    /// On which grid.
+    pub discretization: String,
+    /// Its groups, none of them empty, in the order of [`Purpose`].
+    pub groups: Vec<SizeGroup>,
+    /// The kernels of the model that it calls.
+    pub kernels: Vec<&'static Kernel>,
+}
+
+impl FormulationSize {
+    /// Sum of all groups.
+    #[must_use]
+    pub fn size(&self) -> ProblemSize {
+        let mut size = ProblemSize::default();
+        self.groups.iter().for_each(|group| size.add(group.size));
+        size
+    }
+
+    /// What one purpose takes.
+    #[must_use]
+    pub fn of(&self, purpose: Purpose) -> ProblemSize {
+        let mut groups = self.groups.iter();
+        let own = groups.find(|group| group.purpose == purpose);
+        own.map_or_else(ProblemSize::default, |group| group.size)
+    }
+
+    /// Operations of one call of each kernel.
+    #[must_use]
+    pub fn operations(&self) -> usize {
+        self.kernels.iter().map(|kernel| kernel.operations).sum()
+    }
+}
+
+/// Groups under construction.
+#[derive(Debug, Default)]
+pub(crate) struct Tally(Vec<SizeGroup>);
+
+impl Tally {
+    /// The numbers of a purpose.
+    pub(crate) fn of(&mut self, purpose: Purpose) -> &mut ProblemSize {
+        let place = self.0.partition_point(|group| group.purpose < purpose);
+        if self
+            .0
+            .get(place)
+            .is_none_or(|group| group.purpose != purpose)
+        {
+            let size = ProblemSize::default();
+            self.0.insert(place, SizeGroup { purpose, size });
+        }
+        &mut self.0[place].size
+    }
+
+    /// The groups that are not empty.
+    pub(crate) fn groups(self) -> Vec<SizeGroup> {
+        let mut groups = self.0;
+        groups.retain(|group| group.size != ProblemSize::default());
+        groups
+    }
+}
+
+/// The groups of a program with complementarity pairs, as its variables and rows are classified. What the solver takes
+/// out is not counted: fixed variables, and rows without bounds.
+pub(crate) fn groups_of(
+    program: &dyn NlpProblem,
+    pairs: &[(usize, usize)],
+    variable: &dyn Fn(usize) -> Purpose,
+    row: &dyn Fn(usize) -> Purpose,
+) -> Vec<SizeGroup> {
+    let (variables, rows) = (program.variables(), program.constraints());
+    let (mut lower, mut upper) = (vec![0.0; variables], vec![0.0; variables]);
+    program.variable_bounds(&mut lower, &mut upper);
+    let free = lower.iter().zip(&upper).enumerate();
+    let columns: Vec<Option<Purpose>> = free
+        .map(|(i, (lower, upper))| (lower < upper).then(|| variable(i)))
+        .collect();
+    let (mut lower, mut upper) = (vec![0.0; rows], vec![0.0; rows]);
+    program.constraint_bounds(&mut lower, &mut upper);
+    let mut tally = Tally::default();
+    let mut of_rows: Vec<Option<Purpose>> = Vec::with_capacity(rows);
+    for (i, (lower, upper)) in lower.iter().zip(&upper).enumerate() {
+        let bounded = lower.is_finite() || upper.is_finite();
+        let purpose = bounded.then(|| row(i));
+        if let Some(purpose) = purpose {
+            let size = tally.of(purpose);
+            if lower == upper {
+                size.equalities += 1;
+            } else {
+                size.inequalities += 1;
+            }
+        }
+        of_rows.push(purpose);
+    }
+    for purpose in columns.iter().flatten() {
+        tally.of(*purpose).variables += 1;
+    }
+    for (i, j) in program.jacobian_pattern() {
+        if let Some((row, column)) = of_rows[i].zip(columns[j]) {
+            tally.of(row.max(column)).jacobian_nonzeros += 1;
+        }
+    }
+    for (i, j) in program.hessian_pattern() {
+        if let Some((one, other)) = columns[i].zip(columns[j]) {
+            tally.of(one.max(other)).hessian_nonzeros += 1;
+        }
+    }
+    for &(i, j) in pairs {
+        if let Some((one, other)) = columns[i].zip(columns[j]) {
+            tally.of(one.max(other)).complementarities += 1;
+        }
+    }
+    tally.groups()
+}
+
+/// The kernels whose names begin with one of `prefixes`, with those of second derivatives if they are asked for.
+pub(crate) fn kernels(
+    declaration: &Declaration,
+    prefixes: &[&str],
+    second_derivatives: bool,
+) -> Vec<&'static Kernel> {
+    let second = [
+        "free_hessian",
+        "contact_hessian_",
+        "tangent_hessian_",
+        "path_hessian",
+        "terminal_hessian",
+    ];
+    let kernels = declaration.kernels.iter();
+    kernels
+        .filter(|kernel| {
+            let starts = |prefix: &&str| kernel.name.starts_with(prefix);
+            prefixes.iter().any(starts) && (second_derivatives || !second.iter().any(starts))
+        })
+        .collect()
+}

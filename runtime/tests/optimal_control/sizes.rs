@@ -1,0 +1,380 @@
+//! What a scene does not declare takes nothing, in any formulation.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+use hangtime::model::Model;
+use hangtime::ocp::{Formulation, Problem, Settings, TimeFreezingSettings, program_sizes};
+use hangtime::simulation::{
+    Fesd, FormulationSize, InitialValueProblem, InputError, Purpose, StepFormulation, step_sizes,
+};
+
+/// Scenes that differ in one line each.
+macro_rules! scene {
+    ($name:ident; $($more:tt)*) => {
+        hangtime::model! {
+            /// A mass that falls on a floor.
+            $name {
+                parameters { m: kg = 2, g: m/s^2 = 9.81 }
+                coordinates { y: m, z: m }
+                surface floor: z >= 0
+                start { z: 0.2 [m], dot(y): 1 [m/s] }
+                $($more)*
+            }
+        }
+    };
+}
+
+scene! { Minimal;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic
+    minimize y
+    horizon 1 [s]
+}
+scene! { Rough;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic, friction 0.1
+    minimize y
+    horizon 1 [s]
+}
+scene! { Driven;
+    controls { u: N in -1..=1 }
+    forces { y: u }
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic
+    minimize y
+    horizon 1 [s]
+}
+scene! { Walled;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    surface wall: y <= 9[m]
+    impact floor, wall: inelastic
+    minimize y
+    horizon 1 [s]
+}
+scene! { Bouncing;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: restitution 0.5
+    minimize y
+    horizon 1 [s]
+}
+scene! { Timed;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    forces { y: 1[N/s]*t }
+    impact floor: inelastic
+    minimize y
+    horizon 1 [s]
+}
+scene! { Timeless;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic
+    minimize time
+    finally { y == 1[m] }
+    horizon 1 [s]
+}
+
+const INTERVALS: usize = 6;
+
+fn simulated(model: &dyn Model, formulation: StepFormulation) -> Vec<FormulationSize> {
+    let problem = InitialValueProblem::of(model, None).unwrap();
+    let method = Fesd::default().with_formulation(formulation);
+    step_sizes(model, &problem, &method).unwrap()
+}
+
+fn programs(
+    model: &dyn Model,
+    formulation: Formulation,
+) -> Result<Vec<FormulationSize>, InputError> {
+    let mut settings = Settings::default();
+    settings.formulation = formulation;
+    program_sizes(model, &Problem::of(model, INTERVALS), &settings)
+}
+
+/// Every formulation that takes the scene.
+fn sizes(model: &dyn Model) -> Vec<FormulationSize> {
+    let mut all = simulated(model, StepFormulation::ActiveSet);
+    all.extend(simulated(model, StepFormulation::TimeFreezing));
+    all.extend(simulated(model, StepFormulation::Complementarity));
+    all.extend(programs(model, Formulation::Phases).unwrap());
+    let time_freezing = Formulation::TimeFreezing(TimeFreezingSettings::default());
+    all.extend(programs(model, time_freezing).into_iter().flatten());
+    all
+}
+
+/// Numbers of a group: variables, equations, inequalities, pairs, nonzeros of Jacobian and Hessian.
+type Numbers = [isize; 6];
+
+fn numbers(size: &FormulationSize, purpose: Purpose) -> Numbers {
+    let group = size.of(purpose);
+    [
+        group.variables,
+        group.equalities,
+        group.inequalities,
+        group.complementarities,
+        group.jacobian_nonzeros,
+        group.hessian_nonzeros,
+    ]
+    .map(|number| isize::try_from(number).unwrap())
+}
+
+fn named<'s>(sizes: &'s [FormulationSize], name: &str) -> &'s FormulationSize {
+    let found = sizes.iter().find(|size| size.formulation == name);
+    found.unwrap_or_else(|| panic!("no {name}"))
+}
+
+/// What the formulation `to` of a scene has more than the formulation `from` of the minimal one, group by group.
+fn added(model: &dyn Model, from: &str, to: &str) -> Vec<(Purpose, Numbers)> {
+    let (less, more) = (sizes(&Minimal::default()), sizes(model));
+    let (less, more) = (named(&less, from), named(&more, to));
+    let groups = less.groups.iter().chain(&more.groups);
+    let mut purposes: Vec<Purpose> = groups.map(|group| group.purpose).collect();
+    purposes.sort();
+    purposes.dedup();
+    let differences = purposes.into_iter().map(|purpose| {
+        let (less, more) = (numbers(less, purpose), numbers(more, purpose));
+        (purpose, std::array::from_fn(|i| more[i] - less[i]))
+    });
+    differences.filter(|(_, more)| *more != [0; 6]).collect()
+}
+
+/// Names of the kernels that a scene has beside those of the minimal one.
+fn added_kernels(model: &dyn Model) -> Vec<&'static str> {
+    let minimal = Minimal::default();
+    let known: Vec<&str> = minimal
+        .declaration()
+        .kernels
+        .iter()
+        .map(|k| k.name)
+        .collect();
+    let own = model.declaration().kernels.iter().map(|k| k.name);
+    own.filter(|name| !known.contains(name)).collect()
+}
+
+const FLIGHT: &str = "simulation, element, free flight";
+const HELD: &str = "simulation, element, `floor` holds";
+const HELD_FROZEN: &str = "simulation, time-freezing element, `floor` holds";
+const STEP: &str = "simulation, time-freezing, program of a step";
+const COARSE: &str = "optimal control, contact-implicit program";
+const FINE: &str = "optimal control, collocation";
+const FROZEN: &str = "optimal control, time-freezing program";
+const ALL: [&str; 7] = [FLIGHT, HELD, HELD_FROZEN, STEP, COARSE, FINE, FROZEN];
+
+/// What few scenes ask for.
+const FEATURES: [Purpose; 9] = [
+    Purpose::PathConstraint,
+    Purpose::Bound,
+    Purpose::Control,
+    Purpose::FinalTime,
+    Purpose::ExplicitTime,
+    Purpose::FreeStart,
+    Purpose::SeveralContacts,
+    Purpose::Friction,
+    Purpose::Restitution,
+];
+
+#[test]
+fn minimal_scene_takes_nothing_for_what_it_does_not_declare() {
+    let minimal = Minimal::default();
+    let all = sizes(&minimal);
+    for name in ALL {
+        named(&all, name);
+    }
+    for size in &all {
+        for purpose in FEATURES.into_iter().chain([Purpose::Goal, Purpose::Other]) {
+            assert_eq!(
+                numbers(size, purpose),
+                [0; 6],
+                "{}: {purpose:?}",
+                size.formulation
+            );
+        }
+    }
+    for kernel in minimal.declaration().kernels {
+        let own = ["tangent", "path"]
+            .iter()
+            .any(|other| kernel.name.starts_with(other));
+        assert!(!own, "{}", kernel.name);
+    }
+    // In flight there is no force, in contact one a stage and what keeps the gap at zero.
+    assert_eq!(named(&all, FLIGHT).size().variables, 6 * 2);
+    assert_eq!(named(&all, HELD).size().variables, 6 * (2 + 1 + 1));
+}
+
+#[test]
+fn friction_adds_its_own_groups_and_nothing_else() {
+    let rough = Rough::default();
+    use Purpose::{ContactForce, Friction};
+    assert_eq!(added(&rough, FLIGHT, FLIGHT), []);
+    // Slip turns the direction of the force, and adds the sign of the sliding velocity at six stages.
+    let slips = "simulation, element, `floor` slips";
+    let more = [
+        (ContactForce, [0, 0, 0, 0, 6, 0]),
+        (Friction, [0, 0, 6, 0, 0, 0]),
+    ];
+    assert_eq!(added(&rough, HELD, slips), more);
+    let sticks = "simulation, element, `floor` sticks";
+    assert_eq!(
+        added(&rough, HELD, sticks),
+        [(Friction, [6, 6, 6, 0, 42, 0])]
+    );
+    let sticks = "simulation, time-freezing element, `floor` sticks";
+    assert_eq!(
+        added(&rough, HELD_FROZEN, sticks),
+        [(Friction, [6, 6, 6, 0, 78, 0])]
+    );
+    // Four variables a stage and four sums an element; two equations a stage and those of the sums.
+    assert_eq!(
+        added(&rough, STEP, STEP),
+        [(Friction, [48, 30, 0, 15, 214, 36])]
+    );
+    // Four variables, two equations and two pairs in each of 96 elements.
+    assert_eq!(
+        added(&rough, COARSE, COARSE),
+        [(Friction, [384, 192, 0, 192, 960, 0])]
+    );
+    // The contact slips at all of its 20 stages.
+    assert_eq!(
+        added(&rough, FINE, FINE),
+        [(Friction, [0, 0, 21, 0, 21, 0])]
+    );
+    assert_eq!(
+        added(&rough, FROZEN, FROZEN),
+        [(Friction, [216, 144, 0, 72, 754, 144])]
+    );
+    let kernels = [
+        "tangent_floor",
+        "tangent_jacobian_floor",
+        "tangent_hessian_floor",
+    ];
+    assert_eq!(added_kernels(&rough), kernels);
+}
+
+#[test]
+fn control_adds_one_variable_an_interval_and_no_equation() {
+    let driven = Driven::default();
+    for name in [FLIGHT, HELD, HELD_FROZEN, STEP] {
+        assert_eq!(added(&driven, name, name), [], "{name}");
+    }
+    use Purpose::Control;
+    assert_eq!(
+        added(&driven, COARSE, COARSE),
+        [(Control, [6, 0, 0, 0, 96, 0])]
+    );
+    assert_eq!(added(&driven, FINE, FINE), [(Control, [6, 0, 0, 0, 28, 2])]);
+    assert_eq!(
+        added(&driven, FROZEN, FROZEN),
+        [(Control, [6, 0, 0, 0, 36, 66])]
+    );
+    assert_eq!(added_kernels(&driven), Vec::<&str>::new());
+}
+
+#[test]
+fn second_contact_adds_what_the_first_one_takes_and_products_of_step_functions() {
+    let walled = Walled::default();
+    use Purpose::{ContactForce, CrossComplementarity, Gap, SeveralContacts, StepFunction};
+    // Its gap is watched.
+    for name in [FLIGHT, HELD, HELD_FROZEN] {
+        assert_eq!(
+            added(&walled, name, name),
+            [(Gap, [0, 0, 6, 0, 0, 0])],
+            "{name}"
+        );
+    }
+    let more = [
+        (ContactForce, [96, 0, 0, 0, 192, 0]),
+        (Gap, [96, 96, 0, 96, 192, 0]),
+    ];
+    assert_eq!(added(&walled, COARSE, COARSE), more);
+    // Its gap at 28 stages.
+    assert_eq!(added(&walled, FINE, FINE), [(Gap, [0, 0, 28, 0, 28, 0])]);
+    // Where step functions appear in products, their entries belong to those.
+    let more = [
+        (Gap, [9, 9, 0, 0, 60, 0]),
+        (StepFunction, [54, 27, 0, 9, -18, -9]),
+        (CrossComplementarity, [12, 12, 0, 6, 52, 0]),
+        (SeveralContacts, [9, 9, 0, 0, 216, 36]),
+    ];
+    assert_eq!(added(&walled, STEP, STEP), more);
+    let more = [
+        (Gap, [36, 36, 0, 0, 214, 0]),
+        (StepFunction, [216, 108, 0, 36, 72, -36]),
+        (CrossComplementarity, [72, 72, 0, 36, 250, 0]),
+        (SeveralContacts, [36, 36, 0, 0, 612, 144]),
+    ];
+    assert_eq!(added(&walled, FROZEN, FROZEN), more);
+    assert!(
+        added_kernels(&walled)
+            .iter()
+            .all(|name| name.ends_with("_wall"))
+    );
+}
+
+#[test]
+fn restitution_adds_variables_to_the_program_of_a_step_only() {
+    let bouncing = Bouncing::default();
+    for name in [FLIGHT, HELD, HELD_FROZEN, COARSE] {
+        assert_eq!(added(&bouncing, name, name), [], "{name}");
+    }
+    // Another element: before, fall, rise, after. Two variables a stage and four sums an element.
+    let all = sizes(&bouncing);
+    let step = numbers(named(&all, STEP), Purpose::Restitution);
+    assert_eq!(step, [40, 28, 0, 8, 250, 48]);
+    // Each bounce is a phase and an impact of its own; the impact map takes no row more for it.
+    assert_eq!(numbers(named(&all, FINE), Purpose::Restitution), [0; 6]);
+    assert!(all.iter().all(|size| size.formulation != FROZEN));
+    assert_eq!(added_kernels(&bouncing), Vec::<&str>::new());
+}
+
+#[test]
+fn explicit_time_adds_a_variable_where_no_clock_is_known() {
+    let timed = Timed::default();
+    use Purpose::{Clock, ContactForce, ElementLength, ExplicitTime, StepFunction};
+    assert_eq!(added(&timed, FLIGHT, FLIGHT), []);
+    assert_eq!(added(&timed, HELD, HELD), []);
+    // Contacts slow the clock, which the force reads; the others have the clock anyway.
+    let more = [(ContactForce, [0, 0, 0, 0, 66, 0])];
+    assert_eq!(added(&timed, HELD_FROZEN, HELD_FROZEN), more);
+    let more = [
+        (Clock, [0, 0, 0, 0, 27, 9]),
+        (ElementLength, [0, 0, 0, 0, 0, 9]),
+        (StepFunction, [0, 0, 0, 0, 0, 9]),
+    ];
+    assert_eq!(added(&timed, STEP, STEP), more);
+    let more = [
+        (Clock, [0, 0, 0, 0, 72, 36]),
+        (ElementLength, [0, 0, 0, 0, 0, 36]),
+        (StepFunction, [0, 0, 0, 0, 0, 36]),
+    ];
+    assert_eq!(added(&timed, FROZEN, FROZEN), more);
+    assert_eq!(
+        added(&timed, COARSE, COARSE),
+        [(ExplicitTime, [96, 96, 0, 0, 192, 0])]
+    );
+    assert_eq!(
+        added(&timed, FINE, FINE),
+        [(ExplicitTime, [28, 28, 0, 0, 68, 8])]
+    );
+    assert_eq!(added_kernels(&timed), Vec::<&str>::new());
+}
+
+#[test]
+fn free_final_time_adds_one_variable() {
+    let timeless = Timeless::default();
+    for name in [FLIGHT, HELD, HELD_FROZEN, STEP] {
+        assert_eq!(added(&timeless, name, name), [], "{name}");
+    }
+    use Purpose::{FinalTime, Goal};
+    let goal = (Goal, [0, 1, 0, 0, 1, 0]);
+    assert_eq!(
+        added(&timeless, COARSE, COARSE),
+        [goal, (FinalTime, [1, 0, 0, 0, 384, 288])]
+    );
+    assert_eq!(
+        added(&timeless, FINE, FINE),
+        [goal, (FinalTime, [1, 0, 0, 0, 81, 40])]
+    );
+    assert_eq!(
+        added(&timeless, FROZEN, FROZEN),
+        [goal, (FinalTime, [1, 0, 0, 0, 6, 0])]
+    );
+    assert_eq!(added_kernels(&timeless), Vec::<&str>::new());
+}
