@@ -20,10 +20,14 @@ pub(crate) fn is_path(scene: &str) -> bool {
 
 /// Reads the scene of a file.
 pub(crate) fn read(file: &str) -> Result<TextScene, BadInput> {
-    hangtime_scene_files::read(Path::new(file)).map_err(|error| match error {
+    let scene = hangtime_scene_files::read(Path::new(file)).map_err(|error| match error {
         SceneError::Mistakes { report, .. } => BadInput::report(&report),
         other => BadInput::new(other.to_string()),
-    })
+    })?;
+    if !scene.warnings().is_empty() {
+        eprintln!("{}", scene.warnings());
+    }
+    Ok(scene)
 }
 
 /// Reads the scene of a file as an entry of the list of scenes, which stays in memory until the program ends.
