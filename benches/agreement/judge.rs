@@ -13,8 +13,6 @@ const ROUNDING: f64 = 1e-12;
 const LAST_DIGITS: f64 = 16.0 * f64::EPSILON;
 /// Tolerance of the run that says which of the two is off.
 const TIGHT: f64 = 1e-12;
-/// Steps after which the event-driven method gives up: some seconds.
-const STEPS: usize = 200_000;
 
 /// What became of one scene.
 pub(crate) enum Verdict {
@@ -103,7 +101,6 @@ pub(crate) fn judge(model: &dyn Model) -> Verdict {
 fn event_driven(tolerance: f64) -> EventDriven {
     EventDriven {
         tolerance,
-        max_steps: STEPS,
         ..EventDriven::default()
     }
 }

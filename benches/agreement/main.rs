@@ -4,6 +4,7 @@
 //! cargo bench --bench agreement                            # 2,000 draws of each shipped scene, 20,000 random scenes
 //! cargo bench --bench agreement -- --shipped 200 --random 2000
 //! cargo bench --bench agreement -- --kind rods --seed 17   # one scene, in words
+//! cargo bench --bench agreement -- --kind rods --from 2000 # other ones of a kind
 //! ```
 //!
 //! It prints a table by kind of scene and ends with status 1 unless all that both call solved agree to `1e-5` of the
@@ -102,6 +103,7 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
         return Ok(ExitCode::SUCCESS);
     }
     println!("{}", Row::titles());
+    let from = number("--from", 0)?;
     let mut holds = true;
     for (kind, count) in counts
         .iter()
@@ -110,7 +112,7 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
         if count == 0 || only.as_ref().is_some_and(|only| *only != kind.name) {
             continue;
         }
-        let row = row(kind, 0..count);
+        let row = row(kind, from..from + count);
         println!("{}", row.line(&kind.name));
         holds &= row.holds();
     }

@@ -251,6 +251,12 @@ impl<'a> FiniteElement<'a> {
         self.factorized = false;
     }
 
+    /// Lets the next solution start from the acceleration at the start alone, not from this one.
+    pub(crate) fn forget(&mut self) {
+        self.has_previous = false;
+        self.factorized = false;
+    }
+
     /// Where the controls are in the input vector.
     fn place_of_controls(&self) -> std::ops::Range<usize> {
         2 * self.n..2 * self.n + self.model.declaration().controls.len()

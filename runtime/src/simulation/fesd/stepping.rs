@@ -291,6 +291,10 @@ fn control_error(driver: &mut Driver<'_>) -> bool {
     let ratio = error / tolerance;
     let order = driver.tableau.stages() as f64 + 1.0;
     let factor = 0.9 * ratio.max(1e-12).powf(-1.0 / order);
+    if factor < LENGTH_CHANGE.0 {
+        // So far off, Newton's method may have found stages that have nothing to do with the motion.
+        driver.element.forget();
+    }
     let proposed = driver.element.length() * factor.clamp(LENGTH_CHANGE.0, LENGTH_CHANGE.1);
     driver.proposed_length = proposed.min(LONGEST * driver.horizon);
     ratio > 1.0
