@@ -5,7 +5,7 @@ use hangtime::ocp::{self, Formulation, Problem, Settings, TimeFreezingSettings};
 use super::drawn::Chart;
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
-use crate::figure::{Curve, log_log};
+use crate::figure::{Curve, Dot, LogLog};
 use crate::page::Section;
 use crate::progress::Progress;
 use crate::settings::ChosenScene;
@@ -166,7 +166,14 @@ impl Run {
 fn curves(runs: &[Run], y: impl Fn(&Run) -> f64) -> Vec<Curve> {
     let mut curves: Vec<Curve> = Vec::new();
     for run in runs.iter().filter(|run| run.solved) {
-        let point = (run.seconds, y(run));
+        let point = Dot {
+            x: run.seconds,
+            y: y(run),
+            note: format!(
+                "{}, {} intervals: objective {}",
+                run.name, run.intervals, run.objective
+            ),
+        };
         match curves.iter_mut().find(|curve| curve.colour == run.line) {
             Some(curve) => curve.points.push(point),
             None => curves.push(Curve {
@@ -181,24 +188,33 @@ fn curves(runs: &[Run], y: impl Fn(&Run) -> f64) -> Vec<Curve> {
 }
 
 /// The figures, as (kind, SVG).
-fn figures(runs: &[Run], best: f64) -> [(&'static str, String); 2] {
+fn figures(name: &str, runs: &[Run], best: f64) -> [(&'static str, String); 2] {
+    let draw = |title: &str, y: &str, curves| {
+        LogLog {
+            title: &format!("{name}: {title}"),
+            x: "CPU time [s]",
+            y,
+            falling: false,
+            floor: None,
+            curves,
+        }
+        .svg()
+    };
     [
         (
             "objective",
-            log_log(
-                "Objective above the best, over the number of intervals",
-                "CPU time [s]",
+            draw(
+                "gap to the best objective of this chart",
                 "objective above the best",
-                &curves(runs, |run| run.objective - best),
+                curves(runs, |run| run.objective - best),
             ),
         ),
         (
             "resimulation",
-            log_log(
-                "Distance of the re-simulation at the end",
-                "CPU time [s]",
+            draw(
+                "re-simulation at the end",
                 "distance from the plan",
-                &curves(runs, |run| run.distance),
+                curves(runs, |run| run.distance),
             ),
         ),
     ]
@@ -221,7 +237,7 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
         decimals(best),
         table(HEADER, rows.clone())
     );
-    let figures = figures(runs, best);
+    let figures = figures(name, runs, best);
     let mut header: Vec<String> = HEADER.map(str::to_owned).into();
     header[7] = "CPU time [s]".to_owned();
     let lines = runs.iter().map(|run| {
@@ -233,12 +249,13 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
     });
     let mut files = vec![(format!("chart-{name}-solver.csv"), csv_text(&header, lines))];
     let section = Section {
-        heading: "Optimal control".to_owned(),
+        heading: format!("{name}, optimal control"),
         text: "Each run starts from nothing. More intervals give the controls more freedom, which lowers the \
             objective; more stages bring the plan closer to the motion that it stands for, which an independent \
             event-driven simulation under its controls measures at the end."
             .to_owned(),
         animation: None,
+        folds: Vec::new(),
         figures: figures.iter().map(|(_, svg)| svg.clone()).collect(),
         header: HEADER.map(str::to_owned).into(),
         rows,
@@ -253,7 +270,7 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
         text,
         section: Some(section),
         files,
-        diagnoses: Vec::new(),
+        ..Chart::default()
     }
 }
 
