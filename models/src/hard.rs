@@ -20,7 +20,7 @@ pub fn hard_scenes() -> &'static [HardScene] {
     &SCENES
 }
 
-static SCENES: [HardScene; 32] = [
+static SCENES: [HardScene; 49] = [
     hard!(
         "almost-flat-rod",
         Right::Agreed,
@@ -42,9 +42,32 @@ static SCENES: [HardScene; 32] = [
         "Without gravity the ball reaches floor and wall after 1 s, both at once; their normals are orthogonal, so both velocities turn round."
     ),
     hard!(
+        "curved-gap",
+        Right::Formula(|_, t| {
+            let [fall, down] = [(2.0 / 9.81_f64).sqrt(), (2.0 * 9.81_f64).sqrt()];
+            let up = t - fall;
+            vec![t, down / 2.0 * up - 9.81 / 2.0 * up * up]
+        }),
+        "The surface is where the gap vanishes, whatever the gap is elsewhere: one bounce with half of the velocity."
+    ),
+    hard!(
         "dome",
         Right::Agreed,
         "A body without friction leaves a dome of radius r where it has come down by r/3: there its weight no longer bends its path enough."
+    ),
+    hard!(
+        "elastic-floor",
+        Right::Formula(|_, t| {
+            let fall = (2.0 / 9.81_f64).sqrt();
+            let since = (t - fall).rem_euclid(2.0 * fall) - fall;
+            vec![t, 1.0 - 9.81 / 2.0 * since * since]
+        }),
+        "With restitution 1 the fall and the rise repeat for ever."
+    ),
+    hard!(
+        "falling-stack",
+        Right::Formula(|_, _| vec![0.0, 0.1, 0.2]),
+        "Three inelastic blocks that touch fall together and end on the floor, one on the other."
     ),
     hard!(
         "far-from-origin",
@@ -66,9 +89,19 @@ static SCENES: [HardScene; 32] = [
         "Both tips reach the floor at once; the impact law is symmetric, so the rod does not turn."
     ),
     hard!(
+        "flight-into-corner",
+        Right::Formula(|_, _| vec![0.0, 0.0]),
+        "Two surfaces with an acute angle between them, reached at once from above: an inelastic impact leaves no velocity that points into the ground, and gravity holds the body in the corner."
+    ),
+    hard!(
         "grazing-apex",
         Right::Formula(|_, t| vec![t, 2.0 * t - t * t]),
         "A thrown ball whose highest point is the ceiling, which it touches with the velocity 0: an impact of no impulse changes nothing."
+    ),
+    hard!(
+        "heavy-on-light",
+        Right::Formula(|_, _| vec![0.0, 1.0]),
+        "It stands, and the lower contact carries a million times the weight of the light body."
     ),
     hard!(
         "impact-at-horizon",
@@ -81,9 +114,28 @@ static SCENES: [HardScene; 32] = [
         "With g = 8 m/s^2 it falls 1 m in half a second, where a step of any even number ends, with 4 m/s; it goes up with 2 m/s."
     ),
     hard!(
+        "infinite-start",
+        Right::Stop,
+        "The force 1/t is infinite at the start."
+    ),
+    hard!(
+        "large-gap",
+        Right::Formula(|_, t| {
+            let [fall, down] = [(2.0 / 9.81_f64).sqrt(), (2.0 * 9.81_f64).sqrt()];
+            let up = t - fall;
+            vec![t, down / 2.0 * up - 9.81 / 2.0 * up * up]
+        }),
+        "The surface is where the gap vanishes, whatever the gap is elsewhere: one bounce with half of the velocity."
+    ),
+    hard!(
         "leaving-at-once",
         Right::Formula(|_, t| vec![t, 2.0 - 9.81 / 2.0 * t * t]),
         "It touches the ceiling at the start and falls at once: a free fall."
+    ),
+    hard!(
+        "lift",
+        Right::Formula(|_, t| vec![t, (t - 0.5).max(0.0).powi(3) / 6.0 * 20.0]),
+        "A force of 20 N/s t lifts the body from g = 10 m/s^2 on; the contact force vanishes after half a second, where steps of even number end, and the gap grows with the third power of time."
     ),
     hard!(
         "long-fall",
@@ -124,6 +176,11 @@ static SCENES: [HardScene; 32] = [
             vec![t * 1e-6, down / 2.0 * up - 9.81 / 2.0 * up * up]
         }),
         "A free fall from a micrometre, one bounce with half of the velocity; scales change nothing but scales."
+    ),
+    hard!(
+        "moving-wall",
+        Right::Agreed,
+        "The law holds for the velocity relative to the wall, so each impact takes energy from the wall or gives it some."
     ),
     hard!(
         "narrow-gap",
@@ -169,14 +226,38 @@ static SCENES: [HardScene; 32] = [
         "Two surfaces with an acute angle between them, reached by a slide along one of them."
     ),
     hard!(
+        "short-horizon",
+        Right::Formula(|_, t| vec![t, -9.81 / 2.0 * t * t]),
+        "A free fall of a nanosecond from the ceiling."
+    ),
+    hard!(
+        "slack-string",
+        Right::Agreed,
+        "The string is slack at first; where it becomes tight it takes the radial velocity, and the body swings."
+    ),
+    hard!(
         "sliding-threshold",
         Right::Formula(|_, t| vec![t * 0.8, -t * 0.6]),
         "The coefficient of friction is the slope of the incline, 3/4: the forces along it cancel, and it slides at a constant speed."
     ),
     hard!(
+        "slight-graze",
+        Right::Agreed,
+        "As `grazing-apex` with a velocity that is larger by 1e-9: the ball hits the ceiling with some 1e-5 m/s and loses them."
+    ),
+    hard!(
         "slight-penetration",
         Right::Formula(|_, t| vec![t, 1.0]),
         "A penetration of one rounding error is a contact: the floor holds it."
+    ),
+    hard!(
+        "small-gap",
+        Right::Formula(|_, t| {
+            let [fall, down] = [(2.0 / 9.81_f64).sqrt(), (2.0 * 9.81_f64).sqrt()];
+            let up = t - fall;
+            vec![t, down / 2.0 * up - 9.81 / 2.0 * up * up]
+        }),
+        "The surface is where the gap vanishes, whatever the gap is elsewhere: one bounce with half of the velocity."
     ),
     hard!(
         "stiff-spring",
@@ -192,6 +273,16 @@ static SCENES: [HardScene; 32] = [
         "Braked by mu g = 4 m/s^2 from 2 m/s it stops after half a second, where a step of any even number ends."
     ),
     hard!(
+        "stop-in-bowl",
+        Right::Agreed,
+        "Friction takes the energy of a swing; the body ends at rest where the slope is less than the coefficient of friction."
+    ),
+    hard!(
+        "tangent-flight",
+        Right::Formula(|_, t| vec![t, -t * t]),
+        "A parabola of flight and its tangent: they touch after one second with the relative velocity 0."
+    ),
+    hard!(
         "three-feet",
         Right::Formula(|_, t| vec![t, 0.0, 0.0]),
         "Three feet on a floor carry the weight in many ways; the motion is the same in all of them."
@@ -200,6 +291,19 @@ static SCENES: [HardScene; 32] = [
         "turning-friction",
         Right::Agreed,
         "The floor sticks, slips one way and slips the other way, as a force of the time wants it."
+    ),
+    hard!(
+        "two-slips",
+        Right::Formula(|_, t| {
+            let way = 20.0 / 6.0 * (t - 0.25).max(0.0).powi(3);
+            vec![way, 0.0, way, 0.0]
+        }),
+        "Both blocks begin to slip when the force 20 N/s t is mu m g = 5 N, after a quarter of a second."
+    ),
+    hard!(
+        "weightless-slide",
+        Right::Formula(|_, t| vec![t, -t * t]),
+        "The ground is the parabola of flight: gap, its velocity and the force vanish all the time, and every contact mode gives the same motion."
     ),
     hard!(
         "zeno",

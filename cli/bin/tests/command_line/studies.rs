@@ -194,3 +194,20 @@ fn chart_of_several_scenes_is_one_page_with_an_overview_and_orders_through_every
     );
     assert!(read("chart-drop.csv").lines().count() > 150);
 }
+
+#[test]
+fn stability_of_a_scene_is_a_verdict_for_every_method() {
+    let scratch = Scratch::new("stability");
+    let out = scratch.text();
+    let text = solved(&["chart", "--stability", "incline", "--out", out]);
+    let csv = scratch.read("stability.csv");
+    let cells: Vec<&str> = csv.lines().nth(1).unwrap().split(',').collect();
+    assert_eq!(cells[0], "incline");
+    // Finite elements, time-freezing and event-driven runs are right; fixed and smoothed steps do not know friction.
+    for right in [1, 2, 5] {
+        assert!(cells[right].starts_with("right"), "{csv}");
+    }
+    assert_eq!(cells[7..], ["not applicable"; 2]);
+    assert!(text.contains("wrong silently"));
+    assert!(scratch.read("stability.html").contains("<details>"));
+}
