@@ -67,6 +67,7 @@ scene! { BIKE2:
         surface back: gap(rear_hub) >= 0
         surface fore: gap(front_hub) >= 0
         impact back, fore: inelastic
+        start { z: 0.7 }
     }
 }
 

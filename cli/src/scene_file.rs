@@ -20,7 +20,11 @@ pub(crate) fn is_path(scene: &str) -> bool {
 
 /// Reads the scene of a file.
 pub(crate) fn read(file: &str) -> Result<TextScene, BadInput> {
-    hangtime_scene_files::read(Path::new(file)).map_err(refusal)
+    let scene = hangtime_scene_files::read(Path::new(file)).map_err(refusal)?;
+    if !scene.warnings().is_empty() {
+        eprintln!("{}", scene.warnings());
+    }
+    Ok(scene)
 }
 
 fn refusal(error: SceneError) -> BadInput {

@@ -35,7 +35,7 @@ pub(crate) fn run(
     let bounds = Bounds::watch(chosen.scene.name, &arguments.limits);
     let mut progress = Progress::new(chosen.scene.name, problem.horizon);
     let simulation = method
-        .simulate(chosen.model.as_ref(), &problem, &mut |now| {
+        .simulate_with_estimate(chosen.model.as_ref(), &problem, &mut |now| {
             progress.reach(now.time);
             bounds.asked().is_none()
         })

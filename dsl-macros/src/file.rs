@@ -25,13 +25,17 @@ fn expanded(argument: &str) -> Result<String, String> {
     })?;
     let stem = Path::new(name).file_stem().unwrap_or_default();
     let mut code = match hangtime_dsl::expand_text(&text, &stem.to_string_lossy()) {
-        Ok(tokens) => tokens.to_string(),
-        Err((mistakes, stub)) => {
-            let mut code = stub.to_string();
+        Ok(expanded) | Err(expanded) => {
+            let (tokens, mistakes) = expanded;
+            let mut code = tokens.to_string();
             for mistake in mistakes {
                 let (line, column) = position(&text, mistake.place.start);
-                let text = mistake.text();
-                code += &refusal(&format!("{name}:{line}:{column}: {text}"));
+                let message = format!("{name}:{line}:{column}: {}", mistake.text());
+                code += &if mistake.warning {
+                    lint(&message)
+                } else {
+                    refusal(&message)
+                };
             }
             code
         }
@@ -60,6 +64,14 @@ fn path(argument: &str) -> Result<&str, String> {
 
 fn refusal(message: &str) -> String {
     format!("::core::compile_error! {{ {message:?} }}")
+}
+
+/// The use of a constant that is deprecated: the one way in which a macro can warn on stable Rust.
+fn lint(message: &str) -> String {
+    format!(
+        "const _: () = {{ #[deprecated(note = {message:?})] #[allow(non_upper_case_globals)] \
+         const warning: () = (); warning }};"
+    )
 }
 
 /// Line and column of a place in a text, both counted from 1.

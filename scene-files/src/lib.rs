@@ -54,7 +54,7 @@ pub enum SceneError {
     Unreadable(String),
     /// The text has mistakes.
     Mistakes {
-        /// All of them.
+        /// All of them, and warnings.
         mistakes: Vec<TextMistake>,
         /// The same for people: file, line, column, the line itself with a mark below it.
         report: String,
@@ -126,12 +126,14 @@ pub fn of_text(file: &str, text: &str) -> Result<TextScene, SceneError> {
     };
     match derived {
         Ok(Ok(derived)) => {
-            let description = derived.map_err(refuse)?;
-            TextScene::new(description).map_err(|TooLarge| {
+            let (description, warnings) = derived.map_err(refuse)?;
+            let report = report::report(file, text, &warnings);
+            TextScene::new(description, report).map_err(|TooLarge| {
                 refuse(vec![TextMistake {
                     code: Some("E22"),
                     message: "a derived function has too many values; split the mechanism into smaller scenes"
                         .to_owned(),
+                    warning: false,
                     place: 0..0,
                 }])
             })

@@ -7,33 +7,55 @@ use std::fmt::Write as _;
 /// Most mistakes that are shown.
 const MOST: usize = 20;
 
-/// Every mistake with file, line, column, the line itself and a mark below it.
+/// Every mistake and every warning with file, line, column, the line itself, a mark below it, and the page that tells
+/// more; empty if there is none.
 pub(crate) fn report(file: &str, text: &str, mistakes: &[TextMistake]) -> String {
     let renderer = Renderer::plain();
     let mut shown = String::new();
+    if mistakes.is_empty() {
+        return shown;
+    }
     for mistake in mistakes.iter().take(MOST) {
         let place = place(text, mistake);
-        let mut title = Level::ERROR.primary_title(&mistake.message);
+        let level = if mistake.warning {
+            Level::WARNING
+        } else {
+            Level::ERROR
+        };
+        let mut title = level.primary_title(&mistake.message);
         if let Some(code) = mistake.code {
             title = title.id(code);
         }
         let mark = AnnotationKind::Primary.span(place);
         let snippet = Snippet::source(text).path(file).annotation(mark);
-        shown += &renderer.render(&[title.element(snippet)]);
+        let mut group = title.element(snippet);
+        if let Some(code) = mistake.code {
+            group =
+                group.element(Level::HELP.message(format!("`hangtime explain {code}` tells more")));
+        }
+        shown += &renderer.render(&[group]);
         shown += "\n\n";
     }
-    let count = mistakes.len();
-    let _ = match count {
-        1 => write!(shown, "{file}: 1 mistake"),
-        _ => write!(shown, "{file}: {count} mistakes"),
-    };
-    if count > MOST {
+    let warnings = mistakes.iter().filter(|mistake| mistake.warning).count();
+    let counts = [
+        counted(mistakes.len() - warnings, "mistake"),
+        counted(warnings, "warning"),
+    ];
+    let counts: Vec<String> = counts.into_iter().flatten().collect();
+    let _ = write!(shown, "{file}: {}", counts.join(", "));
+    if mistakes.len() > MOST {
         let _ = write!(shown, ", of which the first {MOST} are shown");
     }
-    if let Some(code) = mistakes.iter().find_map(|mistake| mistake.code) {
-        let _ = write!(shown, "; `hangtime explain {code}` tells more");
-    }
     shown
+}
+
+/// `1 mistake`, `2 mistakes`; nothing for none.
+fn counted(count: usize, what: &str) -> Option<String> {
+    match count {
+        0 => None,
+        1 => Some(format!("1 {what}")),
+        _ => Some(format!("{count} {what}s")),
+    }
 }
 
 /// The place of a mistake in one line: of one that spans several lines the first.

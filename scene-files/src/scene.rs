@@ -26,10 +26,11 @@ struct Shared {
     declaration: &'static Declaration,
     description: Description,
     programs: Vec<Program>,
+    warnings: String,
 }
 
 impl TextScene {
-    pub(crate) fn new(description: Description) -> Result<Self, TooLarge> {
+    pub(crate) fn new(description: Description, warnings: String) -> Result<Self, TooLarge> {
         let mut programs: Vec<Program> = Vec::with_capacity(description.kernels.len());
         for kernel in &description.kernels {
             let before = programs.last().map_or(0, |last| last.folded.end);
@@ -43,10 +44,28 @@ impl TextScene {
                 declaration: declaration::of(&description),
                 description,
                 programs,
+                warnings,
             }),
         };
         scene.fold();
         Ok(scene)
+    }
+
+    /// What is accepted in its text, but most likely not meant, as a report that shows the lines; empty if there is
+    /// nothing.
+    ///
+    /// ```
+    /// let text = "parameters { m: kg = 1, k: N/m = 2 } coordinates { z: m } lagrangian m/2*dot(z)^2";
+    /// let scene = hangtime_scene_files::of_text("ball.hang", text)?;
+    /// assert!(scene.warnings().starts_with("warning[E16]: parameter `k` is never used"));
+    /// assert!(scene.warnings().ends_with("ball.hang: 1 warning"));
+    /// let scene = hangtime_scene_files::of_text("ball.hang", &text.replace(", k: N/m = 2", ""))?;
+    /// assert!(scene.warnings().is_empty());
+    /// # Ok::<(), hangtime_scene_files::SceneError>(())
+    /// ```
+    #[must_use]
+    pub fn warnings(&self) -> &str {
+        &self.shared.warnings
     }
 
     /// Computes what depends on parameters only.

@@ -26,6 +26,7 @@ hangtime::model! {
             - m*g*(p1.z + p2.z + p3.z + p4.z + p5.z + p6.z + p7.z + p8.z + p9.z + p10.z)
         surface floor: p10.z >= -2.9 [m]
         impact floor: inelastic
+        start { q10: pi/2 }
     }
 }
 

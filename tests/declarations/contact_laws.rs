@@ -39,6 +39,7 @@ hangtime::model! {
         impact floor: restitution e, friction mu, sliding dot(lower.y)
         impact jacobian_floor: inelastic, holding s, theta, friction mu^2,
             sliding dot(upper.z) + 0.2 [1/m]*upper.z*dot(upper.y)
+        start { z: 0.5 }
     }
 }
 
@@ -64,6 +65,7 @@ hangtime::model! {
         surface wall: p3.y <= 1 [m] + 0.2*p3.z
         impact floor: friction mu, sliding dot(p5.y), restitution e
         impact wall: sliding dot(p3.z) + 0.2*dot(p3.y), holding q1, inelastic, friction 0.1
+        start { q5: pi/2 }
     }
 }
 

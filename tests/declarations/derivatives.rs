@@ -64,6 +64,7 @@ hangtime::model! {
         surface post: p_2.y <= wall
         surface floor: p_2.z >= -1.2 [m] + 0.1 [1/m]*p_2.y^2
         impact post, floor: inelastic
+        start { b: 90 }
     }
 }
 

@@ -20,7 +20,7 @@ use crate::{HardScene, Right, Scene};
 
 /// An error may be this many times its estimate.
 const ESTIMATED: f64 = 10.0;
-/// Relative error beyond which a run is wrong that says nothing of its error.
+/// Relative error beyond which a run is wrong of whose error nothing is known.
 const UNESTIMATED: f64 = 1e-2;
 /// Error that is rounding, relative to the way at the largest velocity.
 const ROUNDING: f64 = 1e-11;
@@ -152,8 +152,8 @@ pub(super) fn run(
 
 const INTRODUCTION: &str = "\
     What every method makes of scenes on which methods fail, each run without settings. Right: as close to the right end as ten \
-    times the error that the method estimates, or to one percent where it estimates none; the number is the error relative to the \
-    largest coordinate. WRONG: solved, and farther off. Stopped: with a name for what happened. No end: not within 2 s of CPU time.";
+    times the estimated error, which a run on another grid measures where the method does not know it; the number is the error \
+    relative to the largest coordinate. WRONG: solved, and farther off. Stopped: with a name for what happened. No end: not within 2 s of CPU time.";
 
 fn header() -> Vec<String> {
     let mut header = vec!["scene".to_owned()];
@@ -348,7 +348,7 @@ impl Tried {
         let chosen = self.chosen();
         let method = ChosenMethod::from_arguments(arguments)?;
         let start = ProcessTime::try_now();
-        let run = method.simulate(chosen.model.as_ref(), problem, &mut |_| {
+        let run = method.simulate_with_estimate(chosen.model.as_ref(), problem, &mut |_| {
             let spent = start
                 .as_ref()
                 .ok()

@@ -1,6 +1,7 @@
 //! The collector of mistakes: every one found is reported, at the user's token.
 
 use proc_macro2::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
+use quote::quote;
 use std::collections::HashSet;
 
 /// Where a piece of the declaration begins and ends.
@@ -30,10 +31,12 @@ impl Place {
 /// One mistake.
 #[derive(Debug, Clone)]
 pub struct Mistake {
-    /// Code of the mistake (`E01` to `E22`); `None` for plain syntax errors.
+    /// Code of the mistake (`E01` to `E23`); `None` for plain syntax errors.
     pub code: Option<&'static str>,
     /// What is wrong and what to write instead.
     pub message: String,
+    /// Whether the declaration is accepted all the same.
+    pub warning: bool,
     pub(crate) place: Place,
 }
 
@@ -53,8 +56,30 @@ impl Mistake {
         [self.place.start, self.place.end]
     }
 
-    /// A `compile_error!` that underlines the place of the mistake.
+    /// Tokens that make the compiler underline the place of the mistake.
     fn to_tokens(&self) -> TokenStream {
+        if self.warning {
+            self.to_lint()
+        } else {
+            self.to_error()
+        }
+    }
+
+    /// The use of a constant that is deprecated: the one way in which a macro can warn on stable Rust.
+    fn to_lint(&self) -> TokenStream {
+        let text = self.text();
+        let used = Ident::new("warning", Span::call_site().located_at(self.place.start));
+        quote! {
+            const _: () = {
+                #[deprecated(note = #text)]
+                #[allow(non_upper_case_globals)]
+                const warning: () = ();
+                #used
+            };
+        }
+    }
+
+    fn to_error(&self) -> TokenStream {
         let Place { start, end } = self.place;
         let punct = |symbol, spacing| {
             let mut punct = Punct::new(symbol, spacing);
@@ -91,6 +116,8 @@ pub(crate) struct Diagnostics {
     mistakes: Vec<Mistake>,
     /// Names whose declaration failed.
     poisoned: HashSet<String>,
+    /// Names that are declared anywhere.
+    declared: HashSet<String>,
 }
 
 impl Diagnostics {
@@ -101,15 +128,26 @@ impl Diagnostics {
         place: Place,
         message: impl Into<String>,
     ) -> Reported {
-        self.push(Some(code), place, message.into())
+        self.push(Some(code), place, message.into(), false)
+    }
+
+    /// Reports what is most likely not meant, but leaves no doubt what the declaration means.
+    pub(crate) fn warn(&mut self, code: &'static str, place: Place, message: impl Into<String>) {
+        let _: Reported = self.push(Some(code), place, message.into(), true);
     }
 
     /// Reports a plain syntax error.
     pub(crate) fn syntax(&mut self, place: Place, message: impl Into<String>) -> Reported {
-        self.push(None, place, message.into())
+        self.push(None, place, message.into(), false)
     }
 
-    fn push(&mut self, code: Option<&'static str>, place: Place, message: String) -> Reported {
+    fn push(
+        &mut self,
+        code: Option<&'static str>,
+        place: Place,
+        message: String,
+        warning: bool,
+    ) -> Reported {
         if !self
             .mistakes
             .iter()
@@ -118,6 +156,7 @@ impl Diagnostics {
             self.mistakes.push(Mistake {
                 code,
                 message,
+                warning,
                 place,
             });
         }
@@ -134,21 +173,26 @@ impl Diagnostics {
         self.poisoned.contains(name)
     }
 
-    /// Number of mistakes so far.
+    /// Notes that a name is declared somewhere.
+    pub(crate) fn declare(&mut self, name: &str) {
+        self.declared.insert(name.to_owned());
+    }
+
+    /// Whether a name is declared anywhere.
+    pub(crate) fn is_declared(&self, name: &str) -> bool {
+        self.declared.contains(name)
+    }
+
+    /// Number of mistakes so far, without warnings.
     pub(crate) fn mistakes(&self) -> usize {
-        self.mistakes.len()
+        self.others_than(&[])
     }
 
     /// Number of mistakes so far with other codes than these.
     pub(crate) fn others_than(&self, codes: &[&str]) -> usize {
         let is_other = |mistake: &&Mistake| mistake.code.is_none_or(|code| !codes.contains(&code));
-        self.mistakes.iter().filter(is_other).count()
-    }
-
-    /// Number of mistakes so far that leave open what the declaration means. A name that is never used does
-    /// not.
-    pub(crate) fn grave(&self) -> usize {
-        self.others_than(&["E16"])
+        let mistakes = self.mistakes.iter().filter(|mistake| !mistake.warning);
+        mistakes.filter(is_other).count()
     }
 
     pub(crate) fn into_mistakes(self) -> Vec<Mistake> {
@@ -156,7 +200,7 @@ impl Diagnostics {
     }
 }
 
-/// All mistakes as `compile_error!`s.
+/// All mistakes as `compile_error!`s, all warnings as lints.
 pub(crate) fn to_tokens(mistakes: &[Mistake]) -> TokenStream {
     mistakes.iter().flat_map(Mistake::to_tokens).collect()
 }

@@ -63,36 +63,55 @@ fn stub(input: TokenStream) -> TokenStream {
     })
 }
 
-/// Expands one declaration, or lists its mistakes.
+/// Expands one declaration, with a lint for each warning, or lists its mistakes.
 ///
 /// # Errors
-/// Every mistake found, in the order of the declaration.
+/// Every mistake and every warning found.
 pub fn try_expand(input: TokenStream) -> Result<TokenStream, Vec<Mistake>> {
+    let (mut tokens, warnings) = expand_and_warn(input)?;
+    tokens.extend(diagnostics::to_tokens(&warnings));
+    Ok(tokens)
+}
+
+/// Every mistake and every warning found in one declaration.
+#[must_use]
+pub fn mistakes(input: TokenStream) -> Vec<Mistake> {
+    expand_and_warn(input).map_or_else(|mistakes| mistakes, |(_, warnings)| warnings)
+}
+
+fn expand_and_warn(input: TokenStream) -> Result<(TokenStream, Vec<Mistake>), Vec<Mistake>> {
     let mut diagnostics = Diagnostics::default();
     match expand_or_report(input, &mut diagnostics) {
-        Ok(tokens) if diagnostics.mistakes() == 0 => Ok(tokens),
+        Ok(tokens) if diagnostics.mistakes() == 0 => Ok((tokens, diagnostics.into_mistakes())),
         _ => Err(diagnostics.into_mistakes()),
     }
 }
+
+/// Tokens, and mistakes and warnings in the order of the text.
+pub type Expanded = (TokenStream, Vec<TextMistake>);
 
 /// Expands the text of a file, which holds what stands inside `model! { ... }`, or only the statements of a scene that is
 /// then called after `stem`, the name of the file; or lists its mistakes, with a stub for the scene.
 ///
 /// # Errors
-/// Every mistake found, and tokens that stand for the scene.
-pub fn expand_text(text: &str, stem: &str) -> Result<TokenStream, (Vec<TextMistake>, TokenStream)> {
-    let tokens = text::tokens(text, stem).map_err(|mistakes| (mistakes, TokenStream::new()))?;
-    try_expand(tokens.clone()).map_err(|mistakes| (in_text(mistakes), stub(tokens)))
+/// Every mistake and every warning found, and tokens that stand for the scene.
+pub fn expand_text(text: &str, stem: &str) -> Result<Expanded, Expanded> {
+    let tokens = text::tokens(text, stem).map_err(|mistakes| (TokenStream::new(), mistakes))?;
+    match expand_and_warn(tokens.clone()) {
+        Ok((scene, warnings)) => Ok((scene, in_text(warnings))),
+        Err(mistakes) => Err((stub(tokens), in_text(mistakes))),
+    }
 }
 
 /// Derives the scene that the text of a file declares, which holds what stands inside `model! { ... }`, or only the
-/// statements of a scene that is then called after `stem`, the name of the file.
+/// statements of a scene that is then called after `stem`, the name of the file; with what is accepted, but most likely
+/// not meant.
 ///
 /// Time and memory are bounded for any text. The expression graph stays in memory until the next derivation of the
 /// thread, and places of tokens as long as the thread lives.
 ///
 /// # Errors
-/// Every mistake found, in the order of the declaration.
+/// Every mistake and every warning found, in the order of the text.
 ///
 /// ```
 /// let ball = "
@@ -100,22 +119,30 @@ pub fn expand_text(text: &str, stem: &str) -> Result<TokenStream, (Vec<TextMista
 ///     coordinates { z: m }
 ///     lagrangian m/2*dot(z)^2 - m*g*z
 /// ";
-/// let derived = hangtime_dsl::describe_text(ball, "ball").expect("no mistakes");
+/// let (derived, warnings) = hangtime_dsl::describe_text(ball, "ball").expect("no mistakes");
 /// assert_eq!((derived.name.as_str(), derived.inputs()), ("Ball", 2));
+/// assert!(warnings.is_empty());
 /// let mistakes = hangtime_dsl::describe_text(&ball.replace("dot(z)", "z'"), "ball").unwrap_err();
 /// assert!(mistakes[0].message.contains("dot(z)"));
 /// ```
-pub fn describe_text(text: &str, stem: &str) -> Result<Description, Vec<TextMistake>> {
+pub fn describe_text(
+    text: &str,
+    stem: &str,
+) -> Result<(Description, Vec<TextMistake>), Vec<TextMistake>> {
     let tokens = text::tokens(text, stem)?;
     let mut diagnostics = Diagnostics::default();
     match derived(tokens, &mut diagnostics) {
-        Ok((_, _, description)) if diagnostics.mistakes() == 0 => Ok(description),
+        Ok((_, _, description)) if diagnostics.mistakes() == 0 => {
+            Ok((description, in_text(diagnostics.into_mistakes())))
+        }
         _ => Err(in_text(diagnostics.into_mistakes())),
     }
 }
 
 fn in_text(mistakes: Vec<Mistake>) -> Vec<TextMistake> {
-    mistakes.into_iter().map(TextMistake::of).collect()
+    let mut mistakes: Vec<TextMistake> = mistakes.into_iter().map(TextMistake::of).collect();
+    mistakes.sort_by_key(|mistake| mistake.place.start);
+    mistakes
 }
 
 fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<TokenStream> {
@@ -131,9 +158,6 @@ fn derived(
     graph::reset();
     let declared = parse::scene(input, diagnostics)?;
     let scene = check::scene(&declared, diagnostics)?;
-    if diagnostics.grave() > 0 {
-        return Err(diagnostics::Reported);
-    }
     // Only what happens to constants from here on is of interest.
     graph::take_fault();
     let equations = derive::equations(&scene).map_err(|failure| match failure {
@@ -157,10 +181,10 @@ fn derived(
     if graph::take_fault().is_some_and(graph::Fault::is_of_range) {
         return Err(diagnostics.report("E21", place, DERIVED_CONSTANT));
     }
-    let positions = declared.statements.iter().any(|statement| {
-        matches!(statement, ast::Statement::Start(list) if list.iter().any(|own| !own.velocity))
-    });
-    check::at_start(&scene, &equations.mass, positions, diagnostics)?;
+    check::inertia_at_start(&declared, &scene, &equations.mass, diagnostics)?;
+    if diagnostics.mistakes() > 0 {
+        return Err(diagnostics::Reported);
+    }
     let description = Description::of(&scene, &equations).map_err(|unfit| match unfit {
         Unfit::Long { kernel, operations } => diagnostics.report(
             "E22",

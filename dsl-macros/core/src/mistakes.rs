@@ -1,7 +1,7 @@
 //! A page about each mistake that a declaration, or the start of a simulation, can contain.
 
 /// Codes and pages, in order.
-const PAGES: [(&str, &str); 22] = [
+const PAGES: [(&str, &str); 23] = [
     ("E01", include_str!("pages/E01.md")),
     ("E02", include_str!("pages/E02.md")),
     ("E03", include_str!("pages/E03.md")),
@@ -24,6 +24,7 @@ const PAGES: [(&str, &str); 22] = [
     ("E20", include_str!("pages/E20.md")),
     ("E21", include_str!("pages/E21.md")),
     ("E22", include_str!("pages/E22.md")),
+    ("E23", include_str!("pages/E23.md")),
 ];
 
 /// The codes that have a page, in order.
@@ -68,7 +69,7 @@ mod tests {
             "E0",
             "E+7",
             "7",
-            "E23",
+            "E24",
             "E7x",
             "E99999999999999999999",
         ] {

@@ -15,10 +15,12 @@ const MOST: usize = 20;
 /// One mistake of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextMistake {
-    /// Code of the mistake (`E01` to `E22`); `None` for plain syntax errors.
+    /// Code of the mistake (`E01` to `E23`); `None` for plain syntax errors.
     pub code: Option<&'static str>,
     /// What is wrong and what to write instead, in one line.
     pub message: String,
+    /// Whether the declaration is accepted all the same.
+    pub warning: bool,
     /// The bytes of the text where it stands.
     pub place: Range<usize>,
 }
@@ -28,6 +30,7 @@ impl TextMistake {
         Self {
             code: None,
             message: message.into(),
+            warning: false,
             place,
         }
     }
@@ -48,6 +51,7 @@ impl TextMistake {
             place: first.start..last.end.max(first.start),
             code: mistake.code,
             message: mistake.message,
+            warning: mistake.warning,
         }
     }
 }
@@ -197,6 +201,12 @@ impl Scan<'_> {
                 }
             },
             '\'' => self.prime(),
+            '#' if !rest.starts_with("#[") && !rest.starts_with("#!") => {
+                let place = self.at..self.at + 1;
+                let message = "`#` begins no comment; write `//`";
+                self.mistakes.push(TextMistake::new(place, message));
+                rest.find('\n').unwrap_or(rest.len())
+            }
             _ => {
                 if let Some(remedy) = stray(c) {
                     let message = format!("`{}` is no character of the language{remedy}", shown(c));
@@ -227,6 +237,13 @@ impl Scan<'_> {
             (
                 self.at,
                 "`'` has no meaning here; the rate of a quantity `y` is written `dot(y)`".into(),
+            )
+        } else if rest[count..].starts_with('(') {
+            let start = self.at - name.len();
+            let inner = "diff(".repeat(count) + name + &")".repeat(count);
+            (
+                start,
+                format!("write `{inner}(...)` for the derivative of the function `{name}`"),
             )
         } else if count == 1 {
             let start = self.at - name.len();

@@ -20,6 +20,20 @@ pub(crate) const STATEMENTS: [&str; 16] = [
     "free",
 ];
 
+/// Functions of other languages, and what is written instead.
+pub(crate) const FOREIGN: [(&str, &str); 10] = [
+    ("log", "the natural logarithm is `ln`"),
+    ("pow", "powers are written `x^2`"),
+    ("powi", "powers are written `x^2`"),
+    ("powf", "powers are written `x^2`"),
+    ("square", "powers are written `x^2`"),
+    ("d", "the rate of `y` is `dot(y)`"),
+    ("ddt", "the rate of `y` is `dot(y)`"),
+    ("der", "the rate of `y` is `dot(y)`"),
+    ("derivative", "the rate of `y` is `dot(y)`"),
+    ("norm", "the length of a vector is `|v|`"),
+];
+
 /// Words that begin a part of an impact law.
 pub(crate) const LAW_PARTS: [&str; 6] = [
     "inelastic",

@@ -24,6 +24,7 @@ pub use crate::InputError;
 pub use crate::nlp::Residuals;
 pub use crate::seconds::Seconds;
 pub use crate::size::{FormulationSize, ProblemSize, Purpose, SizeGroup};
+pub use agreement::estimate_error;
 pub use contact_mode::{ContactMode, Direction};
 pub use event::EventDriven;
 pub use fesd::{Fesd, StepFormulation, step_sizes};

@@ -25,6 +25,7 @@ hangtime::model! {
         surface floor: z >= -above
         impact dome: inelastic
         impact floor: inelastic, friction mu, sliding dot(y)
+        start { z: radius }
     }
 }
 

@@ -20,6 +20,7 @@ mod friction_coupled;
 mod friction_event;
 mod friction_time_stepping;
 mod front_door;
+mod hidden_switches;
 mod impact_clusters;
 mod linear_controls;
 mod modes_after_events;

@@ -153,6 +153,46 @@ fn simulate_every_method_reaches_the_horizon() {
 }
 
 #[test]
+fn simulate_methods_that_do_not_know_their_error_are_measured_by_another_grid() {
+    let exact = json(&["simulate", "ski-jump", "--method", "event", "--json"]);
+    let y = |document: &Value| document["final"]["q"][0].as_f64().unwrap();
+    for arguments in [
+        "--method moreau --steps 400",
+        "--method moreau --steps 3000",
+        "--method moreau --steps 1",
+        "--method fixed --steps 700",
+        "--method fixed --steps 40",
+        "--method smooth --width 1e-4",
+    ] {
+        let arguments: Vec<&str> = arguments.split(' ').collect();
+        let document = json(&[&["simulate", "ski-jump", "--json"], &arguments[..]].concat());
+        let estimate = document["error_estimate"].as_f64().unwrap();
+        // The way covered is 49 m; methods of order one err by about the distance to half the steps.
+        let error = (y(&document) - y(&exact)).abs() / 49.1;
+        assert!(
+            error < 2.5 * estimate,
+            "{arguments:?}: {error:e}, said {estimate:e}"
+        );
+        let said = document["notes"]
+            .to_string()
+            .contains("the error may be as large");
+        assert_eq!(said, estimate > 1e-3, "{arguments:?}: {estimate:e}");
+    }
+}
+
+#[test]
+fn simulate_on_fixed_steps_past_a_pole_says_that_the_error_is_large() {
+    let scratch = Scratch::new("pole");
+    let file = format!("{}/pole.hang", scratch.text());
+    std::fs::create_dir_all(scratch.text()).unwrap();
+    let text = "coordinates { y, z } lagrangian (dot(y)^2 + dot(z)^2)/2 - 9.81*z forces { y: tan(2.7*y) } \
+                surface ground: z >= 0 impact ground: inelastic start { z: 1, dot(y): 1 } horizon 2";
+    std::fs::write(&file, text).unwrap();
+    let document = json(&["simulate", &file, "--method", "fixed", "--json"]);
+    assert!(document["error_estimate"].as_f64().unwrap() > 1e-2);
+}
+
+#[test]
 fn simulate_horizon_with_a_unit_is_converted() {
     let horizon =
         |text| json(&["simulate", "ski-jump", "--horizon", text, "--json"])["horizon"].clone();

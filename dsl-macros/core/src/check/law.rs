@@ -313,9 +313,11 @@ fn impulse(surface: &Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diag
 }
 
 /// Surfaces and laws as contacts, with the sliding velocities that follow from the Lagrangian.
+///
+/// `energy` is the Lagrangian, and whether it is free of mistakes.
 pub(super) fn contacts(
     pairs: Vec<Pair>,
-    lagrangian: Sym,
+    energy: (Sym, bool),
     checker: &mut Checker<'_>,
 ) -> Checked<Vec<Contact>> {
     let mut contacts = Vec::with_capacity(pairs.len());
@@ -323,7 +325,7 @@ pub(super) fn contacts(
     for Pair { surface, law } in pairs {
         let friction = law
             .friction
-            .map(|friction| complete(friction, &surface, &law.held, lagrangian, checker))
+            .map(|friction| complete(friction, &surface, &law.held, energy, checker))
             .transpose();
         let Ok(friction) = friction else {
             failed = true;
@@ -349,7 +351,7 @@ fn complete(
     friction: CheckedFriction,
     surface: &Surface,
     held: &[usize],
-    lagrangian: Sym,
+    (lagrangian, sound): (Sym, bool),
     checker: &mut Checker<'_>,
 ) -> Checked<Friction> {
     let n = checker.coordinates.len();
@@ -358,6 +360,8 @@ fn complete(
             braked(sliding, &friction, surface, held, checker)?;
             sliding
         }
+        // Of a kinetic energy with mistakes nothing follows.
+        None if !sound => return Err(Reported),
         None if held.is_empty() && is_at_rest(surface) && is_point_mass(lagrangian, n) => {
             let normal = normal(surface.gap, 2);
             let velocity = |i| Sym::variable(Variable::Velocity(i));

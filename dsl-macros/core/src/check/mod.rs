@@ -11,7 +11,7 @@ mod units;
 mod values;
 
 pub(crate) use law::normal;
-pub(crate) use start::at_start;
+pub(crate) use start::inertia_at_start;
 
 use crate::ast::{Documentation, Expr, Name, Relation, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
@@ -23,9 +23,10 @@ use checker::{Abbreviation, Checker, Surface, Task};
 use std::collections::HashSet;
 use std::rc::Rc;
 
-/// Checks a declaration. Every mistake found is reported; a scene comes back only if there was none.
+/// Checks a declaration. Every mistake found is reported; a scene comes back if its mistakes leave what is derived from
+/// it meaningful, such as units that differ in a terminal condition.
 pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<CheckedScene> {
-    let before = diagnostics.grave();
+    let before = diagnostics.mistakes();
     let mut checker = Checker {
         scope: Scope::default(),
         diagnostics,
@@ -51,11 +52,8 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         }
     }
     let units = units::inferred(declared, &failed, checker.diagnostics);
-    let scene = finish(checker, declared, &units);
-    if diagnostics.grave() > before {
-        return Err(Reported);
-    }
-    scene
+    let complete = before == 0 && failed.is_empty();
+    finish(checker, declared, &units, complete)
 }
 
 fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()> {
@@ -195,28 +193,37 @@ fn surface(
     Ok(())
 }
 
+/// `complete` tells whether every statement could be read and evaluated.
 fn finish(
     checker: Checker<'_>,
     declared: &Scene,
     units: &units::Inferred,
+    complete: bool,
 ) -> Checked<CheckedScene> {
     let mut checker = checker;
     rules::missing_statements(&declared.name, &mut checker);
-    let laws = law::of_surfaces(&mut checker);
     let start = values::start_values(&mut checker);
-    let (Some((lagrangian, place)), Ok(laws), Ok(start)) = (checker.lagrangian, laws, start) else {
+    start::gaps(&mut checker, declared, &start, units, complete);
+    let laws = law::of_surfaces(&mut checker);
+    let (Some((lagrangian, place)), Ok(laws), Ok(start)) =
+        (checker.lagrangian, laws, start.values())
+    else {
         return Err(Reported);
     };
-    // Missing inertia and unused names are most often consequences of other mistakes, but not of units.
-    if checker.diagnostics.others_than(&["E03"]) > 0 {
+    // Missing inertia and unused names are most often consequences of other mistakes, but not of units and places.
+    if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
     }
-    if checker.diagnostics.mistakes() == 0 {
-        rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)?;
+    let moves = match units.energy {
+        true => rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics),
+        false => Err(Reported),
+    };
+    let contacts = law::contacts(laws, (lagrangian, moves.is_ok()), &mut checker);
+    if let Ok(contacts) = &contacts {
+        dependence::gaps(contacts, &mut checker);
     }
-    let mut contacts = law::contacts(laws, lagrangian, &mut checker)?;
-    dependence::gaps(&contacts, &mut checker);
     rules::unused(&mut checker);
+    let mut contacts = contacts?;
     for contact in &mut contacts {
         contact.unit = units.gaps.get(&contact.name.text).copied();
     }
@@ -232,6 +239,10 @@ fn finish(
     if let Some(task) = &optimal_control {
         dynamics.extend(task.running_cost);
         dynamics.extend(task.constraints.iter().map(|known| known.function));
+    }
+    moves?;
+    if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
+        return Err(Reported);
     }
     let explicit_time = graph::variables(&dynamics).contains(&Variable::Time);
     Ok(CheckedScene {

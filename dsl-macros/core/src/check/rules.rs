@@ -214,7 +214,7 @@ fn mentions(expr: &Expr, names: &[String]) -> bool {
     }
 }
 
-/// E16: everything declared is used.
+/// E16: everything declared is used; a warning, as the declaration means the same with it.
 pub(super) fn unused(checker: &mut Checker<'_>) {
     let mut unused: Vec<(Place, String)> = Vec::new();
     let is_unused = |name: &Name| !checker.scope.used.contains(&name.text);
@@ -254,6 +254,6 @@ pub(super) fn unused(checker: &mut Checker<'_>) {
         } else {
             format!("{text}; leave it out")
         };
-        checker.diagnostics.report("E16", place, message);
+        checker.diagnostics.warn("E16", place, message);
     }
 }

@@ -1,6 +1,10 @@
 //! E06 and E08 where they are certain at compile time: at the declared start, for the defaults of the
 //! parameters.
 
+use super::checker::Checker;
+use super::units::Inferred;
+use super::values::StartValues;
+use crate::ast::{Name, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
 use crate::graph::{self, Sym, Variable};
 use crate::scene::CheckedScene;
@@ -12,43 +16,115 @@ const GAP: f64 = 1e-6;
 /// Pivots below `PIVOT` times the largest entry of the mass matrix are rounding.
 const PIVOT: f64 = 1e-12;
 
-/// Checks the mass matrix and the gaps. `positions` tells whether the start of some coordinate is
-/// declared; where nothing is, zero may well be a place that no motion visits.
-pub(crate) fn at_start(
+/// E06: checks the mass matrix. Where the start of no coordinate is declared, zero may well be a place that no motion
+/// visits.
+pub(crate) fn inertia_at_start(
+    declared: &Scene,
     scene: &CheckedScene,
     mass: &[Sym],
-    positions: bool,
     diagnostics: &mut Diagnostics,
 ) -> Checked<()> {
-    let at = Start::of(scene);
-    let mut result = inertia(scene, &at, mass, positions, diagnostics);
-    let free = scene
-        .optimal_control
-        .as_ref()
-        .is_some_and(|problem| !problem.free_start.is_empty());
-    if positions && !free {
-        let scale = at.coordinates.iter().fold(1.0, |s: f64, q| s.max(q.abs()));
-        for contact in &scene.contacts {
-            let Some(gap) = at.value(contact.gap).filter(|gap| *gap < -GAP * scale) else {
-                continue;
-            };
-            let unit = contact
-                .unit
-                .map_or_else(String::new, |unit| format!(" {unit}"));
-            result = Err(diagnostics.report(
-                "E08",
-                contact.name.place(),
-                format!(
-                    "the start lies inside the ground: with the defaults of the parameters the gap of surface \
-                     `{}` is {}{unit} < 0; start at a gap of 0 or more, or exchange `>=` and `<=` if the \
-                     free side is the other one",
-                    contact.name.text,
-                    rounded(gap)
-                ),
-            ));
-        }
+    let positions = declared.statements.iter().any(|statement| {
+        matches!(statement, Statement::Start(list) if list.iter().any(|own| !own.velocity))
+    });
+    let known: Vec<f64> = scene.parameters.iter().map(|known| known.default).collect();
+    let at = Start::new(known, (&scene.start.0, &scene.start.1));
+    inertia(scene, &at, mass, positions, diagnostics)
+}
+
+/// E08: no gap is negative at the start. Told at the value that moves the gap most; where no start is declared at all a
+/// warning, as a run may bring its own.
+pub(super) fn gaps(
+    checker: &mut Checker<'_>,
+    declared: &Scene,
+    start: &StartValues,
+    units: &Inferred,
+    complete: bool,
+) {
+    let has = |wanted: fn(&Statement) -> bool| declared.statements.iter().any(wanted);
+    // A start that is to be found is not a given one.
+    if has(|statement| matches!(statement, Statement::Free(_))) {
+        return;
     }
-    result
+    let n = checker.coordinates.len();
+    let values: Vec<Sym> = start
+        .declared
+        .iter()
+        .map(|value| value.map_or(Sym::ZERO, |(value, _)| value))
+        .collect();
+    let parameters = checker
+        .parameters
+        .iter()
+        .map(|known| known.default)
+        .collect();
+    let at = Start::new(parameters, (&values[..n], &values[n..]));
+    let positions = start.declared[..n].iter().any(Option::is_some);
+    let scale = at.coordinates.iter().fold(1.0, |s: f64, q| s.max(q.abs()));
+    for surface in std::mem::take(&mut checker.surfaces) {
+        let gap = at.value(surface.gap).filter(|gap| *gap < -GAP * scale);
+        if let Some(gap) = gap
+            && !units.faulty.contains(&surface.name.text)
+        {
+            let rate = steepness(&at, surface.gap, n);
+            let known = |i: usize| {
+                let name = &checker.coordinates[i].name.text;
+                let whole = complete && start.complete;
+                (whole || start.declared[i].is_some()) && !units.faulty.contains(name)
+            };
+            if (0..n).filter(|&i| rate[i] > 0.0).all(known) {
+                let unit = units.gaps.get(&surface.name.text);
+                let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+                let gap = format!("{}{unit}", rounded(gap));
+                inside(checker, &surface.name, &gap, (start, &rate, positions));
+            }
+        }
+        checker.surfaces.push(surface);
+    }
+    // Numbers that were put in say nothing about the constants of the declaration.
+    graph::take_fault();
+}
+
+/// How fast a gap changes with each coordinate, absolutely.
+fn steepness(at: &Start, gap: Sym, n: usize) -> Vec<f64> {
+    let by: Vec<Variable> = (0..n).map(|i| Variable::Coordinate(i as u16)).collect();
+    let slopes = graph::gradient(gap, &by).into_iter();
+    slopes
+        // What has no value here, as at a tip, still depends on the coordinate.
+        .map(|slope| at.value(slope).map_or(f64::MIN_POSITIVE, f64::abs))
+        .collect()
+}
+
+fn inside(
+    checker: &mut Checker<'_>,
+    surface: &Name,
+    gap: &str,
+    (start, rate, positions): (&StartValues, &[f64], bool),
+) {
+    let text = &surface.text;
+    if !positions {
+        let steepest = (0..rate.len()).max_by(|&a, &b| rate[a].total_cmp(&rate[b]));
+        let name = steepest.map_or("", |i| checker.coordinates[i].name.text.as_str());
+        let message = format!(
+            "no `start` is declared, and where all coordinates are zero the gap of surface `{text}` is {gap} < 0 with the \
+             defaults of the parameters; write `start {{ {name}: ... }}` with a gap of 0 or more"
+        );
+        checker.diagnostics.warn("E08", surface.place(), message);
+        return;
+    }
+    let declared = start.declared.iter().zip(rate);
+    let declared = declared.filter_map(|(value, &rate)| Some((value.as_ref()?.1, rate)));
+    let place = declared
+        .filter(|(_, rate)| *rate > 0.0)
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .map_or_else(|| surface.place(), |(place, _)| place);
+    checker.diagnostics.report(
+        "E08",
+        place,
+        format!(
+            "the start lies inside the ground: with the defaults of the parameters the gap of surface `{text}` is \
+             {gap} < 0; start at a gap of 0 or more, or exchange `>=` and `<=` if the free side is the other one"
+        ),
+    );
 }
 
 /// Numbers of a scene before anything is set at run time.
@@ -59,9 +135,9 @@ struct Start {
 }
 
 impl Start {
-    fn of(scene: &CheckedScene) -> Self {
+    fn new(parameters: Vec<f64>, (q, v): (&[Sym], &[Sym])) -> Self {
         let mut start = Self {
-            parameters: scene.parameters.iter().map(|known| known.default).collect(),
+            parameters,
             coordinates: Vec::new(),
             velocities: Vec::new(),
         };
@@ -69,7 +145,7 @@ impl Start {
             let value = |&sym| start.value(sym).unwrap_or(f64::NAN);
             values.iter().map(value).collect()
         };
-        let (q, v) = (numbers(&scene.start.0), numbers(&scene.start.1));
+        let (q, v) = (numbers(q), numbers(v));
         (start.coordinates, start.velocities) = (q, v);
         start
     }

@@ -4,6 +4,7 @@
 //! Bare numbers are dimensionless, except 0, which fits anywhere, and except where a declaration gives
 //! the unit (`m: kg = 80`). A scene that declares no unit at all is not checked.
 
+mod angle;
 mod matrix;
 mod statement;
 mod walk;
@@ -16,11 +17,14 @@ use std::collections::{HashMap, HashSet};
 use walk::Walk;
 
 /// Units of gaps and of the functions of conditions, as far as they are known.
-#[derive(Default)]
 pub(super) struct Inferred {
     pub(super) gaps: HashMap<String, Unit>,
     pub(super) constraints: Vec<Option<Unit>>,
     pub(super) goals: Vec<Option<Unit>>,
+    /// Whether the Lagrangian, and what it may be made of, have units that agree.
+    pub(super) energy: bool,
+    /// Surfaces, and coordinates with a start value, whose units differ.
+    pub(super) faulty: HashSet<String>,
 }
 
 /// Checks and infers units. Statements at the positions `skip` failed before and are passed over.
@@ -30,7 +34,13 @@ pub(super) fn inferred(
     diagnostics: &mut Diagnostics,
 ) -> Inferred {
     if !declares_units(scene) {
-        return Inferred::default();
+        return Inferred {
+            gaps: HashMap::new(),
+            constraints: Vec::new(),
+            goals: Vec::new(),
+            energy: true,
+            faulty: HashSet::new(),
+        };
     }
     let mut unifier = Unifier::default();
     let energy = unifier.unknown("lagrangian");
@@ -47,14 +57,23 @@ pub(super) fn inferred(
         sliding: Vec::new(),
         constraints: Vec::new(),
         goals: Vec::new(),
+        faulty: HashSet::new(),
+        radians: HashSet::new(),
     };
+    let mut sound = true;
     statement::declare(&mut walk, scene);
     for (index, statement) in scene.statements.iter().enumerate() {
         if skip.contains(&index) {
             continue;
         }
         // Reported where it fails; the next statement is checked all the same.
+        let before = walk.diagnostics.mistakes();
         let _: Checked<()> = statement::statement(&mut walk, statement);
+        let energy = matches!(
+            statement,
+            Statement::Lagrangian { .. } | Statement::Let { .. } | Statement::Function { .. }
+        );
+        sound &= !energy || walk.diagnostics.mistakes() == before;
     }
     statement::sliding_velocities(&mut walk);
     let Walk {
@@ -62,6 +81,7 @@ pub(super) fn inferred(
         gaps,
         constraints,
         goals,
+        faulty,
         ..
     } = walk;
     let known = |conditions: Vec<Dimension>| {
@@ -71,6 +91,8 @@ pub(super) fn inferred(
             .collect()
     };
     Inferred {
+        energy: sound,
+        faulty,
         constraints: known(constraints),
         goals: known(goals),
         gaps: gaps

@@ -211,8 +211,31 @@ pub(super) fn start_statement(
     Ok(())
 }
 
-/// Initial coordinates and velocities in declared units.
-pub(super) fn start_values(checker: &mut Checker<'_>) -> Checked<(Vec<Sym>, Vec<Sym>)> {
+/// Initial values `(q, v)` in declared units, as far as they are declared and known.
+pub(super) struct StartValues {
+    pub(super) declared: Vec<Option<(Sym, Place)>>,
+    /// Whether each declared value is known.
+    pub(super) complete: bool,
+}
+
+impl StartValues {
+    /// Initial coordinates and velocities; zero where nothing is declared.
+    pub(super) fn values(self) -> Checked<(Vec<Sym>, Vec<Sym>)> {
+        if !self.complete {
+            return Err(Reported);
+        }
+        let n = self.declared.len() / 2;
+        let values = self.declared.into_iter();
+        let mut values: Vec<Sym> = values
+            .map(|value| value.map_or(Sym::ZERO, |(value, _)| value))
+            .collect();
+        let velocities = values.split_off(n);
+        Ok((values, velocities))
+    }
+}
+
+/// Checks and evaluates what `start` says.
+pub(super) fn start_values(checker: &mut Checker<'_>) -> StartValues {
     let n = checker.coordinates.len();
     let mut values: Vec<Option<(Sym, Place)>> = vec![None; 2 * n];
     let mut failed = false;
@@ -255,17 +278,13 @@ pub(super) fn start_values(checker: &mut Checker<'_>) -> Checked<(Vec<Sym>, Vec<
             failed = true;
         }
     }
-    if failed {
-        return Err(Reported);
+    if !failed {
+        free_start_within_bounds(checker, &values);
     }
-    let known: Vec<(Sym, Option<Place>)> = values
-        .into_iter()
-        .map(|value| value.map_or((Sym::ZERO, None), |(value, place)| (value, Some(place))))
-        .collect();
-    free_start_within_bounds(checker, &known);
-    let mut values: Vec<Sym> = known.into_iter().map(|(value, _)| value).collect();
-    let velocities = values.split_off(n);
-    Ok((values, velocities))
+    StartValues {
+        declared: values,
+        complete: !failed,
+    }
 }
 
 pub(super) fn horizon(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {
@@ -290,11 +309,11 @@ pub(super) fn horizon(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) ->
 
 /// E17: guesses of free initial values lie between their bounds. `start` is `(q, v)`, with the places
 /// of the values that are declared.
-pub(super) fn free_start_within_bounds(checker: &mut Checker<'_>, start: &[(Sym, Option<Place>)]) {
+fn free_start_within_bounds(checker: &mut Checker<'_>, start: &[Option<(Sym, Place)>]) {
     for free in std::mem::take(&mut checker.task.free) {
-        let (value, place) = start[free.index];
+        let (value, place) = start[free.index].unwrap_or((Sym::ZERO, free.place));
         if let Some(bounds) = free.bounds {
-            checker.within(value, bounds, place.unwrap_or(free.place), &free.shown);
+            checker.within(value, bounds, place, &free.shown);
         }
         checker.task.free.push(free);
     }

@@ -231,7 +231,8 @@ fn component(
     let Value::Vector(components) = &value else {
         if name.text == "dot" {
             let message = format!("`{vector}.dot`: the velocity is `dot({vector})`");
-            return Err(diagnostics.report("E02", name.place(), message));
+            let place = vector.place.to(name.place());
+            return Err(diagnostics.report("E02", place, message));
         }
         return Err(not_a_vector(vector, &value, diagnostics));
     };

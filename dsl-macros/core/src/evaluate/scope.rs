@@ -108,6 +108,8 @@ impl Scope {
             .collect();
         let of = text
             .strip_suffix("_dot")
+            .or_else(|| text.strip_suffix("dot"))
+            .or_else(|| text.strip_prefix('d'))
             .filter(|stem| known.contains(stem));
         if let Some(of) = of {
             return diagnostics.report(
@@ -116,6 +118,7 @@ impl Scope {
                 format!("`{text}` is not declared; the velocity of `{of}` is `dot({of})`"),
             );
         }
+        let factors = factors(text, &known);
         let message = match closest(text, known.iter().copied()) {
             _ if text.eq_ignore_ascii_case("pi") => {
                 format!("`{text}` is not declared; the number is `pi`")
@@ -124,6 +127,10 @@ impl Scope {
                 "`time` is the final time, known to final costs in `minimize` and to `finally` only; the \
                  time at each instant is `t`"
                     .to_owned()
+            }
+            _ if !factors.is_empty() => {
+                let product = factors.join("*");
+                format!("`{text}` is not declared; write `{product}` if the product is meant")
             }
             Some(near) => format!("`{text}` is not declared; did you mean `{near}`?"),
             None if known.is_empty() => {
@@ -154,8 +161,8 @@ impl Scope {
         );
         let message = if self.later.contains(text) {
             format!("`{text}` is declared further down; move its declaration up")
-        } else if text == "log" {
-            "`log` is ambiguous; the natural logarithm is `ln`".to_owned()
+        } else if let Some((_, remedy)) = words::FOREIGN.iter().find(|(word, _)| *word == text) {
+            format!("function `{text}` is not declared; {remedy}")
         } else {
             match closest(text, functions.iter().copied()) {
                 Some(near) => {
@@ -175,4 +182,33 @@ impl Scope {
             .last()
             .is_some_and(|frame| frame.iter().any(|(known, _)| known == name))
     }
+}
+
+/// The different names that a word is made of without a gap; none if it is not.
+fn factors<'a>(word: &str, known: &[&'a str]) -> Vec<&'a str> {
+    // The last name of what ends at each byte.
+    let mut last: Vec<Option<&str>> = vec![None; word.len() + 1];
+    for begin in 0..word.len() {
+        if begin > 0 && last[begin].is_none() {
+            continue;
+        }
+        for name in known {
+            if word.as_bytes()[begin..].starts_with(name.as_bytes()) {
+                last[begin + name.len()].get_or_insert(name);
+            }
+        }
+    }
+    let mut factors = Vec::new();
+    let mut end = word.len();
+    while let Some(name) = last[end] {
+        factors.push(name);
+        end -= name.len();
+    }
+    factors.reverse();
+    let different: HashSet<&str> = factors.iter().copied().collect();
+    // What is twice in it is rather written twice by mistake.
+    if different.len() < factors.len() {
+        factors.clear();
+    }
+    factors
 }

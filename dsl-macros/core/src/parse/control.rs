@@ -2,7 +2,7 @@
 
 use super::cursor::{Cursor, unexpected};
 use super::documentation::documentation;
-use super::expression::expression;
+use super::expression::{compared, expression};
 use super::pieces::{block, entries, name, range, target};
 use crate::ast::{Condition, Documentation, FreeStart, Name, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics};
@@ -56,7 +56,7 @@ fn condition(
         }
         return Err(unexpected(cursor, diagnostics, "`==`, `>=` or `<=`"));
     };
-    let right = expression(cursor, diagnostics)?;
+    let right = compared(cursor, diagnostics)?;
     let place = cursor.place();
     if relation_follows(cursor) {
         return Err(diagnostics.syntax(

@@ -157,17 +157,16 @@ impl Cursor {
         }
     }
 
-    /// The number that was meant where a decimal comma stands before the cursor.
+    /// The number that was meant where a decimal comma stands at the cursor.
     pub(crate) fn decimal_comma(&self) -> Option<String> {
-        let token = |back: usize| self.tokens.get(self.position.checked_sub(back)?);
         let digits = |token: Option<&TokenTree>| match token {
             Some(TokenTree::Literal(literal)) => Some(literal.to_string())
                 .filter(|text| text.bytes().all(|byte| byte.is_ascii_digit())),
             _ => None,
         };
-        let comma = matches!(token(1), Some(TokenTree::Punct(punct)) if punct.as_char() == ',');
-        let (whole, fraction) = (digits(token(2))?, digits(self.peek())?);
-        comma.then(|| format!("{whole}.{fraction}"))
+        let before = self.tokens.get(self.position.checked_sub(1)?);
+        let (whole, fraction) = (digits(before)?, digits(self.peek_at(1))?);
+        self.at_symbol(",").then(|| format!("{whole}.{fraction}"))
     }
 
     /// Whether the next tokens are exactly these joint characters.

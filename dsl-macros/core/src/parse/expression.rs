@@ -1,11 +1,11 @@
 //! Expressions, by binding powers: `+ -` < `* /` < unary minus < `^` < components and indices.
 
 use super::cursor::{Cursor, unexpected};
-use super::unit;
+use super::{slips, unit};
 use crate::ast::{Expr, Kind, Link, Name, Operator};
-use crate::diagnostics::{Checked, Diagnostics, Place, closest};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest};
 use crate::words;
-use proc_macro2::{Delimiter, Group, Ident, Literal, Spacing, TokenTree};
+use proc_macro2::{Delimiter, Group, Ident, Literal, TokenTree};
 
 /// Deepest tree; deeper ones are refused so that recursion over an expression is safe.
 const DEPTH: usize = 150;
@@ -17,19 +17,32 @@ const POWER: u8 = 7;
 
 /// Parses one expression and leaves the cursor behind it.
 pub(super) fn expression(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Expr> {
+    whole(cursor, diagnostics, false)
+}
+
+/// The same for the right side of a comparison.
+pub(super) fn compared(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Expr> {
+    whole(cursor, diagnostics, true)
+}
+
+fn whole(cursor: &mut Cursor, diagnostics: &mut Diagnostics, compared: bool) -> Checked<Expr> {
     let mut parser = Parser {
         diagnostics,
         nesting: 0,
+        compared,
     };
     cursor.open_comparison();
     let expr = parser.climb(cursor, 0)?;
-    parser.juxtaposed(cursor, &expr)?;
+    let expr = parser.decimal_comma(cursor, expr)?;
+    parser.juxtaposed(cursor, &expr, false)?;
     Ok(expr)
 }
 
 struct Parser<'a> {
     diagnostics: &'a mut Diagnostics,
     nesting: usize,
+    /// Whether a comparison stands on the left.
+    compared: bool,
 }
 
 impl Parser<'_> {
@@ -139,7 +152,7 @@ impl Parser<'_> {
         })
     }
 
-    fn too_deep(&mut self, place: Place) -> crate::diagnostics::Reported {
+    fn too_deep(&mut self, place: Place) -> Reported {
         self.diagnostics.report(
             "E22",
             place,
@@ -176,17 +189,11 @@ impl Parser<'_> {
                 let Some(name) = cursor.eat_name() else {
                     return Ok(expr);
                 };
-                if matches!(cursor.peek(), Some(TokenTree::Group(group))
-                    if group.delimiter() == Delimiter::Parenthesis)
-                    && !cursor.at_invisible_group(0)
+                if !cursor.at_invisible_group(0)
+                    && let Some(group) = cursor.eat_group(Delimiter::Parenthesis)
                 {
-                    return Err(self.diagnostics.syntax(
-                        name.place(),
-                        format!(
-                            "`.{}(...)` is a call of Rust; write functions as `sin(x)`, powers as `x^2`",
-                            name.text
-                        ),
-                    ));
+                    expr = self.method(expr, name, &group)?;
+                    continue;
                 }
                 let (place, depth) = (expr.place.to(name.place()), expr.depth);
                 expr = self.node(
@@ -237,6 +244,44 @@ impl Parser<'_> {
         }
     }
 
+    /// A call as in Rust, which is reported and read as what it means.
+    fn method(&mut self, object: Expr, name: Name, group: &Group) -> Checked<Expr> {
+        let mut arguments = self.items(group)?;
+        let place = object.place.to(Place::at(group.span_close()));
+        let depths = arguments.iter().map(|argument| argument.depth);
+        let depth = depths.max().unwrap_or(0).max(object.depth);
+        let function = words::is_function(&name.text) && name.text != "diff";
+        let kind = match (name.text.as_str(), arguments.pop()) {
+            ("powi" | "powf" | "pow", Some(exponent)) if arguments.is_empty() => Kind::Power {
+                base: Box::new(object),
+                place: name.place(),
+                exponent: Box::new(exponent),
+            },
+            (text, last) if function || words::NONSMOOTH.contains(&text) => {
+                arguments.extend(last);
+                arguments.insert(0, object);
+                Kind::Call {
+                    function: name.clone(),
+                    arguments,
+                }
+            }
+            _ => {
+                let message = format!(
+                    "`.{}(...)` is a call of Rust; write functions as `sin(x)`, powers as `x^2`",
+                    name.text
+                );
+                return Err(self.diagnostics.syntax(place, message));
+            }
+        };
+        let meant = self.node(kind, place, depth)?;
+        // What has a kink is refused for that.
+        if !words::NONSMOOTH.contains(&name.text.as_str()) {
+            let message = format!("`.{}(...)` is a call of Rust; write `{meant}`", name.text);
+            self.diagnostics.syntax(place, message);
+        }
+        Ok(meant)
+    }
+
     fn index(&mut self, group: &Group) -> Checked<usize> {
         let mut inner = Cursor::inside(group);
         if let Some(TokenTree::Literal(literal)) = inner.advance()
@@ -255,7 +300,7 @@ impl Parser<'_> {
         let place = cursor.place();
         if let Some(mut inner) = cursor.eat_invisible_group() {
             let mut expr = self.climb(&mut inner, 0)?;
-            self.juxtaposed(&inner, &expr)?;
+            self.juxtaposed(&inner, &expr, false)?;
             if !inner.is_empty() {
                 return Err(unexpected(&inner, self.diagnostics, "an operator"));
             }
@@ -270,7 +315,7 @@ impl Parser<'_> {
         if cursor.eat_symbol("|") {
             let inner = self.climb(cursor, 0)?;
             if !cursor.eat_symbol("|") {
-                self.juxtaposed(cursor, &inner)?;
+                self.juxtaposed(cursor, &inner, false)?;
                 return Err(unexpected(
                     cursor,
                     self.diagnostics,
@@ -322,6 +367,17 @@ impl Parser<'_> {
             ));
         }
         let Some(group) = cursor.eat_group(Delimiter::Parenthesis) else {
+            if cursor.at_symbol("::") {
+                return self.path(cursor, &name);
+            }
+            if words::is_function(&name.text)
+                && name.text != "diff"
+                && !self.diagnostics.is_declared(&name.text)
+                && !cursor.at_invisible_group(0)
+                && slips::is_argument(cursor)
+            {
+                return self.call_without_parentheses(cursor, name);
+            }
             let place = name.place();
             return self.node(Kind::Name(name), place, 0);
         };
@@ -339,6 +395,54 @@ impl Parser<'_> {
             whole,
             depth,
         )
+    }
+
+    /// `cos theta` or `cos 2*theta`, which is reported and read as a call.
+    fn call_without_parentheses(&mut self, cursor: &mut Cursor, name: Name) -> Checked<Expr> {
+        let mut argument = self.prefix(cursor)?;
+        if matches!(argument.kind, Kind::Number { .. }) && cursor.at_symbol("*") {
+            let place = cursor.place();
+            cursor.advance();
+            let link = Link {
+                operator: Operator::Multiply,
+                place,
+                operand: self.prefix(cursor)?,
+            };
+            argument = self.linked(argument, link)?;
+        }
+        let message = format!(
+            "`{0}` is a function; its argument stands in parentheses, as in `{0}({argument})`",
+            name.text
+        );
+        self.diagnostics.syntax(name.place(), message);
+        let (place, depth) = (name.place().to(argument.place), argument.depth);
+        let arguments = vec![argument];
+        self.node(
+            Kind::Call {
+                function: name,
+                arguments,
+            },
+            place,
+            depth,
+        )
+    }
+
+    /// `std::f64::consts::PI`, which is reported and read as its last name.
+    fn path(&mut self, cursor: &mut Cursor, first: &Name) -> Checked<Expr> {
+        let mut last = first.clone();
+        while cursor.eat_symbol("::")
+            && let Some(name) = cursor.eat_name()
+        {
+            last = name;
+        }
+        let place = first.place().to(last.place());
+        if last.text.eq_ignore_ascii_case("pi") {
+            last.text = "pi".to_owned();
+        }
+        let text = &last.text;
+        let message = format!("a path of Rust has no meaning here; write `{text}`");
+        self.diagnostics.syntax(place, message);
+        self.node(Kind::Name(last), place, 0)
     }
 
     /// `diff(f)(y)`, `diff(diff(f))(y)`.
@@ -406,7 +510,7 @@ impl Parser<'_> {
         let mut items = Vec::new();
         while !inner.is_empty() {
             let item = self.climb(&mut inner, 0)?;
-            self.juxtaposed(&inner, &item)?;
+            self.juxtaposed(&inner, &item, true)?;
             items.push(item);
             if !inner.is_empty() && !inner.eat_symbol(",") {
                 return Err(unexpected(
@@ -419,31 +523,45 @@ impl Parser<'_> {
         Ok(items)
     }
 
-    /// Two factors without an operator between them.
-    fn juxtaposed(&mut self, cursor: &Cursor, left: &Expr) -> Checked<()> {
+    /// A number with a decimal comma, which no list holds where a whole expression has ended.
+    fn decimal_comma(&mut self, cursor: &mut Cursor, left: Expr) -> Checked<Expr> {
+        let Some(number) = cursor.decimal_comma() else {
+            return Ok(left);
+        };
+        let begin = cursor.previous();
+        cursor.advance();
+        cursor.advance();
+        let place = begin.to(cursor.previous());
+        let message = format!("a number has a decimal point, not a comma; write `{number}`");
+        let reported = self.diagnostics.syntax(place, message);
+        // Behind a factor it is not told what the rest of the expression is.
+        let Kind::Number { .. } = left.kind else {
+            return Err(reported);
+        };
+        let value = number.parse().map_err(|_| reported)?;
+        self.with_unit(cursor, value, number, begin)
+    }
+
+    /// Two factors without an operator between them; `list` tells whether a comma may be meant.
+    fn juxtaposed(&mut self, cursor: &Cursor, left: &Expr, list: bool) -> Checked<()> {
         let right = match cursor.peek() {
             _ if cursor.at_invisible_group(0) => "...".to_owned(),
+            _ if cursor.at_symbol("|") => "|...|".to_owned(),
             Some(TokenTree::Punct(punct)) if punct.as_char() == '\'' => {
-                return Err(self.apostrophe(cursor.place()));
+                return Err(self.apostrophe(cursor, left));
             }
             Some(TokenTree::Literal(literal)) if literal.to_string().starts_with('\'') => {
-                return Err(self.apostrophe(cursor.place()));
+                return Err(self.apostrophe(cursor, left));
             }
             Some(TokenTree::Ident(ident)) => {
                 let text = ident.to_string();
                 if words::is_keyword(&text) || text == "in" {
                     return Ok(());
                 }
-                // `name:` and `name =` begin another entry of a list.
-                if matches!(cursor.peek_at(1), Some(TokenTree::Punct(punct))
-                    if punct.as_char() == ':'
-                        || punct.as_char() == '=' && punct.spacing() == Spacing::Alone)
-                {
+                if let Some(entry) = slips::next_entry(cursor, self.compared) {
                     self.diagnostics.poison(&text);
-                    return Err(self.diagnostics.syntax(
-                        cursor.place(),
-                        format!("a comma is missing before `{text}`"),
-                    ));
+                    let message = format!("a comma is missing before `{entry}`");
+                    return Err(self.diagnostics.syntax(cursor.place(), message));
                 }
                 match cursor.peek_at(1) {
                     // A name with a block behind it was meant to begin a statement.
@@ -472,70 +590,20 @@ impl Parser<'_> {
             }
             _ => return Ok(()),
         };
-        Err(self.missing_operator(cursor.place(), left, &right))
+        let message = slips::missing_operator(left, &right, list);
+        Err(self.diagnostics.syntax(cursor.place(), message))
     }
 
-    /// The remedy where `right` stands behind an expression without an operator.
-    fn missing_operator(
-        &mut self,
-        place: Place,
-        left: &Expr,
-        right: &str,
-    ) -> crate::diagnostics::Reported {
-        // The last term is what the missing operator would multiply.
-        let last = match &left.kind {
-            Kind::Chain(_, rest) if rest[0].operator.is_additive() => {
-                rest.last().map_or(left, |link| &link.operand)
-            }
-            _ => left,
-        };
-        let factor = match &last.kind {
-            Kind::Chain(_, rest) => rest.last().map_or(last, |link| &link.operand),
-            _ => last,
-        };
-        if let Kind::Name(function) = &factor.kind
-            && words::is_function(&function.text)
-        {
-            let message = format!(
-                "`{0}` is a function; its argument stands in parentheses, as in `{0}({right})`",
-                function.text
-            );
-            return self.diagnostics.syntax(function.place(), message);
-        }
-        if let Kind::Number {
-            text, unit: None, ..
-        } = &factor.kind
-            && right.parse::<hangtime_units::Unit>().is_ok()
-        {
-            let message = format!(
-                "an operator is missing before `{right}`; write a unit as `{text} [{right}]` and a product as \
-                 `{text}*{right}`"
-            );
-            return self.diagnostics.syntax(place, message);
-        }
-        let left = match last.to_string() {
-            long if long.chars().count() > 24 => "...".to_owned(),
-            short => short,
-        };
-        self.diagnostics.syntax(
-            place,
-            format!("an operator is missing before `{right}`; write a product as `{left}*{right}`"),
-        )
-    }
-
-    fn apostrophe(&mut self, place: Place) -> crate::diagnostics::Reported {
-        self.diagnostics.syntax(
-            place,
-            "an apostrophe is no operator here, as it is a token of another kind in Rust; the velocity is `dot(y)`, \
-             the derivative of a function `diff(f)(y)`",
-        )
+    fn apostrophe(&mut self, cursor: &Cursor, left: &Expr) -> Reported {
+        let message = slips::apostrophe(left);
+        self.diagnostics.syntax(cursor.place(), message)
     }
 
     fn number(&mut self, cursor: &mut Cursor, literal: &Literal) -> Checked<Expr> {
         let place = Place::at(literal.span());
         let text = literal.to_string();
         let digits = text.replace('_', "");
-        let value = match digits.parse::<f64>() {
+        let meant = match digits.parse::<f64>() {
             Ok(value) if value.is_infinite() => {
                 let message = format!(
                     "the number {text} is too large for double precision, which ends at 1.8e308"
@@ -548,40 +616,49 @@ impl Parser<'_> {
                 );
                 return Err(self.diagnostics.report("E21", place, message));
             }
-            Ok(value) => value,
-            Err(_) => return Err(self.bad_number(place, &digits)),
+            Ok(value) => {
+                let meant = match cursor.at_invisible_group(0) {
+                    true => None,
+                    false => slips::unit_without_brackets(&text, "", cursor, self.diagnostics),
+                };
+                let Some(meant) = meant else {
+                    return self.with_unit(cursor, value, text, place);
+                };
+                meant
+            }
+            Err(_) => slips::number(&digits, cursor, self.diagnostics)
+                .map_err(|message| self.diagnostics.syntax(place, message))?,
         };
+        for _ in 0..meant.unit.as_ref().map_or(0, |(_, tokens)| *tokens) {
+            cursor.advance();
+        }
+        let whole = place.to(cursor.previous());
+        let reported = self.diagnostics.syntax(whole, meant.message);
+        let value = meant.number.parse().map_err(|_| reported)?;
+        match meant.unit {
+            None => self.with_unit(cursor, value, meant.number, place),
+            Some((unit, _)) => {
+                let unit = unit::read(&unit, self.diagnostics, whole)?;
+                let text = meant.number;
+                self.node(Kind::Number { value, text, unit }, whole, 0)
+            }
+        }
+    }
+
+    /// A number with the unit in brackets that may stand behind it.
+    fn with_unit(
+        &mut self,
+        cursor: &mut Cursor,
+        value: f64,
+        text: String,
+        place: Place,
+    ) -> Checked<Expr> {
         let unit = match cursor.eat_group(Delimiter::Bracket) {
             Some(group) => unit::bracketed(&group, self.diagnostics)?,
             None => None,
         };
         let end = cursor.previous();
         self.node(Kind::Number { value, text, unit }, place.to(end), 0)
-    }
-
-    fn bad_number(&mut self, place: Place, text: &str) -> crate::diagnostics::Reported {
-        let end = text
-            .find(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E'))
-            .unwrap_or(text.len());
-        let (number, suffix) = text.split_at(end);
-        let message = if !text.starts_with(|c: char| c.is_ascii_digit()) {
-            format!("{text} is not a number; expressions are made of numbers and names")
-        } else if matches!(
-            suffix,
-            "f64" | "f32" | "i32" | "u32" | "usize" | "i64" | "u64"
-        ) {
-            format!(
-                "`{number}` carries the type `{suffix}` of Rust; numbers here have no type, write `{number}`"
-            )
-        } else if number.parse::<f64>().is_ok() && !suffix.is_empty() {
-            format!(
-                "`{text}` is not a number; write a unit as `{number} [{suffix}]` and a product as \
-                 `{number}*{suffix}`"
-            )
-        } else {
-            format!("`{text}` is not a decimal number")
-        };
-        self.diagnostics.syntax(place, message)
     }
 }
 

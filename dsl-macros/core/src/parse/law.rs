@@ -182,7 +182,16 @@ fn value(
         let message = format!("`{word}` needs {}", needed(word));
         return Err(diagnostics.syntax(place, message));
     }
+    let sign = ["=", ":"].into_iter().find(|sign| cursor.at_symbol(sign));
+    let at = cursor.place();
+    if let Some(sign) = sign {
+        cursor.eat_symbol(sign);
+    }
     let expr = expression(cursor, diagnostics)?;
+    if let Some(sign) = sign {
+        let message = format!("no `{sign}` stands behind `{word}`; write `{word} {expr}`");
+        diagnostics.syntax(at, message);
+    }
     Ok(slot.replace((place, expr)).is_none())
 }
 

@@ -7,6 +7,7 @@ mod documentation;
 mod expression;
 mod law;
 mod pieces;
+mod slips;
 mod statement;
 mod unit;
 
@@ -52,6 +53,7 @@ pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
             ),
         );
     }
+    note_names(Cursor::inside(&body), diagnostics);
     let statements = statement::statements(&mut Cursor::inside(&body), diagnostics);
     Ok(Scene {
         documentation,
@@ -59,6 +61,36 @@ pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
         name,
         statements,
     })
+}
+
+/// Notes which names the scene declares, so that messages about what stands before them know.
+fn note_names(mut cursor: Cursor, diagnostics: &mut Diagnostics) {
+    while !cursor.is_empty() {
+        if cursor.eat_word("let") || cursor.eat_word("fn") {
+            if let Some(name) = cursor.eat_name() {
+                diagnostics.declare(&name.text);
+            }
+            continue;
+        }
+        let block = ["parameters", "coordinates", "controls"]
+            .iter()
+            .any(|word| cursor.at_word(word));
+        cursor.advance();
+        if let Some(group) = cursor.eat_group(Delimiter::Brace).filter(|_| block) {
+            let mut inner = Cursor::inside(&group);
+            // A name stands at the begin, behind a comma or behind documentation.
+            let mut begins = true;
+            while !inner.is_empty() {
+                if let Some(name) = inner.ident().filter(|_| begins) {
+                    diagnostics.declare(&name.to_string());
+                }
+                begins = inner.at_symbol(",")
+                    || matches!(inner.peek(), Some(TokenTree::Group(group))
+                        if group.delimiter() == Delimiter::Bracket);
+                inner.advance();
+            }
+        }
+    }
 }
 
 /// What a stub needs of a scene with mistakes.

@@ -26,10 +26,6 @@ pub(super) fn name(
             ),
         ));
     }
-    if let Some(number) = cursor.decimal_comma() {
-        let message = format!("a number has a decimal point, not a comma; write `{number}`");
-        return Err(diagnostics.syntax(cursor.place(), message));
-    }
     match cursor.eat_name() {
         Some(name) => Ok(name),
         None => Err(unexpected(cursor, diagnostics, what)),
@@ -73,6 +69,11 @@ pub(super) fn entries<T>(
         match result {
             Ok(item) => {
                 found.push(item);
+                if inner.ident().is_some() {
+                    let message = format!("a comma is missing before {}", inner.describe());
+                    diagnostics.syntax(inner.place(), message);
+                    continue;
+                }
                 if !inner.is_empty() && !inner.at_symbol(",") {
                     unexpected(&inner, diagnostics, "`,` or `}`");
                     inner.skip_until(|cursor| cursor.at_symbol(","));

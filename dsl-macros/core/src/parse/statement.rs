@@ -158,7 +158,7 @@ fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quant
         // A faulty unit has been reported and skipped; the quantity is declared all the same.
         unit::declared(cursor, diagnostics).unwrap_or(None)
     } else {
-        None
+        unit::in_brackets(cursor, &name, diagnostics)
     };
     let rest = bounds_and_value(cursor, diagnostics);
     let Ok((bounds, value)) = rest else {
@@ -184,6 +184,10 @@ fn bounds_and_value(
     } else {
         None
     };
+    if value.is_some() && cursor.at_word("in") {
+        let message = "bounds stand before the value, as in `u: N in -1..=1 = 0`";
+        return Err(diagnostics.syntax(cursor.place(), message));
+    }
     Ok((bounds, value))
 }
 
@@ -276,7 +280,7 @@ fn surface_after_name(
         return Err(unexpected(
             cursor,
             diagnostics,
-            "`:` after the surface's name",
+            "`:` after the surface's name, as in `surface ground: z >= 0`",
         ));
     }
     let left = expression(cursor, diagnostics)?;

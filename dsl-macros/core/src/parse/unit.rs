@@ -1,10 +1,14 @@
 //! Units: `kg m/s^2` after a colon or in brackets.
 
 use super::cursor::Cursor;
-use crate::ast::WrittenUnit;
+use crate::ast::{Name, WrittenUnit};
 use crate::diagnostics::{Checked, Diagnostics};
+use crate::words;
 use hangtime_units::Unit;
-use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
+use proc_macro2::{Delimiter, Group, Spacing, TokenStream, TokenTree};
+
+/// Most tokens of a unit without brackets.
+const MOST: usize = 12;
 
 /// Reads unit tokens up to the end, `=`, `,` or the word `in`.
 pub(super) fn declared(
@@ -16,6 +20,10 @@ pub(super) fn declared(
     let mut last = start;
     while let Some(token) = cursor.peek() {
         if cursor.at_symbol("=") || cursor.at_symbol(",") || cursor.at_word("in") {
+            break;
+        }
+        // Behind a missing comma the next entry begins.
+        if !text.is_empty() && is_named(cursor, 0) {
             break;
         }
         append(&mut text, token);
@@ -41,7 +49,77 @@ pub(super) fn bracketed(
     read(&text, diagnostics, place)
 }
 
-fn read(
+/// A unit in brackets behind the name of a quantity, which is reported and read.
+pub(super) fn in_brackets(
+    cursor: &mut Cursor,
+    name: &Name,
+    diagnostics: &mut Diagnostics,
+) -> Option<WrittenUnit> {
+    let place = cursor.place();
+    let group = cursor
+        .eat_group(Delimiter::Parenthesis)
+        .or_else(|| cursor.eat_group(Delimiter::Bracket))?;
+    let whole = place.to(cursor.previous());
+    let unit = bracketed(&group, diagnostics).ok()??;
+    let message = format!(
+        "a unit stands behind a colon here; write `{}: {}`",
+        name.text, unit.text
+    );
+    diagnostics.syntax(whole, message);
+    Some(unit)
+}
+
+/// The longest unit that `begin` and the next tokens spell, and how many tokens that are. Products are left out, as
+/// they are more likely ones of names.
+pub(super) fn ahead(begin: &str, cursor: &Cursor) -> Option<(String, usize)> {
+    let mut text = begin.to_owned();
+    let mut found = None;
+    for index in 0..=MOST {
+        if !text.is_empty() && text.parse::<Unit>().is_ok() {
+            found = Some((text.clone(), index));
+        }
+        match cursor.peek_at(index) {
+            Some(TokenTree::Ident(word)) => {
+                let word = word.to_string();
+                if words::is_keyword(&word)
+                    || word == "in"
+                    || is_named(cursor, index)
+                    || is_set(cursor, index)
+                {
+                    break;
+                }
+            }
+            Some(TokenTree::Punct(punct)) if matches!(punct.as_char(), '/' | '^') => {}
+            Some(TokenTree::Punct(punct)) if punct.as_char() == '-' && text.ends_with('^') => {}
+            Some(TokenTree::Literal(_)) if text.ends_with(['^', '-']) => {}
+            Some(TokenTree::Group(group))
+                if group.delimiter() == Delimiter::Parenthesis && text.ends_with('/') => {}
+            _ => break,
+        }
+        if let Some(token) = cursor.peek_at(index) {
+            append(&mut text, token);
+        }
+    }
+    found
+}
+
+/// Whether a name with a colon behind it, which begins an entry, stands `offset` tokens further.
+fn is_named(cursor: &Cursor, offset: usize) -> bool {
+    is_before(cursor, offset, ':')
+}
+
+/// Whether a name to which a value is given stands `offset` tokens further.
+fn is_set(cursor: &Cursor, offset: usize) -> bool {
+    is_before(cursor, offset, '=')
+}
+
+fn is_before(cursor: &Cursor, offset: usize, mark: char) -> bool {
+    matches!(cursor.peek_at(offset), Some(TokenTree::Ident(_)))
+        && matches!(cursor.peek_at(offset + 1), Some(TokenTree::Punct(punct))
+            if punct.as_char() == mark && punct.spacing() == Spacing::Alone)
+}
+
+pub(super) fn read(
     text: &str,
     diagnostics: &mut Diagnostics,
     place: crate::diagnostics::Place,

@@ -4,5 +4,6 @@ mod fuzz;
 mod messages;
 mod pages;
 mod slips;
+mod stumbles;
 mod texts;
 mod tokens;

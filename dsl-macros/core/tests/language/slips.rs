@@ -127,8 +127,8 @@ fn planted_slips_of_units_and_places_are_caught_where_they_were_made() {
         // The free side of the ground exchanged.
         (
             mass(
-                "lagrangian m/2*|dot((y, z))|^2 - m*g*z surface <<ground>>: z <= 0 impact ground: inelastic \
-                 start { z: 2 }",
+                "lagrangian m/2*|dot((y, z))|^2 - m*g*z surface ground: z <= 0 impact ground: inelastic \
+                 start { z: <<2>> }",
             ),
             "E08: the start lies inside the ground: with the defaults of the parameters the gap of surface \
              `ground` is -2 m < 0; start at a gap of 0 or more, or exchange `>=` and `<=` if the free side is the \
@@ -137,8 +137,8 @@ fn planted_slips_of_units_and_places_are_caught_where_they_were_made() {
         // A start below a slope.
         (
             mass(
-                "fn slope(y) = 4 [m] - y/2 lagrangian m/2*|dot((y, z))|^2 - m*g*z surface <<hill>>: z >= slope(y) \
-                 impact hill: inelastic start { y: 5, z: 1 }",
+                "fn slope(y) = 4 [m] - y/2 lagrangian m/2*|dot((y, z))|^2 - m*g*z surface hill: z >= slope(y) \
+                 impact hill: inelastic start { y: 5, z: <<1>> }",
             ),
             "E08: the start lies inside the ground: with the defaults of the parameters the gap of surface \
              `hill` is -0.5 m < 0; start at a gap of 0 or more, or exchange `>=` and `<=` if the free side is the \

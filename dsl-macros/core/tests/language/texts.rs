@@ -14,9 +14,10 @@ fn text_with_and_without_a_header_is_the_declaration_of_the_macro() {
         format!("//! A ball.\n{BODY}"),
         format!("/// A ball.\n{BODY}"),
     ] {
-        let expanded = expand_text(&text, "ball").map(|tokens| tokens.to_string());
+        let expanded = expand_text(&text, "ball").map(|(tokens, _)| tokens.to_string());
         assert_eq!(expanded.ok().as_ref(), Some(&wanted), "{text}");
-        let described = describe_text(&text, "ball").unwrap();
+        let (described, warnings) = describe_text(&text, "ball").unwrap();
+        assert!(warnings.is_empty(), "{warnings:?}");
         assert_eq!(
             (described.name.as_str(), described.documentation.as_str()),
             ("Ball", "A ball.")
@@ -31,7 +32,7 @@ fn mistakes_of_a_text_are_those_of_the_macro_with_their_place() {
         BODY.replace("dot(z)^2 -", "dot(zz)^2 -")
             .replace("start { z: 1 }", "")
     );
-    let (mistakes, stub) = expand_text(&text, "ball").unwrap_err();
+    let (stub, mistakes) = expand_text(&text, "ball").unwrap_err();
     let shown: Vec<(&str, &str)> = mistakes
         .iter()
         .map(|mistake| {

@@ -193,6 +193,7 @@ mod tests {
             forces { y: -w*dot(y) + 1[N/s]*t }
             surface ground: z >= a*cos(k*y)
             impact ground: inelastic, friction 0.3
+            start { z: a }
         }
     }
 

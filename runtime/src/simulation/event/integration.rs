@@ -127,10 +127,13 @@ impl<'a> Integration<'a> {
     fn integrate(&mut self, watch: &mut Watch<'_>) -> Result<(), SimulationStatus> {
         let horizon = self.problem.horizon;
         let longest = self.settings.max_step.unwrap_or(horizon / 16.0);
-        self.h = longest;
+        // What is closed at the start is told by a moment of the horizon: accelerations make a gap of any size small
+        // beside what a step may cover.
+        self.h = GLANCE * longest;
         self.dynamics.set_controls(&self.problem.controls, 0.0);
         self.enter_mode(None, true)?;
         self.h = self.first_step(longest);
+        self.observe();
         while self.t < horizon {
             let limit = self
                 .problem

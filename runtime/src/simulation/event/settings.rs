@@ -92,7 +92,7 @@ pub struct EventDriven {
     /// the range of the gap so far, are left out.
     pub rest_velocity: Option<f64>,
     /// Largest number of events before the run ends as
-    /// [`AmbiguousContact`](crate::simulation::SimulationStatus::AmbiguousContact); default 10 000.
+    /// [`AmbiguousContact`](crate::simulation::SimulationStatus::AmbiguousContact); default 100 000.
     pub max_events: usize,
     /// Largest number of accepted and rejected steps; default 1 000 000.
     pub max_steps: usize,
@@ -114,7 +114,7 @@ impl Default for EventDriven {
             tolerance: 1e-9,
             max_step: None,
             rest_velocity: None,
-            max_events: 10_000,
+            max_events: 100_000,
             max_steps: 1_000_000,
             output_times: 0,
             auxiliary_acceleration: 981.0,

@@ -51,31 +51,49 @@ pub(super) fn locate(
         if switch.kind == SwitchKind::Exit && !driver.settings.exit_condition {
             length = earliest_release(driver, switch.contact, length, longest, count)?;
         }
-        if count == 1 && length == driver.element.length() {
-            // The element of the last evaluation is the located one; the present state is its end already.
-            driver.state.copy_from(&driver.segment_start);
-            driver.accept_element()?;
-        } else {
-            driver.state.copy_from(&driver.segment_start);
-            for _ in 0..count {
-                newton::solve(&mut driver.element, &driver.state, length, &driver.piece)?;
-                driver.accept_element()?;
-            }
-        }
-        match earlier_violation(driver, switch) {
-            None => return Ok(switch),
-            Some(other) => {
-                switch = other;
-                let ratio = length / longest;
-                switch.theta = ratio * count as f64 - (count - 1) as f64;
-                switch.violated = switch.theta;
-                driver.trajectory.truncate(recorded);
-                driver.numerical_time = start_numerical_time;
-                driver.state.copy_from(&driver.segment_start);
-            }
-        }
+        // One element of the length of the last evaluation is the located one.
+        let solved = count == 1 && length == driver.element.length();
+        let Some(mut other) = accept_located(driver, switch, (length, count), solved)? else {
+            return Ok(switch);
+        };
+        // Places in the last of `count` elements of another length.
+        let place =
+            |theta: f64| (theta + (count - 1) as f64) * length / longest - (count - 1) as f64;
+        (other.theta, other.violated) = (place(other.theta), place(other.violated));
+        switch = other;
+        driver.trajectory.truncate(recorded);
+        driver.numerical_time = start_numerical_time;
+        driver.state.copy_from(&driver.segment_start);
     }
     Err(Stop::Location)
+}
+
+/// Makes `count` elements of `length` part of the trajectory, unless a sign condition is violated in one of them or at
+/// their end: the elements in which the switch was found told only which condition is violated at one of their
+/// samples, and a long one may hold several. Returns that one, with its place in the last element.
+fn accept_located(
+    driver: &mut Driver<'_>,
+    located: Switch,
+    (length, count): (f64, usize),
+    mut solved: bool,
+) -> Result<Option<Switch>, Stop> {
+    driver.state.copy_from(&driver.segment_start);
+    driver.evaluate_state()?;
+    for done in 1..=count {
+        if !solved {
+            newton::solve(&mut driver.element, &driver.state, length, &driver.piece)?;
+        }
+        solved = false;
+        if let Some(mut other) = violation(driver)?
+            && (done < count || other.violated < 1.0)
+        {
+            other.theta -= (count - done) as f64;
+            other.violated -= (count - done) as f64;
+            return Ok(Some(other));
+        }
+        driver.accept_element()?;
+    }
+    Ok(earlier_violation(driver, located))
 }
 
 /// Whether the condition of a switch already holds at the start of the segment: where dense output puts it

@@ -5,6 +5,7 @@ hangtime::model! {
         lagrangian m/2*|dot((y, z))|^2 + m*l^2/24*dot(theta)^2
         surface ground: z >= l/2*cos(theta)
         impact ground: inelastic, friction mu
+        start { z: l }
     }
 }
 

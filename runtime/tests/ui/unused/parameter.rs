@@ -1,3 +1,6 @@
+// A warning of the compiler; here it is an error, since a case is to be refused.
+#![deny(deprecated)]
+
 hangtime::model! {
     pub Ball {
         parameters { m: kg = 1, g: m/s^2 = 9.81, drag: kg/s = 0.1 }

@@ -1,5 +1,6 @@
 //! Units of whole statements.
 
+use super::angle;
 use super::walk::{Units, Walk};
 use crate::ast::{
     Assignment, Condition, Expr, FreeStart, Kind, Law, Name, Quantity, Scene, Statement,
@@ -21,6 +22,13 @@ pub(super) fn declare(walk: &mut Walk<'_>, scene: &Scene) {
                 .extend(list.iter().map(|quantity| quantity.name.clone()));
         }
         for quantity in list {
+            if quantity
+                .unit
+                .as_ref()
+                .is_some_and(|unit| unit.text == "rad")
+            {
+                walk.radians.insert(quantity.name.text.clone());
+            }
             let dimension = match &quantity.unit {
                 Some(written) => Dimension::of(written.unit),
                 None => walk.unifier.unknown(&quantity.name.text),
@@ -72,7 +80,10 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         }
         Statement::Surface {
             name, left, right, ..
-        } => surface(walk, name, left, right),
+        } => {
+            let result = surface(walk, name, left, right);
+            noted(walk, name, result)
+        }
         Statement::Impact { surfaces, law } => impact_law(walk, surfaces, law),
         Statement::Minimize { value, .. } => walk.scalar(value).map(|_| ()),
         Statement::Constraint { name, condition } => {
@@ -97,19 +108,33 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         }
         Statement::Start(assignments) => {
             for assignment in assignments {
-                let _: Checked<()> = start(walk, assignment);
+                let result = start(walk, assignment);
+                let _: Checked<()> = noted(walk, &assignment.target, result);
             }
             Ok(())
         }
-        Statement::Horizon { value, .. } if is_bare(value) => Ok(()),
-        Statement::Horizon { value, .. } => {
-            let own = walk.scalar(value)?;
-            walk.expect(value, &own, &Dimension::second(), "the horizon is a time")
-        }
+        Statement::Horizon { value, .. } => horizon(walk, value),
     }
 }
 
+/// Remembers what `name` belongs to if its units differ.
+fn noted(walk: &mut Walk<'_>, name: &Name, result: Checked<()>) -> Checked<()> {
+    if result.is_err() {
+        walk.faulty.insert(name.text.clone());
+    }
+    result
+}
+
+fn horizon(walk: &mut Walk<'_>, value: &Expr) -> Checked<()> {
+    if is_bare(value) {
+        return Ok(());
+    }
+    let own = walk.scalar(value)?;
+    walk.expect(value, &own, &Dimension::second(), "the horizon is a time")
+}
+
 fn surface(walk: &mut Walk<'_>, name: &Name, left: &Expr, right: &Expr) -> Checked<()> {
+    angle::compared(walk, left, right);
     let (own, its) = (walk.scalar(left), walk.scalar(right));
     let (own, its) = (own?, its?);
     if !walk.unifier.unify(&own, &its) {
@@ -132,6 +157,7 @@ fn declared_quantity(walk: &mut Walk<'_>, quantity: &Quantity) -> Checked<()> {
     }
     for expr in exprs {
         if is_bare(expr) {
+            angle::of_name(walk, &quantity.name.text, expr);
             continue;
         }
         let own = walk.scalar(expr)?;
@@ -169,6 +195,9 @@ fn force(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
 
 fn start(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
     if is_bare(&assignment.value) {
+        if !assignment.velocity {
+            angle::of_name(walk, &assignment.target.text, &assignment.value);
+        }
         return Ok(());
     }
     let own = walk.scalar(&assignment.value)?;
@@ -215,6 +244,7 @@ fn impulse_direction(walk: &mut Walk<'_>, direction: &Expr) -> Checked<()> {
 /// Unit of the difference of both sides.
 fn comparison(walk: &mut Walk<'_>, condition: &Condition, what: &str) -> Checked<Dimension> {
     let (left, right) = (&condition.left, &condition.right);
+    angle::compared(walk, left, right);
     let (own, its) = (walk.scalar(left), walk.scalar(right));
     let (own, its) = (own?, its?);
     if walk.unifier.unify(&own, &its) {

@@ -8,7 +8,7 @@ use crate::dimension::{Dimension, Unifier};
 use crate::evaluate::BUDGET;
 use crate::words;
 use hangtime_units::Ratio;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Most calls inside each other; the evaluation before this one refuses more.
 const MOST_CALLS: usize = 100;
@@ -57,6 +57,10 @@ pub(super) struct Walk<'a> {
     pub(super) sliding: Vec<(Vec<Name>, Expr, Dimension)>,
     pub(super) constraints: Vec<Dimension>,
     pub(super) goals: Vec<Dimension>,
+    /// Surfaces, and coordinates with a start value, whose units differ.
+    pub(super) faulty: HashSet<String>,
+    /// Names that are declared in rad.
+    pub(super) radians: HashSet<String>,
 }
 
 impl Walk<'_> {
@@ -247,6 +251,8 @@ impl Walk<'_> {
 
     fn chain(&mut self, first: &Expr, rest: &[Link]) -> Checked<Units> {
         let mut total = self.units(first);
+        // Terms that do not fit: those after them may fit these instead, and are no mistakes of their own.
+        let mut strange: Vec<Units> = Vec::new();
         for (i, link) in rest.iter().enumerate() {
             let its = self.units(&link.operand);
             let left = Prefix {
@@ -254,11 +260,29 @@ impl Walk<'_> {
                 rest: &rest[..i],
             };
             total = match (total, its) {
+                (Ok(own), Ok(its)) if link.operator.is_additive() => {
+                    let fits = strange.iter().any(|known| self.agree(known, &its));
+                    if !fits && self.step(&left, own.clone(), link, &its).is_err() {
+                        strange.push(its);
+                    }
+                    Ok(own)
+                }
                 (Ok(own), Ok(its)) => self.step(&left, own, link, &its),
                 _ => Err(Reported),
             };
         }
-        total
+        if strange.is_empty() {
+            total
+        } else {
+            Err(Reported)
+        }
+    }
+
+    /// Whether components have the same units.
+    fn agree(&mut self, own: &Units, its: &Units) -> bool {
+        let pairs = own.components().iter().zip(its.components());
+        own.components().len() == its.components().len()
+            && pairs.into_iter().all(|(a, b)| self.unifier.unify(a, b))
     }
 
     /// One step of a chain: what is on the left of an operator, and what stands on its right.
@@ -509,7 +533,7 @@ impl Walk<'_> {
 }
 
 /// The value of an expression made of numbers only.
-fn constant(expr: &Expr) -> Option<f64> {
+pub(super) fn constant(expr: &Expr) -> Option<f64> {
     match &expr.kind {
         Kind::Number { value, unit, .. } => unit.is_none().then_some(*value),
         Kind::Negate(inner) => Some(-constant(inner)?),

@@ -135,6 +135,9 @@ impl System for Dynamics<'_> {
             dy[2 * n] = speed_of_numerical_time(self);
         }
         switching::evaluate_switches(self, rows);
+        if !self.sticking.is_empty() {
+            rows::refine(self, rows, &mut dy[n..2 * n]);
+        }
         if let Some(function) = self.values.iter().position(|value| value.is_nan()) {
             self.undefined = Some(self.switch(function).contact());
         }

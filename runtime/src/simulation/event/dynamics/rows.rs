@@ -96,6 +96,22 @@ pub(super) fn store_forces(dynamics: &mut Dynamics<'_>, rows: usize) {
     }
 }
 
+/// Takes from the accelerations `a` what rounding has left in the rows. In them terms of the size of the forces cancel:
+/// a body that sticks would fall by that for as long as it rests.
+pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
+    let normals = dynamics.active.len();
+    for slot in 0..normals {
+        dynamics.right[slot] = -dynamics.contact_accelerations(dynamics.active[slot], a).0;
+    }
+    for slot in normals..rows {
+        let contact = dynamics.sticking[slot - normals];
+        dynamics.right[slot] = -dynamics.contact_accelerations(contact, a).1;
+    }
+    if solve_rows(dynamics, rows, true).is_some() {
+        add_columns(dynamics, rows, true, a);
+    }
+}
+
 /// Size of the terms that the equation of a row balances.
 pub(super) fn row_scale(dynamics: &Dynamics<'_>, row: usize, rows: usize) -> f64 {
     let (_, free) = match dynamics.active.get(row) {

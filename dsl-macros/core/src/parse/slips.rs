@@ -1,0 +1,182 @@
+//! What is meant by common slips, and what to write instead.
+
+use super::cursor::Cursor;
+use super::unit;
+use crate::ast::{Expr, Kind};
+use crate::diagnostics::Diagnostics;
+use crate::words;
+use proc_macro2::{Delimiter, Spacing, TokenTree};
+
+/// The types of numbers in Rust that a suffix may name.
+const TYPES: [&str; 7] = ["f64", "f32", "i32", "u32", "usize", "i64", "u64"];
+
+/// A number as it was meant, with its unit and how many tokens that takes; and the message.
+pub(super) struct Meant {
+    pub(super) number: String,
+    pub(super) unit: Option<(String, usize)>,
+    pub(super) message: String,
+}
+
+/// A unit without brackets behind a number, if what stands there is no name of the scene.
+pub(super) fn unit_without_brackets(
+    number: &str,
+    suffix: &str,
+    cursor: &Cursor,
+    diagnostics: &Diagnostics,
+) -> Option<Meant> {
+    if suffix.is_empty() {
+        cursor.ident()?;
+    }
+    let (unit, tokens) = unit::ahead(suffix, cursor)?;
+    let words = unit.split(|c: char| !c.is_alphabetic());
+    let mut words = words.filter(|word| !word.is_empty());
+    if words.all(|word| diagnostics.is_declared(word)) {
+        return None;
+    }
+    Some(Meant {
+        number: number.to_owned(),
+        message: format!("a unit stands in brackets; write `{number} [{unit}]`"),
+        unit: Some((unit, tokens)),
+    })
+}
+
+/// What was meant by a literal that is no decimal number, or the message alone.
+pub(super) fn number(
+    text: &str,
+    cursor: &Cursor,
+    diagnostics: &Diagnostics,
+) -> Result<Meant, String> {
+    let end = text
+        .find(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E'))
+        .unwrap_or(text.len());
+    let (number, suffix) = text.split_at(end);
+    if !text.starts_with(|c: char| c.is_ascii_digit()) {
+        return Err(format!(
+            "{text} is not a number; expressions are made of numbers and names"
+        ));
+    }
+    if number.parse::<f64>().is_err() || suffix.is_empty() {
+        return Err(format!("`{text}` is not a decimal number"));
+    }
+    if TYPES.contains(&suffix) {
+        return Ok(Meant {
+            number: number.to_owned(),
+            unit: None,
+            message: format!(
+                "`{number}` carries the type `{suffix}` of Rust; numbers here have no type, write `{number}`"
+            ),
+        });
+    }
+    if let Some(meant) = unit_without_brackets(number, suffix, cursor, diagnostics) {
+        return Ok(meant);
+    }
+    let is_unit = suffix.parse::<hangtime_units::Unit>().is_ok();
+    Err(match diagnostics.is_declared(suffix) {
+        true if is_unit => format!(
+            "`{text}` is not a number; write a unit as `{number} [{suffix}]` and a product as `{number}*{suffix}`"
+        ),
+        _ => format!("`{text}` is not a number; write a product as `{number}*{suffix}`"),
+    })
+}
+
+/// The remedy where `right` stands behind an expression without an operator; `list` tells whether a comma may be meant.
+pub(super) fn missing_operator(left: &Expr, right: &str, list: bool) -> String {
+    // The last term is what the missing operator would multiply.
+    let last = match &left.kind {
+        Kind::Chain(_, rest) if rest[0].operator.is_additive() => {
+            rest.last().map_or(left, |link| &link.operand)
+        }
+        _ => left,
+    };
+    let factor = match &last.kind {
+        Kind::Chain(_, rest) => rest.last().map_or(last, |link| &link.operand),
+        _ => last,
+    };
+    if let Kind::Number {
+        text, unit: None, ..
+    } = &factor.kind
+        && right.parse::<hangtime_units::Unit>().is_ok()
+    {
+        return format!(
+            "an operator is missing before `{right}`; write a unit as `{text} [{right}]` and a product as \
+             `{text}*{right}`"
+        );
+    }
+    if let Kind::Power { base, exponent, .. } = &factor.kind
+        && let Kind::Name(function) = &base.kind
+        && words::is_function(&function.text)
+    {
+        let (function, argument) = (&function.text, right.trim_matches(['(', ')']));
+        return format!(
+            "the power of a function stands behind its argument; write `{function}({argument})^{exponent}`"
+        );
+    }
+    let shown = match last.to_string() {
+        long if long.chars().count() > 24 => "...".to_owned(),
+        short => short,
+    };
+    if list {
+        format!(
+            "an operator or a comma is missing before `{right}`; write a product as `{shown}*{right}`, components as \
+             `{shown}, {right}`"
+        )
+    } else {
+        format!("an operator is missing before `{right}`; write a product as `{shown}*{right}`")
+    }
+}
+
+/// What begins another entry of a list here, such as `z:` or `dot(z):`; behind a comparison also `z ==`.
+pub(super) fn next_entry(cursor: &Cursor, compared: bool) -> Option<String> {
+    let mut ahead = cursor.clone();
+    let mut shown = ahead.eat_name()?.text;
+    if let Some(group) = ahead.eat_group(Delimiter::Parenthesis) {
+        shown += &group.to_string();
+    }
+    let begins = match ahead.peek() {
+        Some(TokenTree::Punct(punct)) => match punct.as_char() {
+            ':' => !ahead.at_symbol("::"),
+            '=' if punct.spacing() == Spacing::Alone => true,
+            '=' | '<' | '>' => compared,
+            _ => false,
+        },
+        _ => false,
+    };
+    begins.then_some(shown)
+}
+
+/// What an apostrophe behind an expression means.
+pub(super) fn apostrophe(left: &Expr) -> String {
+    let mut factor = left;
+    loop {
+        factor = match &factor.kind {
+            Kind::Chain(_, rest) => match rest.last() {
+                Some(link) => &link.operand,
+                None => break,
+            },
+            Kind::Negate(inner) => inner,
+            _ => break,
+        };
+    }
+    let name = match &factor.kind {
+        Kind::Name(name) => name.text.as_str(),
+        _ => "y",
+    };
+    format!(
+        "an apostrophe is no operator here, as it is a token of another kind in Rust; write `dot({name})` for the rate of \
+         `{name}`; the derivative of a function is `diff(f)(y)`"
+    )
+}
+
+/// Whether what stands here is the argument of a function that was written without parentheses.
+pub(super) fn is_argument(cursor: &Cursor) -> bool {
+    match cursor.peek() {
+        Some(TokenTree::Ident(ident)) => {
+            let text = ident.to_string();
+            !words::is_keyword(&text) && text != "in" && next_entry(cursor, false).is_none()
+        }
+        Some(TokenTree::Literal(literal)) => literal
+            .to_string()
+            .starts_with(|c: char| c.is_ascii_digit()),
+        _ => false,
+    }
+}

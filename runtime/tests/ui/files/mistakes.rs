@@ -1,0 +1,5 @@
+hangtime::model_file!("../../../tmp/ball.hang");
+
+fn main() {
+    let _ = Ball::default();
+}
