@@ -162,12 +162,12 @@ impl Run {
     }
 }
 
-/// The solved runs of each line, over their CPU time.
-fn curves(runs: &[Run], y: impl Fn(&Run) -> f64) -> Vec<Curve> {
+/// The solved runs of each line.
+fn curves(runs: &[Run], x: impl Fn(&Run) -> f64, y: impl Fn(&Run) -> f64) -> Vec<Curve> {
     let mut curves: Vec<Curve> = Vec::new();
     for run in runs.iter().filter(|run| run.solved) {
         let point = Dot {
-            x: run.seconds,
+            x: x(run),
             y: y(run),
             note: format!(
                 "{}, {} intervals: objective {}",
@@ -188,11 +188,13 @@ fn curves(runs: &[Run], y: impl Fn(&Run) -> f64) -> Vec<Curve> {
 }
 
 /// The figures, as (kind, SVG).
-fn figures(name: &str, runs: &[Run], best: f64) -> [(&'static str, String); 2] {
-    let draw = |title: &str, y: &str, curves| {
+fn figures(name: &str, runs: &[Run], best: f64) -> [(&'static str, String); 3] {
+    const GAP: &str = "objective above the best";
+    const TIME: &str = "CPU time [s]";
+    let draw = |title: &str, [x, y]: [&str; 2], curves| {
         LogLog {
             title: &format!("{name}: {title}"),
-            x: "CPU time [s]",
+            x,
             y,
             falling: false,
             floor: None,
@@ -200,21 +202,30 @@ fn figures(name: &str, runs: &[Run], best: f64) -> [(&'static str, String); 2] {
         }
         .svg()
     };
+    let (seconds, gap) = (|run: &Run| run.seconds, |run: &Run| run.objective - best);
     [
         (
             "objective",
             draw(
                 "gap to the best objective of this chart",
-                "objective above the best",
-                curves(runs, |run| run.objective - best),
+                [TIME, GAP],
+                curves(runs, seconds, gap),
+            ),
+        ),
+        (
+            "intervals",
+            draw(
+                "gap to the best objective of this chart",
+                ["control intervals", GAP],
+                curves(runs, |run| run.intervals as f64, gap),
             ),
         ),
         (
             "resimulation",
             draw(
                 "re-simulation at the end",
-                "distance from the plan",
-                curves(runs, |run| run.distance),
+                [TIME, "distance from the plan"],
+                curves(runs, seconds, |run| run.distance),
             ),
         ),
     ]
@@ -312,6 +323,7 @@ mod tests {
             [
                 "chart-wave-solver.csv",
                 "chart-wave-objective.svg",
+                "chart-wave-intervals.svg",
                 "chart-wave-resimulation.svg"
             ]
         );

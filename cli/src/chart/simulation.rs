@@ -60,9 +60,10 @@ pub(super) fn chart(study: &Study, bounds: &Bounds, of_many: &str) -> Result<Cha
     let section = Section {
         heading: title.clone(),
         text: format!(
-            "{}. The {error}, {against}. Parameters: {}.",
+            "{}. The {error}, {against}. Parameters: {}.{}",
             study.chosen.scene.title,
-            study.chosen.parameters().join(", ")
+            study.chosen.parameters().join(", "),
+            absent(&measured)
         ),
         header: header(),
         rows,
@@ -90,6 +91,26 @@ pub(super) fn chart(study: &Study, bounds: &Bounds, of_many: &str) -> Result<Cha
         diagnoses: Vec::new(),
         overview: Some(overview_row(&title, &reference, &measured)),
     })
+}
+
+/// Which methods have no line in the figures, and why.
+fn absent(measured: &[Measured]) -> String {
+    let absent: Vec<String> = measured
+        .iter()
+        .filter(|measured| measured.solved().next().is_none())
+        .filter_map(|measured| {
+            let last = measured.points.last()?;
+            let status = last.status.replace('_', " ");
+            Some(format!("{} ({status})", measured.sweep.name))
+        })
+        .collect();
+    if absent.is_empty() {
+        return String::new();
+    }
+    format!(
+        " Without a line, because no run solved: {}.",
+        absent.join(", ")
+    )
 }
 
 /// Runs every method over its settings, until `bounds` ask to end.
@@ -213,20 +234,22 @@ impl Measured {
     /// All runs, as text.
     fn runs(&self) -> impl Iterator<Item = Vec<String>> {
         self.points.iter().map(|point| {
-            let error = if point.error.is_finite() {
-                format!("{:e}", point.error)
-            } else {
-                String::new()
+            let known = |value: f64, text: String| {
+                if value.is_finite() {
+                    text
+                } else {
+                    String::new()
+                }
             };
             vec![
                 self.sweep.name.clone(),
                 point.arguments.clone(),
-                point.grain.to_string(),
-                error,
+                known(point.grain, point.grain.to_string()),
+                known(point.error, format!("{:e}", point.error)),
                 point.counts.elements.to_string(),
                 point.counts.newton.to_string(),
                 point.counts.evaluations.to_string(),
-                point.seconds.to_string(),
+                known(point.seconds, point.seconds.to_string()),
                 point.status.to_owned(),
             ]
         })
