@@ -40,7 +40,7 @@ pub struct Charted {
     pub what: &'static str,
     /// Settings as on the command line, such as `speed=10km/h`.
     pub settings: &'static [&'static str],
-    /// Its horizon [s], if it is not that of the scene.
+    /// Its horizon in seconds, if it is not that of the scene.
     pub horizon: Option<f64>,
 }
 
