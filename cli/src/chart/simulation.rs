@@ -204,7 +204,17 @@ const RUNS: [&str; 9] = [
     "status",
 ];
 
-impl Measured {
+/// How a measured method is shown.
+trait Shown {
+    /// Its line in the table.
+    fn row(&self) -> Vec<String>;
+    /// All runs, as text.
+    fn runs(&self) -> Vec<Vec<String>>;
+    /// Its line in a figure.
+    fn curve(&self, x: &dyn Fn(&Point) -> f64) -> Curve;
+}
+
+impl Shown for Measured {
     fn row(&self) -> Vec<String> {
         let none = || "-".to_owned();
         let best = self.solved().min_by(|a, b| a.error.total_cmp(&b.error));
@@ -231,9 +241,8 @@ impl Measured {
         ]
     }
 
-    /// All runs, as text.
-    fn runs(&self) -> impl Iterator<Item = Vec<String>> {
-        self.points.iter().map(|point| {
+    fn runs(&self) -> Vec<Vec<String>> {
+        let runs = self.points.iter().map(|point| {
             let known = |value: f64, text: String| {
                 if value.is_finite() {
                     text
@@ -252,7 +261,8 @@ impl Measured {
                 known(point.seconds, point.seconds.to_string()),
                 point.status.to_owned(),
             ]
-        })
+        });
+        runs.collect()
     }
 
     fn curve(&self, x: &dyn Fn(&Point) -> f64) -> Curve {
