@@ -60,7 +60,10 @@ impl Command {
             Self::Simulate(arguments) => Some(&arguments.scene.scene),
             Self::Solve(arguments) => Some(&arguments.scene.scene),
             Self::Explain(arguments) => Some(&arguments.scene.scene),
-            Self::Chart(arguments) => arguments.scene.as_deref(),
+            Self::Chart(arguments) => match arguments.scenes.as_slice() {
+                [scene] => Some(scene),
+                _ => None,
+            },
             Self::Check(arguments) => Some(&arguments.file),
             _ => None,
         }
@@ -201,6 +204,9 @@ pub(crate) enum FormulationName {
     ActiveSet,
     /// The time-freezing system in numerical time, region by region, with the same switches located.
     TimeFreezing,
+    /// The complementarity problem of the time-freezing system in every step, without a polish: impacts are known to the
+    /// length of an element.
+    Complementarity,
 }
 
 /// Arguments of `solve`.
@@ -278,12 +284,19 @@ pub(crate) struct NlpArguments {
 /// Arguments of `chart`.
 #[derive(Debug, Args)]
 pub(crate) struct ChartArguments {
-    /// Name of the scene, or path of a scene file; default: all scenes.
+    /// Names of scenes, or paths of scene files; default: all scenes, on one page.
     #[arg(value_name = "SCENE")]
-    pub(crate) scene: Option<String>,
-    /// Set a parameter, in its declared unit or in the unit given.
-    #[arg(long = "set", value_name = "NAME=VALUE[UNIT]", requires = "scene")]
+    pub(crate) scenes: Vec<String>,
+    /// Set a parameter of the scene, in its declared unit or in the unit given.
+    #[arg(long = "set", value_name = "NAME=VALUE[UNIT]", requires = "scenes")]
     pub(crate) settings: Vec<String>,
+    /// Show what every method makes of scenes on which methods fail: right, wrong without a word, stopped with a name, or
+    /// without an end. Without a scene: those that the program knows to be hard.
+    #[arg(long)]
+    pub(crate) stability: bool,
+    /// Length of the simulations, in seconds or in the unit given [default: what each scene declares].
+    #[arg(long, value_name = "TIME[UNIT]", value_parser = duration, allow_negative_numbers = true)]
+    pub(crate) horizon: Option<f64>,
     /// Directory for data and figures; made if it does not exist.
     #[arg(long, value_name = "DIR", default_value = OUT)]
     pub(crate) out: PathBuf,

@@ -7,11 +7,11 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, FromArgMatches as _};
 
-use crate::Scene;
 use crate::arguments::{Arguments, Command, ListArguments, ReproduceArguments};
 use crate::failure::{BadInput, visible};
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, refuse};
 use crate::scene_file::is_path;
+use crate::{HardScene, Scene};
 use crate::{
     authoring, chart, explain, list, program, reproduce, scene, shell, simulate, solve, watch,
 };
@@ -52,13 +52,20 @@ use crate::{
 #[derive(Debug, Clone, Copy)]
 pub struct CommandLine {
     scenes: &'static [Scene],
+    hard: &'static [HardScene],
 }
 
 impl CommandLine {
     /// A command line that knows these scenes.
     #[must_use]
     pub const fn new(scenes: &'static [Scene]) -> Self {
-        Self { scenes }
+        Self { scenes, hard: &[] }
+    }
+
+    /// The same, which shows what methods make of these scenes by `chart --stability`.
+    #[must_use]
+    pub const fn with_hard(self, hard: &'static [HardScene]) -> Self {
+        Self { hard, ..self }
     }
 
     /// Runs one command; `arguments` begin with the name of the program. Prints the report, or one line that says what
@@ -154,7 +161,7 @@ impl CommandLine {
             Some(Command::Simulate(arguments)) => simulate::run(scenes, &arguments),
             Some(Command::Solve(arguments)) => solve::run(scenes, &arguments),
             Some(Command::Nlp(arguments)) => program::run(&arguments),
-            Some(Command::Chart(arguments)) => chart::run(scenes, &arguments),
+            Some(Command::Chart(arguments)) => chart::run(scenes, self.hard, &arguments),
             Some(Command::Explain(arguments)) => explain::run(scenes, &arguments),
             Some(Command::Check(arguments)) => authoring::check(&arguments),
             Some(Command::New(arguments)) => authoring::new(&arguments),

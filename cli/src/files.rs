@@ -80,6 +80,7 @@ impl ResultFiles<'_> {
             sections: vec![Section {
                 heading: "Motion".to_owned(),
                 text: String::new(),
+                folds: Vec::new(),
                 animation: animation.map(|animation| (animation, json.to_owned())),
                 figures: figures.iter().map(|(_, svg)| svg.clone()).collect(),
                 header: vec![String::new(), String::new()],

@@ -16,6 +16,7 @@ mod files;
 
 mod json;
 mod list;
+mod markup;
 mod method;
 mod motion;
 mod output;
@@ -47,4 +48,6 @@ pub use published::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
     PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
-pub use scene::{GroundLine, Plane, Scene, Variant, heights, parameter};
+pub use scene::{
+    Charted, ClosedForm, GroundLine, HardScene, Plane, Right, Scene, Variant, heights, parameter,
+};

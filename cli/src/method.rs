@@ -59,6 +59,11 @@ impl MethodSettings {
         settings
     }
 
+    /// Finite elements of a step, for methods that have them.
+    pub(crate) fn elements(&self) -> Option<usize> {
+        self.elements
+    }
+
     /// Width of the smoothed step functions, for the method that has one.
     pub(crate) fn width(&self) -> Option<f64> {
         self.width
@@ -287,6 +292,7 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
     fesd.formulation = match formulation {
         FormulationName::ActiveSet => StepFormulation::ActiveSet,
         FormulationName::TimeFreezing => StepFormulation::TimeFreezing,
+        FormulationName::Complementarity => StepFormulation::Complementarity,
     };
     let tolerance = fesd.promise();
     let grid = tolerance.is_none();

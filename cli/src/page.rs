@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::animation::{self, Animation};
+use crate::markup::escape;
 
 /// A page of figures and tables.
 pub(crate) struct Page {
@@ -15,6 +16,7 @@ pub(crate) struct Page {
 }
 
 /// One section of a page.
+#[derive(Default)]
 pub(crate) struct Section {
     /// Heading.
     pub(crate) heading: String,
@@ -28,9 +30,29 @@ pub(crate) struct Section {
     pub(crate) header: Vec<String>,
     /// Rows of the table, the first column in words.
     pub(crate) rows: Vec<Vec<String>>,
+    /// What is shown when it is asked for.
+    pub(crate) folds: Vec<Fold>,
     /// Files beside the page, as (file name, what it holds).
     pub(crate) files: Vec<(String, String)>,
 }
+
+/// A part of a section that is closed at first.
+#[derive(Default)]
+pub(crate) struct Fold {
+    /// What is in it.
+    pub(crate) title: String,
+    /// Figures as SVG.
+    pub(crate) figures: Vec<String>,
+    /// Header of the table.
+    pub(crate) header: Vec<String>,
+    /// Rows of the table, the first column in words.
+    pub(crate) rows: Vec<Vec<String>>,
+}
+
+/// Letters from which on a cell is prose, with lines of its own.
+const PROSE: usize = 60;
+/// Sections from which on a page begins with a list of them.
+const CONTENTS: usize = 4;
 
 const STYLE: &str = "\
 :root{color-scheme:light dark}
@@ -38,12 +60,17 @@ body{font:16px/1.5 system-ui,sans-serif;max-width:74rem;margin:2rem auto;padding
 h1,h2{line-height:1.2}
 figure{margin:1.5rem 0;overflow-x:auto}
 svg{max-width:100%;height:auto}
+svg.chart{min-width:46rem}
 .table{overflow-x:auto}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.9rem}
 th,td{padding:.3rem .7rem;text-align:right;border-bottom:1px solid #8a919e66;white-space:nowrap}
 th:first-child,td:first-child{text-align:left;white-space:pre}
+th:first-child,td:first-child{position:sticky;left:0;background:#ffffff}
+td.prose{text-align:left;white-space:normal;min-width:22rem}
+nav a{display:inline-block;margin:0 1rem .3rem 0}
+summary{cursor:pointer;margin:.5rem 0;font-weight:600}
 a{color:inherit}
-@media (prefers-color-scheme:dark){body{color:#dfe3ea;background:#14171c}}
+@media (prefers-color-scheme:dark){body,th:first-child,td:first-child{color:#dfe3ea;background:#14171c}}
 ";
 
 impl Page {
@@ -59,8 +86,16 @@ impl Page {
              <h1>{title}</h1>\n<p>{}</p>\n",
             escape(&self.introduction)
         );
-        for section in &self.sections {
+        if self.sections.len() >= CONTENTS {
+            let links = self.sections.iter().enumerate().map(|(index, section)| {
+                format!("<a href=\"#s{index}\">{}</a>", escape(&section.heading))
+            });
+            let _ = writeln!(html, "<nav>{}</nav>", links.collect::<Vec<_>>().join(" "));
+        }
+        for (index, section) in self.sections.iter().enumerate() {
+            let _ = write!(html, "<section id=\"s{index}\">");
             section.write(&mut html);
+            html.push_str("</section>\n");
         }
         html + "</body>\n</html>\n"
     }
@@ -75,23 +110,17 @@ impl Section {
         if let Some((animation, result)) = &self.animation {
             html.push_str(&animation.html(result));
         }
-        if !self.header.is_empty() {
-            let row = |cell: &str, cells: &[String]| {
-                let cells = cells
-                    .iter()
-                    .map(|text| format!("<{cell}>{}</{cell}>", escape(text)));
-                format!("<tr>{}</tr>\n", cells.collect::<String>())
-            };
-            let rows = self.rows.iter().map(|cells| row("td", cells));
-            let _ = writeln!(
-                html,
-                "<div class=\"table\"><table>\n{}{}</table></div>",
-                row("th", &self.header),
-                rows.collect::<String>()
-            );
-        }
+        write_table(html, &self.header, &self.rows);
         for figure in &self.figures {
             let _ = writeln!(html, "<figure>{figure}</figure>");
+        }
+        for fold in &self.folds {
+            let _ = writeln!(html, "<details><summary>{}</summary>", escape(&fold.title));
+            for figure in &fold.figures {
+                let _ = writeln!(html, "<figure>{figure}</figure>");
+            }
+            write_table(html, &fold.header, &fold.rows);
+            html.push_str("</details>\n");
         }
         if !self.files.is_empty() {
             let links = self
@@ -107,11 +136,29 @@ impl Section {
     }
 }
 
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
+/// A table, if it has columns.
+fn write_table(html: &mut String, header: &[String], rows: &[Vec<String>]) {
+    if header.is_empty() {
+        return;
+    }
+    let row = |cell: &str, cells: &[String]| {
+        let cells = cells.iter().map(|text| {
+            let class = if text.len() > PROSE {
+                " class=\"prose\""
+            } else {
+                ""
+            };
+            format!("<{cell}{class}>{}</{cell}>", escape(text))
+        });
+        format!("<tr>{}</tr>\n", cells.collect::<String>())
+    };
+    let rows = rows.iter().map(|cells| row("td", cells));
+    let _ = writeln!(
+        html,
+        "<div class=\"table\"><table>\n{}{}</table></div>",
+        row("th", header),
+        rows.collect::<String>()
+    );
 }
 
 #[cfg(test)]

@@ -23,6 +23,25 @@ pub struct Scene {
     pub published: &'static [PublishedCase],
     /// Published sizes of its optimal control problem, as other programs transcribe it.
     pub published_sizes: &'static [PublishedSize],
+    /// The simulations that its charts show; empty: the one that it declares.
+    pub charted: &'static [Charted],
+    /// Its motion as a formula, if there is one: the coordinates at a time, `None` where the formula does not hold.
+    /// Charts measure errors against it.
+    pub closed_form: Option<ClosedForm>,
+}
+
+/// The coordinates at a time, where a formula gives them.
+pub type ClosedForm = fn(model: &dyn Model, time: f64) -> Option<Vec<f64>>;
+
+/// A simulation that is worth a chart.
+#[derive(Debug, Clone, Copy)]
+pub struct Charted {
+    /// What is special about it, in few words.
+    pub what: &'static str,
+    /// Settings as on the command line, such as `speed=10km/h`.
+    pub settings: &'static [&'static str],
+    /// Its horizon in seconds, if it is not that of the scene.
+    pub horizon: Option<f64>,
 }
 
 /// One form of a scene: a model of its own, chosen by settings that are words instead of numbers.
@@ -33,6 +52,30 @@ pub struct Variant {
     pub settings: &'static [(&'static str, &'static str)],
     /// Makes the model with default parameters.
     pub model: fn() -> Box<dyn Model>,
+}
+
+/// A scene on which a method of simulation may fail, in one respect, and what is right there.
+#[derive(Debug, Clone, Copy)]
+pub struct HardScene {
+    /// Its name, in kebab case.
+    pub name: &'static str,
+    /// The scene, as it would stand in a file.
+    pub text: &'static str,
+    /// What is right.
+    pub right: Right,
+    /// Why that is right: a derivation, or a source.
+    pub why: &'static str,
+}
+
+/// What a method has to say about a scene.
+#[derive(Debug, Clone, Copy)]
+pub enum Right {
+    /// The coordinates at a time, as a formula.
+    Formula(fn(model: &dyn Model, time: f64) -> Vec<f64>),
+    /// The motion on which two methods agree at their tightest tolerances.
+    Agreed,
+    /// That there is no motion up to the horizon: a refusal, or a status that is not `solved`.
+    Stop,
 }
 
 /// How a scene that moves in a vertical plane is drawn.
@@ -134,6 +177,8 @@ impl Scene {
             plane: None,
             published: &[],
             published_sizes: &[],
+            charted: &[],
+            closed_form: None,
         }
     }
 

@@ -20,19 +20,34 @@ pub(crate) fn is_path(scene: &str) -> bool {
 
 /// Reads the scene of a file.
 pub(crate) fn read(file: &str) -> Result<TextScene, BadInput> {
-    let scene = hangtime_scene_files::read(Path::new(file)).map_err(|error| match error {
-        SceneError::Mistakes { report, .. } => BadInput::report(&report),
-        other => BadInput::new(other.to_string()),
-    })?;
+    let scene = hangtime_scene_files::read(Path::new(file)).map_err(refusal)?;
     if !scene.warnings().is_empty() {
         eprintln!("{}", scene.warnings());
     }
     Ok(scene)
 }
 
+fn refusal(error: SceneError) -> BadInput {
+    match error {
+        SceneError::Mistakes { report, .. } => BadInput::report(&report),
+        other => BadInput::new(other.to_string()),
+    }
+}
+
 /// Reads the scene of a file as an entry of the list of scenes, which stays in memory until the program ends.
 pub(crate) fn load(file: &str) -> Result<&'static Scene, BadInput> {
-    let model: &'static TextScene = Box::leak(Box::new(read(file)?));
+    Ok(entry(file, read(file)?))
+}
+
+/// The scene of a text, as [`load`] gives that of the file `name`.
+pub(crate) fn load_text(name: &str, text: &str) -> Result<&'static Scene, BadInput> {
+    let file = format!("{name}.{EXTENSION}");
+    let scene = hangtime_scene_files::of_text(&file, text);
+    Ok(entry(&file, scene.map_err(refusal)?))
+}
+
+fn entry(file: &str, scene: TextScene) -> &'static Scene {
+    let model: &'static TextScene = Box::leak(Box::new(scene));
     let declaration = model.declaration();
     let name: &'static str = name(file).leak();
     let title = declaration.documentation.lines().map(str::trim);
@@ -51,7 +66,7 @@ pub(crate) fn load(file: &str) -> Result<&'static Scene, BadInput> {
             &[],
         )
     };
-    Ok(Box::leak(Box::new(scene)))
+    Box::leak(Box::new(scene))
 }
 
 /// The name of the file without its ending, as far as it can be part of other names of files.

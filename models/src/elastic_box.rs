@@ -7,15 +7,18 @@ use hangtime_cli::{GroundLine, Plane, Scene, Variant, parameter};
 hangtime::model_file!("scenes/elastic-box.hang");
 
 /// Its entry in the list of scenes.
-pub(crate) const SCENE: Scene = Scene::new(
-    "box",
-    "a ball bounces in a box and keeps its energy",
-    &[Variant::new(|| Box::new(ElasticBox::default()))],
-)
-.drawn(Plane {
-    ground: sides,
-    ..Plane::of_one_body(&["ball"], ["y [m]", "z [m]"])
-});
+pub(crate) const SCENE: Scene = Scene {
+    closed_form: Some(crate::closed_form::elastic_box),
+    ..Scene::new(
+        "box",
+        "a ball bounces in a box and keeps its energy",
+        &[Variant::new(|| Box::new(ElasticBox::default()))],
+    )
+    .drawn(Plane {
+        ground: sides,
+        ..Plane::of_one_body(&["ball"], ["y [m]", "z [m]"])
+    })
+};
 
 /// The four sides, whatever part of them is in sight.
 fn sides(model: &dyn Model, _from: f64, _to: f64) -> Vec<GroundLine> {

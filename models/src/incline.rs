@@ -5,12 +5,17 @@
 
 use hangtime_cli::{Plane, Scene, Variant};
 
+use crate::closed_form;
+
 hangtime::model_file!("scenes/incline.hang");
 
 /// Its entry in the list of scenes.
-pub(crate) const SCENE: Scene = Scene::new(
-    "incline",
-    "a block slides down a rough incline, stops, and sticks",
-    &[Variant::new(|| Box::new(Incline::default()))],
-)
-.drawn(Plane::of_one_body(&["block"], ["y [m]", "z [m]"]));
+pub(crate) const SCENE: Scene = Scene {
+    closed_form: Some(closed_form::incline),
+    ..Scene::new(
+        "incline",
+        "a block slides down a rough incline, stops, and sticks",
+        &[Variant::new(|| Box::new(Incline::default()))],
+    )
+    .drawn(Plane::of_one_body(&["block"], ["y [m]", "z [m]"]))
+};

@@ -4,19 +4,32 @@
 //! read from there.
 
 mod bouncing_ball;
+mod closed_form;
 mod elastic_box;
+mod falling_rod;
+mod hard;
+mod hills;
 mod incline;
 mod published;
 mod pump_track;
+mod rough_ball;
 mod ski_jump;
+mod stick_slip;
+mod three_blocks;
 
 use hangtime_cli::Scene;
 
 pub use bouncing_ball::BouncingBall;
 pub use elastic_box::ElasticBox;
+pub use falling_rod::FallingRod;
+pub use hard::hard_scenes;
+pub use hills::Hills;
 pub use incline::Incline;
 pub use pump_track::{PumpTrack, PumpTrackHolding};
+pub use rough_ball::RoughBall;
 pub use ski_jump::SkiJump;
+pub use stick_slip::StickSlip;
+pub use three_blocks::ThreeBlocks;
 
 /// All shipped scenes, in the order in which they are listed.
 #[must_use]
@@ -27,6 +40,11 @@ pub fn scenes() -> &'static [Scene] {
         bouncing_ball::SCENE,
         incline::SCENE,
         elastic_box::SCENE,
+        rough_ball::SCENE,
+        stick_slip::SCENE,
+        hills::SCENE,
+        falling_rod::SCENE,
+        three_blocks::SCENE,
     ];
     SCENES
 }

@@ -18,7 +18,7 @@
 use hangtime::model::Model;
 
 use crate::published;
-use hangtime_cli::{GroundLine, Plane, Scene, Variant, parameter};
+use hangtime_cli::{Charted, GroundLine, Plane, Scene, Variant, parameter};
 
 hangtime::model_file!("scenes/pump-track.hang");
 hangtime::model_file!("scenes/pump-track-holding.hang");
@@ -35,6 +35,11 @@ pub(crate) const SCENE: Scene = Scene {
     }),
     published: published::pump_track::CASES,
     published_sizes: published::pump_track::SIZES,
+    charted: &[
+        charted("10 km/h", &["speed=10km/h"]),
+        charted("15 km/h", &["speed=15km/h"]),
+        charted("22 km/h", &["speed=22km/h"]),
+    ],
     ..Scene::new(
         "pump-track",
         "a bike and its rider gain speed on a wavy track by pushing against each other",
@@ -50,6 +55,15 @@ pub(crate) const SCENE: Scene = Scene {
         ],
     )
 };
+
+/// A ride without input.
+const fn charted(what: &'static str, settings: &'static [&'static str]) -> Charted {
+    Charted {
+        what,
+        settings,
+        horizon: None,
+    }
+}
 
 /// Points of the ground line.
 const POINTS: usize = 200;

@@ -11,7 +11,7 @@ use crate::{ball_on_slope, bike_on_two_wheels, own_command_line, readme, teachin
 mod same;
 
 /// The files of the shipped scenes.
-const FILES: [(&str, &str); 6] = [
+const FILES: [(&str, &str); 11] = [
     (
         "ski-jump",
         include_str!("../../models/scenes/ski-jump.hang"),
@@ -32,6 +32,23 @@ const FILES: [(&str, &str); 6] = [
     (
         "elastic-box",
         include_str!("../../models/scenes/elastic-box.hang"),
+    ),
+    (
+        "rough-ball",
+        include_str!("../../models/scenes/rough-ball.hang"),
+    ),
+    (
+        "stick-slip",
+        include_str!("../../models/scenes/stick-slip.hang"),
+    ),
+    ("hills", include_str!("../../models/scenes/hills.hang")),
+    (
+        "falling-rod",
+        include_str!("../../models/scenes/falling-rod.hang"),
+    ),
+    (
+        "three-blocks",
+        include_str!("../../models/scenes/three-blocks.hang"),
     ),
 ];
 

@@ -3,8 +3,10 @@
 use std::process::ExitCode;
 
 use hangtime_cli::CommandLine;
-use hangtime_models::scenes;
+use hangtime_models::{hard_scenes, scenes};
 
 fn main() -> ExitCode {
-    CommandLine::new(scenes()).run(std::env::args_os())
+    CommandLine::new(scenes())
+        .with_hard(hard_scenes())
+        .run(std::env::args_os())
 }

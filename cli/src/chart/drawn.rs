@@ -3,6 +3,7 @@
 use crate::page::Section;
 
 /// What one kind of chart comes to.
+#[derive(Default)]
 pub(super) struct Chart {
     /// For the standard output stream.
     pub(super) text: String,
@@ -10,4 +11,6 @@ pub(super) struct Chart {
     pub(super) section: Option<Section>,
     pub(super) files: Vec<(String, String)>,
     pub(super) diagnoses: Vec<String>,
+    /// Its line in the overview.
+    pub(super) overview: Option<Vec<String>>,
 }

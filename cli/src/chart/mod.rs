@@ -1,12 +1,13 @@
-//! `hangtime chart`: accuracy against CPU time, of every simulation method and of the solver.
+//! `hangtime chart`: accuracy against CPU time and step size, of every simulation method and of the solver, for one
+//! scene or for all of them on one page.
 
 mod drawn;
+mod measure;
 mod optimum;
 mod simulation;
+mod stability;
+mod study;
 mod sweep;
-
-use crate::Scene;
-use hangtime::simulation::InitialValueProblem;
 
 use crate::arguments::ChartArguments;
 use crate::bounds::Bounds;
@@ -14,48 +15,51 @@ use crate::failure::BadInput;
 use crate::output::OutputDirectory;
 use crate::page::{Page, Section};
 use crate::report::Report;
-use crate::settings::{ChosenScene, find};
+use crate::settings::ChosenScene;
+use crate::table::table;
+use crate::{HardScene, Scene};
+use study::{Charted, charted};
 
 pub(crate) fn run(
     scenes: &'static [Scene],
+    hard: &'static [HardScene],
     arguments: &ChartArguments,
 ) -> Result<Report, BadInput> {
-    let chosen: Vec<ChosenScene> = match &arguments.scene {
-        Some(name) => vec![ChosenScene::new(find(scenes, name)?, &arguments.settings)?],
-        None => scenes
-            .iter()
-            .map(|scene| ChosenScene::new(scene, &[]))
-            .collect::<Result<_, _>>()?,
-    };
-    let problems = chosen
-        .iter()
-        .map(|chosen| {
-            let model = chosen.model.as_ref();
-            InitialValueProblem::of(model, None)
-                .and_then(|problem| problem.check(model).map(|()| problem))
-                .map_err(|error| chosen.refuse(&error))
-        })
-        .collect::<Result<Vec<_>, _>>()?;
+    if arguments.stability {
+        return stability::run(scenes, hard, arguments);
+    }
+    let charted = charted(scenes, arguments)?;
     let directory = OutputDirectory::open(&arguments.out)?;
     let bounds = Bounds::watch("chart", &arguments.limits);
-    let mut report = Report::default();
-    let mut files = Vec::new();
-    for (chosen, problem) in chosen.iter().zip(&problems) {
-        if bounds.asked().is_some() {
-            break;
+    let mut drawn = Drawn::default();
+    let many: usize = charted.iter().map(|charted| charted.studies.len()).sum();
+    let mut done = 0;
+    for Charted { scene, studies } in &charted {
+        for study in studies {
+            if bounds.asked().is_none() {
+                done += 1;
+                let of_many = if many > 1 {
+                    format!("{done}/{many} ")
+                } else {
+                    String::new()
+                };
+                drawn.add(simulation::chart(study, &bounds, &of_many)?);
+            }
         }
-        let mut charts = vec![simulation::chart(chosen, problem, &bounds)?];
-        charts.extend(optimum::chart(chosen, &optimum::GRIDS, &bounds)?);
-        let mut sections = Vec::with_capacity(charts.len());
-        for chart in charts {
-            report.text += &chart.text;
-            report.diagnoses.extend(chart.diagnoses);
-            files.extend(chart.files);
-            sections.extend(chart.section);
+        if bounds.asked().is_none() {
+            let chosen = ChosenScene::new(scene, &arguments.settings)?;
+            let optimum = optimum::chart(&chosen, &optimum::GRIDS, &bounds)?;
+            optimum.into_iter().for_each(|chart| drawn.add(chart));
         }
-        if !sections.is_empty() {
-            files.push(page(chosen, sections));
-        }
+    }
+    let mut report = Report {
+        text: drawn.text(charted.len() > 1),
+        diagnoses: drawn.diagnoses,
+        ..Report::default()
+    };
+    let mut files = drawn.files;
+    if !drawn.sections.is_empty() {
+        files.push(page(&charted, drawn.sections, drawn.overview));
     }
     report.diagnoses.extend(
         bounds
@@ -64,17 +68,71 @@ pub(crate) fn run(
     );
     drop(bounds);
     let written = report.deliver(directory, &files);
+    // Every figure is also on the page; the pages and data are what one looks for.
     report.text += &written;
     Ok(report)
 }
 
-/// The page of one scene.
-fn page(chosen: &ChosenScene, sections: Vec<Section>) -> (String, String) {
-    let name = chosen.scene.name;
+/// What was drawn so far.
+#[derive(Default)]
+struct Drawn {
+    texts: Vec<String>,
+    sections: Vec<Section>,
+    overview: Vec<Vec<String>>,
+    files: Vec<(String, String)>,
+    diagnoses: Vec<String>,
+}
+
+impl Drawn {
+    fn add(&mut self, chart: drawn::Chart) {
+        self.texts.push(chart.text);
+        self.sections.extend(chart.section);
+        self.overview.extend(chart.overview);
+        self.files.extend(chart.files);
+        self.diagnoses.extend(chart.diagnoses);
+    }
+
+    /// For the standard output stream: all tables of one scene, the overview of several.
+    fn text(&self, several: bool) -> String {
+        if several {
+            let overview = table(simulation::overview_header(), self.overview.clone());
+            format!(
+                "{}\n\n{overview}\n",
+                simulation::overview_text(self.overview.len())
+            )
+        } else {
+            self.texts.concat()
+        }
+    }
+}
+
+/// The page: of one scene, or of all with an overview.
+fn page(
+    charted: &[Charted],
+    mut sections: Vec<Section>,
+    overview: Vec<Vec<String>>,
+) -> (String, String) {
+    if overview.len() > 1 {
+        let first = Section {
+            heading: "Overview".to_owned(),
+            text: simulation::overview_text(overview.len()),
+            header: simulation::overview_header(),
+            rows: overview,
+            ..Section::default()
+        };
+        sections.insert(0, first);
+    }
+    let (title, name) = match charted {
+        [one] => (
+            format!("{}: accuracy and its price", one.scene.name),
+            format!("chart-{}.html", one.scene.name),
+        ),
+        _ => ("Accuracy and its price".to_owned(), "chart.html".to_owned()),
+    };
     let page = Page {
-        title: format!("{name}: accuracy against CPU time"),
-        introduction: format!("Parameters: {}.", chosen.parameters().join(", ")),
+        title,
+        introduction: simulation::LEGEND.to_owned(),
         sections,
     };
-    (format!("chart-{name}.html"), page.html())
+    (name, page.html())
 }

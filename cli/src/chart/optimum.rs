@@ -5,7 +5,7 @@ use hangtime::ocp::{self, Formulation, Problem, Settings, TimeFreezingSettings};
 use super::drawn::Chart;
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
-use crate::figure::{Curve, log_log};
+use crate::figure::{Curve, Dot, LogLog};
 use crate::page::Section;
 use crate::progress::Progress;
 use crate::settings::ChosenScene;
@@ -162,11 +162,18 @@ impl Run {
     }
 }
 
-/// The solved runs of each line, over their CPU time.
-fn curves(runs: &[Run], y: impl Fn(&Run) -> f64) -> Vec<Curve> {
+/// The solved runs of each line.
+fn curves(runs: &[Run], x: impl Fn(&Run) -> f64, y: impl Fn(&Run) -> f64) -> Vec<Curve> {
     let mut curves: Vec<Curve> = Vec::new();
     for run in runs.iter().filter(|run| run.solved) {
-        let point = (run.seconds, y(run));
+        let point = Dot {
+            x: x(run),
+            y: y(run),
+            note: format!(
+                "{}, {} intervals: objective {}",
+                run.name, run.intervals, run.objective
+            ),
+        };
         match curves.iter_mut().find(|curve| curve.colour == run.line) {
             Some(curve) => curve.points.push(point),
             None => curves.push(Curve {
@@ -181,24 +188,44 @@ fn curves(runs: &[Run], y: impl Fn(&Run) -> f64) -> Vec<Curve> {
 }
 
 /// The figures, as (kind, SVG).
-fn figures(runs: &[Run], best: f64) -> [(&'static str, String); 2] {
+fn figures(name: &str, runs: &[Run], best: f64) -> [(&'static str, String); 3] {
+    const GAP: &str = "objective above the best";
+    const TIME: &str = "CPU time [s]";
+    let draw = |title: &str, [x, y]: [&str; 2], curves| {
+        LogLog {
+            title: &format!("{name}: {title}"),
+            x,
+            y,
+            falling: false,
+            floor: None,
+            curves,
+        }
+        .svg()
+    };
+    let (seconds, gap) = (|run: &Run| run.seconds, |run: &Run| run.objective - best);
     [
         (
             "objective",
-            log_log(
-                "Objective above the best, over the number of intervals",
-                "CPU time [s]",
-                "objective above the best",
-                &curves(runs, |run| run.objective - best),
+            draw(
+                "gap to the best objective of this chart",
+                [TIME, GAP],
+                curves(runs, seconds, gap),
+            ),
+        ),
+        (
+            "intervals",
+            draw(
+                "gap to the best objective of this chart",
+                ["control intervals", GAP],
+                curves(runs, |run| run.intervals as f64, gap),
             ),
         ),
         (
             "resimulation",
-            log_log(
-                "Distance of the re-simulation at the end",
-                "CPU time [s]",
-                "distance from the plan",
-                &curves(runs, |run| run.distance),
+            draw(
+                "re-simulation at the end",
+                [TIME, "distance from the plan"],
+                curves(runs, seconds, |run| run.distance),
             ),
         ),
     ]
@@ -221,7 +248,7 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
         decimals(best),
         table(HEADER, rows.clone())
     );
-    let figures = figures(runs, best);
+    let figures = figures(name, runs, best);
     let mut header: Vec<String> = HEADER.map(str::to_owned).into();
     header[7] = "CPU time [s]".to_owned();
     let lines = runs.iter().map(|run| {
@@ -233,12 +260,13 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
     });
     let mut files = vec![(format!("chart-{name}-solver.csv"), csv_text(&header, lines))];
     let section = Section {
-        heading: "Optimal control".to_owned(),
+        heading: format!("{name}, optimal control"),
         text: "Each run starts from nothing. More intervals give the controls more freedom, which lowers the \
             objective; more stages bring the plan closer to the motion that it stands for, which an independent \
             event-driven simulation under its controls measures at the end."
             .to_owned(),
         animation: None,
+        folds: Vec::new(),
         figures: figures.iter().map(|(_, svg)| svg.clone()).collect(),
         header: HEADER.map(str::to_owned).into(),
         rows,
@@ -253,7 +281,7 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
         text,
         section: Some(section),
         files,
-        diagnoses: Vec::new(),
+        ..Chart::default()
     }
 }
 
@@ -295,6 +323,7 @@ mod tests {
             [
                 "chart-wave-solver.csv",
                 "chart-wave-objective.svg",
+                "chart-wave-intervals.svg",
                 "chart-wave-resimulation.svg"
             ]
         );

@@ -1,9 +1,12 @@
 //! The methods of a chart, each over its range of settings.
 
-use crate::arguments::{Method, MethodArguments, SchemeName};
+use crate::arguments::{FormulationName, Method, MethodArguments, SchemeName};
 
 /// Steps of the methods of high order.
-const FINITE_ELEMENTS: [usize; 8] = [10, 15, 20, 30, 40, 80, 160, 320];
+const FINITE_ELEMENTS: [usize; 14] = [10, 12, 15, 20, 26, 32, 40, 52, 64, 80, 120, 160, 240, 320];
+/// Steps of the complementarity problem, each of some elements, as published.
+const PROBLEMS: [usize; 6] = [4, 6, 8, 12, 18, 27];
+const ELEMENTS: usize = 3;
 /// Steps of the methods of low order.
 const TIME_STEPS: [usize; 7] = [50, 100, 200, 400, 1600, 6400, 25600];
 /// Widths of the smoothed step functions.
@@ -12,13 +15,19 @@ const WIDTHS: [f64; 5] = [1e-1, 3e-2, 1e-2, 3e-3, 1e-3];
 const SMOOTHED_TOLERANCE: f64 = 1e-3;
 /// Tolerances of the methods that control their steps.
 const TOLERANCES: [f64; 6] = [1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12];
-/// One method over its range of settings.
+
+/// One method over its range of settings, from coarse to fine.
 pub(super) struct Sweep {
-    /// Name in tables and legends.
+    /// Name in tables and at lines.
     pub(super) name: String,
     pub(super) colour: usize,
     pub(super) dashed: bool,
+    /// The figure of the schemes in which it appears.
     pub(super) group: Group,
+    /// Whether it appears where families of methods are compared.
+    pub(super) compared: bool,
+    /// The order that theory gives.
+    pub(super) theory: String,
     pub(super) settings: Vec<MethodArguments>,
 }
 
@@ -34,50 +43,79 @@ impl Sweep {
         let width = |settings: &MethodArguments| settings.width.is_some();
         self.stepped() || self.settings.iter().all(width)
     }
+
+    /// Whether these are event-driven runs, which have to be measured against something else.
+    pub(super) fn event_driven(&self) -> bool {
+        let event = |settings: &MethodArguments| settings.method == Method::Event;
+        self.settings.iter().any(event)
+    }
 }
 
+/// The finest points whose slope is an order: enough to cover some steps that end near switches, and some that do not.
+pub(super) const SLOPE_POINTS: usize = 5;
+
 /// The figure in which a sweep appears beside its likes.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Group {
     Radau,
     Gauss,
+    TimeFreezing,
     Others,
 }
+
+/// The name under which the finite elements with error control are compared.
+pub(super) const CONTROLLED: &str = "controlled Radau-6";
+/// The names of the scheme whose order every scene shows, in both formulations.
+pub(super) const SHOWN: [&str; 2] = ["Radau-3", "time-freezing Radau-3"];
 
 /// All of them.
 pub(super) fn sweeps() -> Vec<Sweep> {
     let mut sweeps = finite_elements();
+    sweeps.extend(time_freezing());
     sweeps.extend(controlled());
     sweeps.extend(others());
     sweeps
+}
+
+/// A grid of finite elements.
+fn grid(scheme: SchemeName, stages: usize, steps: usize) -> MethodArguments {
+    MethodArguments {
+        scheme: Some(scheme),
+        stages: Some(stages),
+        steps: Some(steps),
+        elements: Some(1),
+        ..MethodArguments::default()
+    }
 }
 
 /// Finite elements of equal length, by scheme, stages and exit condition.
 fn finite_elements() -> Vec<Sweep> {
     let mut sweeps = Vec::new();
     for (scheme, group, title) in [
-        (SchemeName::RadauIia, Group::Radau, "FESD Radau"),
-        (SchemeName::GaussLegendre, Group::Gauss, "FESD Gauss"),
+        (SchemeName::RadauIia, Group::Radau, "Radau"),
+        (SchemeName::GaussLegendre, Group::Gauss, "Gauss"),
     ] {
         for no_exit_condition in [false, true] {
             for stages in 1..=4 {
                 let exit = if no_exit_condition { ", no exit" } else { "" };
+                let radau = group == Group::Radau;
+                let theory = match (no_exit_condition, radau) {
+                    (true, _) => "at most 2".to_owned(),
+                    (false, true) => (2 * stages - 1).to_string(),
+                    (false, false) => format!("at most {}", 2 * stages),
+                };
+                let settings = FINITE_ELEMENTS.iter().map(|&steps| MethodArguments {
+                    no_exit_condition,
+                    ..grid(scheme, stages, steps)
+                });
                 sweeps.push(Sweep {
                     name: format!("{title}-{stages}{exit}"),
                     colour: stages - 1,
                     dashed: no_exit_condition,
                     group,
-                    settings: FINITE_ELEMENTS
-                        .iter()
-                        .map(|&steps| MethodArguments {
-                            scheme: Some(scheme),
-                            stages: Some(stages),
-                            steps: Some(steps),
-                            elements: Some(1),
-                            no_exit_condition,
-                            ..MethodArguments::default()
-                        })
-                        .collect(),
+                    compared: radau && stages > 1 && !no_exit_condition,
+                    theory,
+                    settings: settings.collect(),
                 });
             }
         }
@@ -85,48 +123,100 @@ fn finite_elements() -> Vec<Sweep> {
     sweeps
 }
 
+/// The time-freezing system: region by region with switches located, and as one complementarity problem a step.
+fn time_freezing() -> Vec<Sweep> {
+    let mut sweeps = Vec::new();
+    for stages in 1..=4 {
+        let settings = FINITE_ELEMENTS.iter().map(|&steps| MethodArguments {
+            formulation: Some(FormulationName::TimeFreezing),
+            ..grid(SchemeName::RadauIia, stages, steps)
+        });
+        let compared = stages == 3;
+        sweeps.push(Sweep {
+            name: format!("time-freezing Radau-{stages}"),
+            colour: if compared { 4 } else { stages - 1 },
+            // On top of the active-set lines, with which they coincide where both are accurate.
+            dashed: compared,
+            group: Group::TimeFreezing,
+            compared,
+            theory: (2 * stages - 1).to_string(),
+            settings: settings.collect(),
+        });
+    }
+    let settings = PROBLEMS.iter().map(|&steps| MethodArguments {
+        formulation: Some(FormulationName::Complementarity),
+        elements: Some(ELEMENTS),
+        ..grid(SchemeName::RadauIia, 2, steps)
+    });
+    sweeps.push(Sweep {
+        name: "complementarity Radau-2".to_owned(),
+        colour: 5,
+        dashed: true,
+        group: Group::TimeFreezing,
+        compared: true,
+        theory: "1 through impacts".to_owned(),
+        settings: settings.collect(),
+    });
+    sweeps
+}
+
 /// The methods that control their error.
 fn controlled() -> Vec<Sweep> {
-    let mut sweeps = Vec::new();
+    let finite_elements = |formulation| MethodArguments {
+        stages: Some(6),
+        steps: Some(5),
+        formulation: Some(formulation),
+        ..MethodArguments::default()
+    };
     let controlled = [
         (
-            "FESD Radau-6, controlled",
-            MethodArguments {
-                stages: Some(6),
-                steps: Some(5),
-                ..MethodArguments::default()
-            },
+            CONTROLLED,
+            0,
+            false,
+            finite_elements(FormulationName::ActiveSet),
+        ),
+        (
+            "time-freezing, controlled",
+            4,
+            false,
+            finite_elements(FormulationName::TimeFreezing),
         ),
         (
             "event-driven",
+            6,
+            false,
             MethodArguments {
                 method: Method::Event,
                 ..MethodArguments::default()
             },
         ),
     ];
-    for (colour, (name, arguments)) in controlled.into_iter().enumerate() {
-        let with_tolerance = |&tolerance| MethodArguments {
-            tolerance: Some(tolerance),
-            ..arguments.clone()
-        };
-        sweeps.push(Sweep {
-            name: name.to_owned(),
-            colour: 4 + colour,
-            dashed: false,
-            group: Group::Others,
-            settings: TOLERANCES.iter().map(with_tolerance).collect(),
+    let sweeps = controlled
+        .into_iter()
+        .map(|(name, colour, dashed, arguments)| {
+            let with_tolerance = |&tolerance| MethodArguments {
+                tolerance: Some(tolerance),
+                ..arguments.clone()
+            };
+            Sweep {
+                name: name.to_owned(),
+                colour,
+                dashed,
+                group: Group::Others,
+                compared: true,
+                theory: "-".to_owned(),
+                settings: TOLERANCES.iter().map(with_tolerance).collect(),
+            }
         });
-    }
-    sweeps
+    sweeps.collect()
 }
 
 /// The methods to compare with.
 fn others() -> Vec<Sweep> {
     let mut sweeps = Vec::new();
     for (colour, method, name) in [
-        (6, Method::Moreau, "Moreau-Jean"),
-        (7, Method::Fixed, "fixed steps"),
+        (0, Method::Moreau, "Moreau-Jean"),
+        (1, Method::Fixed, "fixed steps"),
     ] {
         let with_steps = |&steps| MethodArguments {
             method,
@@ -136,8 +226,10 @@ fn others() -> Vec<Sweep> {
         sweeps.push(Sweep {
             name: name.to_owned(),
             colour,
-            dashed: false,
+            dashed: true,
             group: Group::Others,
+            compared: true,
+            theory: "1 through switches".to_owned(),
             settings: TIME_STEPS.iter().map(with_steps).collect(),
         });
     }
@@ -149,9 +241,11 @@ fn others() -> Vec<Sweep> {
     };
     sweeps.push(Sweep {
         name: "smoothed".to_owned(),
-        colour: 8,
-        dashed: false,
+        colour: 3,
+        dashed: true,
         group: Group::Others,
+        compared: true,
+        theory: "1".to_owned(),
         settings: WIDTHS.iter().map(with_width).collect(),
     });
     sweeps

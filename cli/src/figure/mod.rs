@@ -1,12 +1,13 @@
 //! Figures as SVG, readable on light and on dark pages.
 
+mod axis;
 mod log_log;
 mod plane;
 mod time;
 
 use kuva::prelude::{Layout, Plot, Theme, render_to_svg};
 
-pub(crate) use log_log::{Curve, log_log};
+pub(crate) use log_log::{Curve, Dot, LogLog};
 pub(crate) use plane::{Motion, Path};
 pub(crate) use time::{Panel, Series, over_time};
 
