@@ -68,9 +68,20 @@ pub(super) fn locate(
     Err(Stop::Location)
 }
 
-/// Makes `count` elements of `length` part of the trajectory, unless a sign condition is violated in one of them or at
-/// their end: the elements in which the switch was found told only which condition is violated at one of their
-/// samples, and a long one may hold several. Returns that one, with its place in the last element.
+/// A contact that closes inside the solved element, and its gap there.
+fn passed_through(driver: &mut Driver<'_>) -> Option<(Switch, f64)> {
+    let switch = violation(driver).ok().flatten()?;
+    let closes = matches!(switch.kind, SwitchKind::Entry | SwitchKind::Reentry);
+    closes.then(|| {
+        let (place, contact) = (switch.violated, switch.contact);
+        let gap = driver.detector.gap_at(&driver.element, contact, place);
+        (switch, gap)
+    })
+}
+
+/// Makes `count` elements of `length` part of the trajectory, unless they pass through the ground or a sign condition is
+/// violated at their end: the elements in which the switch was found told only which conditions are violated at one of
+/// their samples, and a long one may hold several bounces. Returns that switch, with its place in the last element.
 fn accept_located(
     driver: &mut Driver<'_>,
     located: Switch,
@@ -84,14 +95,21 @@ fn accept_located(
             newton::solve(&mut driver.element, &driver.state, length, &driver.piece)?;
         }
         solved = false;
-        if let Some(mut other) = violation(driver)?
+        let passed = passed_through(driver);
+        driver.accept_element()?;
+        // On ground that has the shape of the flight rounding errors close the gap anywhere.
+        if let Some((mut other, gap)) = passed
             && (done < count || other.violated < 1.0)
+            && gap
+                < -driver
+                    .contacts
+                    .size(other.contact, driver.state.time)
+                    .touching_gap()
         {
             other.theta -= (count - done) as f64;
             other.violated -= (count - done) as f64;
             return Ok(Some(other));
         }
-        driver.accept_element()?;
     }
     Ok(earlier_violation(driver, located))
 }
