@@ -136,6 +136,19 @@ fn ended(run: &Result<Simulation, Ended>) -> Ended {
     }
 }
 
+/// Sizes of the accelerations without contact at the start.
+fn free_acceleration(model: &dyn Model) -> Vec<f64> {
+    let declaration = model.declaration();
+    let mut free = vec![0.0; declaration.coordinates.len()];
+    if let Ok(problem) = InitialValueProblem::of(model, None) {
+        // Coordinates, velocities; controls and time are zero.
+        let mut state = [problem.q, problem.v].concat();
+        state.resize(declaration.inputs(), 0.0);
+        model.free_acceleration(&state, &mut free);
+    }
+    free.iter().map(|a| a.abs()).collect()
+}
+
 /// Distance of the final states as a share of the largest value: of the way from the start for coordinates, of the
 /// velocity for velocities, each among the coordinates of one unit. So it does not depend on where the scene is.
 fn distance(model: &dyn Model, a: &Simulation, b: &Simulation) -> f64 {
@@ -171,13 +184,16 @@ fn distance(model: &dyn Model, a: &Simulation, b: &Simulation) -> f64 {
             difference.abs() / size
         }
     };
-    // Where nothing moves they are all there is.
-    let beyond_digits = |a: f64, b: f64| ((a - b).abs() - LAST_DIGITS * b.abs()).max(0.0);
+    // Where nothing moves they are all there is; forces that cancel leave those of what they would do alone.
+    let free = free_acceleration(model);
+    let beyond = |a: f64, b: f64, size: f64| ((a - b).abs() - LAST_DIGITS * size).max(0.0);
     (0..n)
         .flat_map(|k| {
+            let alone = largest(&free, k) * horizon;
+            let (q, v) = (q_b[k].abs() + alone * horizon, alone);
             [
-                share(beyond_digits(q_a[k], q_b[k]), largest(&way, k)),
-                share(v_a[k] - v_b[k], largest(&speed, k)),
+                share(beyond(q_a[k], q_b[k], q), largest(&way, k)),
+                share(beyond(v_a[k], v_b[k], v), largest(&speed, k)),
             ]
         })
         .fold(0.0, |worst, share| {

@@ -9,14 +9,6 @@ use hangtime_cli::{HardScene, Right};
 use hangtime_models::hard_scenes;
 use hangtime_scene_files::{TextScene, of_text};
 
-/// Degenerate scenes that are not right yet: contact forces that are not determined, and ones that vanish together with
-/// the gap and its velocity. `chart --stability` shows them as they are.
-const KNOWN_TO_FAIL: [&str; 3] = [
-    "three-feet by time-freezing",
-    "weightless-slide by default",
-    "weightless-slide by time-freezing",
-];
-
 fn scene(hard: &HardScene) -> TextScene {
     of_text(&format!("{}.hang", hard.name), hard.text)
         .unwrap_or_else(|error| panic!("{}: {error}", hard.name))
@@ -64,9 +56,6 @@ fn methods_that_promise_an_accuracy_are_right_or_stop_with_a_name() {
         let scene = scene(hard);
         for (method, simulator) in &methods {
             let name = format!("{} by {method}", hard.name);
-            if KNOWN_TO_FAIL.contains(&name.as_str()) {
-                continue;
-            }
             let (run, horizon) = run(&scene, simulator.as_ref());
             match hard.right {
                 Right::Formula(formula) => {
