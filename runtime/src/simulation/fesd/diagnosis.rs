@@ -80,12 +80,18 @@ pub(super) fn unsettled(driver: &Driver<'_>, step: usize) -> SimulationStatus {
         Some(event)
             if event.kind == EventKind::Impact && driver.restitution[event.contact] > 0.0 =>
         {
-            format!(
-                "`{}` bounces too often before it rests: raise the rest velocity, {:.1e} now, or \
-                 lower the restitution",
-                driver.model.declaration().contacts[event.contact].name,
-                driver.rest_velocity(event.contact)
-            )
+            let name = driver.model.declaration().contacts[event.contact].name;
+            if driver.restitution[event.contact] < 1.0 {
+                let rest = driver.rest_velocity(event.contact);
+                format!(
+                    "`{name}` bounces too often before it rests: raise the rest velocity, {rest:.1e} now, or lower the \
+                     restitution"
+                )
+            } else {
+                format!(
+                    "`{name}` bounces without losing speed, so it never rests: shorten the horizon, or lower the restitution"
+                )
+            }
         }
         _ => "the contact mode does not settle: look at the surfaces that meet here, or take more steps"
             .into(),
