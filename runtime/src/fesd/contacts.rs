@@ -139,6 +139,11 @@ impl<'a> Contacts<'a> {
         self.point(contact)[contact_point::GAP]
     }
 
+    /// Gradient of the gap at the last evaluation.
+    pub(crate) fn normal(&self, contact: usize) -> &[f64] {
+        &self.point(contact)[contact_point::NORMAL..][..self.n]
+    }
+
     /// Normal velocity of the last evaluation.
     pub(crate) fn normal_velocity(&self, contact: usize) -> f64 {
         self.point(contact)[contact_point::NORMAL_VELOCITY]

@@ -301,13 +301,23 @@ impl<'a> FiniteElement<'a> {
         let speed = motion.speed.max(largest(&self.end.v)) + f64::MIN_POSITIVE;
         let distance = motion.distance.max(h * speed);
         let rounding = motion.rounding;
-        let cancelled = 64.0 * f64::EPSILON * h * self.acceleration_scale;
+        let cancelled = self.cancelled_velocity();
         let beyond = |error: f64, rounding: f64, size: f64| (error - rounding).max(0.0) / size;
         beyond(velocity, rounding / h + cancelled, speed).max(beyond(
             position,
-            rounding + h * cancelled,
+            self.position_rounding(motion),
             distance,
         ))
+    }
+
+    /// Velocity that rounding errors of accelerations that cancel leave.
+    fn cancelled_velocity(&self) -> f64 {
+        64.0 * f64::EPSILON * self.length * self.acceleration_scale
+    }
+
+    /// Rounding error of the coordinates of the solved element in the `motion`.
+    pub(crate) fn position_rounding(&self, motion: &MotionSize) -> f64 {
+        motion.rounding + self.length * self.cancelled_velocity()
     }
 
     /// State inside the solved element by its collocation polynomials; `weights` are the dense output

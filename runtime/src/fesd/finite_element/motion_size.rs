@@ -27,6 +27,14 @@ impl MotionSize {
         size
     }
 
+    /// How much a function with the gradient `normal` has changed by the way to the state `(q, v)`, or in the time `h`
+    /// there if that is more: the sum of the sizes of its terms.
+    pub(crate) fn along(&self, normal: &[f64], (q, v): (&[f64], &[f64]), h: f64) -> f64 {
+        let ways = self.start.iter().zip(q).map(|(start, q)| (q - start).abs());
+        let ways = ways.zip(v).map(|(way, v)| way.max(h * v.abs()));
+        normal.iter().zip(ways).map(|(n, way)| n.abs() * way).sum()
+    }
+
     /// Grows to the state `(q, v)`.
     pub(crate) fn include(&mut self, q: &[f64], v: &[f64]) {
         for (k, start) in self.start.iter().enumerate() {

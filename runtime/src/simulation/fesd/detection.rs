@@ -22,6 +22,7 @@ pub(super) fn first_violation(
 ) -> Result<Option<Switch>, Stop> {
     let active = element.active();
     detector.open.clear();
+    detector.drift = 0.0;
     let row = detector.thetas.len() + 1;
     for (i, &gap) in start.gaps.iter().enumerate() {
         if find(active, i).is_none() {
@@ -40,7 +41,7 @@ pub(super) fn first_violation(
     for k in 0..detector.thetas.len() {
         detector.interpolate(element, k);
         let mut first = gap_switch::first_entry(detector, element, contacts, start, k)?;
-        gap_switch::first_exit(detector, element, contacts, k, &mut first)
+        gap_switch::first_exit(detector, element, contacts, (start.motion, k), &mut first)
             .map_err(gap_switch::beyond)?;
         friction_switch::first_friction(detector, element, contacts, start, k, &mut first)?;
         if first.is_some() {

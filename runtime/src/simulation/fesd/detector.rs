@@ -23,6 +23,9 @@ pub(super) struct Detector<'a> {
     pub(super) open: Vec<usize>,
     /// Sizes of gaps and velocities of all contacts at the start.
     pub(super) sizes: Vec<ContactSize>,
+    /// Largest gap of an active contact between the stages, as a share of what the motion has made of it; 0 where nobody
+    /// asks for it.
+    pub(super) drift: f64,
     /// Of active contacts with friction at the start and all samples, one row a contact: what the friction of
     /// a sticking one lacks to its bound, or the sliding velocity in the sense of the slip.
     pub(super) frictions: Vec<f64>,
@@ -51,6 +54,7 @@ impl<'a> Detector<'a> {
             gaps: vec![0.0; contacts * (samples + 1)],
             open: Vec::with_capacity(contacts),
             sizes: vec![ContactSize::default(); contacts],
+            drift: 0.0,
             frictions: vec![0.0; contacts * (samples + 1)],
         }
     }

@@ -7,7 +7,7 @@ use super::switch::{
 };
 use crate::fesd::active_contact::force_count;
 use crate::fesd::contacts::{Contacts, ModeError};
-use crate::fesd::finite_element::{ElementError, FiniteElement};
+use crate::fesd::finite_element::{ElementError, FiniteElement, MotionSize};
 
 /// Share of the way in an element below which a penetration after a release may be its local error.
 const DEEP: f64 = 1e-3;
@@ -255,7 +255,7 @@ pub(super) fn first_exit(
     detector: &mut Detector<'_>,
     element: &FiniteElement<'_>,
     contacts: &mut Contacts<'_>,
-    k: usize,
+    (motion, k): (Option<&MotionSize>, usize),
     first: &mut Option<Switch>,
 ) -> Result<(), ModeError> {
     let active = element.active();
@@ -264,6 +264,9 @@ pub(super) fn first_exit(
     }
     contacts.evaluate(&detector.x, active.iter().map(|held| held.contact));
     contacts.contact_forces(active, &mut detector.forces[..force_count(active)])?;
+    if let Some(motion) = motion {
+        observe_drift(detector, element, contacts, motion);
+    }
     for (slot, held) in active.iter().enumerate() {
         let i = held.contact;
         let (before, after) = (
@@ -277,6 +280,29 @@ pub(super) fn first_exit(
     }
     detector.previous_forces.copy_from_slice(&detector.forces);
     Ok(())
+}
+
+/// Takes note of the gaps of active contacts at the sample that is evaluated. They vanish at the stages; what is left of
+/// them in between tells of ground that varies faster than the stages see, which their error estimate does not know.
+fn observe_drift(
+    detector: &mut Detector<'_>,
+    element: &FiniteElement<'_>,
+    contacts: &Contacts<'_>,
+    motion: &MotionSize,
+) {
+    let of_coordinates = element.position_rounding(motion);
+    for held in element.active() {
+        let i = held.contact;
+        let normal = contacts.normal(i);
+        let steepness: f64 = normal.iter().map(|n| n.abs()).sum();
+        let rounding = detector.sizes[i].touching_gap() + steepness * of_coordinates;
+        let gap = contacts.gap(i).abs() - rounding;
+        if gap > 0.0 {
+            let (q, v) = detector.x[..2 * normal.len()].split_at(normal.len());
+            let way = motion.along(normal, (q, v), element.length());
+            detector.drift = detector.drift.max(gap / way);
+        }
+    }
 }
 
 /// Minimizes the gap of the dense output between `lower` and `upper` by golden section; a minimum below

@@ -24,6 +24,7 @@ pub(super) fn violation(driver: &mut Driver<'_>) -> Result<Option<Switch>, Stop>
         forces: &driver.forces,
         acceleration: &driver.acceleration,
         time: driver.state.time,
+        motion: driver.local_tolerance.is_some().then_some(&driver.motion),
     };
     detection::first_violation(
         &mut driver.detector,

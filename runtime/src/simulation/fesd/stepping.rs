@@ -300,6 +300,17 @@ fn control_error(driver: &mut Driver<'_>) -> bool {
     ratio > 1.0
 }
 
+/// Whether the element leaves the ground between its stages by more than its tolerance; the next one is half as long.
+fn strays(driver: &mut Driver<'_>) -> bool {
+    let strays = driver
+        .local_tolerance
+        .is_some_and(|tolerance| driver.detector.drift > tolerance);
+    if strays {
+        driver.proposed_length = 0.5 * driver.element.length();
+    }
+    strays
+}
+
 /// Controls that hold from now on; a jump of theirs may change the contact mode.
 fn take_up_controls(driver: &mut Driver<'_>, step: usize) -> Result<(), SimulationStatus> {
     if driver.u.is_empty() {
@@ -342,6 +353,9 @@ fn segment(
         if let Some(switch) = location::violation(driver)? {
             violation = Some((switch, count));
             break;
+        }
+        if strays(driver) {
+            return Ok(Segment::Rejected);
         }
         driver.accept_element()?;
     }

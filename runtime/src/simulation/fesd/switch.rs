@@ -1,5 +1,7 @@
 //! What ends an element, and how a root is found on its dense output.
 
+use crate::fesd::finite_element::MotionSize;
+
 /// Relative size of a negative normal contact acceleration that is rounding error.
 pub(super) const FORCE_TOLERANCE: f64 = 1e-12;
 
@@ -47,6 +49,8 @@ pub(super) struct ElementStart<'a> {
     pub(super) acceleration: &'a [f64],
     /// Time [s].
     pub(super) time: f64,
+    /// The motion by which the gaps of active contacts are measured, where errors are controlled.
+    pub(super) motion: Option<&'a MotionSize>,
 }
 
 /// Place and value of the minimum of `value` between `lower` and `upper`, by golden section.
