@@ -146,3 +146,37 @@ fn crests_between_the_stages_of_an_element_are_not_stepped_over() {
         assert!(error < 1e-6, "k = {k}: {error:e}");
     }
 }
+
+hangtime::model! {
+    /// A fast ride into waves that are millimetres high.
+    pub Ripples {
+        parameters { a: m = 0.00409, k: 1/m = 1006.3, v: m/s = 57.237, g: m/s^2 = 9.81 }
+        coordinates { y: m, s: m }
+        fn track(y) = a*(1 - cos(k*y))
+        lagrangian (dot(y)^2 + (dot(s) + diff(track)(y)*dot(y))^2)/2 - g*(track(y) + s)
+        surface ground: s >= 0
+        impact ground: inelastic, along (-diff(track)(y), 1)
+        start { dot(y): v }
+        horizon 0.45 [s]
+    }
+}
+
+#[test]
+fn newtons_method_finds_back_from_an_element_that_is_far_off() {
+    // Stages of elements that are much too long reach velocities of 1e7 m/s; whoever starts from them stays there.
+    let ripples = Ripples::default();
+    let run = simulate(&ripples).run().unwrap();
+    assert!(run.status.is_solved(), "{}", run.status);
+    let exact = simulate(&ripples)
+        .method(EventDriven::default())
+        .run()
+        .unwrap();
+    assert!(exact.status.is_solved(), "{}", exact.status);
+    let y = |run: &Simulation| run.trajectory.q.last().unwrap()[0];
+    assert!(
+        (y(&run) - y(&exact)).abs() < 1e-5 * y(&exact).abs(),
+        "{}, {}",
+        y(&run),
+        y(&exact)
+    );
+}
