@@ -84,10 +84,14 @@ pub use hangtime_macros::model;
 /// file. Its path is counted from the folder of the package's manifest. `hangtime simulate scenes/ball.hang` runs the same
 /// file without a compiler.
 ///
-/// ```ignore
-/// hangtime::model_file!("scenes/ski-jump.hang");
+/// ```
+/// use hangtime::prelude::*;
 ///
-/// let jump = SkiJump::default();
+/// hangtime::model_file!("tests/data/ball.hang");
+///
+/// let run = simulate(&Ball::default()).run()?;
+/// assert!((run.events[0].time - (2.0_f64 / 9.81).sqrt()).abs() < 1e-12);
+/// # Ok::<(), InputError>(())
 /// ```
 ///
 /// Mistakes are named with the file, line and column.

@@ -6,9 +6,13 @@ use std::path::Path;
 
 #[test]
 fn mistakes_are_reported_at_the_users_token() {
-    // Cases are built in `tests/trybuild/hangtime` of the target folder, from where `model_file!` reads paths.
-    let scene = Path::new(env!("CARGO_TARGET_TMPDIR")).join("ball.hang");
-    fs::copy("tests/ui/files/ball.hang", scene).expect("the scene file is copied");
+    // `model_file!` reads paths from the package in which the cases are built.
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .parent()
+        .expect("the target folder");
+    let scenes = target.join("tests/trybuild/hangtime/scenes");
+    fs::create_dir_all(&scenes).expect("a folder for scenes");
+    fs::copy("tests/ui/files/ball.hang", scenes.join("ball.hang")).expect("the scene is copied");
     // Cases that compile stand in `tests/declarations/hygiene.rs`: one here would build every dependency again.
     trybuild::TestCases::new().compile_fail("tests/ui/*/*.rs");
 }

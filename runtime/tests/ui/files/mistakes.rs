@@ -1,4 +1,4 @@
-hangtime::model_file!("../../../tmp/ball.hang");
+hangtime::model_file!("scenes/ball.hang");
 
 fn main() {
     let _ = Ball::default();
