@@ -34,7 +34,7 @@ pub(crate) struct Output {
     /// As it follows from the expression, where none is declared.
     pub(crate) inferred: Option<Unit>,
     pub(crate) documentation: Documentation,
-    /// In the declared unit, or in SI units.
+    /// In SI units.
     pub(crate) value: Sym,
 }
 

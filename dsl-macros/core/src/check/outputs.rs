@@ -54,11 +54,10 @@ fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
         let message = format!("a scene has at most {MOST} outputs");
         return Err(checker.diagnostics.syntax(name.place(), message));
     }
-    let in_si = value.scaled(scene::scale(quantity.unit.as_ref()));
     if graph::depends_on(value, is_contact_force) {
         checker.scope.recorded.insert(name.text.clone());
     }
-    let meaning = Meaning::Value(Value::Scalar(in_si));
+    let meaning = Meaning::Value(Value::Scalar(value));
     checker.scope.names.insert(name.text.clone(), meaning);
     checker.shown.outputs.push(scene::Output {
         name: name.clone(),
@@ -83,7 +82,14 @@ fn recorded(checker: &mut Checker<'_>, expr: &Expr, quantity: &Quantity) -> Chec
             );
             Err(checker.diagnostics.report("E02", expr.place, message))
         }
-        Ok(_) => values::in_declared_unit(checker, expr, quantity.unit.as_ref()),
+        Ok(_) => {
+            let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics);
+            let scale = scene::scale(quantity.unit.as_ref());
+            value.map(|value| match values::is_bare(expr) {
+                true => value.scaled(scale),
+                false => value,
+            })
+        }
         Err(Reported) => Err(Reported),
     };
     checker.scope.role = Role::Motion;

@@ -32,7 +32,7 @@ pub(super) fn default_value(
 
 /// An expression as a number in a declared unit: bare numbers are in that unit already, anything
 /// else is in SI units and converted.
-pub(super) fn in_declared_unit(
+fn in_declared_unit(
     checker: &mut Checker<'_>,
     expr: &Expr,
     unit: Option<&WrittenUnit>,
