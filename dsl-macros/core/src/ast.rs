@@ -126,10 +126,7 @@ pub(crate) enum Shape {
         form: Form,
     },
     /// What joins two points: a link, or a spring.
-    Line {
-        spring: bool,
-        ends: Box<[Expr; 2]>,
-    },
+    Line { spring: bool, ends: Box<[Expr; 2]> },
     /// A curve over a number of its own, in a range or over all that is shown.
     Curve {
         name: Name,
@@ -143,15 +140,9 @@ pub(crate) enum Shape {
 #[derive(Debug)]
 pub(crate) enum Form {
     Point,
-    Circle {
-        radius: Expr,
-    },
-    Rectangle {
-        size: Expr,
-    },
-    Polygon {
-        corners: Vec<Expr>,
-    },
+    Circle { radius: Expr },
+    Rectangle { size: Expr },
+    Polygon { corners: Vec<Expr> },
 }
 
 /// One statement.

@@ -98,8 +98,7 @@ pub(crate) const SHAPES: [&str; 7] = [
 ];
 
 /// Words in front of the properties of a shape, where an expression ends.
-pub(crate) const PROPERTIES: [&str; 7] =
-    ["at", "angle", "radius", "size", "corners", "to", "over"];
+pub(crate) const PROPERTIES: [&str; 7] = ["at", "angle", "radius", "size", "corners", "to", "over"];
 
 /// Words of `picture` before which an expression ends.
 pub(crate) const PICTURE: [&str; 14] = [

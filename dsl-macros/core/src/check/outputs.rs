@@ -39,7 +39,10 @@ fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
         checker.diagnostics.syntax(lower.place, message);
     }
     let Some(expr) = &quantity.value else {
-        let unit = quantity.unit.as_ref().map(|unit| format!(": {}", unit.text));
+        let unit = quantity
+            .unit
+            .as_ref()
+            .map(|unit| format!(": {}", unit.text));
         let message = format!(
             "output `{0}` needs an expression, as in `{0}{1} = ...`",
             name.text,

@@ -106,9 +106,7 @@ fn checked(checker: &mut Checker<'_>, picture: &Picture, shape: &ast::Shape) -> 
             let free = new_shape(checker, picture, name);
             let at = place(checker, at);
             let angle = match angle {
-                Some(angle) => {
-                    expression::scalar(&mut checker.scope, angle, checker.diagnostics)
-                }
+                Some(angle) => expression::scalar(&mut checker.scope, angle, checker.diagnostics),
                 None => Ok(Sym::ZERO),
             };
             let form = checked_form(checker, name, form);
@@ -136,8 +134,7 @@ fn checked(checker: &mut Checker<'_>, picture: &Picture, shape: &ast::Shape) -> 
             let free = new_shape(checker, picture, name);
             let range = range.as_ref().map(|(lower, upper)| {
                 let [lower, upper] = [lower, upper].map(|bound| {
-                    let value =
-                        expression::scalar(&mut checker.scope, bound, checker.diagnostics)?;
+                    let value = expression::scalar(&mut checker.scope, bound, checker.diagnostics)?;
                     fixed(checker, value, bound, &name.text)
                 });
                 Ok([lower?, upper?])
@@ -168,7 +165,11 @@ fn checked(checker: &mut Checker<'_>, picture: &Picture, shape: &ast::Shape) -> 
 
 /// E19: names of bodies and curves are different.
 fn new_shape(checker: &mut Checker<'_>, picture: &Picture, name: &Name) -> Checked<()> {
-    if !picture.shapes.iter().any(|known| known.is_called(&name.text)) {
+    if !picture
+        .shapes
+        .iter()
+        .any(|known| known.is_called(&name.text))
+    {
         return Ok(());
     }
     let message = format!("`{}` is drawn twice; rename one", name.text);
@@ -227,7 +228,9 @@ fn fixed(checker: &mut Checker<'_>, value: Sym, expr: &Expr, name: &str) -> Chec
 fn end(checker: &mut Checker<'_>, picture: &Picture, expr: &Expr) -> Checked<Point> {
     if let Kind::Name(name) = &expr.kind {
         let body = picture.shapes.iter().find_map(|shape| match shape {
-            Shape::Body { name: known, at, .. } => (*known == name.text).then_some(*at),
+            Shape::Body {
+                name: known, at, ..
+            } => (*known == name.text).then_some(*at),
             _ => None,
         });
         if let Some(at) = body {

@@ -72,7 +72,11 @@ pub(super) fn outputs(builder: &mut Builder<'_>) -> Option<Outputs> {
     let values: Vec<Sym> = declared
         .iter()
         .map(|output| {
-            simplify(output.value.scaled(1.0 / scene::scale(output.unit.as_ref())))
+            simplify(
+                output
+                    .value
+                    .scaled(1.0 / scene::scale(output.unit.as_ref())),
+            )
         })
         .collect();
     Some(Outputs {
@@ -85,7 +89,7 @@ pub(super) fn picture(builder: &mut Builder<'_>) -> Option<Picture> {
     let declared = builder.scene.picture.as_ref()?;
     let scale = 1.0 / declared.unit.1;
     let mut values: Vec<Sym> = Vec::new();
-    let mut lengths = |values: &mut Vec<Sym>, point: &[Sym]| {
+    let lengths = |values: &mut Vec<Sym>, point: &[Sym]| {
         values.extend(point.iter().map(|&length| simplify(length.scaled(scale))));
     };
     let mut shapes = Vec::with_capacity(declared.shapes.len());

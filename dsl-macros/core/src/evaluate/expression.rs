@@ -416,7 +416,10 @@ fn contact_force(
             return Err(diagnostics.report("E02", whole.place, message));
         }
     };
-    let known = scope.surfaces.iter().position(|known| *known == surface.text);
+    let known = scope
+        .surfaces
+        .iter()
+        .position(|known| *known == surface.text);
     let Some(index) = known else {
         if diagnostics.is_poisoned(&surface.text) {
             return Err(Reported);

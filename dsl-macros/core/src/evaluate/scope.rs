@@ -68,7 +68,9 @@ impl Scope {
             return Ok(value.clone());
         }
         match self.names.get(&name.text) {
-            Some(Meaning::Value(_)) if self.role != Role::Record && self.recorded.contains(&name.text) => {
+            Some(Meaning::Value(_))
+                if self.role != Role::Record && self.recorded.contains(&name.text) =>
+            {
                 let message = format!(
                     "`{}` contains the force of a contact, which follows from the motion; it can be used in `outputs` \
                      only",

@@ -112,18 +112,15 @@ fn body(cursor: &mut Cursor, kind: &Name, diagnostics: &mut Diagnostics) -> Chec
     })
 }
 
-fn incomplete(
-    kind: &Name,
-    name: &Name,
-    diagnostics: &mut Diagnostics,
-) -> Reported {
+fn incomplete(kind: &Name, name: &Name, diagnostics: &mut Diagnostics) -> Reported {
     let (what, example) = match kind.text.as_str() {
         "circle" => ("a radius", "radius 0.1 [m]"),
         "rectangle" => ("a size", "size (0.2 [m], 0.1 [m])"),
         _ => ("its corners", "corners ((0, 0), (l, 0), (0, l))"),
     };
     let (kind, text) = (&kind.text, &name.text);
-    let message = format!("{kind} `{text}` needs {what}, as in `{kind} {text} at (y, z) {example}`");
+    let message =
+        format!("{kind} `{text}` needs {what}, as in `{kind} {text} at (y, z) {example}`");
     diagnostics.syntax(name.place(), message)
 }
 

@@ -24,7 +24,8 @@ pub(super) fn output(walk: &mut Walk<'_>, quantity: &Quantity) -> Dimension {
     }
     let unit = declared.or(own.ok());
     let unit = unit.unwrap_or_else(|| walk.unifier.unknown(name));
-    walk.values.insert(name.clone(), Units::Scalar(unit.clone()));
+    walk.values
+        .insert(name.clone(), Units::Scalar(unit.clone()));
     unit
 }
 
@@ -93,7 +94,8 @@ fn curve(
             own
         }
     };
-    walk.frames.push(vec![(over.text.clone(), Units::Scalar(along))]);
+    walk.frames
+        .push(vec![(over.text.clone(), Units::Scalar(along))]);
     let result = lengths(walk, points, "it is a place in the picture");
     walk.frames.pop();
     result

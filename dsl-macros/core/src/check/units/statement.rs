@@ -1,7 +1,7 @@
 //! Units of whole statements.
 
-use super::{angle, shown};
 use super::walk::{Units, Walk};
+use super::{angle, shown};
 use crate::ast::{
     Assignment, Condition, Expr, FreeStart, Kind, Law, Name, Quantity, Scene, Statement,
 };

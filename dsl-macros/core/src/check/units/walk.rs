@@ -391,7 +391,15 @@ impl Walk<'_> {
                 Ok(Units::Scalar(self.pure(argument, text)?))
             }
             // A force does work on a change of the gap.
-            (_, [Expr { kind: Kind::Name(surface), .. }]) if words::CONTACT_FUNCTIONS.contains(&text) => {
+            (
+                _,
+                [
+                    Expr {
+                        kind: Kind::Name(surface),
+                        ..
+                    },
+                ],
+            ) if words::CONTACT_FUNCTIONS.contains(&text) => {
                 let gap = self.gaps.iter().find(|(name, _)| *name == surface.text);
                 let gap = gap.map(|(_, gap)| gap.clone()).ok_or(Reported)?;
                 Ok(Units::Scalar(self.energy.over(&gap)))
