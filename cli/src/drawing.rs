@@ -326,3 +326,152 @@ pub(crate) fn zigzag([from, to]: [[f64; 2]; 2], width: f64) -> Vec<[f64; 2]> {
     points.push(to);
     points
 }
+
+#[cfg(test)]
+mod tests {
+    use hangtime_scene_files::of_text;
+
+    use super::{Body, Drawing, GroundLine, Placed, zigzag};
+
+    const BALL: &str = "parameters { r: m = 2 } coordinates { x: m, z: m } lagrangian 1[kg]/2*|dot((x, z))|^2 \
+        surface floor: z >= x/2 impact floor: inelastic surface wall: x <= 3[m] impact wall: inelastic \
+        surface disc: x^2 + z^2 >= r^2 impact disc: inelastic start { x: 2, z: 3 }";
+
+    fn close(a: [f64; 2], b: [f64; 2]) -> bool {
+        (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9
+    }
+
+    #[test]
+    fn scene_of_one_body_is_drawn_without_a_picture() {
+        let ball = of_text("ball.hang", BALL).unwrap();
+        let drawing = Drawing::of(&ball, "ball").unwrap();
+        assert_eq!(
+            (drawing.axes.join(" "), drawing.unit),
+            ("x [m] z [m]".to_owned(), "m")
+        );
+        assert_eq!(
+            drawing.placed(&[0.5, 0.7], &[], &[], 0.0).places,
+            [[0.5, 0.7]]
+        );
+        let lines = drawing.ground([[-4.0, 4.0], [-4.0, 4.0]]);
+        let named = |name: &str| -> Vec<&GroundLine> {
+            lines.iter().filter(|line| line.name == name).collect()
+        };
+        let [floor, wall, disc] = [named("floor"), named("wall"), named("disc")];
+        assert_eq!([floor.len(), wall.len(), disc.len()], [1; 3]);
+        assert!(
+            floor[0]
+                .points
+                .iter()
+                .all(|[x, z]| (z - x / 2.0).abs() < 1e-9)
+        );
+        assert!(wall[0].points.iter().all(|[x, _]| (x - 3.0).abs() < 1e-9));
+        assert!(
+            disc[0]
+                .points
+                .iter()
+                .all(|[x, z]| (x.hypot(*z) - 2.0).abs() < 1e-9)
+        );
+        let carts = BALL
+            .replace("x", "a")
+            .replace("z", "b")
+            .replace("mab", "max");
+        let two = of_text("carts.hang", &carts).unwrap();
+        assert!(Drawing::of(&two, "carts").is_none());
+    }
+
+    #[test]
+    fn surfaces_that_are_no_places_of_a_point_are_not_drawn() {
+        // In turn: the surface needs an angle, the time; the body is larger than a point; the ground is drawn.
+        for (surface, picture) in [
+            ("z >= 0.1[m]*cos(a)", "point ball at (y, z)"),
+            ("z >= 0.1[m]*sin(t*1[1/s])", "point ball at (y, z)"),
+            ("z >= 0.1[m]", "circle ball at (y, z) radius 0.1[m]"),
+            ("z >= 0.1[m]", "point ball at (y + 1[m], z)"),
+        ] {
+            let text = format!(
+                "coordinates {{ y: m, z: m, a: rad }} \
+                 lagrangian 1[kg]/2*|dot((y, z))|^2 + 1[kg m^2]/2*dot(a)^2 \
+                 surface floor: {surface} impact floor: inelastic start {{ z: 1 }} picture {{ {picture} }}"
+            );
+            let scene = of_text("scene.hang", &text).unwrap();
+            let drawing = Drawing::of(&scene, "scene").unwrap();
+            assert_eq!(
+                drawing.ground([[-2.0, 2.0], [-2.0, 2.0]]),
+                [],
+                "{surface} {picture}"
+            );
+            let drawn = text.replace(
+                "picture {",
+                "picture { curve floor: (w, 0) over w in 0[m]..=1[m],",
+            );
+            let scene = of_text("scene.hang", &drawn).unwrap();
+            let lines = Drawing::of(&scene, "scene").unwrap();
+            let lines = lines.ground([[-2.0, 2.0], [-2.0, 2.0]]);
+            assert_eq!(lines.len(), 1);
+            assert_eq!(
+                (lines[0].points[0], lines[0].points[200]),
+                ([0.0, 0.0], [1.0, 0.0])
+            );
+        }
+    }
+
+    #[test]
+    fn bodies_are_placed_by_point_and_angle_in_the_unit_of_the_coordinates() {
+        let text = "parameters { l: mm = 40 } coordinates { y: cm, z: cm, a: deg } \
+            lagrangian 1[kg]/2*|dot((y, z))|^2 + 1[kg m^2]/2*dot(a)^2 \
+            picture { \
+                rectangle plank at (y, z) size (l, 20[mm]) angle a, \
+                circle wheel at (y + l, z) radius l/2 angle 2*a, \
+                polygon tip at (0, 0) corners ((0, 0), (l, 0), (0, l)), \
+                link plank to wheel, spring (0, 0) to (0, 1[cm]), \
+                curve track: (w, 2*w) over w, \
+                curve arc: (l*cos(s), l*sin(s)) over s in 0..=pi/2 \
+            }";
+        let scene = of_text("scene.hang", text).unwrap();
+        let drawing = Drawing::of(&scene, "scene").unwrap();
+        assert_eq!(
+            (drawing.axes.join(" "), drawing.unit),
+            ("y [cm] z [cm]".to_owned(), "cm")
+        );
+        assert_eq!(drawing.springs, [false, true]);
+        let Body {
+            name,
+            outline,
+            round,
+        } = &drawing.bodies[0];
+        assert_eq!((*name, *round), ("plank", false));
+        let corners = [[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0]];
+        assert!(outline.iter().zip(corners).all(|(a, b)| close(*a, b)));
+        assert!((drawing.bodies[1].reach() - 2.0).abs() < 1e-12);
+        assert!((drawing.bodies[2].reach() - 4.0).abs() < 1e-12);
+        let placed = drawing.placed(&[10.0, 5.0, 90.0], &[], &[], 0.0);
+        assert!(close(placed.places[1], [14.0, 5.0]));
+        assert!(close(placed.point(0, [2.0, 1.0]), [9.0, 7.0]));
+        assert!((placed.angles[1] - std::f64::consts::PI).abs() < 1e-12);
+        assert!(close(placed.ends[0][0], [10.0, 5.0]) && close(placed.ends[0][1], [14.0, 5.0]));
+        assert!(close(placed.ends[1][1], [0.0, 1.0]));
+        let lines = drawing.ground([[-3.0, 3.0], [-1.0, 1.0]]);
+        assert!(close(lines[0].points[0], [-3.0, -6.0]) && close(lines[0].points[200], [3.0, 6.0]));
+        assert!(close(lines[1].points[0], [4.0, 0.0]) && close(lines[1].points[200], [0.0, 4.0]));
+    }
+
+    #[test]
+    fn spring_begins_and_ends_where_it_is_fixed_and_winds_around_the_line_between() {
+        let ends = [[1.0, 1.0], [4.0, 5.0]];
+        let points = zigzag(ends, 0.2);
+        assert_eq!((points[0], *points.last().unwrap()), (ends[0], ends[1]));
+        // Distances from the line through both ends, whose direction is (3, 4)/5.
+        let beside = points
+            .iter()
+            .map(|[a, b]| (4.0 * (a - 1.0) - 3.0 * (b - 1.0)) / 5.0);
+        let turns: Vec<f64> = beside.skip(1).take(points.len() - 2).collect();
+        assert!(
+            turns.iter().all(|x| (x.abs() - 0.1).abs() < 1e-12),
+            "{turns:?}"
+        );
+        assert!(turns.windows(2).all(|pair| pair[0] * pair[1] < 0.0));
+        assert_eq!(zigzag([ends[0]; 2], 0.2), [ends[0]; 2]);
+        assert_eq!(Placed::default().extent(&[]), [[0.0; 2]; 0]);
+    }
+}

@@ -85,9 +85,7 @@ fn name(file: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use hangtime_scene_files::of_text;
-
-    use super::{Model as _, ground, is_path, name, plane};
+    use super::{is_path, name};
 
     #[test]
     fn name_of_a_file_is_that_of_its_results() {

@@ -3,6 +3,7 @@
 mod fuzz;
 mod messages;
 mod pages;
+mod shown;
 mod slips;
 mod stumbles;
 mod texts;
