@@ -1,9 +1,8 @@
 //! Where in the plane a contact force acts, and along which direction.
 //!
 //! A force `F` on a body at `p(q)` with the angle `a(q)`, and its moment `m` about `p`, are the generalized force
-//! `(dp/dq)' F + (da/dq)' m`. The one of a contact is `n lambda_n + b lambda_t`. The arrow belongs to the body that can carry
-//! it, and is the least-squares solution there; it points into the outline of the body along the line on which `F` has the
-//! moment `m`.
+//! `(dp/dq)' F + (da/dq)' m`. The one of a contact is `n lambda_n + b lambda_t`. The arrow belongs to the first body that can
+//! carry it, by least squares, and begins where the line on which `F` has the moment `m` enters the outline of the body.
 
 use hangtime::model::{Model, contact_point, tangent_point};
 use serde::Serialize;
@@ -58,21 +57,20 @@ pub(super) fn arrows(drawing: &Drawing<'_>, model: &dyn Model, state: &State) ->
         .collect()
 }
 
-/// The body that carries a generalized force, and the load on it: a force through its place if one is enough.
+/// The first body that carries a generalized force, and the load on it: a force through its place if one is enough.
 fn load(jacobians: &[Vec<[f64; 3]>], generalized: &[f64]) -> Option<(usize, [f64; 3])> {
     let size = generalized.iter().map(|q| q * q).sum::<f64>().sqrt();
-    [0.0, 1.0].into_iter().find_map(|turning| {
-        let loads = jacobians.iter().enumerate().map(|(body, jacobian)| {
-            let columns = jacobian
-                .iter()
-                .map(|[y, z, angle]| [*y, *z, turning * angle]);
+    let carried = |turning: f64| {
+        let mut loads = jacobians.iter().enumerate().map(|(body, jacobian)| {
+            let columns = jacobian.iter();
+            let columns = columns.map(|[y, z, angle]| [*y, *z, turning * angle]);
             let (load, residual) = least_squares(&columns.collect::<Vec<_>>(), generalized);
             (residual, body, load)
         });
-        let best = loads.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let (residual, body, load) = best;
-        (size > 0.0 && residual <= CARRIED * size).then_some((body, load))
-    })
+        loads.find(|(residual, ..)| size > 0.0 && *residual <= CARRIED * size)
+    };
+    let (_, body, load) = carried(0.0).or_else(|| carried(1.0))?;
+    Some((body, load))
 }
 
 /// Where the line on which a force has the moment enters an outline, from the place of the body; the point of the line

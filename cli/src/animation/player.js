@@ -129,9 +129,7 @@
       }
       const pixels = (longest * length) / data.largest_force;
       const [u, v] = [force[0] / length, -force[1] / length];
-      // The arrow of a point begins at it; that of a body ends where the force enters its outline.
-      const back = bodies[body].outline.length === 0 ? 0 : pixels;
-      const [x0, y0] = [x(a) - back * u, y(b) - back * v];
+      const [x0, y0] = [x(a), y(b)];
       const [x1, y1] = [x0 + pixels * u, y0 + pixels * v];
       const head = Math.min(9, pixels / 2);
       const side = (turn) => `${x1 - head * (u + turn * v)} ${y1 - head * (v - turn * u)}`;
