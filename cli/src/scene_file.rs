@@ -27,6 +27,11 @@ pub(crate) fn read(file: &str) -> Result<TextScene, BadInput> {
     Ok(scene)
 }
 
+/// The text of a scene file, and the same in the settled style.
+pub(crate) fn formatted(file: &str) -> Result<(String, String), BadInput> {
+    hangtime_scene_files::format(Path::new(file)).map_err(refusal)
+}
+
 fn refusal(error: SceneError) -> BadInput {
     match error {
         SceneError::Mistakes { report, .. } => BadInput::report(&report),
