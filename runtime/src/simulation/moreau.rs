@@ -243,7 +243,7 @@ impl<'a> TimeStepping<'a> {
         if velocities.any(|v| !v.is_finite()) {
             return Err(self.not_finite(t, closed.first()));
         }
-        let law = |&i: &usize| match self.dynamics.friction[i] {
+        let law = |&i: &usize| match self.dynamics.laws.friction[i] {
             0.0 => TangentialLaw::None,
             mu => TangentialLaw::Coulomb(mu),
         };
@@ -300,7 +300,7 @@ impl<'a> TimeStepping<'a> {
     fn modes(&self) -> Vec<ContactMode> {
         let forces = self.forces.iter().zip(&self.friction_forces).enumerate();
         let mode = |(i, (&normal, &tangential)): (usize, (&f64, &f64))| {
-            let mu = self.dynamics.friction[i];
+            let mu = self.dynamics.laws.friction[i];
             if normal <= 0.0 {
                 ContactMode::Open
             } else if mu == 0.0 {
@@ -333,7 +333,7 @@ impl<'a> TimeStepping<'a> {
             .map(|&i| {
                 let dynamics = &self.dynamics;
                 let before = dynamics.point(i)[contact_point::NORMAL_VELOCITY];
-                let returned = dynamics.restitution[i] * before.min(0.0);
+                let returned = dynamics.laws.restitution[i] * before.min(0.0);
                 let normal = before + dot(dynamics.normal(i), change) + returned;
                 let tangential = if dynamics.has_friction(i) {
                     dynamics.sliding_velocity(i) + dot(dynamics.tangent(i), change)
@@ -356,7 +356,7 @@ impl<'a> TimeStepping<'a> {
             &self.dynamics.u,
             &self.forces,
         );
-        if self.dynamics.declares_friction {
+        if self.dynamics.laws.declares_friction {
             let forces = self.friction_forces.clone();
             self.result.trajectory.friction_force.push(forces);
         }

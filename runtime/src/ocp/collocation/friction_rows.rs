@@ -314,6 +314,43 @@ mod tests {
         assert_eq!(parabolas(&Flat::default(), &[0.0; 6]), [false, false, true]);
     }
 
+    /// Two contacts that close, stick, slip both ways and open, one at an impact of the other.
+    fn sequence_of_all_modes() -> Sequence {
+        use ContactMode::{Open, Stick};
+        let forward = ContactMode::Slip(Direction::Forward);
+        let backward = ContactMode::Slip(Direction::Backward);
+        let switch = |contact, (closes, mode, impulse), place, time: f64| Switch {
+            contact,
+            closes,
+            mode,
+            impulse,
+            accompanies: false,
+            interval: time.floor() as usize,
+            place,
+            time,
+        };
+        let slides = |mode| (false, mode, mode);
+        let sequence = Sequence {
+            initially: vec![Open; 2],
+            switches: vec![
+                switch(0, (true, Stick, Stick), Place::Inside, 0.3),
+                switch(0, slides(forward), Place::Inside, 0.6),
+                switch(0, slides(Stick), Place::Start, 1.0),
+                switch(0, slides(backward), Place::Start, 2.0),
+                switch(1, (true, backward, backward), Place::Inside, 2.3),
+                Switch {
+                    accompanies: true,
+                    ..switch(0, (false, forward, Stick), Place::Inside, 2.3)
+                },
+                switch(1, (false, Open, Open), Place::Inside, 2.6),
+                switch(0, slides(backward), Place::Inside, 3.5),
+            ],
+        };
+        let sequence = sequence.ordered(4).unwrap();
+        assert!(sequence.switches[5].accompanies);
+        sequence
+    }
+
     #[test]
     fn derivatives_with_friction_in_all_modes_agree_with_differences() {
         let model = Rough::default();
@@ -343,47 +380,7 @@ mod tests {
         let compared = check_derivatives(&mut coarse.program, None).unwrap();
         assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
 
-        let forward = ContactMode::Slip(Direction::Forward);
-        let backward = ContactMode::Slip(Direction::Backward);
-        let switch = |contact, (closes, mode, impulse), place, time: f64| Switch {
-            contact,
-            closes,
-            mode,
-            impulse,
-            accompanies: false,
-            interval: time.floor() as usize,
-            place,
-            time,
-        };
-        let slides = |mode| (false, mode, mode);
-        let sequence = Sequence {
-            initially: vec![ContactMode::Open; 2],
-            switches: vec![
-                switch(
-                    0,
-                    (true, ContactMode::Stick, ContactMode::Stick),
-                    Place::Inside,
-                    0.3,
-                ),
-                switch(0, slides(forward), Place::Inside, 0.6),
-                switch(0, slides(ContactMode::Stick), Place::Start, 1.0),
-                switch(0, slides(backward), Place::Start, 2.0),
-                switch(1, (true, backward, backward), Place::Inside, 2.3),
-                Switch {
-                    accompanies: true,
-                    ..switch(0, (false, forward, ContactMode::Stick), Place::Inside, 2.3)
-                },
-                switch(
-                    1,
-                    (false, ContactMode::Open, ContactMode::Open),
-                    Place::Inside,
-                    2.6,
-                ),
-                switch(0, slides(backward), Place::Inside, 3.5),
-            ],
-        };
-        let sequence = sequence.ordered(4).unwrap();
-        assert!(sequence.switches[5].accompanies);
+        let sequence = sequence_of_all_modes();
         let cut = |phase, interval, kind| Cut {
             interval,
             phase,
