@@ -1,0 +1,27 @@
+//! The book in `docs/book`: chapters in Markdown, the scenes and commands in them, and pages that need no network.
+//!
+//! The layout is that of mdBook (`src/SUMMARY.md` lists the chapters), which builds the same sources. This builder is
+//! one more package of the workspace because it also makes the figures, by the commands that the book shows, and
+//! because whoever has a Rust toolchain then needs no other tool.
+//!
+//! What a fenced block is follows from its first words:
+//!
+//! ```text
+//! hang,NAME.hang            a scene: the file that the commands after it read
+//! hang,NAME.hang,more       statements that are added to the end of that file
+//! hang,NAME.hang,mistaken   a scene that is refused
+//! console                   `$ hangtime ...` and what it prints; `...` stands for lines that are left out
+//! rust,PATH                 a part of the file PATH of the repository
+//! ```
+
+mod book;
+mod highlight;
+mod links;
+mod page;
+mod steps;
+mod transcript;
+
+pub use book::{Book, Chapter};
+pub use links::dead_links;
+pub use page::{Page, pages};
+pub use steps::{Excerpt, Kind, SceneText, Session, Step};
