@@ -44,8 +44,8 @@ fn write(folder: &Path, scene: &SceneText) -> Option<String> {
         Kind::Whole => (0, &["fmt", "--check"]),
     };
     let named = |words: &[&str]| -> Vec<String> {
-        let words = words.iter().chain([&scene.file.as_str()]);
-        words.map(|word| (*word).to_owned()).collect()
+        let words = words.iter().copied().chain([scene.file.as_str()]);
+        words.map(str::to_owned).collect()
     };
     let (status, printed) = run(folder, &named(&["check"]));
     if status != Some(check) {
