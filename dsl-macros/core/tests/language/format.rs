@@ -57,7 +57,7 @@ picture {
 
 #[test]
 fn header_and_vectors_are_formatted_and_long_sums_broken() {
-    let terms = vec!["m*l^2*dot(a)^2"; 12].join("+");
+    let terms = ["m*l^2*dot(a)^2"; 12].join("+");
     let text = format!(
         "/// Two angles.\npub  Two{{ parameters {{ m:kg=1e-3,l:m=2. }} coordinates {{ a:rad,b:rad }} \
          let w=(a , b ,a*b) let q=w . w lagrangian {terms}+m*l^2*dot(b)^2-m*q*1[m^2/s^2]*w[0]*|w| /* all */ }}"
