@@ -164,6 +164,28 @@ fn every_chapter_is_a_page_that_needs_no_network() {
 }
 
 #[test]
+fn three_scenes_are_declared_and_drawn_within_thirty_lines() {
+    let book = book();
+    let mut chapters = book.chapters.iter();
+    let chapter = chapters.find(|chapter| chapter.file == "three_scenes.md");
+    let scenes: Vec<SceneText> = chapter
+        .unwrap()
+        .steps()
+        .into_iter()
+        .filter_map(|step| match step {
+            Step::Scene(scene) if scene.kind == Kind::Whole => Some(scene),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(scenes.len(), 3);
+    for scene in scenes {
+        let lines = scene.text.lines().count();
+        assert!(lines <= 30, "{}: {lines} lines", scene.file);
+        assert!(scene.text.contains("picture {"), "{}", scene.file);
+    }
+}
+
+#[test]
 fn what_the_book_gets_wrong_is_found() {
     let chapter = |file: &str, text: &str| Chapter {
         file: file.to_owned(),
