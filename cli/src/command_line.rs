@@ -164,6 +164,7 @@ impl CommandLine {
             Some(Command::Chart(arguments)) => chart::run(scenes, self.hard, &arguments),
             Some(Command::Explain(arguments)) => explain::run(scenes, &arguments),
             Some(Command::Check(arguments)) => authoring::check(&arguments),
+            Some(Command::Fmt(arguments)) => authoring::format(&arguments),
             Some(Command::New(arguments)) => authoring::new(&arguments),
             Some(Command::Reproduce(arguments)) => reproduce::run(scenes, &arguments),
             Some(Command::Completions(arguments)) => Ok(shell::completions(parser, &arguments)),

@@ -9,6 +9,8 @@ mod authoring;
 mod bounds;
 mod chart;
 mod command_line;
+mod contour;
+mod drawing;
 mod explain;
 mod failure;
 mod figure;
@@ -48,6 +50,4 @@ pub use published::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
     PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
-pub use scene::{
-    Charted, ClosedForm, GroundLine, HardScene, Plane, Right, Scene, Variant, heights, parameter,
-};
+pub use scene::{Charted, ClosedForm, HardScene, Right, Scene, Variant, parameter};
