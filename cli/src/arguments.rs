@@ -474,7 +474,7 @@ mod tests {
     use hangtime::simulation::{EventDriven, Fesd, FixedStep, Moreau, Smooth};
 
     use super::{Arguments, duration};
-    use crate::solve::INTERVALS;
+    use crate::task::INTERVALS;
 
     fn help(command: &str) -> String {
         let mut arguments = Arguments::command();

@@ -162,7 +162,7 @@ impl CommandLine {
             Some(Command::Solve(arguments)) => solve::run(scenes, &arguments),
             Some(Command::Nlp(arguments)) => program::run(&arguments),
             Some(Command::Chart(arguments)) => chart::run(scenes, self.hard, &arguments),
-            Some(Command::Explain(arguments)) => explain::run(scenes, &arguments),
+            Some(Command::Explain(arguments)) => explain::run(scenes, &arguments).map(Report::of),
             Some(Command::Check(arguments)) => authoring::check(&arguments),
             Some(Command::New(arguments)) => authoring::new(&arguments),
             Some(Command::Reproduce(arguments)) => reproduce::run(scenes, &arguments),

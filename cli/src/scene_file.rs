@@ -46,7 +46,8 @@ pub(crate) fn load_text(name: &str, text: &str) -> Result<&'static Scene, BadInp
     Ok(entry(&file, scene.map_err(refusal)?))
 }
 
-fn entry(file: &str, scene: TextScene) -> &'static Scene {
+/// The scene of a file as an entry of the list of scenes.
+pub(crate) fn entry(file: &str, scene: TextScene) -> &'static Scene {
     let model: &'static TextScene = Box::leak(Box::new(scene));
     let declaration = model.declaration();
     let name: &'static str = name(file).leak();

@@ -35,15 +35,17 @@ mod system;
 pub use hangtime_dsl::TextMistake;
 pub use scene::TextScene;
 
+use hangtime_dsl::description::Description;
 use program::TooLarge;
 use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::Path;
-use std::{fmt, thread};
+use std::{fmt, io, thread};
 
 /// Most bytes that are read of a file; a longer one is refused by the language.
 const LONGEST: u64 = 1 << 17;
 /// Stack for a derivation, whose recursion is bounded.
+#[cfg(not(target_family = "wasm"))]
 const STACK: usize = 64 << 20;
 
 /// Why a scene was refused.
@@ -112,14 +114,7 @@ pub fn read(file: &Path) -> Result<TextScene, SceneError> {
 pub fn of_text(file: &str, text: &str) -> Result<TextScene, SceneError> {
     let stem = Path::new(file).file_stem().unwrap_or_default();
     let stem = stem.to_string_lossy();
-    // On a thread of its own, whose stack is known, and whose memory of expressions and places ends with it.
-    let derived = thread::scope(|scope| {
-        let work = || hangtime_dsl::describe_text(text, &stem);
-        let worker = thread::Builder::new()
-            .stack_size(STACK)
-            .spawn_scoped(scope, work);
-        worker.map(|worker| worker.join())
-    });
+    let derived = derive(text, &stem);
     let refuse = |mistakes: Vec<TextMistake>| SceneError::Mistakes {
         report: report::report(file, text, &mistakes),
         mistakes,
@@ -143,4 +138,27 @@ pub fn of_text(file: &str, text: &str) -> Result<TextScene, SceneError> {
             "scene file `{file}`: no thread for its derivation: {error}"
         ))),
     }
+}
+
+/// What is derived from a text, and its warnings; or its mistakes.
+type Derived = Result<(Description, Vec<TextMistake>), Vec<TextMistake>>;
+
+/// Derives on a thread of its own, whose stack is known, and whose memory of expressions and places ends with it.
+#[cfg(not(target_family = "wasm"))]
+fn derive(text: &str, stem: &str) -> io::Result<thread::Result<Derived>> {
+    thread::scope(|scope| {
+        let work = || hangtime_dsl::describe_text(text, stem);
+        let worker = thread::Builder::new()
+            .stack_size(STACK)
+            .spawn_scoped(scope, work);
+        worker.map(|worker| worker.join())
+    })
+}
+
+/// Derives where there are no threads: on the stack of the module, whose memory of places is given back.
+#[cfg(target_family = "wasm")]
+fn derive(text: &str, stem: &str) -> io::Result<thread::Result<Derived>> {
+    let derived = hangtime_dsl::describe_text(text, stem);
+    hangtime_dsl::forget_places();
+    Ok(Ok(derived))
 }

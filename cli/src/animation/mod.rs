@@ -38,14 +38,21 @@ struct Frames<'a> {
     frame: [f64; 4],
     ground: Vec<GroundEntry>,
     contacts: Vec<&'static str>,
-    events: Vec<EventEntry>,
     /// Largest force of a contact; 0 if there is none.
     largest_force: f64,
-    time: Vec<f64>,
     /// Position of each body, a row for each frame.
     positions: Vec<Vec<[f64; 2]>>,
     /// Force of each contact, a row for each frame.
     forces: Vec<Vec<Arrow>>,
+    #[serde(flatten)]
+    curves: Curves,
+}
+
+/// All quantities over time.
+#[derive(Serialize)]
+struct Curves {
+    time: Vec<f64>,
+    events: Vec<EventEntry>,
     readings: Vec<Reading>,
 }
 
@@ -98,6 +105,46 @@ impl Animation {
         let frame = frame(&positions);
         let around = GROUND_AROUND * (frame[1] - frame[0]);
         let ground = (plane.ground)(model, frame[0] - around, frame[1] + around);
+        let frames = Frames {
+            bodies: plane.bodies,
+            links: plane.links,
+            axes: plane.axes,
+            frame,
+            ground: ground.into_iter().map(GroundEntry::from).collect(),
+            contacts: model
+                .declaration()
+                .contacts
+                .iter()
+                .map(|c| c.name)
+                .collect(),
+            largest_force: forces
+                .iter()
+                .flatten()
+                .map(Arrow::magnitude)
+                .fold(0.0, f64::max),
+            positions,
+            forces,
+            curves: Curves::new(model, simulation, &states),
+        };
+        Some(Self {
+            frames: to_line(&frames),
+        })
+    }
+
+    /// The elements of the player, its data and, for whoever reads the page by program, the whole result.
+    pub(crate) fn html(&self, result: &str) -> String {
+        format!(
+            "{ELEMENTS}<script type=\"application/json\" id=\"frames\">{}</script>\n\
+             <script type=\"application/json\" id=\"result\">{}</script>\n\
+             <script>\n{SCRIPT}</script>\n",
+            embedded(&self.frames),
+            embedded(result)
+        )
+    }
+}
+
+impl Curves {
+    fn new(model: &dyn Model, simulation: &Simulation, states: &[State]) -> Self {
         let declaration = model.declaration();
         let readings = quantity::all(declaration).into_iter().map(|quantity| {
             let values = states.iter().filter_map(|state| state.value(quantity));
@@ -115,39 +162,27 @@ impl Animation {
                 declaration.contacts[event.contact].name
             ),
         });
-        let frames = Frames {
-            bodies: plane.bodies,
-            links: plane.links,
-            axes: plane.axes,
-            frame,
-            ground: ground.into_iter().map(GroundEntry::from).collect(),
-            contacts: declaration.contacts.iter().map(|c| c.name).collect(),
-            events: events.collect(),
-            largest_force: forces
-                .iter()
-                .flatten()
-                .map(Arrow::magnitude)
-                .fold(0.0, f64::max),
+        Self {
             time: states.iter().map(|state| state.time).collect(),
+            events: events.collect(),
             readings: readings.collect(),
-            positions,
-            forces,
-        };
-        Some(Self {
-            frames: to_line(&frames),
-        })
+        }
     }
+}
 
-    /// The elements of the player, its data and, for whoever reads the page by program, the whole result.
-    pub(crate) fn html(&self, result: &str) -> String {
-        format!(
-            "{ELEMENTS}<script type=\"application/json\" id=\"frames\">{}</script>\n\
-             <script type=\"application/json\" id=\"result\">{}</script>\n\
-             <script>\n{SCRIPT}</script>\n",
-            embedded(&self.frames),
-            embedded(result)
-        )
+/// What a host draws of a motion, as JSON: the frames of the player, or the curves alone where nothing is drawn in a
+/// plane; `None` if nothing moved.
+pub(crate) fn motion(
+    plane: Option<&Plane>,
+    model: &dyn Model,
+    simulation: &Simulation,
+) -> Option<String> {
+    if let Some(animation) = plane.and_then(|plane| Animation::new(plane, model, simulation)) {
+        return Some(animation.frames);
     }
+    let states = states(simulation);
+    let moved = states.first()?.time < states.last()?.time;
+    moved.then(|| to_line(&Curves::new(model, simulation, &states)))
 }
 
 impl From<GroundLine> for GroundEntry {

@@ -139,6 +139,15 @@ pub fn describe_text(
     }
 }
 
+/// Gives back what this thread remembers of the texts that it has read, for threads that read many. Nothing that
+/// [`describe_text`] returned is affected.
+///
+/// # Panics
+/// Within a procedural macro.
+pub fn forget_places() {
+    proc_macro2::extra::invalidate_current_thread_spans();
+}
+
 fn in_text(mistakes: Vec<Mistake>) -> Vec<TextMistake> {
     let mut mistakes: Vec<TextMistake> = mistakes.into_iter().map(TextMistake::of).collect();
     mistakes.sort_by_key(|mistake| mistake.place.start);

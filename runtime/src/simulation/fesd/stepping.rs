@@ -5,11 +5,11 @@ use super::driver::Driver;
 use super::settings::{Fesd, StepFormulation};
 use super::stop::Stop;
 use super::{location, program};
+use crate::clock::ThreadTime;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
 use crate::simulation::watch::Watch;
 use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
-use cpu_time::ThreadTime;
 
 /// Halvings of the elements of a step before it counts as failed.
 const MAX_HALVINGS: usize = 8;
