@@ -42,6 +42,8 @@ pub(crate) enum Command {
     Check(CheckArguments),
     /// Write a scene file to begin with, which simulates and solves as it stands.
     New(NewArguments),
+    /// Write a page on which scenes are written, simulated, solved and played; it opens in a browser without a server.
+    Play(PlayArguments),
     /// Reproduce the published results and write figures, data and a page.
     Reproduce(ReproduceArguments),
     /// Print the script that completes commands, options and their choices in a shell.
@@ -331,6 +333,17 @@ pub(crate) struct NewArguments {
     /// Name of the scene; NAME.hang is written, unless there is such a file.
     #[arg(value_name = "NAME")]
     pub(crate) name: String,
+}
+
+/// Arguments of `play`.
+#[derive(Debug, Args)]
+pub(crate) struct PlayArguments {
+    /// A scene file that the page opens with [default: the first shipped scene].
+    #[arg(value_name = "FILE")]
+    pub(crate) file: Option<String>,
+    /// Directory for the page; made if it does not exist.
+    #[arg(long, value_name = "DIR", default_value = OUT)]
+    pub(crate) out: PathBuf,
 }
 
 /// Arguments of `reproduce`.

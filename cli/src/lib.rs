@@ -55,6 +55,8 @@ mod output;
 #[cfg(feature = "terminal")]
 mod page;
 #[cfg(feature = "terminal")]
+mod play;
+#[cfg(feature = "terminal")]
 mod program;
 #[cfg(feature = "terminal")]
 mod progress;
@@ -76,6 +78,8 @@ mod watch;
 pub use calls::Calls;
 #[cfg(feature = "terminal")]
 pub use command_line::CommandLine;
+#[cfg(feature = "terminal")]
+pub use play::PlayPage;
 pub use published::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
     PublishedPoint, PublishedSize, Quantity, Reference, Task,

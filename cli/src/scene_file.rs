@@ -27,6 +27,16 @@ pub(crate) fn read(file: &str) -> Result<TextScene, BadInput> {
     Ok(scene)
 }
 
+/// Reads the text of a scene file, whatever stands in it.
+pub(crate) fn read_text(file: &str) -> Result<String, BadInput> {
+    if !is_path(file) {
+        return Err(BadInput::new(format!(
+            "`{file}`: give a scene file, whose name ends with .{EXTENSION}"
+        )));
+    }
+    hangtime_scene_files::read_text(Path::new(file)).map_err(refusal)
+}
+
 fn refusal(error: SceneError) -> BadInput {
     match error {
         SceneError::Mistakes { report, .. } => BadInput::report(&report),
@@ -71,7 +81,7 @@ pub(crate) fn entry(file: &str, scene: TextScene) -> &'static Scene {
 }
 
 /// The name of the file without its ending, as far as it can be part of other names of files.
-fn name(file: &str) -> String {
+pub(crate) fn name(file: &str) -> String {
     let stem = Path::new(file).file_stem().unwrap_or_default();
     let fits = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     let stem = stem.to_string_lossy();

@@ -81,6 +81,14 @@ impl std::error::Error for SceneError {}
 /// # Errors
 /// The file cannot be read, or its text has mistakes.
 pub fn read(file: &Path) -> Result<TextScene, SceneError> {
+    of_text(&file.display().to_string(), &read_text(file)?)
+}
+
+/// Reads the text of a scene file, whatever stands in it; of a text that is too long for a scene, not all.
+///
+/// # Errors
+/// The file cannot be read, or is no text.
+pub fn read_text(file: &Path) -> Result<String, SceneError> {
     let shown = file.display();
     let unreadable = |why: String| SceneError::Unreadable(format!("scene file `{shown}`: {why}"));
     // Reading from a pipe might never end.
@@ -95,13 +103,12 @@ pub fn read(file: &Path) -> Result<TextScene, SceneError> {
         .map_err(|error| {
             unreadable(format!("{error}; give the path of a file that can be read"))
         })?;
-    let text = String::from_utf8(bytes).map_err(|error| {
+    String::from_utf8(bytes).map_err(|error| {
         let place = error.utf8_error().valid_up_to();
         unreadable(format!(
             "byte {place} is no text in UTF-8; save it as UTF-8"
         ))
-    })?;
-    of_text(&shown.to_string(), &text)
+    })
 }
 
 /// Derives a scene from a text; `file` is what its messages call the file, and the name of a scene without one follows

@@ -9,13 +9,14 @@ use serde::Serialize;
 
 use self::force::Arrow;
 use crate::json::to_line;
+use crate::markup::embedded;
 use crate::quantity;
 use crate::sampling::{State, state_at};
 
 /// The script, its style, and the elements that it works on.
 pub(crate) const SCRIPT: &str = include_str!("player.js");
 pub(crate) const STYLE: &str = include_str!("player.css");
-const ELEMENTS: &str = include_str!("player.html");
+pub(crate) const ELEMENTS: &str = include_str!("player.html");
 
 /// Frames of a second of motion [1/s].
 const FRAME_RATE: f64 = 240.0;
@@ -194,11 +195,6 @@ impl From<GroundLine> for GroundEntry {
     }
 }
 
-/// JSON that no browser takes for markup; it reads back as the same.
-fn embedded(json: &str) -> String {
-    json.trim_end().replace('<', "\\u003c")
-}
-
 /// The events that the page has frames and buttons for.
 fn shown(simulation: &Simulation) -> impl Iterator<Item = &Event> {
     simulation.events.iter().take(MOST_EVENTS)
@@ -237,20 +233,4 @@ fn frame(positions: &[Vec<[f64; 2]>]) -> [f64; 4] {
     let margin = if extent > 0.0 { MARGIN * extent } else { 1.0 };
     let [(left, right), (bottom, top)] = ranges;
     [left - margin, right + margin, bottom - margin, top + margin]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::embedded;
-
-    #[test]
-    fn embedded_json_cannot_end_the_script_and_reads_back_as_the_same() {
-        let json = serde_json::json!({ "text": "</script><!-- & \"quoted\"" });
-        let text = embedded(&json.to_string());
-        assert!(!text.contains('<'));
-        assert_eq!(
-            serde_json::from_str::<serde_json::Value>(&text).unwrap(),
-            json
-        );
-    }
 }

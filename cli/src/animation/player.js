@@ -1,6 +1,6 @@
 "use strict";
-(() => {
-  const data = JSON.parse(document.getElementById("frames").textContent);
+// Plays the frames in the elements of the player, which are fresh.
+const playFrames = (data) => {
   const element = (id) => document.getElementById(id);
   const stage = element("stage");
   const [play, scrub, clock, rate] = ["play", "scrub", "clock", "rate"].map(element);
@@ -113,6 +113,7 @@
     });
     scrub.value = now;
     clock.value = `${now.toFixed(4)} s of ${last.toFixed(4)} s`;
+    stage.dispatchEvent(new CustomEvent("shown", { bubbles: true, detail: now }));
   };
 
   // The rate at which the motion takes about five seconds is chosen first.
@@ -164,4 +165,8 @@
     element("events").append(button);
   });
   show(first);
-})();
+  return { show, time: () => now, playing: () => playing, pause: () => set(false), toggle: () => play.click() };
+};
+
+const frames = document.getElementById("frames");
+if (frames) playFrames(JSON.parse(frames.textContent));
