@@ -8,6 +8,11 @@ const mathOf = (() => {
     return made;
   };
   const operator = (text) => node("mo", text);
+  const gap = () => {
+    const space = node("mspace");
+    space.setAttribute("width", "0.17em");
+    return space;
+  };
   const greek = { alpha: "α", beta: "β", gamma: "γ", delta: "δ", epsilon: "ε", zeta: "ζ", eta: "η", theta: "θ", kappa: "κ",
     lambda: "λ", mu: "μ", nu: "ν", xi: "ξ", pi: "π", rho: "ρ", sigma: "σ", tau: "τ", phi: "φ", chi: "χ", psi: "ψ", omega: "ω" };
   const part = (text) => (/^\d/.test(text) ? node("mn", text) : node("mi", greek[text] ?? text));
@@ -75,7 +80,7 @@ const mathOf = (() => {
         if (list[at++] === "/") {
           left = { made: node("mfrac", left.made, power().made) };
         } else {
-          left = { made: node("mrow", wrap(left), operator("\u2009"), wrap(power())), product: true };
+          left = { made: node("mrow", wrap(left), gap(), wrap(power())), product: true };
         }
       }
       return left;
