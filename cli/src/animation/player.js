@@ -165,7 +165,33 @@ const playFrames = (data) => {
     element("events").append(button);
   });
   show(first);
-  return { show, time: () => now, playing: () => playing, pause: () => set(false), toggle: () => play.click() };
+  const pause = () => { if (playing) play.click(); };
+  const toggle = () => play.click();
+
+  // Keys work wherever the focus is, but in fields that take them.
+  const moves = {
+    " ": toggle,
+    ArrowLeft: () => show(now - (last - first) / 200),
+    ArrowRight: () => show(Math.min(last, now + (last - first) / 200)),
+    Home: () => show(first),
+    End: () => show(last),
+    ",": () => show(data.events.findLast(({ time }) => time < now)?.time ?? first),
+    ".": () => show(data.events.find(({ time }) => time > now)?.time ?? last),
+  };
+  const keys = new AbortController();
+  document.addEventListener("keydown", (event) => {
+    const taken = event.target.closest("input, select, textarea, button, summary, a, [contenteditable]");
+    if (taken || event.ctrlKey || event.metaKey || event.altKey || !moves[event.key]) return;
+    event.preventDefault();
+    if (event.key !== " ") pause();
+    moves[event.key]();
+  }, { signal: keys.signal });
+  play.title = "space: play or pause; arrows: step; comma and full stop: events";
+  const close = () => {
+    pause();
+    keys.abort();
+  };
+  return { show, time: () => now, playing: () => playing, pause, toggle, close };
 };
 
 const frames = document.getElementById("frames");

@@ -228,7 +228,7 @@ const groupsOf = ({ readings }) => {
 
 const showMotion = (motion) => {
   const [time, playing] = [page.player?.time() ?? 0, page.player?.playing() ?? false];
-  page.player?.pause();
+  page.player?.close();
   page.plots?.close();
   [page.player, page.plots] = [null, null];
   const drawn = motion?.bodies !== undefined;
@@ -340,7 +340,7 @@ const open = (name, content, values = {}) => {
   clearTimeout(waiting);
   page.name = name;
   page.values = new Map(Object.entries(values));
-  page.player?.pause();
+  page.player?.close();
   [page.scene, page.player] = [null, null];
   text.value = content;
   text.scrollTop = 0;
