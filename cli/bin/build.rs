@@ -42,7 +42,9 @@ mod module {
         for source in SOURCES {
             println!("cargo:rerun-if-changed={source}");
         }
-        let folder = out.join("module");
+        // `target/release/build/hangtime-bin-.../out`: all profiles share what was built for the module.
+        let target = out.ancestors().nth(4).ok_or("no target folder")?;
+        let folder = target.join("module");
         let built = Command::new(env::var_os("CARGO").ok_or("no cargo")?)
             .current_dir(here.join("../../play"))
             .args(["build", "--lib", "--profile", "play", "--target", TARGET])

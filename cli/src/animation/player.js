@@ -194,5 +194,7 @@ const playFrames = (data) => {
   return { show, time: () => now, playing: () => playing, pause, toggle, close };
 };
 
-const frames = document.getElementById("frames");
-if (frames) playFrames(JSON.parse(frames.textContent));
+{
+  const frames = document.getElementById("frames");
+  if (frames) playFrames(JSON.parse(frames.textContent));
+}

@@ -56,7 +56,7 @@ const drawPlots = (() => {
     const [low, high] = range(series);
     const x = (t) => left + ((t - first) / (last - first)) * (width - left - right);
     const y = (v) => top + ((high - v) / (high - low)) * (height - top - bottom);
-    for (const [value, text] of ticks(low, high, Math.max(2, height / 45))) {
+    for (const [value, text] of ticks(low, high, Math.max(2, (height - top - bottom) / 30))) {
       draw("line", { class: "grid", x1: left, x2: width - right, y1: y(value), y2: y(value) }, svg);
       draw("text", { x: left - 5, y: y(value) + 4, "text-anchor": "end" }, svg).textContent = text;
     }
@@ -112,7 +112,7 @@ const drawPlots = (() => {
     const figures = groups.map(({ title, series }) => {
       const figure = document.createElement("figure");
       const caption = document.createElement("figcaption");
-      caption.textContent = title;
+      caption.textContent = `${title} over t [s]`;
       const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
       svg.setAttribute("class", "plot");
       svg.setAttribute("role", "img");

@@ -172,6 +172,12 @@ mod page {
                     assert_same(one, other, &format!("{place}[{index}]"));
                 }
             }
+            (Value::Object(one), Value::Object(other)) => {
+                assert!(one.keys().eq(other.keys()), "{place}");
+                for ((name, one), other) in one.iter().zip(other.values()) {
+                    assert_same(one, other, &format!("{place}.{name}"));
+                }
+            }
             (Value::Number(one), Value::Number(other)) => {
                 let [one, other] = [one, other].map(|number| number.as_f64().unwrap());
                 let size = one.abs().max(other.abs()).max(1.0);
