@@ -40,6 +40,8 @@ pub(crate) enum Command {
     Explain(ExplainArguments),
     /// Report the mistakes of a scene file, and nothing else.
     Check(CheckArguments),
+    /// Write scene files anew in the settled style; comments stay, and so does what they declare.
+    Fmt(FormatArguments),
     /// Write a scene file to begin with, which simulates and solves as it stands.
     New(NewArguments),
     /// Write a page on which scenes are written, simulated, solved and played; it opens in a browser without a server.
@@ -325,6 +327,17 @@ pub(crate) struct CheckArguments {
     /// The scene file, which ends with .hang.
     #[arg(value_name = "FILE")]
     pub(crate) file: String,
+}
+
+/// Arguments of `fmt`.
+#[derive(Debug, Args)]
+pub(crate) struct FormatArguments {
+    /// The scene files, which end with .hang.
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<String>,
+    /// Write nothing, and refuse files that are not in the settled style.
+    #[arg(long)]
+    pub(crate) check: bool,
 }
 
 /// Arguments of `new`.

@@ -13,6 +13,7 @@ use serde_json::value::RawValue;
 use crate::Scene;
 use crate::animation::motion;
 use crate::arguments::{Arguments, Command};
+use crate::drawing::Drawing;
 use crate::ending::Ending;
 use crate::explain;
 use crate::failure::{BadInput, did_you_mean};
@@ -340,8 +341,9 @@ fn solved(
 }
 
 fn drawn(chosen: &ChosenScene, simulation: Option<&Simulation>) -> Option<Box<RawValue>> {
-    let plane = chosen.scene.plane.as_ref();
-    motion(plane, chosen.model.as_ref(), simulation?).map(raw)
+    let model = chosen.model.as_ref();
+    let drawing = Drawing::of(model, chosen.scene.name);
+    motion(drawing.as_ref(), model, simulation?).map(raw)
 }
 
 /// A document as a part of another one, digit for digit.

@@ -178,6 +178,7 @@ impl CommandLine {
             Some(Command::Chart(arguments)) => chart::run(scenes, self.hard, &arguments),
             Some(Command::Explain(arguments)) => explain::run(scenes, &arguments).map(Report::of),
             Some(Command::Check(arguments)) => authoring::check(&arguments),
+            Some(Command::Fmt(arguments)) => authoring::format(&arguments),
             Some(Command::New(arguments)) => authoring::new(&arguments),
             Some(Command::Play(arguments)) => play::run(self.page, &arguments),
             Some(Command::Reproduce(arguments)) => reproduce::run(scenes, &arguments),

@@ -55,6 +55,11 @@ fn text(chosen: &ChosenScene) -> String {
         let _ = writeln!(text, "controls    {}", controls.join(", "));
     }
     text += &laws(&*chosen.model);
+    let outputs = chosen.model.outputs().iter();
+    let outputs: Vec<String> = outputs.map(|o| headed(o.name, o.unit)).collect();
+    if !outputs.is_empty() {
+        let _ = writeln!(text, "outputs     {}", outputs.join(", "));
+    }
     if declaration.explicit_time {
         text +=
             "time        the scene depends on the physical time t, which becomes the clock (E14)\n";

@@ -4,6 +4,7 @@ use crate::PublishedData;
 use hangtime::simulation::Simulation;
 
 use crate::animation::Animation;
+use crate::drawing::Drawing;
 use crate::figure::over_time;
 use crate::motion::{panels, picture};
 use crate::page::{Page, Section};
@@ -49,7 +50,7 @@ impl ResultFiles<'_> {
             (format!("{stem}.json"), json.to_owned()),
             (
                 format!("{stem}-trajectory.csv"),
-                trajectory_csv(declaration, &simulation.trajectory, rows),
+                trajectory_csv(model, &simulation.trajectory, rows),
             ),
             (
                 format!("{stem}-events.csv"),
@@ -57,9 +58,9 @@ impl ResultFiles<'_> {
             ),
         ];
         let mut figures = Vec::new();
-        let plane = chosen.scene.plane.as_ref();
-        if let Some(plane) = plane {
-            let svg = picture(title.clone(), plane, model, simulation, published).svg();
+        let drawing = Drawing::of(model, chosen.scene.name);
+        if let Some(drawing) = &drawing {
+            let svg = picture(title.clone(), drawing, model, simulation, published).svg();
             figures.push((format!("{stem}.svg"), svg));
         }
         let heading = if published.curves.is_empty() {
@@ -69,7 +70,7 @@ impl ResultFiles<'_> {
         };
         let svg = over_time(&heading, &panels(model, simulation, published));
         figures.push((format!("{stem}-time.svg"), svg));
-        let animation = plane.and_then(|plane| Animation::new(plane, model, simulation));
+        let animation = drawing.and_then(|drawing| Animation::new(&drawing, model, simulation));
         let page = Page {
             title: title.clone(),
             introduction: format!(

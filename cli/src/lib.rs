@@ -13,6 +13,8 @@
 mod animation;
 mod arguments;
 mod calls;
+mod contour;
+mod drawing;
 mod ending;
 mod explain;
 mod failure;
@@ -84,6 +86,4 @@ pub use published::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
     PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
-pub use scene::{
-    Charted, ClosedForm, GroundLine, HardScene, Plane, Right, Scene, Variant, heights, parameter,
-};
+pub use scene::{Charted, ClosedForm, HardScene, Right, Scene, Variant, parameter};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use hangtime::model::Declaration;
+use hangtime::model::{Declaration, Model};
 use hangtime::ocp::{ControlShape, Solution};
 use hangtime::simulation::{EventKind, Trajectory};
 
@@ -117,7 +117,7 @@ fn tables(
         solution.resimulation_error
     );
     text += &relaxed_and_optima(solution);
-    text += &ends(chosen.model.declaration(), &motion.trajectory);
+    text += &ends(chosen.model.as_ref(), &motion.trajectory);
     text += &switches(chosen.model.declaration(), solution);
     text += &controls(chosen.model.declaration(), solution);
     let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
@@ -127,11 +127,11 @@ fn tables(
 /// What the publications of the scene measure the optimum by: how much a quantity grows, beside the published number
 /// if it is for the same parameters.
 fn gains(chosen: &ChosenScene, trajectory: &Trajectory) -> Vec<String> {
-    let declaration = chosen.model.declaration();
+    let model = chosen.model.as_ref();
     let Some(end) = trajectory.time.len().checked_sub(1) else {
         return Vec::new();
     };
-    let [start, end] = [0, end].map(|k| State::of(trajectory, k));
+    let [start, end] = [0, end].map(|k| State::of(model, trajectory, k));
     let mut gains: Vec<(Quantity, String)> = Vec::new();
     for case in chosen.scene.published {
         let same = case
@@ -145,14 +145,14 @@ fn gains(chosen: &ChosenScene, trajectory: &Trajectory) -> Vec<String> {
                 continue;
             };
             let in_unit = |state: &State| {
-                quantity::converted(declaration, quantity, state.value(quantity)?, value.unit)
+                quantity::converted(model, quantity, state.value(quantity)?, value.unit)
             };
             let (Some(from), Some(to)) = (in_unit(&start), in_unit(&end)) else {
                 continue;
             };
             let mut text = format!(
                 "{} {:+.4} {unit}, from {from:.4} to {to:.4} {unit}",
-                quantity::symbol(declaration, quantity),
+                quantity::symbol(model, quantity),
                 to - from,
                 unit = value.unit,
             );
@@ -171,19 +171,19 @@ fn gains(chosen: &ChosenScene, trajectory: &Trajectory) -> Vec<String> {
 }
 
 /// The states at both ends of the motion.
-fn ends(declaration: &Declaration, trajectory: &Trajectory) -> String {
+fn ends(model: &dyn Model, trajectory: &Trajectory) -> String {
     let (Some(last), Some(time)) = (trajectory.time.len().checked_sub(1), trajectory.time.last())
     else {
         return String::new();
     };
-    let quantities = (0..declaration.coordinates.len())
+    let quantities = (0..model.declaration().coordinates.len())
         .flat_map(|i| [Quantity::Coordinate(i), Quantity::Velocity(i)]);
     let rows = quantities.map(|quantity| {
-        let value = |k| State::of(trajectory, k).value(quantity).map(digits);
+        let value = |k| State::of(model, trajectory, k).value(quantity).map(digits);
         vec![
             headed(
-                &quantity::symbol(declaration, quantity),
-                &quantity::unit(declaration, quantity),
+                &quantity::symbol(model, quantity),
+                &quantity::unit(model, quantity),
             ),
             value(0).unwrap_or_default(),
             value(last).unwrap_or_default(),

@@ -35,12 +35,13 @@ mod system;
 pub use hangtime_dsl::TextMistake;
 pub use scene::TextScene;
 
-use hangtime_dsl::description::Description;
 use program::TooLarge;
+use std::fmt;
 use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::Path;
-use std::{fmt, io, thread};
+#[cfg(not(target_family = "wasm"))]
+use std::thread;
 
 /// Most bytes that are read of a file; a longer one is refused by the language.
 const LONGEST: u64 = 1 << 17;
@@ -84,6 +85,21 @@ pub fn read(file: &Path) -> Result<TextScene, SceneError> {
     of_text(&file.display().to_string(), &read_text(file)?)
 }
 
+/// The text of a scene file, and the same in the settled style of [`hangtime_dsl::format_text`].
+///
+/// # Errors
+/// The file cannot be read, or its text has mistakes.
+pub fn format(file: &Path) -> Result<(String, String), SceneError> {
+    let text = read_text(file)?;
+    let shown = file.display().to_string();
+    let formatted = on_a_thread(&shown, |stem| hangtime_dsl::format_text(&text, stem))?;
+    let formatted = formatted.map_err(|mistakes| SceneError::Mistakes {
+        report: report::report(&shown, &text, &mistakes),
+        mistakes,
+    })?;
+    Ok((text, formatted))
+}
+
 /// Reads the text of a scene file, whatever stands in it; of a text that is too long for a scene, not all.
 ///
 /// # Errors
@@ -111,6 +127,35 @@ pub fn read_text(file: &Path) -> Result<String, SceneError> {
     })
 }
 
+/// Does work on a text on a thread of its own, whose stack is known, and whose memory of expressions and places ends with
+/// it; it gets the name of the file without its ending.
+#[cfg(not(target_family = "wasm"))]
+fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Result<T, SceneError> {
+    let stem = Path::new(file).file_stem().unwrap_or_default();
+    let stem = stem.to_string_lossy();
+    let done = thread::scope(|scope| {
+        let worker = thread::Builder::new().stack_size(STACK);
+        let worker = worker.spawn_scoped(scope, || work(&stem));
+        worker.map(|worker| worker.join())
+    });
+    match done {
+        Ok(Ok(value)) => Ok(value),
+        Ok(Err(panic)) => std::panic::resume_unwind(panic),
+        Err(error) => Err(SceneError::Unreadable(format!(
+            "scene file `{file}`: no thread for its derivation: {error}"
+        ))),
+    }
+}
+
+/// Does work on a text where there are no threads: on the stack of the host, whose memory of places is given back.
+#[cfg(target_family = "wasm")]
+fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Result<T, SceneError> {
+    let stem = Path::new(file).file_stem().unwrap_or_default();
+    let done = work(&stem.to_string_lossy());
+    hangtime_dsl::forget_places();
+    Ok(done)
+}
+
 /// Derives a scene from a text; `file` is what its messages call the file, and the name of a scene without one follows
 /// from it.
 ///
@@ -119,53 +164,21 @@ pub fn read_text(file: &Path) -> Result<String, SceneError> {
 /// # Errors
 /// The text has mistakes.
 pub fn of_text(file: &str, text: &str) -> Result<TextScene, SceneError> {
-    let stem = Path::new(file).file_stem().unwrap_or_default();
-    let stem = stem.to_string_lossy();
-    let derived = derive(text, &stem);
     let refuse = |mistakes: Vec<TextMistake>| SceneError::Mistakes {
         report: report::report(file, text, &mistakes),
         mistakes,
     };
-    match derived {
-        Ok(Ok(derived)) => {
-            let (description, warnings) = derived.map_err(refuse)?;
-            let report = report::report(file, text, &warnings);
-            TextScene::new(description, report).map_err(|TooLarge| {
-                refuse(vec![TextMistake {
-                    code: Some("E22"),
-                    message: "a derived function has too many values; split the mechanism into smaller scenes"
-                        .to_owned(),
-                    warning: false,
-                    place: 0..0,
-                }])
-            })
-        }
-        Ok(Err(panic)) => std::panic::resume_unwind(panic),
-        Err(error) => Err(SceneError::Unreadable(format!(
-            "scene file `{file}`: no thread for its derivation: {error}"
-        ))),
-    }
-}
-
-/// What is derived from a text, and its warnings; or its mistakes.
-type Derived = Result<(Description, Vec<TextMistake>), Vec<TextMistake>>;
-
-/// Derives on a thread of its own, whose stack is known, and whose memory of expressions and places ends with it.
-#[cfg(not(target_family = "wasm"))]
-fn derive(text: &str, stem: &str) -> io::Result<thread::Result<Derived>> {
-    thread::scope(|scope| {
-        let work = || hangtime_dsl::describe_text(text, stem);
-        let worker = thread::Builder::new()
-            .stack_size(STACK)
-            .spawn_scoped(scope, work);
-        worker.map(|worker| worker.join())
+    let derived = on_a_thread(file, |stem| hangtime_dsl::describe_text(text, stem))?;
+    let (description, warnings) = derived.map_err(refuse)?;
+    let report = report::report(file, text, &warnings);
+    TextScene::new(description, report).map_err(|TooLarge| {
+        refuse(vec![TextMistake {
+            code: Some("E22"),
+            message:
+                "a derived function has too many values; split the mechanism into smaller scenes"
+                    .to_owned(),
+            warning: false,
+            place: 0..0,
+        }])
     })
-}
-
-/// Derives where there are no threads: on the stack of the module, whose memory of places is given back.
-#[cfg(target_family = "wasm")]
-fn derive(text: &str, stem: &str) -> io::Result<thread::Result<Derived>> {
-    let derived = hangtime_dsl::describe_text(text, stem);
-    hangtime_dsl::forget_places();
-    Ok(Ok(derived))
 }

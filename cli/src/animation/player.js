@@ -30,19 +30,37 @@ const playFrames = (data) => {
     parent.append(node);
     return node;
   };
+  const set = (node, attributes) => {
+    for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  };
+  // The corners of a spring between two points of the drawing.
+  const coils = ([x0, y0], [x1, y1]) => {
+    const [u, v, turns] = [x1 - x0, y1 - y0, 12];
+    const across = 6 / Math.max(Math.hypot(u, v), 1);
+    const turn = (_, k) => {
+      const [share, side] = [(k + 1.5) / (turns + 2), k % 2 === 0 ? across : -across];
+      return [x0 + share * u - side * v, y0 + share * v + side * u];
+    };
+    return [[x0, y0], ...Array.from({ length: turns }, turn), [x1, y1]];
+  };
   const points = (list) => list.map(([a, b]) => `${x(a).toFixed(2)},${y(b).toFixed(2)}`).join(" ");
 
   data.ground.forEach((line) => {
     const ground = draw("polyline", { points: points(line.points), fill: "none", stroke: grey, "stroke-width": 2.5 });
     draw("title", {}, ground).textContent = line.name;
   });
-  const trails = data.bodies.map((name, body) =>
+  const trails = data.bodies.map((_, body) =>
     draw("polyline", { fill: "none", stroke: colours[body % colours.length], "stroke-width": 1.5, opacity: 0.6 }));
-  const links = data.links.map(() => draw("line", { stroke: grey, "stroke-width": 3 }));
-  const bodies = data.bodies.map((name, body) => {
-    const circle = draw("circle", { r: 8, fill: colours[body % colours.length], "data-body": name });
-    draw("title", {}, circle).textContent = name;
-    return circle;
+  const lines = data.springs.map((spring) =>
+    draw("polyline", { fill: "none", stroke: grey, "stroke-width": spring ? 1.5 : 3, "stroke-linejoin": "round" }));
+  // A point is a dot of a fixed size; a body with an outline is drawn to scale, with a line to its rim if it rolls.
+  const bodies = data.bodies.map(({ name, outline, spoke }, body) => {
+    const colour = colours[body % colours.length];
+    const shape = outline.length === 0
+      ? draw("circle", { r: 8, fill: colour, "data-body": name })
+      : draw("polygon", { fill: colour, "fill-opacity": 0.35, stroke: colour, "stroke-width": 2, "data-body": name });
+    draw("title", {}, shape).textContent = name;
+    return { shape, outline, spoke: spoke ? draw("line", { stroke: colour, "stroke-width": 2 }) : null };
   });
   const arrows = data.contacts.map((name) => {
     const arrow = draw("path", { fill: "none", stroke: red, "stroke-width": 3, "data-contact": name });
@@ -82,18 +100,28 @@ const playFrames = (data) => {
     const positions = data.positions[k].map((position, body) =>
       position.map((value, axis) => between(value, data.positions[next][body][axis])));
     positions.forEach(([a, b], body) => {
-      bodies[body].setAttribute("cx", x(a));
-      bodies[body].setAttribute("cy", y(b));
+      const { shape, outline, spoke } = bodies[body];
+      const angle = between(data.angles[k][body], data.angles[next][body]);
+      const [sine, cosine] = [Math.sin(angle), Math.cos(angle)];
+      const place = ([u, v]) => [a + u * cosine - v * sine, b + u * sine + v * cosine];
+      if (outline.length === 0) set(shape, { cx: x(a), cy: y(b) });
+      else set(shape, { points: points(outline.map(place)) });
+      if (spoke) {
+        const [u, v] = place(outline[0]);
+        set(spoke, { x1: x(a), y1: y(b), x2: x(u), y2: y(v) });
+      }
       const trail = data.positions.slice(0, k + 1).map((row) => row[body]);
       trails[body].setAttribute("points", points([...trail, [a, b]]));
     });
-    data.links.forEach(([one, other], index) => {
-      const [[x1, y1], [x2, y2]] = [positions[one], positions[other]];
-      const ends = { x1: x(x1), y1: y(y1), x2: x(x2), y2: y(y2) };
-      for (const [key, value] of Object.entries(ends)) links[index].setAttribute(key, value);
+    lines.forEach((line, index) => {
+      const ends = [0, 1].map((end) => [0, 1].map((axis) =>
+        between(data.ends[k][index][end][axis], data.ends[next][index][end][axis])));
+      const [from, to] = ends.map(([a, b]) => [x(a), y(b)]);
+      const corners = data.springs[index] ? coils(from, to) : [from, to];
+      set(line, { points: corners.map(([a, b]) => `${a.toFixed(2)},${b.toFixed(2)}`).join(" ") });
     });
-    data.forces[k].forEach(({ body, force }, contact) => {
-      const [a, b] = positions[body];
+    data.forces[k].forEach(({ body, from, force }, contact) => {
+      const [a, b] = [positions[body][0] + from[0], positions[body][1] + from[1]];
       const length = Math.hypot(...force);
       if (!(length > 0)) {
         arrows[contact].setAttribute("d", "");
@@ -130,7 +158,7 @@ const playFrames = (data) => {
 
   let playing = false;
   let before = 0;
-  const set = (on) => {
+  const run = (on) => {
     playing = on;
     play.textContent = on ? "pause" : "play";
   };
@@ -138,11 +166,11 @@ const playFrames = (data) => {
     if (!playing) return;
     show(now + ((instant - before) / 1000) * Number(rate.value));
     before = instant;
-    if (now >= last) set(false);
+    if (now >= last) run(false);
     else requestAnimationFrame(step);
   };
   play.addEventListener("click", () => {
-    set(!playing);
+    run(!playing);
     if (!playing) return;
     if (now >= last) show(first);
     before = performance.now();
@@ -151,7 +179,7 @@ const playFrames = (data) => {
   scrub.min = first;
   scrub.max = last;
   scrub.addEventListener("input", () => {
-    set(false);
+    run(false);
     show(Number(scrub.value));
   });
   data.events.forEach(({ time, label }) => {
@@ -159,7 +187,7 @@ const playFrames = (data) => {
     button.type = "button";
     button.textContent = `${label} ${time.toFixed(4)} s`;
     button.addEventListener("click", () => {
-      set(false);
+      run(false);
       show(time);
     });
     element("events").append(button);

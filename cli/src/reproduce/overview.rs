@@ -104,13 +104,7 @@ pub(super) fn figures(reproduced: &[Reproduced]) -> Vec<(String, String)> {
                 name: Some(short(one.case.published)),
                 colour: COLOURS[index % COLOURS.len()],
                 dashed: matches!(one.case.published.task, Task::Simulate { .. }),
-                ..series(
-                    model.declaration(),
-                    quantity,
-                    unit,
-                    &one.states,
-                    &one.case.data,
-                )
+                ..series(model, quantity, unit, &one.states, &one.case.data)
             });
             panel(model, quantity, unit, lines.collect())
         });

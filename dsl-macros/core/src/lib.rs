@@ -21,6 +21,7 @@ mod diagnostics;
 mod dimension;
 mod emit;
 mod evaluate;
+mod format;
 mod graph;
 mod mistakes;
 mod parse;
@@ -35,6 +36,7 @@ mod random_models;
 mod testing;
 
 pub use diagnostics::Mistake;
+pub use format::format_text;
 pub use mistakes::{explanation, mistake_codes};
 pub use text::TextMistake;
 
