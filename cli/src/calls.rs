@@ -25,7 +25,7 @@ use crate::task::{OptimumTask, SimulationTask, optimum_facts, simulation_facts};
 /// Progress is told this often [s].
 const PATIENCE: f64 = 0.1;
 /// The calls, by name.
-const CALLS: [&str; 4] = ["check", "explain", "simulate", "solve"];
+const CALLS: [&str; 5] = ["check", "explain", "fmt", "simulate", "solve"];
 
 /// Answers calls, one after the other.
 ///
@@ -33,6 +33,7 @@ const CALLS: [&str; 4] = ["check", "explain", "simulate", "solve"];
 /// |---|---|
 /// | `check` | `scene` (names, units, values and equations) and `warnings`, or `mistakes` and `report` |
 /// | `explain` | `text`, as the command prints it |
+/// | `fmt` | `text`, the scene in the settled style |
 /// | `simulate`, `solve` | `result` (the JSON document of the command), `facts` (what its page tells), `motion` (what its page plays) |
 ///
 /// A call that is refused has the answer `refusal`, one line that says what, where and how to mend it.
@@ -89,7 +90,7 @@ enum Answer {
         mistakes: Vec<MistakeEntry>,
         report: String,
     },
-    Explained {
+    Text {
         text: String,
     },
     Done {
@@ -237,6 +238,12 @@ impl Calls {
             ))
             .into());
         }
+        if request.call == "fmt" {
+            let file = format!("{}.{EXTENSION}", request.name);
+            let formatted = hangtime_scene_files::format_text(&file, &request.text);
+            let text = formatted.map_err(|error| refusal(&request.text, error))?;
+            return Ok(Answer::Text { text });
+        }
         let scene = self.scene(request)?;
         let file = format!("scene.{EXTENSION}");
         let words = ["hangtime", request.call, &file].map(str::to_owned);
@@ -256,7 +263,7 @@ impl Calls {
             Some(Command::Explain(arguments)) => {
                 let chosen = ChosenScene::new(scene, &arguments.scene.settings)?;
                 let text = explain::answer(&chosen, &arguments);
-                Ok(Answer::Explained { text })
+                Ok(Answer::Text { text })
             }
             _ => {
                 let text = scene.text.ok_or_else(|| BadInput::new("no scene"))?;
@@ -279,16 +286,7 @@ impl Calls {
         }
         let file = format!("{name}.{EXTENSION}");
         let derived = hangtime_scene_files::of_text(&file, text);
-        let derived = derived.map_err(|error| match error {
-            SceneError::Mistakes { mistakes, report } => Answer::Mistaken {
-                mistakes: mistakes
-                    .iter()
-                    .map(|mistake| MistakeEntry::new(text, mistake))
-                    .collect(),
-                report,
-            },
-            other => BadInput::new(other.to_string()).into(),
-        })?;
+        let derived = derived.map_err(|error| refusal(text, error))?;
         let scene = entry(&file, derived);
         self.last = Some(Known {
             name: name.clone(),
@@ -296,6 +294,21 @@ impl Calls {
             scene,
         });
         Ok(scene)
+    }
+}
+
+/// Why a text is no scene.
+fn refusal(text: &str, error: SceneError) -> Answer {
+    match error {
+        SceneError::Mistakes { mistakes, report } => {
+            let mistakes = mistakes.iter();
+            let mistakes = mistakes.map(|mistake| MistakeEntry::new(text, mistake));
+            Answer::Mistaken {
+                mistakes: mistakes.collect(),
+                report,
+            }
+        }
+        other => BadInput::new(other.to_string()).into(),
     }
 }
 

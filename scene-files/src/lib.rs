@@ -91,13 +91,20 @@ pub fn read(file: &Path) -> Result<TextScene, SceneError> {
 /// The file cannot be read, or its text has mistakes.
 pub fn format(file: &Path) -> Result<(String, String), SceneError> {
     let text = read_text(file)?;
-    let shown = file.display().to_string();
-    let formatted = on_a_thread(&shown, |stem| hangtime_dsl::format_text(&text, stem))?;
-    let formatted = formatted.map_err(|mistakes| SceneError::Mistakes {
-        report: report::report(&shown, &text, &mistakes),
-        mistakes,
-    })?;
+    let formatted = format_text(&file.display().to_string(), &text)?;
     Ok((text, formatted))
+}
+
+/// A text in the settled style; `file` is what its messages call the file.
+///
+/// # Errors
+/// The text has mistakes.
+pub fn format_text(file: &str, text: &str) -> Result<String, SceneError> {
+    let formatted = on_a_thread(file, |stem| hangtime_dsl::format_text(text, stem))?;
+    formatted.map_err(|mistakes| SceneError::Mistakes {
+        report: report::report(file, text, &mistakes),
+        mistakes,
+    })
 }
 
 /// Reads the text of a scene file, whatever stands in it; of a text that is too long for a scene, not all.

@@ -87,8 +87,9 @@ const say = (words, bad = false) => {
 };
 
 // The editor: line numbers, colours and marks below a plain text field.
-const words = new Set(("parameters coordinates controls fn let lagrangian dissipation forces surface impact friction constraint " +
-  "minimize finally free start horizon inelastic restitution along holding sliding outputs picture pub in").split(" "));
+const words = new Set(("parameters coordinates controls fn let lagrangian dissipation forces surface impact friction constraint minimize " +
+  "finally free start horizon inelastic restitution along holding sliding outputs picture pub in point circle rectangle polygon " +
+  "link spring curve at to over radius angle").split(" "));
 const painted = /(\/\/[^\n]*|\/\*[\s\S]*?\*\/)|([\p{L}_][\p{L}\p{N}_]*)|(\d+\.?\d*(?:e[-+]?\d+)?)/gu;
 const paint = () => {
   const parts = [];
@@ -396,6 +397,22 @@ element("reset").addEventListener("click", () => {
 element("original").addEventListener("click", () => {
   page.edits.delete(page.name);
   choose(page.name);
+});
+element("format").addEventListener("click", async () => {
+  clearTimeout(waiting);
+  const outcome = await checker.ask(request("fmt"));
+  if (!outcome?.answer.text) {
+    check(true);
+    return;
+  }
+  if (outcome.answer.text === text.value) return;
+  // As if it were typed, so that it can be undone.
+  text.focus();
+  text.select();
+  if (!document.execCommand("insertText", false, outcome.answer.text)) {
+    text.value = outcome.answer.text;
+    edited();
+  }
 });
 for (const id of ["method", "horizon"]) element(id).addEventListener("change", simulateSoon);
 element("intervals").addEventListener("change", showCommand);

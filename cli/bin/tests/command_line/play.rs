@@ -107,11 +107,25 @@ fn calls_that_cannot_be_answered_say_why_in_one_line() {
     assert!(refusal("{").starts_with("the request is not understood"));
     assert!(
         ask("simulat", json!([]))
-            .starts_with("there is no call `simulat`, did you mean `simulate`")
+            .starts_with("there is no call `simulat`; did you mean `simulate`?")
     );
     assert!(ask("simulate", json!(["--set", "mass=3"])).contains("has no parameter `mass`"));
     assert!(ask("simulate", json!(["--steps", "many"])).contains("give a whole number"));
     assert!(ask("solve", json!([])).contains("declares no objective"));
+}
+
+#[test]
+fn text_is_formatted_by_a_call() {
+    let untidy = "coordinates{z:m}lagrangian 1[kg]/2*dot(z)^2";
+    let request = json!({ "call": "fmt", "name": "x", "text": untidy });
+    let formatted: Value = serde_json::from_str(&answer(&request)).unwrap();
+    let scratch = Scratch::new("play-fmt");
+    std::fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("x.hang");
+    std::fs::write(&file, untidy).unwrap();
+    crate::support::solved(&["fmt", file.to_str().unwrap()]);
+    assert_eq!(formatted["text"], scratch.read("x.hang"));
+    assert_ne!(formatted["text"], untidy);
 }
 
 #[test]
@@ -302,7 +316,7 @@ const until = async (what) => { while (!what()) await wait(5); };
 const idle = () => page.answer && page.scene && !runner.busy && !checker.busy && !page.again;
 const type = (content) => { text.value = content; text.dispatchEvent(new Event("input")); };
 const look = () => ({ status: element("status").value, result: page.answer.result, command: element("command").textContent,
-  figures: document.querySelectorAll("#plots svg path").length, stage: document.querySelectorAll("#stage [data-body]").length,
+  figures: document.querySelectorAll("#plots svg path").length, readings: page.answer.motion.readings.length, stage: document.querySelectorAll("#stage [data-body]").length,
   equations: document.querySelectorAll("#equations math").length });
 (async () => {
   await until(idle);
@@ -364,7 +378,7 @@ const look = () => ({ status: element("status").value, result: page.answer.resul
         };
         assert_same_motion(&report["first"]["result"], &simulated(ski_jump, &[]));
         assert_eq!(report["first"]["stage"], 1);
-        assert_eq!(report["first"]["figures"], 6);
+        assert_eq!(report["first"]["figures"], report["first"]["readings"]);
         assert!(report["first"]["equations"].as_u64().unwrap() > 10);
         let mistake = report["mistake"]["text"].as_str().unwrap();
         assert!(
