@@ -55,6 +55,7 @@ pub(crate) fn run(
             json: &json,
             published: &PublishedData::default(),
             rows: arguments.result.rows,
+            index: None,
             facts: simulation_facts(method, &simulation, &ending),
         };
         written = report.deliver(directory, &files.contents());

@@ -55,6 +55,7 @@ pub(crate) fn run(
                 json: &json,
                 published: &PublishedData::default(),
                 rows: arguments.result.rows,
+                index: None,
                 facts: optimum_facts(method, &solution, &ending),
             }
             .contents(),

@@ -43,12 +43,35 @@ const playFrames = (data) => {
     };
     return [[x0, y0], ...Array.from({ length: turns }, turn), [x1, y1]];
   };
+  // Letters have one size on the screen, however wide the stage is.
+  const write = (text, attributes) => {
+    const node = draw("text", { fill: "currentColor", class: "name", "aria-hidden": "true", ...attributes });
+    node.textContent = text;
+    return node;
+  };
+  const size = () => stage.style.setProperty("--letter", `${(13 * width) / Math.max(stage.clientWidth, 200)}px`);
+  new ResizeObserver(size).observe(stage);
+  size();
   const points = (list) => list.map(([a, b]) => `${x(a).toFixed(2)},${y(b).toFixed(2)}`).join(" ");
 
   data.ground.forEach((line) => {
     const ground = draw("polyline", { points: points(line.points), fill: "none", stroke: grey, "stroke-width": 2.5 });
     draw("title", {}, ground).textContent = line.name;
+    // The name stands where the line is in the picture, at its right end.
+    const seen = line.points.filter(([a, b]) => a > left && a < right - 0.06 * (right - left) && b > bottom && b < top);
+    if (seen.length) {
+      const [a, b] = seen[Math.floor(0.97 * (seen.length - 1))];
+      write(line.name, { x: x(a), y: y(b), dy: "1.2em", "text-anchor": "end", opacity: 0.75 });
+    }
   });
+  // A length to compare with: the largest round one below a fifth of the picture.
+  const unit = /\[(.*)\]/.exec(data.axes[0])?.[1] ?? "";
+  const fifth = (right - left) / 5;
+  const power = 10 ** Math.floor(Math.log10(fifth));
+  const length = [5, 2, 1].map((k) => k * power).find((k) => k <= fifth);
+  const ends = [[12, height - 18], [12, height - 10], [12 + length * scale, height - 10], [12 + length * scale, height - 18]];
+  draw("polyline", { points: ends.join(" "), fill: "none", stroke: grey, "stroke-width": 2, "data-scale": length });
+  write(`${Number(length.toPrecision(2))} ${unit}`, { x: 12 + (length * scale) / 2, y: height - 18, "text-anchor": "middle" });
   const trails = data.bodies.map((_, body) =>
     draw("polyline", { fill: "none", stroke: colours[body % colours.length], "stroke-width": 1.5, opacity: 0.6 }));
   const lines = data.springs.map((spring) =>
@@ -60,7 +83,9 @@ const playFrames = (data) => {
       ? draw("circle", { r: 8, fill: colour, "data-body": name })
       : draw("polygon", { fill: colour, "fill-opacity": 0.35, stroke: colour, "stroke-width": 2, "data-body": name });
     draw("title", {}, shape).textContent = name;
-    return { shape, outline, spoke: spoke ? draw("line", { stroke: colour, "stroke-width": 2 }) : null };
+    // One body needs no name.
+    const label = data.bodies.length > 1 && data.bodies.length < 6 ? write(name, { "text-anchor": "middle" }) : null;
+    return { shape, outline, label, spoke: spoke ? draw("line", { stroke: colour, "stroke-width": 2 }) : null };
   });
   const arrows = data.contacts.map((name) => {
     const arrow = draw("path", { fill: "none", stroke: red, "stroke-width": 3, "data-contact": name });
@@ -88,8 +113,17 @@ const playFrames = (data) => {
     return low;
   };
 
+  // For screen readers: what is shown, and each event when it is passed.
+  const names = data.bodies.map(({ name }) => name).join(", ");
+  stage.setAttribute("aria-label", `the motion of ${names} over ${last.toFixed(2)} s, with ${data.events.length} events`);
+  const pass = (from, to) => {
+    const passed = data.events.findLast(({ time }) => time > from && time <= to);
+    if (passed) element("said").textContent = `${passed.label} at ${passed.time.toFixed(2)} s`;
+  };
+
   let now = first;
   const show = (time) => {
+    pass(now, time);
     now = Math.max(time, first);
     // A slider keeps fewer digits than the end has.
     if (now > last - 1e-9 * (last - first)) now = last;
@@ -100,7 +134,8 @@ const playFrames = (data) => {
     const positions = data.positions[k].map((position, body) =>
       position.map((value, axis) => between(value, data.positions[next][body][axis])));
     positions.forEach(([a, b], body) => {
-      const { shape, outline, spoke } = bodies[body];
+      const { shape, outline, label, spoke } = bodies[body];
+      if (label) set(label, { x: x(a), y: y(b) - 14 });
       const angle = between(data.angles[k][body], data.angles[next][body]);
       const [sine, cosine] = [Math.sin(angle), Math.cos(angle)];
       const place = ([u, v]) => [a + u * cosine - v * sine, b + u * sine + v * cosine];

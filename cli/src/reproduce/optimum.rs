@@ -10,7 +10,7 @@ use hangtime::simulation::{
 use super::case::{Case, Reproduced};
 use super::column::Column;
 use super::comparison::{comparison, rows};
-use super::overview::section_of;
+use super::overview::{INDEX, section_of};
 use crate::bounds::Bounds;
 use crate::ending::Ending;
 use crate::failure::BadInput;
@@ -52,6 +52,7 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
                 json: &json,
                 published: &case.data,
                 rows: usize::MAX,
+                index: Some(INDEX),
                 facts: optimum_facts(&method, &solution, &ending),
             };
             files.extend(result.contents());

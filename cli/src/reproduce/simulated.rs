@@ -5,7 +5,7 @@ use hangtime::simulation::{InitialValueProblem, Simulation};
 use super::case::{Case, Reproduced};
 use super::column::Column;
 use super::comparison::{comparison, rows};
-use super::overview::section_of;
+use super::overview::{INDEX, section_of};
 use crate::arguments::{Method, MethodArguments, SchemeName};
 use crate::bounds::Bounds;
 use crate::drawing::{Body, Drawing};
@@ -83,6 +83,7 @@ pub(super) fn reproduce(case: Case, horizon: f64, bounds: &Bounds) -> Result<Rep
                 json: &json,
                 published: &case.data,
                 rows: usize::MAX,
+                index: Some(INDEX),
                 facts: simulation_facts(&method, &simulation, &ending),
             };
             files.extend(result.contents());
