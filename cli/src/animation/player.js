@@ -71,7 +71,7 @@ const playFrames = (data) => {
   const length = [5, 2, 1].map((k) => k * power).find((k) => k <= fifth);
   const ends = [[12, height - 18], [12, height - 10], [12 + length * scale, height - 10], [12 + length * scale, height - 18]];
   draw("polyline", { points: ends.join(" "), fill: "none", stroke: grey, "stroke-width": 2, "data-scale": length });
-  write(`${Number(length.toPrecision(2))} ${unit}`, { x: 12 + (length * scale) / 2, y: height - 18, "text-anchor": "middle" });
+  write(`${Number(length.toPrecision(2))} ${unit}`, { x: 12, y: height - 24 });
   const trails = data.bodies.map((_, body) =>
     draw("polyline", { fill: "none", stroke: colours[body % colours.length], "stroke-width": 1.5, opacity: 0.6 }));
   const lines = data.springs.map((spring) =>
@@ -172,7 +172,7 @@ const playFrames = (data) => {
     });
     readings.forEach(({ value, unit, values }) => {
       const reading = values[k];
-      value.textContent = reading === undefined || reading === null ? "-" : `${reading.toFixed(4)} ${unit}`;
+      value.textContent = reading === undefined || reading === null ? "-" : `${(Math.abs(reading) < 5e-5 ? 0 : reading).toFixed(4)} ${unit}`;
     });
     scrub.value = now;
     clock.value = `${now.toFixed(4)} s of ${last.toFixed(4)} s`;
