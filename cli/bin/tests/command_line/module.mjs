@@ -21,6 +21,19 @@ const call = (request) => {
   return JSON.parse(answer.toString().replace(/\0+$/, ""));
 };
 
+// Texts that lead deep into the derivation: the stack of the module is that of its host, a megabyte in browsers.
+const deep = () => {
+  const scene = (expression, before = "") => `${before} coordinates { z: m } lagrangian 1[kg]/2*dot(z)^2 + 1[N]*z*(${expression}) start { z: 1 }`;
+  const functions = Array.from({ length: 290 }, (_, k) => `fn f${k}(x) = ${k ? `${"(".repeat(50)}f${k - 1}(-x)${")".repeat(50)}` : "x"}`);
+  const texts = ["(".repeat(20000), "{".repeat(20000), "/*".repeat(20000), scene("-".repeat(50000)), scene(`${"cos(z/1[m])*".repeat(2000)}1`),
+    scene(`${"cos(z/1[m])+".repeat(4000)}1`), scene(`${"1/".repeat(20000)}1`), scene(`${"sin(".repeat(60)}z/1[m]${")".repeat(60)}`),
+    scene("f289(z/1[m])", functions.join("\n"))];
+  for (const text of texts) {
+    const answer = call({ call: "simulate", name: "deep", text, settings: ["--horizon", "20ms"] });
+    console.log(JSON.stringify(answer.mistakes ? "mistaken" : answer.result.status));
+  }
+};
+
 // Texts with random changes, each simulated for a short time; what broke off is told.
 const mutate = (count, scenes) => {
   let seed = 1n;

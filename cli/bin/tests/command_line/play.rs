@@ -308,6 +308,17 @@ mod page {
         eprintln!("{summary}");
     }
 
+    #[test]
+    fn module_answers_texts_that_lead_deep() {
+        let (_scratch, page) = page(&[]);
+        let Some(answers) = answers(&page, "deep();") else {
+            return;
+        };
+        let (mistaken, solved) = (json!("mistaken"), json!("solved"));
+        assert_eq!(answers[..4], vec![mistaken; 4]);
+        assert_eq!(answers[4..], vec![solved; 5]);
+    }
+
     /// Edits, mistakes, mends, simulates, solves and stops.
     const VISITOR: &str = r##"
 <script>
