@@ -1,7 +1,7 @@
 //! Scenes from files, which run without a compiler.
 //!
-//! A file `NAME.hang` holds what stands inside `hangtime::model! { ... }`, or only the statements. [`read`] derives it and
-//! gives a [`TextScene`], a [`Model`](hangtime::model::Model) like any other:
+//! A file `NAME.hang` holds what stands inside `hangtime::model! { ... }`, or only the statements. [`read`] derives it
+//! and gives a [`TextScene`], a [`Model`](hangtime::model::Model) like any other:
 //!
 //! ```
 //! use hangtime::prelude::*;
@@ -134,8 +134,8 @@ pub fn read_text(file: &Path) -> Result<String, SceneError> {
     })
 }
 
-/// Does work on a text on a thread of its own, whose stack is known, and whose memory of expressions and places ends with
-/// it; it gets the name of the file without its ending.
+/// Does work on a text on a thread of its own, whose stack is known, and whose memory of expressions and places ends
+/// with it; it gets the name of the file without its ending.
 #[cfg(not(target_family = "wasm"))]
 fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Result<T, SceneError> {
     let stem = Path::new(file).file_stem().unwrap_or_default();

@@ -1,8 +1,9 @@
 //! Where in the plane a contact force acts, and along which direction.
 //!
 //! A force `F` on a body at `p(q)` with the angle `a(q)`, and its moment `m` about `p`, are the generalized force
-//! `(dp/dq)' F + (da/dq)' m`. The one of a contact is `n lambda_n + b lambda_t`. The arrow belongs to the first body that can
-//! carry it, by least squares, and begins where the line on which `F` has the moment `m` enters the outline of the body.
+//! `(dp/dq)' F + (da/dq)' m`. The one of a contact is `n lambda_n + b lambda_t`. The arrow belongs to the first body
+//! that can carry it, by least squares, and begins where the line on which `F` has the moment `m` enters the outline of
+//! the body.
 
 use hangtime::model::{Model, contact_point, tangent_point};
 use serde::Serialize;

@@ -1,5 +1,5 @@
-//! A text in the settled style: one statement a line, one entry a line in blocks that take several, blanks around `+` and
-//! `-` and none around `*` and `/`, comments where they were.
+//! A text in the settled style: one statement a line, one entry a line in blocks that take several, blanks around `+`
+//! and `-` and none around `*` and `/`, comments where they were.
 
 mod scan;
 mod spacing;
@@ -16,11 +16,11 @@ const LONGEST_BLOCK: usize = 100;
 /// One step to the right.
 const INDENT: &str = "    ";
 
-/// The text of a scene file in the settled style; `stem` is the name of the file, as in [`describe_text`]. Formatting a text
-/// that is formatted changes nothing, and the formatted text declares the same scene.
+/// The text of a scene file in the settled style; `stem` is the name of the file, as in [`describe_text`]. Formatting a
+/// text that is formatted changes nothing, and the formatted text declares the same scene.
 ///
-/// - Each statement begins a line. A block is one line if it was and has room there, and otherwise has one entry a line,
-///   with a comma behind each.
+/// - Each statement begins a line. A block is one line if it was and has room there, and otherwise has one entry a
+///   line, with a comma behind each.
 /// - Lines have at most 120 columns where a sum can be broken before a `+` or `-`; what follows is indented.
 /// - Comments stay above or behind what they were above or behind; one empty line is kept where there were some.
 ///

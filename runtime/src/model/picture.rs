@@ -7,8 +7,8 @@ pub struct Picture {
     pub unit: &'static str,
     /// Names of the axes, the horizontal one first.
     pub axes: [&'static str; 2],
-    /// Indices of the coordinates that are the place of a point, if surfaces that depend on nothing else are to be drawn as
-    /// places of that point.
+    /// Indices of the coordinates that are the place of a point, if surfaces that depend on nothing else are to be
+    /// drawn as places of that point.
     pub ground: Option<[usize; 2]>,
     /// The shapes in order of declaration.
     pub shapes: &'static [Shape],
@@ -22,8 +22,8 @@ impl Picture {
     }
 }
 
-/// One shape of a [`Picture`], with the values that [`Model::picture_values`](super::Model::picture_values) gives of it.
-/// Lengths are in the unit of the picture, angles in radians, counterclockwise.
+/// One shape of a [`Picture`], with the values that [`Model::picture_values`](super::Model::picture_values) gives of
+/// it. Lengths are in the unit of the picture, angles in radians, counterclockwise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// A body without extent, by its name: place `(a, b)` and angle.

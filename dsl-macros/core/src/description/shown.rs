@@ -27,8 +27,8 @@ pub struct Picture {
     pub ground: Option<[usize; 2]>,
     /// The shapes in order of declaration.
     pub shapes: Vec<Shape>,
-    /// Kernel of the values of all shapes, one after the other, of `(q, v, u, t)`, the time always among them; the number
-    /// that runs along a curve is the weight.
+    /// Kernel of the values of all shapes, one after the other, of `(q, v, u, t)`, the time always among them; the
+    /// number that runs along a curve is the weight.
     pub kernel: usize,
 }
 

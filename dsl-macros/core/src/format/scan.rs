@@ -43,6 +43,7 @@ pub(super) fn pieces(text: &str) -> Vec<Piece> {
         let trimmed = rest.trim_start();
         let blank = &rest[..rest.len() - trimmed.len()];
         let Some(first) = trimmed.chars().next() else {
+            set_units_apart(&mut pieces);
             return pieces;
         };
         let (kind, length) = if trimmed.starts_with("//") {
@@ -68,6 +69,25 @@ pub(super) fn pieces(text: &str) -> Vec<Piece> {
             apart: !blank.is_empty(),
         });
         rest = &trimmed[length..];
+    }
+}
+
+/// A unit stands apart from a number that is a term: `2 [m]`; in a product it binds, as in `2[m]*x`. An index binds.
+fn set_units_apart(pieces: &mut [Piece]) {
+    let product = |piece: Option<&Piece>| {
+        piece.is_some_and(|piece| ["*", "/", "^"].iter().any(|sign| piece.is(sign)))
+    };
+    for open in 1..pieces.len() {
+        if !pieces[open].is("[") {
+            continue;
+        }
+        let number = pieces[open - 1]
+            .text
+            .starts_with(|c: char| c.is_ascii_digit());
+        let close = pieces[open..].iter().position(|piece| piece.is("]"));
+        let behind = close.and_then(|close| pieces.get(open + close + 1));
+        let before = open.checked_sub(2).and_then(|before| pieces.get(before));
+        pieces[open].apart = number && !product(behind) && !product(before);
     }
 }
 

@@ -86,7 +86,7 @@ impl Line {
             "(" => self.open("("),
             // A unit stands behind its number, an index behind its vector.
             "[" => {
-                self.binds = true;
+                self.wants_blank = piece.apart;
                 self.open("[");
             }
             close @ (")" | "]") => {

@@ -30,13 +30,13 @@ parameters {
     g: m/s^2 = 9.81,
     r: m = 0.1, // radius
 }
-coordinates { y: m, z: m in 0..=3[m], a }
+coordinates { y: m, z: m in 0..=3 [m], a }
 controls { u: N } // pushes
 // Where it is.
 let p = (y, z)
 fn h(w) = -r*cos(2*w/r)
 lagrangian |dot(p)|^2*m/2 - m*g*z + m*r^2/4*dot(a)^2 + -0.5[N]*y // sum
-forces { y: u - 2[N] }
+forces { y: u - 2 [N] }
 surface floor: z >= h(y)
 impact floor: inelastic, friction 0.3, sliding dot(y) - h(0)*-dot(a)
 start { z: 1 }
@@ -48,7 +48,7 @@ picture {
     rectangle box at (y, -z) size (r, 2*r) angle -a,
     link p to (0, 0),
     polygon a at p corners ((0, 0), (r, 0), (0, r)) angle a - 1,
-    curve c: (w, h(w)) over w in 0[m]..=r,
+    curve c: (w, h(w)) over w in 0 [m]..=r,
 }
 // Last.
 ";
@@ -57,7 +57,7 @@ picture {
 
 #[test]
 fn header_and_vectors_are_formatted_and_long_sums_broken() {
-    let terms = vec!["m*l^2*dot(a)^2"; 12].join("+");
+    let terms = ["m*l^2*dot(a)^2"; 12].join("+");
     let text = format!(
         "/// Two angles.\npub  Two{{ parameters {{ m:kg=1e-3,l:m=2. }} coordinates {{ a:rad,b:rad }} \
          let w=(a , b ,a*b) let q=w . w lagrangian {terms}+m*l^2*dot(b)^2-m*q*1[m^2/s^2]*w[0]*|w| /* all */ }}"
@@ -99,12 +99,12 @@ fn scene_files(folder: &str) -> Vec<std::path::PathBuf> {
 #[test]
 fn scenes_of_the_repository_declare_the_same_when_they_are_formatted() {
     let mut files = scene_files("models/scenes");
+    files.extend(scene_files("cli/src"));
     for file in &files {
         let text = std::fs::read_to_string(file).expect("a text");
         assert_eq!(formatted(&text), text, "{}", file.display());
     }
     files.extend(scene_files("models/hard"));
-    files.extend(scene_files("cli/src"));
     files.extend(scene_files("runtime/tests/data"));
     assert!(files.len() > 60, "{}", files.len());
     for file in files {

@@ -7,8 +7,26 @@ use crate::diagnostics::{Checked, Reported};
 use crate::dimension::Dimension;
 use hangtime_units::Unit;
 
+/// Units of outputs, each of which may be used by those below.
+pub(super) fn outputs(walk: &mut Walk<'_>, quantities: &[Quantity]) -> Checked<()> {
+    for quantity in quantities {
+        let own = output(walk, quantity);
+        walk.shown.outputs.push(own);
+    }
+    Ok(())
+}
+
+/// Units of all shapes.
+pub(super) fn picture(walk: &mut Walk<'_>, shapes: &[Shape]) -> Checked<()> {
+    for known in shapes {
+        // Reported where it fails; the next one is checked all the same.
+        let _: Checked<()> = shape(walk, known);
+    }
+    Ok(())
+}
+
 /// The unit of an output, which is then known by its name.
-pub(super) fn output(walk: &mut Walk<'_>, quantity: &Quantity) -> Dimension {
+fn output(walk: &mut Walk<'_>, quantity: &Quantity) -> Dimension {
     let name = &quantity.name.text;
     let declared = quantity.unit.as_ref();
     let declared = declared.map(|written| Dimension::of(written.unit));
@@ -30,7 +48,7 @@ pub(super) fn output(walk: &mut Walk<'_>, quantity: &Quantity) -> Dimension {
 }
 
 /// Places and sizes are lengths, angles pure numbers.
-pub(super) fn shape(walk: &mut Walk<'_>, shape: &Shape) -> Checked<()> {
+fn shape(walk: &mut Walk<'_>, shape: &Shape) -> Checked<()> {
     match shape {
         Shape::Body {
             name,

@@ -114,19 +114,8 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             Ok(())
         }
         Statement::Horizon { value, .. } => horizon(walk, value),
-        Statement::Outputs(quantities) => {
-            for quantity in quantities {
-                let own = shown::output(walk, quantity);
-                walk.shown.outputs.push(own);
-            }
-            Ok(())
-        }
-        Statement::Picture { shapes, .. } => {
-            for shape in shapes {
-                let _: Checked<()> = shown::shape(walk, shape);
-            }
-            Ok(())
-        }
+        Statement::Outputs(quantities) => shown::outputs(walk, quantities),
+        Statement::Picture { shapes, .. } => shown::picture(walk, shapes),
     }
 }
 
