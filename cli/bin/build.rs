@@ -1,5 +1,5 @@
-//! Builds the module of the page, if the feature `play` asks for it: the package `hangtime-play` for WebAssembly, by the
-//! same toolchain, in a folder of its own.
+//! Builds the module of the page, if the feature `play` asks for it: the package `hangtime-play` for WebAssembly, by
+//! the same toolchain, in a folder of its own.
 
 use std::error::Error;
 

@@ -34,7 +34,7 @@ const CALLS: [&str; 5] = ["check", "explain", "fmt", "simulate", "solve"];
 /// | `check` | `scene` (names, units, values and equations) and `warnings`, or `mistakes` and `report` |
 /// | `explain` | `text`, as the command prints it |
 /// | `fmt` | `text`, the scene in the settled style |
-/// | `simulate`, `solve` | `result` (the JSON document of the command), `facts` (what its page tells), `motion` (what its page plays) |
+/// | `simulate`, `solve` | `result` (the JSON of the command), `facts` (what its page tells), `motion` (what it plays) |
 ///
 /// A call that is refused has the answer `refusal`, one line that says what, where and how to mend it.
 ///
@@ -44,7 +44,8 @@ const CALLS: [&str; 5] = ["check", "explain", "fmt", "simulate", "solve"];
 ///
 /// let text = "coordinates { z: m } lagrangian 1[kg]/2*dot(z)^2 - 9.81[N]*z \
 ///             surface floor: z >= 0 impact floor: inelastic start { z: 1 } horizon 1[s]";
-/// let request = serde_json::json!({ "call": "simulate", "name": "ball", "text": text, "settings": ["--method", "event"] });
+/// let settings = ["--method", "event"];
+/// let request = serde_json::json!({ "call": "simulate", "name": "ball", "text": text, "settings": settings });
 /// let answer = Calls::default().answer(&request.to_string(), &mut |_, _| {});
 /// let answer: serde_json::Value = serde_json::from_str(&answer)?;
 /// let fall = answer["result"]["events"][0]["time"].as_f64().unwrap_or_default();

@@ -10,7 +10,7 @@
 //! | import of `host` | what it is asked for |
 //! |---|---|
 //! | `seconds() -> number` | time on any clock |
-//! | `progress(share, length)` | told while a run goes on: the share that is done, NaN if not known; `get` reads what is being done |
+//! | `progress(share, length)` | told while a run goes on: the share done, NaN if not known; `get` reads what is done |
 
 use std::cell::RefCell;
 

@@ -1,6 +1,7 @@
 //! The page on which scenes are written, and the calls behind it.
 //!
-//! The page itself is tested where the program has one: `cargo test --workspace --features play --test command_line play`.
+//! The page itself is tested where the program has one:
+//! `cargo test --workspace --features play --test command_line play`.
 
 use hangtime_cli::Calls;
 use serde_json::{Value, json};
