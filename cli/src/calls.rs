@@ -84,7 +84,7 @@ struct Request<'a> {
 #[serde(untagged)]
 enum Answer {
     Checked {
-        scene: SceneEntry,
+        scene: Box<SceneEntry>,
         warnings: String,
     },
     Mistaken {
@@ -269,7 +269,7 @@ impl Calls {
             _ => {
                 let text = scene.text.ok_or_else(|| BadInput::new("no scene"))?;
                 Ok(Answer::Checked {
-                    scene: SceneEntry::new(scene, text.declaration()),
+                    scene: Box::new(SceneEntry::new(scene, text.declaration())),
                     warnings: text.warnings().to_owned(),
                 })
             }

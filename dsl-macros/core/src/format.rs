@@ -4,8 +4,7 @@
 mod scan;
 mod spacing;
 
-use crate::text::TextMistake;
-use crate::{describe_text, words};
+use crate::words;
 use scan::{Kind, Piece, pieces};
 use spacing::Line;
 
@@ -16,35 +15,8 @@ const LONGEST_BLOCK: usize = 100;
 /// One step to the right.
 const INDENT: &str = "    ";
 
-/// The text of a scene file in the settled style; `stem` is the name of the file, as in [`describe_text`]. Formatting a
-/// text that is formatted changes nothing, and the formatted text declares the same scene.
-///
-/// - Each statement begins a line. A block is one line if it was and has room there, and otherwise has one entry a
-///   line, with a comma behind each.
-/// - Lines have at most 120 columns where a sum can be broken before a `+` or `-`; what follows is indented.
-/// - Comments stay above or behind what they were above or behind; one empty line is kept where there were some.
-///
-/// # Errors
-/// The text has mistakes.
-///
-/// ```
-/// let text = "parameters{m:kg=1,g : m/s^2=9.81}coordinates { z: m }\nlagrangian m / 2*dot(z)^2-m*g*z // plain";
-/// let formatted = hangtime_dsl::format_text(text, "ball").expect("no mistakes");
-/// assert_eq!(formatted, "\
-/// parameters { m: kg = 1, g: m/s^2 = 9.81 }
-/// coordinates { z: m }
-/// lagrangian m/2*dot(z)^2 - m*g*z // plain
-/// ");
-/// ```
-pub fn format_text(text: &str, stem: &str) -> Result<String, Vec<TextMistake>> {
-    let (declared, _) = describe_text(text, stem)?;
-    let formatted = formatted(text);
-    let same = describe_text(&formatted, stem).is_ok_and(|(again, _)| again == declared);
-    // What the style has no rule for stays as it is.
-    Ok(if same { formatted } else { text.to_owned() })
-}
-
-fn formatted(text: &str) -> String {
+/// The text in the settled style, if it is a declaration.
+pub(crate) fn formatted(text: &str) -> String {
     let pieces = pieces(text);
     let mut writer = Writer::default();
     let begins = |piece: &Piece| words::STATEMENTS.contains(&piece.text.as_str());

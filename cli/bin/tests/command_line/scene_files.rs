@@ -222,7 +222,7 @@ fn fmt_writes_the_settled_style_or_says_what_is_not_in_it() {
             .starts_with("parameters { m: kg = 2, g: m/s^2 = 9.81 }\ncoordinates { y: m, z: m }\n")
     );
     assert!(
-        formatted.ends_with("start { dot(y): 3 }\nhorizon 1[s]\n"),
+        formatted.ends_with("start { dot(y): 3 }\nhorizon 1 [s]\n"),
         "{formatted}"
     );
     assert!(solved(&["fmt", "--check", file]).starts_with("1 file in the settled style"));

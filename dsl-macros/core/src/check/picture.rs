@@ -36,8 +36,12 @@ pub(super) fn picture(
     };
     for shape in shapes {
         // Each reports its own mistakes; the next one is checked all the same.
-        if let Ok(shape) = checked(checker, &picture, shape) {
-            picture.shapes.push(shape);
+        match (checked(checker, &picture, shape), shape) {
+            (Ok(shape), _) => picture.shapes.push(shape),
+            (Err(Reported), ast::Shape::Body { name, .. }) => {
+                checker.diagnostics.poison(&name.text);
+            }
+            (Err(Reported), _) => {}
         }
     }
     if checker.diagnostics.mistakes() > before {

@@ -118,6 +118,8 @@ fn incomplete(kind: &Name, name: &Name, diagnostics: &mut Diagnostics) -> Report
         "rectangle" => ("a size", "size (0.2 [m], 0.1 [m])"),
         _ => ("its corners", "corners ((0, 0), (l, 0), (0, l))"),
     };
+    // Lines to it give no second message.
+    diagnostics.poison(&name.text);
     let (kind, text) = (&kind.text, &name.text);
     let message =
         format!("{kind} `{text}` needs {what}, as in `{kind} {text} at (y, z) {example}`");

@@ -123,3 +123,63 @@ texts! {
     line_without_an_end: "picture { link p }" =>
         "expected `to`, as in `link a to b`, found the end";
 }
+
+#[test]
+fn mistakes_stand_where_they_were_made() {
+    let text = "parameters { m: kg = 1, g: m/s^2 = 9.81 } coordinates { y: m, z: m } \
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z surface floor: z >= 0 impact floor: inelastic \
+        outputs { high, push: N = force(flor), place = (y, z) } \
+        picture { circle ball at (y, z), point nose at z, link ball to nose, link nose to hook, elipse egg, \
+            point eye at (y, z) radius m, curve track: (w, y) over w } \
+        constraint gentle: force(floor) <= 3 [N]";
+    let mistakes = hangtime_dsl::describe_text(text, "ball").unwrap_err();
+    let found: Vec<_> = mistakes
+        .iter()
+        .map(|found| (found.code, &text[found.place.clone()]))
+        .collect();
+    let wanted = [
+        (None, "high"),
+        (Some("E01"), "flor"),
+        (Some("E02"), "(y, z)"),
+        (None, "ball"),
+        (Some("E02"), "z"),
+        (Some("E01"), "hook"),
+        (None, "elipse"),
+        (None, "radius"),
+        (Some("E24"), "(w, y)"),
+        (Some("E24"), "force(floor)"),
+    ];
+    assert_eq!(found, wanted);
+}
+
+#[test]
+fn units_are_checked_at_each_number() {
+    let text = "parameters { m: kg = 1, g: m/s^2 = 9.81, r: m = 1 } coordinates { y: m, z: m } \
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z surface floor: z >= 0 impact floor: inelastic \
+        outputs { speed: m = dot(y), push: J = force(floor) } \
+        picture { circle ball at (y, 2*g) radius 3, rectangle box at (y, z) size (r, m) angle r, \
+            polygon roof at (y, z) corners ((0, 0), (r, 0), (0, r^2)), curve track: (w, w^2) over w, \
+            curve arc: (r*cos(s), r) over s in 0 [m]..=1 [m], link (0, m) to ball }";
+    let mistakes = hangtime_dsl::describe_text(text, "ball").unwrap_err();
+    assert!(
+        mistakes.iter().all(|mistake| mistake.code == Some("E03")),
+        "{mistakes:?}"
+    );
+    let found: Vec<_> = mistakes
+        .iter()
+        .map(|found| &text[found.place.clone()])
+        .collect();
+    let wanted = [
+        "dot(y)",
+        "force(floor)",
+        "2*g",
+        "3",
+        "r",
+        "m",
+        "r^2",
+        "w^2",
+        "s",
+        "m",
+    ];
+    assert_eq!(found, wanted);
+}
