@@ -115,7 +115,8 @@ impl Animation {
             .iter()
             .flat_map(|placed| placed.extent(&drawing.bodies))
             .collect();
-        if !extents.as_flattened().iter().all(|x| x.is_finite()) {
+        // Nothing but ground is drawn, or what is drawn has no place.
+        if extents.is_empty() || !extents.as_flattened().iter().all(|x| x.is_finite()) {
             return None;
         }
         let frame = frame(&extents);
