@@ -116,6 +116,20 @@ fn calls_that_cannot_be_answered_say_why_in_one_line() {
 }
 
 #[test]
+fn scenes_to_choose_from_are_the_shipped_files() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/scenes");
+    let files = std::fs::read_dir(folder).unwrap();
+    let mut files: Vec<String> = files
+        .map(|file| file.unwrap().file_name().into_string().unwrap())
+        .collect();
+    let texts = hangtime_models::scene_texts().iter();
+    let mut listed: Vec<String> = texts.map(|(name, _)| format!("{name}.hang")).collect();
+    files.sort();
+    listed.sort();
+    assert_eq!(listed, files);
+}
+
+#[test]
 fn text_is_formatted_by_a_call() {
     let untidy = "coordinates{z:m}lagrangian 1[kg]/2*dot(z)^2";
     let request = json!({ "call": "fmt", "name": "x", "text": untidy });
