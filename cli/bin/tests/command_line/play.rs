@@ -364,9 +364,15 @@ const look = () => ({ status: element("status").value, result: page.answer.resul
   await until(idle);
   report.slid = look();
   report.link = await unpackLink(await packLink());
-  page.player.toggle();
-  await wait(100);
-  report.played = page.player.time() > 0;
+  const press = (key) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+  press(" ");
+  await until(() => page.player.time() > 0);
+  press(" ");
+  report.keys = [page.player.playing(), ..."End Home .".split(" ").map((key) => { press(key); return page.player.time(); })];
+  location.hash = await packLink();
+  page.answer = null;
+  await until(idle);
+  report.opened = look();
   page.answer = null;
   element("scenes").value = "pump-track";
   element("scenes").dispatchEvent(new Event("change"));
@@ -430,7 +436,13 @@ const look = () => ({ status: element("status").value, result: page.answer.resul
             report["link"],
             json!({ "name": "ski-jump", "content": mended, "values": { "start_y": 9 } })
         );
-        assert_eq!(report["played"], true);
+        let first = &report["slid"]["result"]["events"][0]["time"];
+        assert_eq!(report["keys"], json!([false, 5, 0, first]));
+        assert_eq!(report["opened"]["command"], report["slid"]["command"]);
+        assert_eq!(
+            report["opened"]["result"]["final"],
+            report["slid"]["result"]["final"]
+        );
         assert_eq!(report["stopped"], "stopped");
         let native = printed(
             "solve",
