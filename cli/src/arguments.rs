@@ -44,6 +44,8 @@ pub(crate) enum Command {
     Fmt(FormatArguments),
     /// Write a scene file to begin with, which simulates and solves as it stands.
     New(NewArguments),
+    /// Write a page on which scenes are written, simulated, solved and played; it opens in a browser without a server.
+    Play(PlayArguments),
     /// Reproduce the published results and write figures, data and a page.
     Reproduce(ReproduceArguments),
     /// Print the script that completes commands, options and their choices in a shell.
@@ -346,6 +348,17 @@ pub(crate) struct NewArguments {
     pub(crate) name: String,
 }
 
+/// Arguments of `play`.
+#[derive(Debug, Args)]
+pub(crate) struct PlayArguments {
+    /// A scene file that the page opens with [default: the first shipped scene].
+    #[arg(value_name = "FILE")]
+    pub(crate) file: Option<String>,
+    /// Directory for the page; made if it does not exist.
+    #[arg(long, value_name = "DIR", default_value = OUT)]
+    pub(crate) out: PathBuf,
+}
+
 /// Arguments of `reproduce`.
 #[derive(Debug, Args)]
 pub(crate) struct ReproduceArguments {
@@ -487,7 +500,7 @@ mod tests {
     use hangtime::simulation::{EventDriven, Fesd, FixedStep, Moreau, Smooth};
 
     use super::{Arguments, duration};
-    use crate::solve::INTERVALS;
+    use crate::task::INTERVALS;
 
     fn help(command: &str) -> String {
         let mut arguments = Arguments::command();

@@ -11,9 +11,9 @@ use crate::arguments::{Arguments, Command, ListArguments, ReproduceArguments};
 use crate::failure::{BadInput, visible};
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, refuse};
 use crate::scene_file::is_path;
-use crate::{HardScene, Scene};
+use crate::{HardScene, PlayPage, Scene};
 use crate::{
-    authoring, chart, explain, list, program, reproduce, scene, shell, simulate, solve, watch,
+    authoring, chart, explain, list, play, program, reproduce, scene, shell, simulate, solve, watch,
 };
 
 /// The command line over a list of scenes.
@@ -53,19 +53,33 @@ use crate::{
 pub struct CommandLine {
     scenes: &'static [Scene],
     hard: &'static [HardScene],
+    page: Option<PlayPage>,
 }
 
 impl CommandLine {
     /// A command line that knows these scenes.
     #[must_use]
     pub const fn new(scenes: &'static [Scene]) -> Self {
-        Self { scenes, hard: &[] }
+        Self {
+            scenes,
+            hard: &[],
+            page: None,
+        }
     }
 
     /// The same, which shows what methods make of these scenes by `chart --stability`.
     #[must_use]
     pub const fn with_hard(self, hard: &'static [HardScene]) -> Self {
         Self { hard, ..self }
+    }
+
+    /// The same, which writes this page by `play`.
+    #[must_use]
+    pub const fn with_page(self, page: PlayPage) -> Self {
+        Self {
+            page: Some(page),
+            ..self
+        }
     }
 
     /// Runs one command; `arguments` begin with the name of the program. Prints the report, or one line that says what
@@ -162,10 +176,11 @@ impl CommandLine {
             Some(Command::Solve(arguments)) => solve::run(scenes, &arguments),
             Some(Command::Nlp(arguments)) => program::run(&arguments),
             Some(Command::Chart(arguments)) => chart::run(scenes, self.hard, &arguments),
-            Some(Command::Explain(arguments)) => explain::run(scenes, &arguments),
+            Some(Command::Explain(arguments)) => explain::run(scenes, &arguments).map(Report::of),
             Some(Command::Check(arguments)) => authoring::check(&arguments),
             Some(Command::Fmt(arguments)) => authoring::format(&arguments),
             Some(Command::New(arguments)) => authoring::new(&arguments),
+            Some(Command::Play(arguments)) => play::run(self.page, &arguments),
             Some(Command::Reproduce(arguments)) => reproduce::run(scenes, &arguments),
             Some(Command::Completions(arguments)) => Ok(shell::completions(parser, &arguments)),
             Some(Command::Man(arguments)) => shell::manual(parser, &arguments),

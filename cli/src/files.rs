@@ -27,6 +27,8 @@ pub(crate) struct ResultFiles<'a> {
     pub(crate) published: &'a PublishedData,
     /// Most rows of the trajectory.
     pub(crate) rows: usize,
+    /// The page that lists this result among others, if there is one, as (file name, what it holds).
+    pub(crate) index: Option<(&'static str, &'static str)>,
     /// What to tell about the result, as (name, value).
     pub(crate) facts: Vec<[String; 2]>,
 }
@@ -42,6 +44,7 @@ impl ResultFiles<'_> {
             json,
             published,
             rows,
+            index,
             facts,
         } = self;
         let model = chosen.model.as_ref();
@@ -86,9 +89,10 @@ impl ResultFiles<'_> {
                 figures: figures.iter().map(|(_, svg)| svg.clone()).collect(),
                 header: vec![String::new(), String::new()],
                 rows: facts.into_iter().map(Vec::from).collect(),
-                files: files
+                files: index
                     .iter()
-                    .map(|(name, _)| (name.clone(), name.clone()))
+                    .map(|(file, what)| (String::from(*file), String::from(*what)))
+                    .chain(files.iter().map(|(name, _)| (name.clone(), name.clone())))
                     .collect(),
             }],
         };

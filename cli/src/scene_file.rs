@@ -27,6 +27,16 @@ pub(crate) fn read(file: &str) -> Result<TextScene, BadInput> {
     Ok(scene)
 }
 
+/// Reads the text of a scene file, whatever stands in it.
+pub(crate) fn read_text(file: &str) -> Result<String, BadInput> {
+    if !is_path(file) {
+        return Err(BadInput::new(format!(
+            "`{file}`: give a scene file, whose name ends with .{EXTENSION}"
+        )));
+    }
+    hangtime_scene_files::read_text(Path::new(file)).map_err(refusal)
+}
+
 /// The text of a scene file, and the same in the settled style.
 pub(crate) fn formatted(file: &str) -> Result<(String, String), BadInput> {
     hangtime_scene_files::format(Path::new(file)).map_err(refusal)
@@ -51,7 +61,8 @@ pub(crate) fn load_text(name: &str, text: &str) -> Result<&'static Scene, BadInp
     Ok(entry(&file, scene.map_err(refusal)?))
 }
 
-fn entry(file: &str, scene: TextScene) -> &'static Scene {
+/// The scene of a file as an entry of the list of scenes.
+pub(crate) fn entry(file: &str, scene: TextScene) -> &'static Scene {
     let model: &'static TextScene = Box::leak(Box::new(scene));
     let declaration = model.declaration();
     let name: &'static str = name(file).leak();
@@ -74,7 +85,7 @@ fn entry(file: &str, scene: TextScene) -> &'static Scene {
 }
 
 /// The name of the file without its ending, as far as it can be part of other names of files.
-fn name(file: &str) -> String {
+pub(crate) fn name(file: &str) -> String {
     let stem = Path::new(file).file_stem().unwrap_or_default();
     let fits = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     let stem = stem.to_string_lossy();

@@ -36,14 +36,17 @@ pub use hangtime_dsl::TextMistake;
 pub use scene::TextScene;
 
 use program::TooLarge;
+use std::fmt;
 use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::Path;
-use std::{fmt, thread};
+#[cfg(not(target_family = "wasm"))]
+use std::thread;
 
 /// Most bytes that are read of a file; a longer one is refused by the language.
 const LONGEST: u64 = 1 << 17;
 /// Stack for a derivation, whose recursion is bounded.
+#[cfg(not(target_family = "wasm"))]
 const STACK: usize = 64 << 20;
 
 /// Why a scene was refused.
@@ -79,7 +82,7 @@ impl std::error::Error for SceneError {}
 /// # Errors
 /// The file cannot be read, or its text has mistakes.
 pub fn read(file: &Path) -> Result<TextScene, SceneError> {
-    of_text(&file.display().to_string(), &text_of(file)?)
+    of_text(&file.display().to_string(), &read_text(file)?)
 }
 
 /// The text of a scene file, and the same in the settled style of [`hangtime_dsl::format_text`].
@@ -87,18 +90,28 @@ pub fn read(file: &Path) -> Result<TextScene, SceneError> {
 /// # Errors
 /// The file cannot be read, or its text has mistakes.
 pub fn format(file: &Path) -> Result<(String, String), SceneError> {
-    let text = text_of(file)?;
-    let shown = file.display().to_string();
-    let formatted = on_a_thread(&shown, |stem| hangtime_dsl::format_text(&text, stem))?;
-    let formatted = formatted.map_err(|mistakes| SceneError::Mistakes {
-        report: report::report(&shown, &text, &mistakes),
-        mistakes,
-    })?;
+    let text = read_text(file)?;
+    let formatted = format_text(&file.display().to_string(), &text)?;
     Ok((text, formatted))
 }
 
-/// The text of a file.
-fn text_of(file: &Path) -> Result<String, SceneError> {
+/// A text in the settled style; `file` is what its messages call the file.
+///
+/// # Errors
+/// The text has mistakes.
+pub fn format_text(file: &str, text: &str) -> Result<String, SceneError> {
+    let formatted = on_a_thread(file, |stem| hangtime_dsl::format_text(text, stem))?;
+    formatted.map_err(|mistakes| SceneError::Mistakes {
+        report: report::report(file, text, &mistakes),
+        mistakes,
+    })
+}
+
+/// Reads the text of a scene file, whatever stands in it; of a text that is too long for a scene, not all.
+///
+/// # Errors
+/// The file cannot be read, or is no text.
+pub fn read_text(file: &Path) -> Result<String, SceneError> {
     let shown = file.display();
     let unreadable = |why: String| SceneError::Unreadable(format!("scene file `{shown}`: {why}"));
     // Reading from a pipe might never end.
@@ -123,6 +136,7 @@ fn text_of(file: &Path) -> Result<String, SceneError> {
 
 /// Does work on a text on a thread of its own, whose stack is known, and whose memory of expressions and places ends
 /// with it; it gets the name of the file without its ending.
+#[cfg(not(target_family = "wasm"))]
 fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Result<T, SceneError> {
     let stem = Path::new(file).file_stem().unwrap_or_default();
     let stem = stem.to_string_lossy();
@@ -138,6 +152,15 @@ fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Resu
             "scene file `{file}`: no thread for its derivation: {error}"
         ))),
     }
+}
+
+/// Does work on a text where there are no threads: on the stack of the host, whose memory of places is given back.
+#[cfg(target_family = "wasm")]
+fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Result<T, SceneError> {
+    let stem = Path::new(file).file_stem().unwrap_or_default();
+    let done = work(&stem.to_string_lossy());
+    hangtime_dsl::forget_places();
+    Ok(done)
 }
 
 /// Derives a scene from a text; `file` is what its messages call the file, and the name of a scene without one follows

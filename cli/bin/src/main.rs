@@ -3,10 +3,18 @@
 use std::process::ExitCode;
 
 use hangtime_cli::CommandLine;
+#[cfg(feature = "play")]
+use hangtime_cli::PlayPage;
+#[cfg(feature = "play")]
+use hangtime_models::scene_texts;
 use hangtime_models::{hard_scenes, scenes};
 
 fn main() -> ExitCode {
-    CommandLine::new(scenes())
-        .with_hard(hard_scenes())
-        .run(std::env::args_os())
+    let command_line = CommandLine::new(scenes()).with_hard(hard_scenes());
+    #[cfg(feature = "play")]
+    let command_line = command_line.with_page(PlayPage {
+        module: include_bytes!(concat!(env!("OUT_DIR"), "/module.gz")),
+        scenes: scene_texts(),
+    });
+    command_line.run(std::env::args_os())
 }

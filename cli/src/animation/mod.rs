@@ -9,13 +9,14 @@ use serde::Serialize;
 use self::force::Arrow;
 use crate::drawing::{Body, Drawing, GroundLine, Placed};
 use crate::json::to_line;
+use crate::markup::embedded;
 use crate::quantity;
 use crate::sampling::{State, state_at};
 
 /// The script, its style, and the elements that it works on.
 pub(crate) const SCRIPT: &str = include_str!("player.js");
 pub(crate) const STYLE: &str = include_str!("player.css");
-const ELEMENTS: &str = include_str!("player.html");
+pub(crate) const ELEMENTS: &str = include_str!("player.html");
 
 /// Frames of a second of motion [1/s].
 const FRAME_RATE: f64 = 240.0;
@@ -37,10 +38,8 @@ struct Frames {
     frame: [f64; 4],
     ground: Vec<GroundEntry>,
     contacts: Vec<&'static str>,
-    events: Vec<EventEntry>,
     /// Largest force of a contact; 0 if there is none.
     largest_force: f64,
-    time: Vec<f64>,
     /// Place of each body, a row for each frame.
     positions: Vec<Vec<[f64; 2]>>,
     /// Angle of each body, a row for each frame.
@@ -49,6 +48,15 @@ struct Frames {
     ends: Vec<Vec<[[f64; 2]; 2]>>,
     /// Force of each contact, a row for each frame.
     forces: Vec<Vec<Arrow>>,
+    #[serde(flatten)]
+    curves: Curves,
+}
+
+/// All quantities over time.
+#[derive(Serialize)]
+struct Curves {
+    time: Vec<f64>,
+    events: Vec<EventEntry>,
     readings: Vec<Reading>,
 }
 
@@ -116,42 +124,28 @@ impl Animation {
         let ground = drawing.ground([[left, right], [bottom, top]]);
         let bodies = drawing.bodies.iter().enumerate();
         let bodies = bodies.map(|(index, body)| BodyEntry::new(body, index, &placed));
-        let declaration = model.declaration();
-        let readings = quantity::all(model).into_iter().map(|quantity| {
-            let values = states.iter().filter_map(|state| state.value(quantity));
-            Reading {
-                name: quantity::symbol(model, quantity).replace("contact force", "force"),
-                unit: quantity::unit(model, quantity),
-                values: values.collect(),
-            }
-        });
-        let events = shown(simulation).map(|event| EventEntry {
-            time: event.time,
-            label: format!(
-                "{} {}",
-                event.kind.name().replace('_', " "),
-                declaration.contacts[event.contact].name
-            ),
-        });
         let frames = Frames {
             bodies: bodies.collect(),
             springs: drawing.springs.clone(),
             axes: drawing.axes.clone(),
             frame,
             ground: ground.into_iter().map(GroundEntry::from).collect(),
-            contacts: declaration.contacts.iter().map(|c| c.name).collect(),
-            events: events.collect(),
+            contacts: model
+                .declaration()
+                .contacts
+                .iter()
+                .map(|c| c.name)
+                .collect(),
             largest_force: forces
                 .iter()
                 .flatten()
                 .map(Arrow::magnitude)
                 .fold(0.0, f64::max),
-            time: states.iter().map(|state| state.time).collect(),
-            readings: readings.collect(),
             angles: placed.iter().map(|placed| placed.angles.clone()).collect(),
             ends: placed.iter().map(|placed| placed.ends.clone()).collect(),
             positions: placed.into_iter().map(|placed| placed.places).collect(),
             forces,
+            curves: Curves::new(model, simulation, &states),
         };
         Some(Self {
             frames: to_line(&frames),
@@ -170,6 +164,33 @@ impl Animation {
     }
 }
 
+impl Curves {
+    fn new(model: &dyn Model, simulation: &Simulation, states: &[State]) -> Self {
+        let declaration = model.declaration();
+        let readings = quantity::all(model).into_iter().map(|quantity| {
+            let values = states.iter().filter_map(|state| state.value(quantity));
+            Reading {
+                name: quantity::symbol(model, quantity).replace("contact force", "force"),
+                unit: quantity::unit(model, quantity),
+                values: values.collect(),
+            }
+        });
+        let events = shown(simulation).map(|event| EventEntry {
+            time: event.time,
+            label: format!(
+                "{} {}",
+                event.kind.name().replace('_', " "),
+                declaration.contacts[event.contact].name
+            ),
+        });
+        Self {
+            time: states.iter().map(|state| state.time).collect(),
+            events: events.collect(),
+            readings: readings.collect(),
+        }
+    }
+}
+
 impl BodyEntry {
     fn new(body: &Body, index: usize, placed: &[Placed]) -> Self {
         let turns = placed.iter().any(|placed| placed.angles[index] != 0.0);
@@ -181,6 +202,22 @@ impl BodyEntry {
     }
 }
 
+/// What a host draws of a motion, as JSON: the frames of the player, or the curves alone where nothing is drawn in a
+/// plane; `None` if nothing moved.
+pub(crate) fn motion(
+    drawing: Option<&Drawing<'_>>,
+    model: &dyn Model,
+    simulation: &Simulation,
+) -> Option<String> {
+    if let Some(animation) = drawing.and_then(|drawing| Animation::new(drawing, model, simulation))
+    {
+        return Some(animation.frames);
+    }
+    let states = states(model, simulation);
+    let moved = states.first()?.time < states.last()?.time;
+    moved.then(|| to_line(&Curves::new(model, simulation, &states)))
+}
+
 impl From<GroundLine> for GroundEntry {
     fn from(line: GroundLine) -> Self {
         Self {
@@ -188,11 +225,6 @@ impl From<GroundLine> for GroundEntry {
             points: line.points,
         }
     }
-}
-
-/// JSON that no browser takes for markup; it reads back as the same.
-fn embedded(json: &str) -> String {
-    json.trim_end().replace('<', "\\u003c")
 }
 
 /// The events that the page has frames and buttons for.
@@ -233,20 +265,4 @@ fn frame(points: &[[f64; 2]]) -> [f64; 4] {
     let margin = if extent > 0.0 { MARGIN * extent } else { 1.0 };
     let [(left, right), (bottom, top)] = ranges;
     [left - margin, right + margin, bottom - margin, top + margin]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::embedded;
-
-    #[test]
-    fn embedded_json_cannot_end_the_script_and_reads_back_as_the_same() {
-        let json = serde_json::json!({ "text": "</script><!-- & \"quoted\"" });
-        let text = embedded(&json.to_string());
-        assert!(!text.contains('<'));
-        assert_eq!(
-            serde_json::from_str::<serde_json::Value>(&text).unwrap(),
-            json
-        );
-    }
 }

@@ -1,6 +1,6 @@
 "use strict";
-(() => {
-  const data = JSON.parse(document.getElementById("frames").textContent);
+// Plays the frames in the elements of the player, which are fresh.
+const playFrames = (data) => {
   const element = (id) => document.getElementById(id);
   const stage = element("stage");
   const [play, scrub, clock, rate] = ["play", "scrub", "clock", "rate"].map(element);
@@ -43,12 +43,35 @@
     };
     return [[x0, y0], ...Array.from({ length: turns }, turn), [x1, y1]];
   };
+  // Letters have one size on the screen, however wide the stage is.
+  const write = (text, attributes) => {
+    const node = draw("text", { fill: "currentColor", class: "name", "aria-hidden": "true", ...attributes });
+    node.textContent = text;
+    return node;
+  };
+  const size = () => stage.style.setProperty("--letter", `${(13 * width) / Math.max(stage.clientWidth, 200)}px`);
+  new ResizeObserver(size).observe(stage);
+  size();
   const points = (list) => list.map(([a, b]) => `${x(a).toFixed(2)},${y(b).toFixed(2)}`).join(" ");
 
   data.ground.forEach((line) => {
     const ground = draw("polyline", { points: points(line.points), fill: "none", stroke: grey, "stroke-width": 2.5 });
     draw("title", {}, ground).textContent = line.name;
+    // The name stands where the line is in the picture, at its right end.
+    const seen = line.points.filter(([a, b]) => a > left && a < right - 0.06 * (right - left) && b > bottom && b < top);
+    if (seen.length) {
+      const [a, b] = seen[Math.floor(0.97 * (seen.length - 1))];
+      write(line.name, { x: x(a), y: y(b), dy: "1.2em", "text-anchor": "end", opacity: 0.75 });
+    }
   });
+  // A length to compare with: the largest round one below a fifth of the picture.
+  const unit = /\[(.*)\]/.exec(data.axes[0])?.[1] ?? "";
+  const fifth = (right - left) / 5;
+  const power = 10 ** Math.floor(Math.log10(fifth));
+  const length = [5, 2, 1].map((k) => k * power).find((k) => k <= fifth);
+  const ends = [[12, height - 18], [12, height - 10], [12 + length * scale, height - 10], [12 + length * scale, height - 18]];
+  draw("polyline", { points: ends.join(" "), fill: "none", stroke: grey, "stroke-width": 2, "data-scale": length });
+  write(`${Number(length.toPrecision(2))} ${unit}`, { x: 12, y: height - 24 });
   const trails = data.bodies.map((_, body) =>
     draw("polyline", { fill: "none", stroke: colours[body % colours.length], "stroke-width": 1.5, opacity: 0.6 }));
   const lines = data.springs.map((spring) =>
@@ -60,7 +83,9 @@
       ? draw("circle", { r: 8, fill: colour, "data-body": name })
       : draw("polygon", { fill: colour, "fill-opacity": 0.35, stroke: colour, "stroke-width": 2, "data-body": name });
     draw("title", {}, shape).textContent = name;
-    return { shape, outline, spoke: spoke ? draw("line", { stroke: colour, "stroke-width": 2 }) : null };
+    // One body needs no name.
+    const label = data.bodies.length > 1 && data.bodies.length < 6 ? write(name, { "text-anchor": "middle" }) : null;
+    return { shape, outline, label, spoke: spoke ? draw("line", { stroke: colour, "stroke-width": 2 }) : null };
   });
   const arrows = data.contacts.map((name) => {
     const arrow = draw("path", { fill: "none", stroke: red, "stroke-width": 3, "data-contact": name });
@@ -88,8 +113,17 @@
     return low;
   };
 
+  // For screen readers: what is shown, and each event when it is passed.
+  const names = data.bodies.map(({ name }) => name).join(", ");
+  stage.setAttribute("aria-label", `the motion of ${names} over ${last.toFixed(2)} s, with ${data.events.length} events`);
+  const pass = (from, to) => {
+    const passed = data.events.findLast(({ time }) => time > from && time <= to);
+    if (passed) element("said").textContent = `${passed.label} at ${passed.time.toFixed(2)} s`;
+  };
+
   let now = first;
   const show = (time) => {
+    pass(now, time);
     now = Math.max(time, first);
     // A slider keeps fewer digits than the end has.
     if (now > last - 1e-9 * (last - first)) now = last;
@@ -100,7 +134,8 @@
     const positions = data.positions[k].map((position, body) =>
       position.map((value, axis) => between(value, data.positions[next][body][axis])));
     positions.forEach(([a, b], body) => {
-      const { shape, outline, spoke } = bodies[body];
+      const { shape, outline, label, spoke } = bodies[body];
+      if (label) set(label, { x: x(a), y: y(b) - 14 });
       const angle = between(data.angles[k][body], data.angles[next][body]);
       const [sine, cosine] = [Math.sin(angle), Math.cos(angle)];
       const place = ([u, v]) => [a + u * cosine - v * sine, b + u * sine + v * cosine];
@@ -137,10 +172,11 @@
     });
     readings.forEach(({ value, unit, values }) => {
       const reading = values[k];
-      value.textContent = reading === undefined || reading === null ? "-" : `${reading.toFixed(4)} ${unit}`;
+      value.textContent = reading === undefined || reading === null ? "-" : `${(Math.abs(reading) < 5e-5 ? 0 : reading).toFixed(4)} ${unit}`;
     });
     scrub.value = now;
     clock.value = `${now.toFixed(4)} s of ${last.toFixed(4)} s`;
+    stage.dispatchEvent(new CustomEvent("shown", { bubbles: true, detail: now }));
   };
 
   // The rate at which the motion takes about five seconds is chosen first.
@@ -192,4 +228,36 @@
     element("events").append(button);
   });
   show(first);
-})();
+  const pause = () => { if (playing) play.click(); };
+  const toggle = () => play.click();
+
+  // Keys work wherever the focus is, but in fields that take them.
+  const moves = {
+    " ": toggle,
+    ArrowLeft: () => show(now - (last - first) / 200),
+    ArrowRight: () => show(Math.min(last, now + (last - first) / 200)),
+    Home: () => show(first),
+    End: () => show(last),
+    ",": () => show(data.events.findLast(({ time }) => time < now)?.time ?? first),
+    ".": () => show(data.events.find(({ time }) => time > now)?.time ?? last),
+  };
+  const keys = new AbortController();
+  document.addEventListener("keydown", (event) => {
+    const taken = event.target.closest("input, select, textarea, button, summary, a, [contenteditable]");
+    if (taken || event.ctrlKey || event.metaKey || event.altKey || !moves[event.key]) return;
+    event.preventDefault();
+    if (event.key !== " ") pause();
+    moves[event.key]();
+  }, { signal: keys.signal });
+  play.title = "space: play or pause; arrows: step; comma and full stop: events";
+  const close = () => {
+    pause();
+    keys.abort();
+  };
+  return { show, time: () => now, playing: () => playing, pause, toggle, close };
+};
+
+{
+  const frames = document.getElementById("frames");
+  if (frames) playFrames(JSON.parse(frames.textContent));
+}

@@ -6,7 +6,7 @@ use hangtime::model::{ContactDeclaration, Model};
 use hangtime::simulation::{Counts, Diagnosis, Event, ProblemSize, Residuals, Seconds, Trajectory};
 use serde::{Serialize, Serializer};
 
-use crate::bounds::Ending;
+use crate::ending::Ending;
 use crate::failure::steers;
 use crate::published::Quantity;
 use crate::quantity;

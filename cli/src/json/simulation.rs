@@ -7,7 +7,7 @@ use super::parts::{
     DiagnosisEntry, EventEntry, FinalEntry, IterationsEntry, ParameterValues, QuantitiesEntry,
     ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
 };
-use crate::bounds::Ending;
+use crate::ending::Ending;
 use crate::method::MethodSettings;
 use crate::settings::ChosenScene;
 
@@ -95,7 +95,7 @@ mod tests {
     use hangtime::simulation::{Diagnosis, Simulation, SimulationStatus, Trajectory};
 
     use super::Document;
-    use crate::bounds::Ending;
+    use crate::ending::Ending;
     use crate::method::MethodSettings;
     use crate::settings::{ChosenScene, find};
 

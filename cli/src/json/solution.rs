@@ -9,7 +9,7 @@ use super::parts::{
     EventEntry, FinalEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA, SecondsEntry,
     SizeEntry, TrajectoryEntry, to_line,
 };
-use crate::bounds::Ending;
+use crate::ending::Ending;
 use crate::settings::ChosenScene;
 
 /// The method of a solution.

@@ -20,9 +20,6 @@ use crate::page::Page;
 use crate::progress::Progress;
 use crate::report::Report;
 
-/// The page that shows everything.
-const INDEX: &str = "index.html";
-
 pub(crate) fn run(
     scenes: &'static [Scene],
     arguments: &ReproduceArguments,
@@ -68,9 +65,9 @@ pub(crate) fn run(
         introduction: overview::INTRODUCTION.to_owned(),
         sections,
     };
-    files.push((INDEX.to_owned(), page.html()));
+    files.push((overview::INDEX.0.to_owned(), page.html()));
     if !report.deliver(directory, &files).is_empty() {
-        let index = arguments.out.join(INDEX);
+        let index = arguments.out.join(overview::INDEX.0);
         let _ = writeln!(report.text, "\nfigures and data: {}", index.display());
     }
     Ok(report)

@@ -10,14 +10,15 @@ use hangtime::simulation::{
 use super::case::{Case, Reproduced};
 use super::column::Column;
 use super::comparison::{comparison, rows};
-use super::overview::section_of;
-use crate::bounds::{Bounds, Ending};
+use super::overview::{INDEX, section_of};
+use crate::bounds::Bounds;
+use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
 use crate::json::{SolutionDocument, SolverSettings};
 use crate::quantity;
 use crate::sampling::{State, dense};
-use crate::solve::{INTERVALS, facts};
+use crate::task::{INTERVALS, optimum_facts};
 
 /// Tolerance of the replay of the published controls.
 const REPLAY_TOLERANCE: f64 = 1e-12;
@@ -51,7 +52,8 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
                 json: &json,
                 published: &case.data,
                 rows: usize::MAX,
-                facts: facts(&method, &solution, &ending),
+                index: Some(INDEX),
+                facts: optimum_facts(&method, &solution, &ending),
             };
             files.extend(result.contents());
             columns.push(Column {

@@ -5,17 +5,19 @@ use hangtime::simulation::{InitialValueProblem, Simulation};
 use super::case::{Case, Reproduced};
 use super::column::Column;
 use super::comparison::{comparison, rows};
-use super::overview::section_of;
+use super::overview::{INDEX, section_of};
 use crate::arguments::{Method, MethodArguments, SchemeName};
-use crate::bounds::{Bounds, Ending};
+use crate::bounds::Bounds;
 use crate::drawing::{Body, Drawing};
+use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
 use crate::json::Document;
 use crate::method::ChosenMethod;
 use crate::sampling::dense;
-use crate::simulate::{diagnosis_line, facts};
+use crate::simulate::diagnosis_line;
 use crate::spreadsheet::{csv_text, trajectory_csv};
+use crate::task::simulation_facts;
 use crate::timing::{EXACT_TOLERANCE, fastest};
 
 /// The methods beside the published numbers: name, file, settings. The first one is ours, the second one the measure
@@ -81,7 +83,8 @@ pub(super) fn reproduce(case: Case, horizon: f64, bounds: &Bounds) -> Result<Rep
                 json: &json,
                 published: &case.data,
                 rows: usize::MAX,
-                facts: facts(&method, &simulation, &ending),
+                index: Some(INDEX),
+                facts: simulation_facts(&method, &simulation, &ending),
             };
             files.extend(result.contents());
         } else {

@@ -140,6 +140,15 @@ pub fn describe_text(
     }
 }
 
+/// Gives back what this thread remembers of the texts that it has read, for threads that read many. Nothing that
+/// [`describe_text`] returned is affected.
+///
+/// # Panics
+/// Within a procedural macro.
+pub fn forget_places() {
+    proc_macro2::extra::invalidate_current_thread_spans();
+}
+
 /// The text of a scene file in the settled style; `stem` is the name of the file, as in [`describe_text`]. Formatting a
 /// text that is formatted changes nothing, and the formatted text declares the same scene.
 ///
