@@ -6,7 +6,9 @@ use std::process::Command;
 use std::thread;
 
 use hangtime_book::{Book, Chapter, Kind, SceneText, Session, Step, dead_links, pages};
+use serde_json::json;
 
+use crate::browser::{Origin, browser, visit};
 use crate::support::Scratch;
 
 /// The root of the repository.
@@ -183,6 +185,45 @@ fn three_scenes_are_declared_and_drawn_within_thirty_lines() {
         assert!(lines <= 30, "{}: {lines} lines", scene.file);
         assert!(scene.text.contains("picture {"), "{}", scene.file);
     }
+}
+
+/// Presses keys on a page; links that turn pages are noted and not followed.
+const KEYS: &str = r#"
+<script>
+const turned = [];
+document.querySelector(".turn").addEventListener("click", (event) => {
+  event.preventDefault();
+  turned.push(event.target.closest("a").getAttribute("href"));
+});
+const press = (key, at) => at.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+press("ArrowRight", document.body);
+press("ArrowLeft", document.body);
+press("ArrowRight", document.querySelector("pre"));
+press("c", document.body);
+report.turned = turned;
+report.focus = document.activeElement.textContent;
+report.overflows = document.documentElement.scrollWidth > innerWidth;
+send();
+</script>
+"#;
+
+#[test]
+fn keys_turn_pages_and_lead_to_the_contents() {
+    let Some(browser) = browser() else {
+        return;
+    };
+    let scratch = Scratch::new("book-keys");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let pages = pages(&book());
+    // A page without figures, as the visitor's server has none.
+    let page = pages.iter().find(|page| page.file == "extending.html");
+    let page = &page.unwrap().html;
+    let (report, console) = visit(&browser, &scratch.0, page, KEYS, Origin::Server);
+    assert_eq!(report["errors"], json!([]));
+    assert_eq!(console, "");
+    assert_eq!(report["turned"], json!(["not_yet.html", "failing.html"]));
+    assert_eq!(report["focus"], "Extending");
+    assert_eq!(report["overflows"], false);
 }
 
 #[test]
