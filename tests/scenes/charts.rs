@@ -8,6 +8,10 @@ use std::path::Path;
 
 const BENCHMARKS: &str = include_str!("../../BENCHMARKS.md");
 
+/// Ink and paper by day and by night.
+const COLOURS: &str = "svg{color:#1f2430;background:#ffffff}\
+                       @media (prefers-color-scheme:dark){svg{color:#dfe3ea;background:#14171c}}";
+
 /// A chart, and the columns of the table below it that it shows; each column gives a row one bar.
 struct Chart {
     name: &'static str,
@@ -81,8 +85,8 @@ fn draw(chart: &Chart) -> String {
     let height = top + group * rows.len() as f64 + 6.0;
     let colours = ["#2b6cb0", "#dd6b20"];
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"800\" height=\"{height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
-         <rect width=\"800\" height=\"{height}\" fill=\"white\"/>\n"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"800\" height=\"{height}\" viewBox=\"0 0 800 {height}\" \
+         font-family=\"sans-serif\" font-size=\"12\" fill=\"currentColor\">\n<style>{COLOURS}</style>\n"
     );
     let scale = if chart.logarithmic {
         ", logarithmic"
