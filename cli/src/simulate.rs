@@ -35,7 +35,7 @@ pub(crate) fn run(
     let bounds = Bounds::watch(chosen.scene.name, &arguments.limits);
     let mut progress = Progress::new(chosen.scene.name, problem.horizon);
     let simulation = method
-        .simulate_with_estimate(chosen.model.as_ref(), &problem, &mut |now| {
+        .simulate(chosen.model.as_ref(), &problem, &mut |now| {
             progress.reach(now.time);
             bounds.asked().is_none()
         })
@@ -213,7 +213,12 @@ fn work(simulation: &Simulation) -> String {
     let counts = simulation.counts;
     let mut text = String::new();
     if let Some(error) = simulation.error_estimate {
-        let _ = writeln!(text, "error       about {error:.1e} of the largest values");
+        let about = if error.is_finite() {
+            format!("about {error:.1e} of the largest values")
+        } else {
+            "unknown".to_owned()
+        };
+        let _ = writeln!(text, "error       {about}");
     }
     let _ = writeln!(text, "residuals   {}", residual_line(simulation.residuals));
     let _ = writeln!(

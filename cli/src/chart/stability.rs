@@ -348,7 +348,7 @@ impl Tried {
         let chosen = self.chosen();
         let method = ChosenMethod::from_arguments(arguments)?;
         let start = ProcessTime::try_now();
-        let run = method.simulate_with_estimate(chosen.model.as_ref(), problem, &mut |_| {
+        let run = method.simulate(chosen.model.as_ref(), problem, &mut |_| {
             let spent = start
                 .as_ref()
                 .ok()

@@ -24,8 +24,6 @@ const LONGEST: f64 = 0.1;
 const FIRST: f64 = 0.25;
 /// Share of the horizon below which slow starts do not shorten the first element.
 const LEAST_FIRST: f64 = 1e-9;
-/// Error estimate of a run without error control above which it says so: what a curve in a figure shows.
-pub(super) const SUSPECT_ESTIMATE: f64 = 1e-3;
 /// Largest and smallest change of the element length by the error control.
 const LENGTH_CHANGE: (f64, f64) = (0.2, 4.0);
 
@@ -51,9 +49,6 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
         driver.record();
     }
     let controlled = driver.local_tolerance.is_some();
-    if !controlled && driver.error_estimate > SUSPECT_ESTIMATE {
-        driver.note(&suspicion(driver.error_estimate));
-    }
     driver.note_cascades();
     driver.note_energy_gains();
     let newton = driver.element.counts;
@@ -78,14 +73,6 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
         },
         notes: driver.notes,
     }
-}
-
-/// What is said of a run with a large error estimate.
-pub(super) fn suspicion(estimate: f64) -> String {
-    format!(
-        "the error is estimated at {estimate:.0e} of the largest values: take more steps, or leave the number of steps \
-         to the error control"
-    )
 }
 
 /// Steps over the horizon.
