@@ -53,19 +53,32 @@ use crate::{
 pub struct CommandLine {
     scenes: &'static [Scene],
     hard: &'static [HardScene],
+    peers: &'static str,
 }
 
 impl CommandLine {
     /// A command line that knows these scenes.
     #[must_use]
     pub const fn new(scenes: &'static [Scene]) -> Self {
-        Self { scenes, hard: &[] }
+        Self {
+            scenes,
+            hard: &[],
+            peers: "",
+        }
     }
 
     /// The same, which shows what methods make of these scenes by `chart --stability`.
     #[must_use]
     pub const fn with_hard(self, hard: &'static [HardScene]) -> Self {
         Self { hard, ..self }
+    }
+
+    /// The same, whose charts show runs of other programs on its scenes beside its own: a table in CSV with the columns `date`,
+    /// `machine`, `study` (the title of a chart's section), `curve`, `settings`, `CPU time [s]` and
+    /// `coordinates at the end` (apart by spaces). A file `peers.csv` in the output directory goes before it.
+    #[must_use]
+    pub const fn with_peers(self, peers: &'static str) -> Self {
+        Self { peers, ..self }
     }
 
     /// Runs one command; `arguments` begin with the name of the program. Prints the report, or one line that says what
@@ -161,7 +174,9 @@ impl CommandLine {
             Some(Command::Simulate(arguments)) => simulate::run(scenes, &arguments),
             Some(Command::Solve(arguments)) => solve::run(scenes, &arguments),
             Some(Command::Nlp(arguments)) => program::run(&arguments),
-            Some(Command::Chart(arguments)) => chart::run(scenes, self.hard, &arguments),
+            Some(Command::Chart(arguments)) => {
+                chart::run(scenes, self.hard, self.peers, &arguments)
+            }
             Some(Command::Explain(arguments)) => explain::run(scenes, &arguments),
             Some(Command::Check(arguments)) => authoring::check(&arguments),
             Some(Command::New(arguments)) => authoring::new(&arguments),

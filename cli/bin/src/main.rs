@@ -3,10 +3,11 @@
 use std::process::ExitCode;
 
 use hangtime_cli::CommandLine;
-use hangtime_models::{hard_scenes, scenes};
+use hangtime_models::{hard_scenes, peers, scenes};
 
 fn main() -> ExitCode {
     CommandLine::new(scenes())
         .with_hard(hard_scenes())
+        .with_peers(peers())
         .run(std::env::args_os())
 }

@@ -4,6 +4,7 @@
 mod drawn;
 mod measure;
 mod optimum;
+mod peers;
 mod simulation;
 mod stability;
 mod study;
@@ -18,17 +19,20 @@ use crate::report::Report;
 use crate::settings::ChosenScene;
 use crate::table::table;
 use crate::{HardScene, Scene};
+use peers::Peers;
 use study::{Charted, charted};
 
 pub(crate) fn run(
     scenes: &'static [Scene],
     hard: &'static [HardScene],
+    stored_peers: &'static str,
     arguments: &ChartArguments,
 ) -> Result<Report, BadInput> {
     if arguments.stability {
         return stability::run(scenes, hard, arguments);
     }
     let charted = charted(scenes, arguments)?;
+    let peers = Peers::of(stored_peers, &arguments.out)?;
     let directory = OutputDirectory::open(&arguments.out)?;
     let bounds = Bounds::watch("chart", &arguments.limits);
     let mut drawn = Drawn::default();
@@ -43,7 +47,7 @@ pub(crate) fn run(
                 } else {
                     String::new()
                 };
-                drawn.add(simulation::chart(study, &bounds, &of_many)?);
+                drawn.add(simulation::chart(study, &peers, &bounds, &of_many)?);
             }
         }
         if bounds.asked().is_none() {
