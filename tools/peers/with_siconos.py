@@ -64,5 +64,5 @@ def points():
     for ride in SKI_JUMPS:
         for steps in STEPS:
             seconds, end = fastest(lambda: simulate(ride, steps))
-            yield ride.study, "Siconos Moreau-Jean", f"{steps} steps", seconds, end
+            yield ride.study, "Siconos", f"Moreau-Jean, {steps} steps", seconds, end
     del library

@@ -127,7 +127,8 @@ fn beside_peers(measured: &[Measured], origin: &str) -> String {
         let price = line.cheapest(EQUAL);
         let times = price
             .zip(own)
-            .map(|(other, own)| format!(", {:.1} times as long", other.seconds / own.seconds));
+            .map(|(other, own)| other.seconds / own.seconds)
+            .map(|ratio| format!(", {ratio:.*} times as long", usize::from(ratio < 100.0)));
         let name = &line.sweep.name;
         price.map_or_else(
             || format!("{name}: does not get there"),
