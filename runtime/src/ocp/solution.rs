@@ -219,6 +219,7 @@ pub struct Margin {
 /// println!("{solution}");
 /// # Ok::<(), InputError>(())
 /// ```
+// Many fields: a flat record, as a caller reads one or two of them.
 #[derive(Debug, Clone)]
 pub struct Solution {
     /// Why it ended.

@@ -19,6 +19,9 @@ pub enum Direction {
 }
 
 impl Direction {
+    /// Both.
+    pub(crate) const BOTH: [Self; 2] = [Self::Forward, Self::Backward];
+
     /// The direction of a sliding velocity; forward for zero.
     #[must_use]
     pub fn of(velocity: f64) -> Self {
@@ -35,6 +38,13 @@ impl Direction {
         match self {
             Self::Forward => 1.0,
             Self::Backward => -1.0,
+        }
+    }
+
+    pub(crate) fn reversed(self) -> Self {
+        match self {
+            Self::Forward => Self::Backward,
+            Self::Backward => Self::Forward,
         }
     }
 }

@@ -253,19 +253,24 @@ impl<'a> FixedRun<'a> {
         if !self.slopes[0].iter().all(|slope| slope.is_finite()) {
             return Err(SimulationStatus::NotFinite(self.diagnosis(
                 t,
-                self.dynamics.active.first().copied(),
+                self.dynamics.mode.active.first().copied(),
                 "state or acceleration is not a finite number; take more steps, or check the scene"
                     .into(),
             )));
         }
         self.dynamics.forces(&mut self.forces);
-        Ok(self.dynamics.values.iter().any(|&value| value < 0.0))
+        Ok(self
+            .dynamics
+            .switching
+            .values
+            .iter()
+            .any(|&value| value < 0.0))
     }
 
     fn enter_mode(&mut self, t: f64, h: f64) -> Result<(), SimulationStatus> {
         let n = self.dynamics.n;
         let before = self.y[n..2 * n].to_vec();
-        let previously = self.dynamics.active.clone();
+        let previously = self.dynamics.mode.active.clone();
         // Contacts with restitution are refused: no bounce is too low.
         let lowest = LowestBounce {
             velocity: None,
@@ -328,7 +333,7 @@ impl<'a> FixedRun<'a> {
             &self.forces,
         );
         let residuals = &mut self.result.residuals;
-        for value in &self.dynamics.values {
+        for value in &self.dynamics.switching.values {
             residuals.dual = residuals.dual.max(-value);
         }
     }

@@ -3,7 +3,7 @@
 use cpu_time::ThreadTime;
 
 use super::event::contact_problem::ContactProblem;
-use super::event::coulomb::TangentialLaw;
+use super::event::coulomb::{CoulombSolution, TangentialLaw};
 use super::event::dynamics::{Dynamics, dot, largest};
 use super::fixed::check_gaps;
 use super::other_grid::{self, OtherGrid, other_steps};
@@ -213,16 +213,6 @@ impl<'a> TimeStepping<'a> {
         self.dynamics.load(middle, &self.middle);
         check_gaps(&self.dynamics, t, self.result.counts.elements)?;
         let closed = self.close();
-        let failed = |run: &Self, message| {
-            SimulationStatus::StepFailed(run.diagnosis(t, closed.first(), message))
-        };
-        let laws: Vec<TangentialLaw> = closed
-            .iter()
-            .map(|&i| match self.dynamics.friction[i] {
-                0.0 => TangentialLaw::None,
-                mu => TangentialLaw::Coulomb(mu),
-            })
-            .collect();
         self.end.copy_from_slice(&self.start);
         for _ in 0..ITERATIONS {
             for k in 0..n {
@@ -231,61 +221,81 @@ impl<'a> TimeStepping<'a> {
                 self.middle[n + k] = velocity;
             }
             self.dynamics.load(middle, &self.middle);
-            self.dynamics.evaluate_free_acceleration();
-            let change: Vec<f64> = self
-                .dynamics
-                .free_acceleration()
-                .iter()
-                .map(|a| h * a)
-                .collect();
-            let (normal, tangential) = self.contact_velocities(&closed, &change);
-            if change
-                .iter()
-                .chain(&normal)
-                .chain(&tangential)
-                .any(|v| !v.is_finite())
-            {
-                return Err(self.not_finite(t, closed.first()));
-            }
-            let problem = ContactProblem {
-                what: "impulse",
-                contacts: &closed,
-                normal: &normal,
-                tangential: &tangential,
-                laws: &laws,
-            };
-            let impulses = problem
-                .solve(&self.dynamics)
-                .map_err(|message| failed(self, message))?;
-            let velocity: Vec<f64> = self.start[n..]
-                .iter()
-                .zip(&change)
-                .zip(problem.change(&self.dynamics, &impulses))
-                .map(|((v, free), contact)| v + free + contact)
-                .collect();
+            let (velocity, impulses) = self.strike(&closed, t, h)?;
             let moved = velocity
                 .iter()
                 .zip(&self.end[n..])
                 .fold(0.0_f64, |s, (a, b)| s.max((a - b).abs()));
             self.end[n..].copy_from_slice(&velocity);
-            if velocity.iter().any(|v| !v.is_finite()) {
-                return Err(self.not_finite(t, closed.first()));
-            }
             if moved <= CONVERGED * largest(&velocity).max(1.0) {
-                self.forces.fill(0.0);
-                self.friction_forces.fill(0.0);
-                for (slot, &i) in closed.iter().enumerate() {
-                    let inertia = self.dynamics.point(i)[contact_point::INVERSE_INERTIA];
-                    self.forces[i] = impulses.p[slot] / (h * inertia);
-                    self.friction_forces[i] = impulses.s[slot] / (h * inertia);
-                }
-                self.numerical_time += largest(&impulses.p) / self.settings.auxiliary_acceleration;
+                self.keep_forces(&closed, &impulses, h);
                 return Ok(());
             }
         }
         let message =
             format!("the midpoint rule does not converge with steps of {h:.1e} s; take more steps");
-        Err(failed(self, message))
+        let diagnosis = self.diagnosis(t, closed.first(), message);
+        Err(SimulationStatus::StepFailed(diagnosis))
+    }
+
+    /// The velocity at the end of a step of length `h` from `t`, by the forces at the state that is loaded and the impulses
+    /// of the `closed` contacts.
+    fn strike(
+        &mut self,
+        closed: &[usize],
+        t: f64,
+        h: f64,
+    ) -> Result<(Vec<f64>, CoulombSolution), SimulationStatus> {
+        let n = self.dynamics.n;
+        self.dynamics.evaluate_free_acceleration();
+        let change: Vec<f64> = self
+            .dynamics
+            .free_acceleration()
+            .iter()
+            .map(|a| h * a)
+            .collect();
+        let (normal, tangential) = self.contact_velocities(closed, &change);
+        let mut velocities = change.iter().chain(&normal).chain(&tangential);
+        if velocities.any(|v| !v.is_finite()) {
+            return Err(self.not_finite(t, closed.first()));
+        }
+        let law = |&i: &usize| match self.dynamics.laws.friction[i] {
+            0.0 => TangentialLaw::None,
+            mu => TangentialLaw::Coulomb(mu),
+        };
+        let laws: Vec<TangentialLaw> = closed.iter().map(law).collect();
+        let problem = ContactProblem {
+            what: "impulse",
+            contacts: closed,
+            normal: &normal,
+            tangential: &tangential,
+            laws: &laws,
+        };
+        let impulses = problem.solve(&self.dynamics).map_err(|message| {
+            SimulationStatus::StepFailed(self.diagnosis(t, closed.first(), message))
+        })?;
+        let velocity: Vec<f64> = self.start[n..]
+            .iter()
+            .zip(&change)
+            .zip(problem.change(&self.dynamics, &impulses))
+            .map(|((v, free), contact)| v + free + contact)
+            .collect();
+        if velocity.iter().any(|v| !v.is_finite()) {
+            return Err(self.not_finite(t, closed.first()));
+        }
+        Ok((velocity, impulses))
+    }
+
+    /// Keeps what the impulses of a step of length `h` are as forces, and the numerical time that they take.
+    fn keep_forces(&mut self, closed: &[usize], impulses: &CoulombSolution, h: f64) {
+        self.forces.fill(0.0);
+        self.friction_forces.fill(0.0);
+        for (slot, &i) in closed.iter().enumerate() {
+            let inertia = self.dynamics.point(i)[contact_point::INVERSE_INERTIA];
+            self.forces[i] = impulses.p[slot] / (h * inertia);
+            self.friction_forces[i] = impulses.s[slot] / (h * inertia);
+        }
+        self.numerical_time += largest(&impulses.p) / self.settings.auxiliary_acceleration;
     }
 
     fn diagnosis(&self, time: f64, contact: Option<&usize>, message: String) -> Diagnosis {
@@ -306,7 +316,7 @@ impl<'a> TimeStepping<'a> {
     fn modes(&self) -> Vec<ContactMode> {
         let forces = self.forces.iter().zip(&self.friction_forces).enumerate();
         let mode = |(i, (&normal, &tangential)): (usize, (&f64, &f64))| {
-            let mu = self.dynamics.friction[i];
+            let mu = self.dynamics.laws.friction[i];
             if normal <= 0.0 {
                 ContactMode::Open
             } else if mu == 0.0 {
@@ -339,7 +349,7 @@ impl<'a> TimeStepping<'a> {
             .map(|&i| {
                 let dynamics = &self.dynamics;
                 let before = dynamics.point(i)[contact_point::NORMAL_VELOCITY];
-                let returned = dynamics.restitution[i] * before.min(0.0);
+                let returned = dynamics.laws.restitution[i] * before.min(0.0);
                 let normal = before + dot(dynamics.normal(i), change) + returned;
                 let tangential = if dynamics.has_friction(i) {
                     dynamics.sliding_velocity(i) + dot(dynamics.tangent(i), change)
@@ -362,7 +372,7 @@ impl<'a> TimeStepping<'a> {
             &self.dynamics.u,
             &self.forces,
         );
-        if self.dynamics.declares_friction {
+        if self.dynamics.laws.declares_friction {
             let forces = self.friction_forces.clone();
             self.result.trajectory.friction_force.push(forces);
         }

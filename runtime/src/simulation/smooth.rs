@@ -229,6 +229,36 @@ fn run(
     result
 }
 
+fn failure(step: usize, time: f64, message: String) -> Diagnosis {
+    Diagnosis {
+        time,
+        step,
+        contact: None,
+        message,
+    }
+}
+
+/// Why no step leads on from `y`: a gap, or else the state, is not finite a moment later.
+fn not_finite(
+    system: &mut SmoothSystem<'_>,
+    step: usize,
+    y: &[f64],
+    horizon: f64,
+) -> SimulationStatus {
+    let n = system.dynamics.n;
+    let time = y[2 * n];
+    let mut ahead = y.to_vec();
+    for k in 0..n {
+        ahead[k] += MOMENT * horizon * y[n + k];
+    }
+    system.dynamics.load(time, &ahead);
+    if let Err(status) = check_gaps(&system.dynamics, time, step) {
+        return status;
+    }
+    let message = "the state a moment later is not finite; check roots, divisions and parameters of the scene";
+    SimulationStatus::NotFinite(failure(step, time, message.into()))
+}
+
 fn integrate(
     settings: &Smooth,
     problem: &InitialValueProblem,
@@ -246,12 +276,6 @@ fn integrate(
     record(system, result, numerical_time, &y);
     let mut recorded = 0.0;
     let mut h = method.initial_size(system, 0.0, &y, horizon / 16.0, settings.tolerance);
-    let failure = |elements: usize, time: f64, message: String| Diagnosis {
-        time,
-        step: elements,
-        contact: None,
-        message,
-    };
     for _ in 0..settings.max_steps {
         method.step(system, numerical_time, &y, h);
         let error = method.error(h, |k, end: f64| {
@@ -260,24 +284,16 @@ fn integrate(
         if error > 1.0 || error.is_nan() {
             h = Dop853::smaller_size(h, error);
             if h <= SHORTEST * horizon {
-                let message = format!(
-                    "steps of {h:.1e} s do not meet the tolerance {:e}; widen the step functions",
-                    settings.tolerance
-                );
-                let time = y[2 * n];
-                if error.is_finite() {
-                    let diagnosis = failure(result.counts.elements, time, message);
-                    return Err(SimulationStatus::StepFailed(diagnosis));
-                }
-                let mut ahead = y.clone();
-                for k in 0..n {
-                    ahead[k] += MOMENT * horizon * y[n + k];
-                }
-                system.dynamics.load(time, &ahead);
-                check_gaps(&system.dynamics, time, result.counts.elements)?;
-                let message = "the state a moment later is not finite; check roots, divisions and parameters of the scene";
-                let diagnosis = failure(result.counts.elements, time, message.into());
-                return Err(SimulationStatus::NotFinite(diagnosis));
+                let step = result.counts.elements;
+                return Err(if error.is_finite() {
+                    let message = format!(
+                        "steps of {h:.1e} s do not meet the tolerance {:e}; widen the step functions",
+                        settings.tolerance
+                    );
+                    SimulationStatus::StepFailed(failure(step, y[2 * n], message))
+                } else {
+                    not_finite(system, step, &y, horizon)
+                });
             }
             continue;
         }

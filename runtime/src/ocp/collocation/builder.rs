@@ -2,11 +2,11 @@
 
 use super::discretization::Setting;
 use super::layout::{Cut, Distance, Phase, Tangential};
-use crate::ocp::motion::mode::Mode;
 use crate::ocp::motion::sequence::Switch;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::frame::Frame;
 use crate::ocp::program::sparse_program::Program;
+use crate::simulation::ContactMode;
 
 /// State of the construction. The rows themselves are added by the functions of the other files.
 pub(super) struct Builder<'a, 's> {
@@ -20,8 +20,8 @@ pub(super) struct Builder<'a, 's> {
     pub(super) phases: Vec<Phase>,
     /// Contacts with friction in the impacts, by the index of the switch.
     pub(super) impacts: Vec<(usize, Tangential)>,
-    /// Mode of each contact now.
-    pub(super) modes: Vec<Mode>,
+    /// ContactMode of each contact now.
+    pub(super) modes: Vec<ContactMode>,
     pub(super) touches: Vec<(Switch, usize)>,
     pub(super) distances: Vec<Distance>,
     /// Variables of the state `(q, v)` now.

@@ -5,10 +5,10 @@ use super::discretization::Setting;
 use super::friction_rows::reserve_between;
 use super::layout::{Cut, CutKind, Distance, Kept, Phase};
 use super::stage_inputs::drive_within;
-use crate::ocp::motion::mode::{Direction, Mode};
 use crate::ocp::program::frame::state_name;
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::program::sparse_program::Program;
+use crate::simulation::{ContactMode, Direction};
 
 pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
     let Setting {
@@ -134,7 +134,7 @@ pub(in crate::ocp) fn cone(
     cut: &Cut,
     at: &str,
 ) {
-    if phase.modes[contact] != Mode::Stick {
+    if phase.modes[contact] != ContactMode::Stick {
         return;
     }
     let (model, tableau) = (builder.setting.model, builder.setting.tableau);
@@ -163,7 +163,7 @@ pub(in crate::ocp) fn slip(
     cut: &Cut,
     at: &str,
 ) {
-    let Mode::Slip(direction) = phase.modes[contact] else {
+    let ContactMode::Slip(direction) = phase.modes[contact] else {
         return;
     };
     let state = state_at(builder, phase, cut, 2 * builder.n, at);

@@ -4,7 +4,7 @@ use super::dense_motion::{DenseMotion, lows};
 use super::layout::{Cut, CutKind, Phase};
 use super::limits::Limits;
 use crate::model::tangent_point;
-use crate::ocp::motion::mode::{Direction, Mode};
+use crate::simulation::{ContactMode, Direction};
 
 /// Places between the stages where a sticking contact's force leaves the friction cone, or a slipping contact slips
 /// back. What the solver leaves of an active row is let pass; where sliding sets in without an acceleration, what
@@ -20,7 +20,7 @@ pub(in crate::ocp) fn friction(motion: &DenseMotion, limits: Limits) -> Vec<Cut>
         };
         for (contact, mode) in phase.modes.iter().enumerate() {
             match *mode {
-                Mode::Stick => {
+                ContactMode::Stick => {
                     for direction in Direction::BOTH {
                         let tolerance = limits.bound * largest_force(motion, phase, contact);
                         let mut reserve = |_: usize, theta: f64| {
@@ -31,7 +31,7 @@ pub(in crate::ocp) fn friction(motion: &DenseMotion, limits: Limits) -> Vec<Cut>
                         found.extend(lows.iter().map(|low| cut(low.1, kind)));
                     }
                 }
-                Mode::Slip(direction) => {
+                ContactMode::Slip(direction) => {
                     let yielded = phase.yielded.contains(&contact);
                     let tolerance = if yielded { limits.gap } else { limits.bound };
                     let tolerance = tolerance * limits.setting.units.gap_rows[contact];
@@ -43,7 +43,7 @@ pub(in crate::ocp) fn friction(motion: &DenseMotion, limits: Limits) -> Vec<Cut>
                         found.push(cut(1.0, CutKind::Slip(contact)));
                     }
                 }
-                Mode::Open | Mode::Frictionless => {}
+                ContactMode::Open | ContactMode::Frictionless => {}
             }
         }
     }

@@ -21,10 +21,10 @@ use super::discretization::Setting;
 use super::layout::{FREE, Phase, Stage, Tangential};
 use super::turns::Turns;
 use crate::model::Model;
-use crate::ocp::motion::mode::{Direction, Mode};
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::program::sparse_program::Program;
 use crate::rk::ButcherTableau;
+use crate::simulation::{ContactMode, Direction};
 
 /// Room of a sliding velocity at the end of the motion, in its unit: where that is to end at rest, the row would have no
 /// interior. Where it is not, the sign is checked afterwards.
@@ -33,7 +33,7 @@ const AT_THE_END: f64 = 1e-6;
 /// A closed contact with its normal force or impulse.
 pub(in crate::ocp) struct Normal {
     pub(in crate::ocp) contact: usize,
-    pub(in crate::ocp) mode: Mode,
+    pub(in crate::ocp) mode: ContactMode,
     /// Variable of the force, and its unit.
     pub(in crate::ocp) force: usize,
     pub(in crate::ocp) force_unit: f64,
@@ -49,11 +49,11 @@ pub(in crate::ocp) fn tangential(
     label: &str,
 ) -> Option<Tangential> {
     let &Normal { contact, mode, .. } = normal;
-    if !matches!(mode, Mode::Stick | Mode::Slip(_)) {
+    if !matches!(mode, ContactMode::Stick | ContactMode::Slip(_)) {
         return None;
     }
     let name = model.declaration().contacts[contact].name;
-    let force = (mode == Mode::Stick).then(|| {
+    let force = (mode == ContactMode::Stick).then(|| {
         program.variable(
             format!("friction of `{name}` {label}"),
             FREE,
@@ -81,7 +81,7 @@ pub(in crate::ocp) fn push(
 ) {
     let (force, ratio) = match (tangential.force, tangential.mode) {
         (Some(force), _) => (force, 1.0),
-        (None, Mode::Slip(direction)) => {
+        (None, ContactMode::Slip(direction)) => {
             let mu = model.friction(tangential.contact);
             (tangential.normal, -direction.sign() * mu)
         }
@@ -114,7 +114,7 @@ pub(in crate::ocp) fn constrain(
         row
     };
     let Some(force) = tangential.force else {
-        let Mode::Slip(direction) = tangential.mode else {
+        let ContactMode::Slip(direction) = tangential.mode else {
             return;
         };
         if last && turns.stopped.contains(&contact) {
@@ -235,7 +235,7 @@ pub(in crate::ocp) fn at_start(
     for (contact, mode) in phase.modes.iter().enumerate() {
         let name = model.declaration().contacts[contact].name;
         match *mode {
-            Mode::Stick => {
+            ContactMode::Stick => {
                 for direction in Direction::BOTH {
                     let name = format!("friction cone of `{name}` at the start of {label}");
                     let unit = units.gap_rows[contact];
@@ -245,7 +245,7 @@ pub(in crate::ocp) fn at_start(
                     cones.push((contact, direction, row));
                 }
             }
-            Mode::Slip(direction) if turns.pulled.contains(&contact) => {
+            ContactMode::Slip(direction) if turns.pulled.contains(&contact) => {
                 let name = format!("slip of `{name}` at the start of {label}");
                 let unit = units.gap_rows[contact];
                 let row = program.row_in(unit, name, 0.0, f64::INFINITY);
@@ -267,12 +267,12 @@ mod tests {
     use crate::ocp::global::contact_implicit::ContactImplicit;
     use crate::ocp::global::guess::guess;
     use crate::ocp::motion::control_grid::ControlShape;
-    use crate::ocp::motion::mode::{Direction, Mode};
     use crate::ocp::motion::sequence::{Place, Sequence, Switch};
     use crate::ocp::problem::{Problem, bounds};
     use crate::ocp::program::units::Units;
     use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
+    use crate::simulation::{ContactMode, Direction};
 
     /// The central difference of a function with values and derivatives up to 1e3 is good to about 1e-7 of them.
     const DIFFERENCE: f64 = 1e-5;
@@ -314,6 +314,43 @@ mod tests {
         assert_eq!(parabolas(&Flat::default(), &[0.0; 6]), [false, false, true]);
     }
 
+    /// Two contacts that close, stick, slip both ways and open, one at an impact of the other.
+    fn sequence_of_all_modes() -> Sequence {
+        use ContactMode::{Open, Stick};
+        let forward = ContactMode::Slip(Direction::Forward);
+        let backward = ContactMode::Slip(Direction::Backward);
+        let switch = |contact, (closes, mode, impulse), place, time: f64| Switch {
+            contact,
+            closes,
+            mode,
+            impulse,
+            accompanies: false,
+            interval: time.floor() as usize,
+            place,
+            time,
+        };
+        let slides = |mode| (false, mode, mode);
+        let sequence = Sequence {
+            initially: vec![Open; 2],
+            switches: vec![
+                switch(0, (true, Stick, Stick), Place::Inside, 0.3),
+                switch(0, slides(forward), Place::Inside, 0.6),
+                switch(0, slides(Stick), Place::Start, 1.0),
+                switch(0, slides(backward), Place::Start, 2.0),
+                switch(1, (true, backward, backward), Place::Inside, 2.3),
+                Switch {
+                    accompanies: true,
+                    ..switch(0, (false, forward, Stick), Place::Inside, 2.3)
+                },
+                switch(1, (false, Open, Open), Place::Inside, 2.6),
+                switch(0, slides(backward), Place::Inside, 3.5),
+            ],
+        };
+        let sequence = sequence.ordered(4).unwrap();
+        assert!(sequence.switches[5].accompanies);
+        sequence
+    }
+
     #[test]
     fn derivatives_with_friction_in_all_modes_agree_with_differences() {
         let model = Rough::default();
@@ -343,37 +380,7 @@ mod tests {
         let compared = check_derivatives(&mut coarse.program, None).unwrap();
         assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
 
-        let forward = Mode::Slip(Direction::Forward);
-        let backward = Mode::Slip(Direction::Backward);
-        let switch = |contact, (closes, mode, impulse), place, time: f64| Switch {
-            contact,
-            closes,
-            mode,
-            impulse,
-            accompanies: false,
-            interval: time.floor() as usize,
-            place,
-            time,
-        };
-        let slides = |mode| (false, mode, mode);
-        let sequence = Sequence {
-            initially: vec![Mode::Open; 2],
-            switches: vec![
-                switch(0, (true, Mode::Stick, Mode::Stick), Place::Inside, 0.3),
-                switch(0, slides(forward), Place::Inside, 0.6),
-                switch(0, slides(Mode::Stick), Place::Start, 1.0),
-                switch(0, slides(backward), Place::Start, 2.0),
-                switch(1, (true, backward, backward), Place::Inside, 2.3),
-                Switch {
-                    accompanies: true,
-                    ..switch(0, (false, forward, Mode::Stick), Place::Inside, 2.3)
-                },
-                switch(1, (false, Mode::Open, Mode::Open), Place::Inside, 2.6),
-                switch(0, slides(backward), Place::Inside, 3.5),
-            ],
-        };
-        let sequence = sequence.ordered(4).unwrap();
-        assert!(sequence.switches[5].accompanies);
+        let sequence = sequence_of_all_modes();
         let cut = |phase, interval, kind| Cut {
             interval,
             phase,

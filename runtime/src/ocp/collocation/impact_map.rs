@@ -7,10 +7,10 @@ use super::friction_rows::Normal;
 use super::layout::{Distance, FREE, Kept};
 use super::turns::Turns;
 use crate::model::contact_point;
-use crate::ocp::motion::mode::Mode;
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::program::frame::state_name;
 use crate::ocp::program::kernel::Kernel;
+use crate::simulation::ContactMode;
 
 /// Least impact velocity of a touch, relative to what the acceleration of the contact does in an interval: a motion
 /// that grazes a surface is none that can be followed.
@@ -45,9 +45,9 @@ impl<'s> Instant<'s> {
     }
 
     /// How a contact, with the given mode until then, takes part in an impact: not if the impact lifts it.
-    fn law(&self, contact: usize, before: Mode) -> Mode {
+    fn law(&self, contact: usize, before: ContactMode) -> ContactMode {
         match self.all().find(|switch| switch.contact == contact) {
-            Some(lifted) if lifted.opens() => Mode::Open,
+            Some(lifted) if lifted.opens() => ContactMode::Open,
             Some(switch) => switch.impulse,
             None => before,
         }
@@ -79,7 +79,7 @@ pub(super) fn enter(builder: &mut Builder, instant: &Instant) {
 /// for companions that it lifts. The impact ends the part of the motion that `label` names, at a time of the guess.
 pub(super) fn close(builder: &mut Builder, instant: &Instant, label: &str, time: f64) {
     let modes = builder.modes.iter().enumerate();
-    let laws: Vec<(usize, Mode)> = modes
+    let laws: Vec<(usize, ContactMode)> = modes
         .map(|(contact, &mode)| (contact, instant.law(contact, mode)))
         .filter(|(_, mode)| !mode.is_open())
         .collect();

@@ -8,8 +8,8 @@ use super::stage_inputs::Elapsed;
 use super::turns::Turns;
 use super::{impact_map, interval_bounds, phase, start_conditions};
 use crate::ocp::motion::control_grid::ControlShape;
-use crate::ocp::motion::mode::Mode;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::simulation::ContactMode;
 
 /// Least distance of a guessed switch from the ends of its interval and from other switches, relative to the length
 /// of the interval.
@@ -30,7 +30,7 @@ struct Left {
 
 impl Left {
     /// Adds what the switches of an instant leave; `jumps` where the controls may jump between intervals.
-    fn add(&mut self, instant: &Instant, modes: &[Mode], jumps: bool) {
+    fn add(&mut self, instant: &Instant, modes: &[ContactMode], jumps: bool) {
         for switch in instant.all() {
             let before = modes[switch.contact];
             self.turns

@@ -1,6 +1,6 @@
 //! Where the unknowns and rows of a collocation program are, and the conditions between its stages.
 
-use crate::ocp::motion::mode::{Direction, Mode};
+use crate::simulation::{ContactMode, Direction};
 
 /// Bounds of a variable that has none.
 pub(in crate::ocp) const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -69,7 +69,7 @@ pub(in crate::ocp) struct Stage {
 /// A closed contact with friction at a stage or in an impact: where its unknown and its conditions are.
 pub(in crate::ocp) struct Tangential {
     pub(in crate::ocp) contact: usize,
-    pub(in crate::ocp) mode: Mode,
+    pub(in crate::ocp) mode: ContactMode,
     /// Normal force or impulse.
     pub(in crate::ocp) normal: usize,
     /// Unit of its velocities, and of accelerations times lengths.
@@ -87,8 +87,8 @@ pub(in crate::ocp) struct Phase {
     /// Index in its interval, and the number of elements there.
     pub(in crate::ocp) index: (usize, usize),
     pub(in crate::ocp) closed: Vec<usize>,
-    /// Mode of each contact.
-    pub(in crate::ocp) modes: Vec<Mode>,
+    /// ContactMode of each contact.
+    pub(in crate::ocp) modes: Vec<ContactMode>,
     /// State `(q, v)` at the start, after any jump.
     pub(in crate::ocp) start: Vec<usize>,
     pub(in crate::ocp) stages: Vec<Stage>,

@@ -167,12 +167,12 @@ mod tests {
     use crate::ocp::collocation::transcribe::transcribe;
     use crate::ocp::global::guess::guess;
     use crate::ocp::motion::control_grid::ControlShape;
-    use crate::ocp::motion::mode::Mode;
     use crate::ocp::motion::sequence::{Place, Sequence, Switch};
     use crate::ocp::problem::{Problem, bounds};
     use crate::ocp::program::units::Units;
     use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
+    use crate::simulation::ContactMode;
 
     crate::model! {
         /// A mass with an engine, on the ground.
@@ -213,12 +213,12 @@ mod tests {
             shape: ControlShape::Linear,
         };
         let sequence = Sequence {
-            initially: vec![Mode::Frictionless],
+            initially: vec![ContactMode::Frictionless],
             switches: vec![Switch {
                 contact: 0,
                 closes: false,
-                mode: Mode::Open,
-                impulse: Mode::Frictionless,
+                mode: ContactMode::Open,
+                impulse: ContactMode::Frictionless,
                 accompanies: false,
                 interval: 1,
                 place: Place::Start,

@@ -4,9 +4,10 @@ use super::builder::Builder;
 use super::discretization::Setting;
 use super::layout::Phase;
 use crate::ocp::motion::control_grid::ControlShape;
-use crate::ocp::motion::mode::{Mode, sliding_velocity, zero_velocity};
+use crate::ocp::motion::mode::{sliding_velocity, zero_velocity};
 use crate::ocp::problem::has_free_start;
 use crate::ocp::program::kernel::Kernel;
+use crate::simulation::ContactMode;
 
 /// Contacts that are pulled into slip from the start of the motion.
 pub(in crate::ocp) fn pulled(builder: &Builder) -> Vec<usize> {
@@ -15,7 +16,7 @@ pub(in crate::ocp) fn pulled(builder: &Builder) -> Vec<usize> {
     let zero = zero_velocity(&start[builder.n..]);
     let modes = builder.modes.iter().enumerate();
     modes
-        .filter(|(_, mode)| matches!(mode, Mode::Slip(_)) && !has_free_start(model))
+        .filter(|(_, mode)| matches!(mode, ContactMode::Slip(_)) && !has_free_start(model))
         .map(|(contact, _)| contact)
         .filter(|&contact| sliding_velocity(model, contact, &start, 0.0).abs() <= zero)
         .collect()
@@ -63,10 +64,10 @@ pub(in crate::ocp) fn add(builder: &mut Builder) {
             entries.any(|&(row, column)| row == 0 && free.contains(&(column as usize)))
         });
         let (sign, upper) = match mode {
-            Mode::Slip(direction) => (direction.sign(), f64::INFINITY),
+            ContactMode::Slip(direction) => (direction.sign(), f64::INFINITY),
             _ => (1.0, 0.0),
         };
-        if slides && matches!(mode, Mode::Stick | Mode::Slip(_)) {
+        if slides && matches!(mode, ContactMode::Stick | ContactMode::Slip(_)) {
             let name = format!("sliding velocity of `{}` at the start", contact.name);
             let row = builder.program.row_in(units.gap_rows[i], name, 0.0, upper);
             let uses = vec![(row, 0, sign)];

@@ -85,12 +85,12 @@ mod tests {
     use crate::ocp::global::contact_implicit::ContactImplicit;
     use crate::ocp::global::guess::guess;
     use crate::ocp::motion::control_grid::ControlShape;
-    use crate::ocp::motion::mode::Mode;
     use crate::ocp::motion::sequence::Place;
     use crate::ocp::problem::{Horizon, Problem, bounds};
     use crate::ocp::program::units::Units;
     use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
+    use crate::simulation::ContactMode;
 
     /// The central difference of a function with values and derivatives up to 1e3 is good to about 1e-7 of them.
     const DIFFERENCE: f64 = 1e-5;
@@ -140,18 +140,18 @@ mod tests {
             contact: 0,
             closes,
             mode: if closes {
-                Mode::Frictionless
+                ContactMode::Frictionless
             } else {
-                Mode::Open
+                ContactMode::Open
             },
-            impulse: Mode::Frictionless,
+            impulse: ContactMode::Frictionless,
             accompanies: false,
             interval,
             place,
             time,
         };
         let sequence = Sequence {
-            initially: vec![Mode::Open],
+            initially: vec![ContactMode::Open],
             switches: vec![
                 switch(true, 0, Place::Inside, 0.4),
                 switch(false, 0, Place::Inside, 0.8),

@@ -1,7 +1,7 @@
 //! What happens to contacts with friction at the ends of an element.
 
-use crate::ocp::motion::mode::{Direction, Mode};
 use crate::ocp::motion::sequence::{Place, Switch};
+use crate::simulation::{ContactMode, Direction};
 
 /// What happens to contacts with friction at the ends of an element.
 #[derive(Default, Clone)]
@@ -28,17 +28,21 @@ pub(in crate::ocp) struct Turns {
 impl Turns {
     /// What a switch asks for at the end of the element before it; `jumps` where the controls may jump between
     /// intervals.
-    pub(in crate::ocp) fn end(&mut self, switch: &Switch, before: Mode, jumps: bool) {
+    pub(in crate::ocp) fn end(&mut self, switch: &Switch, before: ContactMode, jumps: bool) {
         let inside = switch.place == Place::Inside || !jumps;
         match (before, switch.mode) {
-            (Mode::Slip(_), Mode::Stick | Mode::Slip(_)) if switch.accompanies => {
+            (ContactMode::Slip(_), ContactMode::Stick | ContactMode::Slip(_))
+                if switch.accompanies =>
+            {
                 self.stopped.push(switch.contact);
             }
-            (Mode::Slip(_), Mode::Stick | Mode::Slip(_)) => self.stopping.push(switch.contact),
-            (Mode::Stick, Mode::Slip(direction)) if inside => {
+            (ContactMode::Slip(_), ContactMode::Stick | ContactMode::Slip(_)) => {
+                self.stopping.push(switch.contact)
+            }
+            (ContactMode::Stick, ContactMode::Slip(direction)) if inside => {
                 self.yielding.push((switch.contact, direction));
             }
-            (Mode::Stick, Mode::Open) if inside => self.opening.push(switch.contact),
+            (ContactMode::Stick, ContactMode::Open) if inside => self.opening.push(switch.contact),
             _ => {}
         }
     }
@@ -48,17 +52,17 @@ impl Turns {
     pub(in crate::ocp) fn start(
         &mut self,
         switch: &Switch,
-        before: Mode,
+        before: ContactMode,
         impact: bool,
         jumps: bool,
     ) {
         let inside = switch.place == Place::Inside || !jumps;
         match (before, switch.mode) {
-            (_, Mode::Slip(_)) if impact && switch.impulse != Mode::Stick => {}
-            (Mode::Stick, Mode::Slip(_)) if inside && !impact => {
+            (_, ContactMode::Slip(_)) if impact && switch.impulse != ContactMode::Stick => {}
+            (ContactMode::Stick, ContactMode::Slip(_)) if inside && !impact => {
                 self.yielded.push(switch.contact);
             }
-            (_, Mode::Slip(_)) => self.pulled.push(switch.contact),
+            (_, ContactMode::Slip(_)) => self.pulled.push(switch.contact),
             _ => {}
         }
     }

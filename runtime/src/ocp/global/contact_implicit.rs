@@ -23,12 +23,13 @@ use crate::model::Model;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::FREE;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
-use crate::ocp::motion::mode::{Direction, Mode, is_frictional, sliding_velocity};
+use crate::ocp::motion::mode::{is_frictional, sliding_velocity};
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::frame::{Frame, state_name};
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::program::sparse_program::Program;
+use crate::simulation::{ContactMode, Direction};
 
 /// Unknowns of a contact in an element.
 struct Contact {
@@ -149,17 +150,19 @@ impl<'a> ContactImplicit<'a> {
 
     /// What the contacts do in each element at a solver's point: those are closed whose force exceeds the gap, each in
     /// its unit, and those slip whose velocity exceeds what is left of the cone.
-    pub(in crate::ocp) fn modes(&self, x: &[f64]) -> Vec<Vec<Mode>> {
+    pub(in crate::ocp) fn modes(&self, x: &[f64]) -> Vec<Vec<ContactMode>> {
         let mode = |contact: &Contact| {
             if x[contact.force] <= x[contact.gap] {
-                return Mode::Open;
+                return ContactMode::Open;
             }
             let Some(sliding) = contact.sliding else {
-                return Mode::Frictionless;
+                return ContactMode::Frictionless;
             };
             let mut both = Direction::BOTH.into_iter().zip(sliding);
             both.find(|(_, side)| x[side.velocity] > x[side.reserve])
-                .map_or(Mode::Stick, |(direction, _)| Mode::Slip(direction))
+                .map_or(ContactMode::Stick, |(direction, _)| {
+                    ContactMode::Slip(direction)
+                })
         };
         let elements = self.contacts.iter();
         elements

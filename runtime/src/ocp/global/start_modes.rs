@@ -1,9 +1,10 @@
 //! What the contacts do at the start of a motion.
 
 use crate::ocp::collocation::discretization::Setting;
-use crate::ocp::motion::mode::{Mode, is_frictional, sliding_velocity, zero_velocity};
+use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity, zero_velocity};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::has_free_start;
+use crate::simulation::ContactMode;
 
 /// Gap below which a motion starts on a surface, in its unit.
 const AT_START: f64 = 1e-9;
@@ -11,7 +12,7 @@ const AT_START: f64 = 1e-9;
 const NEAR_START: f64 = 1e-3;
 
 /// What the contacts do at the start of a motion.
-pub(in crate::ocp) fn modes_at_start(setting: Setting, motion: &Trajectory) -> Vec<Mode> {
+pub(in crate::ocp) fn modes_at_start(setting: Setting, motion: &Trajectory) -> Vec<ContactMode> {
     let Setting {
         model,
         problem,
@@ -26,11 +27,11 @@ pub(in crate::ocp) fn modes_at_start(setting: Setting, motion: &Trajectory) -> V
     (0..model.declaration().contacts.len())
         .map(|contact| {
             if model.gap(contact, &input) > near * units.gap[contact] {
-                return Mode::Open;
+                return ContactMode::Open;
             }
             let frictional = is_frictional(model, contact);
             let slides = frictional.then(|| sliding_velocity(model, contact, &input, 0.0));
-            Mode::closed(frictional, slides.unwrap_or(0.0), zero)
+            closed_mode(frictional, slides.unwrap_or(0.0), zero)
         })
         .collect()
 }

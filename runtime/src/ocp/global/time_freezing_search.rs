@@ -8,7 +8,7 @@ use crate::mpcc::Mpcc as _;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlGrid;
-use crate::ocp::motion::mode::{Mode, is_frictional, sliding_velocity};
+use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity};
 use crate::ocp::motion::model_input::{drive, with_forces};
 use crate::ocp::motion::read_sequence::{Elements, of_elements};
 use crate::ocp::motion::sequence::Sequence;
@@ -16,6 +16,7 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Failure, Runner};
 use crate::ocp::settings::{Guess, TimeFreezingSettings};
 use crate::ocp::solution::TimeFreezingReport;
+use crate::simulation::ContactMode;
 use crate::simulation::{InputError, ProblemSize};
 use crate::{mpcc, nlp};
 
@@ -93,7 +94,7 @@ fn sequence(
     let model = setting.model;
     let interval = motion.horizon / setting.problem.intervals as f64;
     let states = motion.q.iter().zip(&motion.v).zip(&motion.time);
-    let modes: Vec<Vec<Mode>> = motion
+    let modes: Vec<Vec<ContactMode>> = motion
         .step_functions
         .iter()
         .zip(states)
@@ -101,11 +102,11 @@ fn sequence(
             let state = [&q[..], v].concat();
             let mode = |(contact, &alpha): (usize, &f64)| {
                 if alpha >= OPEN {
-                    return Mode::Open;
+                    return ContactMode::Open;
                 }
                 let frictional = is_frictional(model, contact);
                 let slides = frictional.then(|| sliding_velocity(model, contact, &state, time));
-                Mode::closed(frictional, slides.unwrap_or(0.0), zero)
+                closed_mode(frictional, slides.unwrap_or(0.0), zero)
             };
             alpha.iter().enumerate().map(mode).collect()
         })

@@ -8,7 +8,6 @@ use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::Limits;
 use crate::ocp::collocation::program::Collocation;
-use crate::ocp::motion::mode::Mode;
 use crate::ocp::motion::read_sequence::seen;
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::{Trajectory, largest_difference};
@@ -19,6 +18,7 @@ use crate::ocp::search::replay::{read_replay, simulate};
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Stationarity, Status};
 use crate::rk::ButcherTableau;
+use crate::simulation::ContactMode;
 use crate::simulation::{
     EventKind, InputError, ProblemSize, Residuals, Simulation, SimulationStatus,
 };
@@ -199,9 +199,9 @@ fn planned_events(sequence: &Sequence, interval: f64) -> Vec<(f64, EventKind, us
     let switches = sequence.switches.iter().map(|switch| {
         let kind = match switch.mode {
             _ if switch.closes => EventKind::Impact,
-            Mode::Open => EventKind::LiftOff,
-            Mode::Stick => EventKind::Stick,
-            Mode::Slip(_) | Mode::Frictionless => EventKind::Slip,
+            ContactMode::Open => EventKind::LiftOff,
+            ContactMode::Stick => EventKind::Stick,
+            ContactMode::Slip(_) | ContactMode::Frictionless => EventKind::Slip,
         };
         (switch.time * interval, kind, switch.contact)
     });

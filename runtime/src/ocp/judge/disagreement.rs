@@ -1,8 +1,8 @@
 //! How a plan and its re-simulation differ in kind.
 
 use crate::model::Model;
-use crate::ocp::motion::mode::Mode;
 use crate::ocp::motion::sequence::{Sequence, Switch};
+use crate::simulation::ContactMode;
 
 /// The first difference in kind between the switches of a plan and of its re-simulation over `horizon`, in words.
 pub(super) fn disagreement(
@@ -18,7 +18,6 @@ pub(super) fn disagreement(
         .zip(contacts)
         .find(|((plan, read), _)| plan != read);
     if let Some(((mode, read), contact)) = other {
-        let (mode, read) = (mode.state(), read.state());
         return Some(format!(
             "`{}` is {mode} at the start of the plan, and {read} at that of the re-simulation",
             contact.name
@@ -31,10 +30,10 @@ pub(super) fn disagreement(
             let name = contacts[switch.contact].name;
             let time = switch.time * (horizon / intervals as f64);
             match (switch.closes, switch.mode) {
-                (true, Mode::Open) => format!("`{name}` is touched at {time:.6} s"),
-                (false, Mode::Open) => format!("`{name}` opens at {time:.6} s"),
-                (true, Mode::Frictionless) => format!("`{name}` closes at {time:.6} s"),
-                (_, mode) => format!("`{name}` is {} from {time:.6} s on", mode.state()),
+                (true, ContactMode::Open) => format!("`{name}` is touched at {time:.6} s"),
+                (false, ContactMode::Open) => format!("`{name}` opens at {time:.6} s"),
+                (true, ContactMode::Frictionless) => format!("`{name}` closes at {time:.6} s"),
+                (_, mode) => format!("`{name}` is {mode} from {time:.6} s on"),
             }
         }
     };

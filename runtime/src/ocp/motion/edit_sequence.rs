@@ -1,7 +1,7 @@
 //! Contact sequences made from others.
 
-use super::mode::Mode;
 use super::sequence::{Place, Sequence, Switch};
+use crate::simulation::ContactMode;
 
 /// A contact between two flights that is shorter than this many intervals is deleted at the start.
 const SHORT_CONTACT: f64 = 1.5;
@@ -30,7 +30,7 @@ pub(in crate::ocp) fn without(given: &Sequence, first: usize, last: usize) -> Se
     let (place, merged) = if before.is_open() {
         // A contact that sticks in the end may not have slipped in the impact.
         let impulse = match (to.mode, from.impulse) {
-            (Mode::Slip(_), Mode::Stick) => Mode::Stick,
+            (ContactMode::Slip(_), ContactMode::Stick) => ContactMode::Stick,
             (mode, _) => mode,
         };
         let mode = to.mode;
@@ -83,7 +83,7 @@ pub(in crate::ocp) fn touching(given: &Sequence) -> Option<Sequence> {
     for (i, j) in given.neighbours() {
         let (first, second) = (&given.switches[i], &given.switches[j]);
         if first.stays() && second.opens() && second.time - first.time < SHORT_CONTACT {
-            sequence.switches[i].mode = Mode::Open;
+            sequence.switches[i].mode = ContactMode::Open;
             openings.push(j);
         }
     }
@@ -147,12 +147,12 @@ pub(in crate::ocp) fn without_jumps(mut sequence: Sequence) -> Sequence {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ocp::motion::mode::Direction;
+    use crate::simulation::Direction;
 
-    const FORWARD: Mode = Mode::Slip(Direction::Forward);
-    const BACKWARD: Mode = Mode::Slip(Direction::Backward);
+    const FORWARD: ContactMode = ContactMode::Slip(Direction::Forward);
+    const BACKWARD: ContactMode = ContactMode::Slip(Direction::Backward);
 
-    fn switch(closes: bool, mode: Mode, time: f64) -> Switch {
+    fn switch(closes: bool, mode: ContactMode, time: f64) -> Switch {
         Switch {
             contact: 0,
             closes,
@@ -165,7 +165,7 @@ mod tests {
         }
     }
 
-    fn sequence(initially: Mode, switches: &[Switch]) -> Sequence {
+    fn sequence(initially: ContactMode, switches: &[Switch]) -> Sequence {
         Sequence {
             initially: vec![initially],
             switches: switches.to_vec(),
@@ -174,24 +174,27 @@ mod tests {
 
     #[test]
     fn short_contact_and_short_flight_are_deleted_and_long_ones_stay() {
-        let closing = switch(true, Mode::Frictionless, 1.5);
+        let closing = switch(true, ContactMode::Frictionless, 1.5);
         for (opening, left) in [(2.9, 0), (3.1, 2)] {
-            let contact = sequence(Mode::Open, &[closing, switch(false, Mode::Open, opening)]);
+            let contact = sequence(
+                ContactMode::Open,
+                &[closing, switch(false, ContactMode::Open, opening)],
+            );
             assert_eq!(tidied(contact).switches.len(), left, "{opening}");
         }
         for (landing, left) in [(2.0, 0), (2.2, 2)] {
             let flight = [
-                switch(false, Mode::Open, 1.5),
-                switch(true, Mode::Frictionless, landing),
+                switch(false, ContactMode::Open, 1.5),
+                switch(true, ContactMode::Frictionless, landing),
             ];
-            let flight = sequence(Mode::Frictionless, &flight);
+            let flight = sequence(ContactMode::Frictionless, &flight);
             assert_eq!(tidied(flight).switches.len(), left, "{landing}");
         }
     }
 
     #[test]
     fn stick_of_no_duration_between_two_slips_becomes_one_reversal() {
-        let stops = switch(false, Mode::Stick, 1.5);
+        let stops = switch(false, ContactMode::Stick, 1.5);
         let turns = switch(false, BACKWARD, 1.6);
         let tidied = tidied(sequence(FORWARD, &[stops, turns]));
         assert_eq!(tidied.switches, [switch(false, BACKWARD, 1.6)]);
@@ -200,14 +203,14 @@ mod tests {
     #[test]
     fn landing_and_the_end_of_its_slip_become_a_landing_that_sticks() {
         let landing = switch(true, FORWARD, 1.5);
-        let stops = switch(false, Mode::Stick, 1.7);
-        let both = sequence(Mode::Open, &[landing, stops]);
+        let stops = switch(false, ContactMode::Stick, 1.7);
+        let both = sequence(ContactMode::Open, &[landing, stops]);
         let merged = without(&both, 0, 1);
-        assert_eq!(merged.switches, [switch(true, Mode::Stick, 1.5)]);
+        assert_eq!(merged.switches, [switch(true, ContactMode::Stick, 1.5)]);
         // An impact that sticks stays one where the contact slips in the end.
-        let landing = switch(true, Mode::Stick, 1.5);
+        let landing = switch(true, ContactMode::Stick, 1.5);
         let slips = switch(false, BACKWARD, 1.7);
-        let merged = without(&sequence(Mode::Open, &[landing, slips]), 0, 1);
+        let merged = without(&sequence(ContactMode::Open, &[landing, slips]), 0, 1);
         let expected = Switch {
             mode: BACKWARD,
             ..landing
@@ -217,38 +220,41 @@ mod tests {
 
     #[test]
     fn touches_are_removed_and_short_contacts_become_touches() {
-        let touch = switch(true, Mode::Open, 0.5);
+        let touch = switch(true, ContactMode::Open, 0.5);
         let contact = [
-            switch(true, Mode::Frictionless, 1.2),
-            switch(false, Mode::Open, 1.9),
+            switch(true, ContactMode::Frictionless, 1.2),
+            switch(false, ContactMode::Open, 1.9),
         ];
-        let all = sequence(Mode::Open, &[touch, contact[0], contact[1]]);
-        assert_eq!(untouched(&all), Some(sequence(Mode::Open, &contact)));
-        assert_eq!(untouched(&sequence(Mode::Open, &contact)), None);
+        let all = sequence(ContactMode::Open, &[touch, contact[0], contact[1]]);
+        assert_eq!(untouched(&all), Some(sequence(ContactMode::Open, &contact)));
+        assert_eq!(untouched(&sequence(ContactMode::Open, &contact)), None);
         let touched = Switch {
-            mode: Mode::Open,
+            mode: ContactMode::Open,
             ..contact[0]
         };
         assert_eq!(
             touching(&all),
-            Some(sequence(Mode::Open, &[touch, touched]))
+            Some(sequence(ContactMode::Open, &[touch, touched]))
         );
-        assert_eq!(touching(&sequence(Mode::Open, &[touch])), None);
+        assert_eq!(touching(&sequence(ContactMode::Open, &[touch])), None);
     }
 
     #[test]
     fn motion_that_ends_with_its_last_impact_has_nothing_after_it() {
-        let closing = switch(true, Mode::Frictionless, 1.5);
-        let opening = switch(false, Mode::Open, 2.5);
-        let ended = ending(&sequence(Mode::Open, &[closing, opening]), 4);
+        let closing = switch(true, ContactMode::Frictionless, 1.5);
+        let opening = switch(false, ContactMode::Open, 2.5);
+        let ended = ending(&sequence(ContactMode::Open, &[closing, opening]), 4);
         let last = Switch {
             interval: 4,
             place: Place::Start,
             time: 4.0,
             ..closing
         };
-        assert_eq!(ended, Some(sequence(Mode::Open, &[last])));
-        assert_eq!(ending(&sequence(Mode::Frictionless, &[opening]), 4), None);
+        assert_eq!(ended, Some(sequence(ContactMode::Open, &[last])));
+        assert_eq!(
+            ending(&sequence(ContactMode::Frictionless, &[opening]), 4),
+            None
+        );
     }
 
     #[test]
@@ -256,9 +262,9 @@ mod tests {
         let opening = Switch {
             place: Place::Start,
             interval: 2,
-            ..switch(false, Mode::Open, 2.0)
+            ..switch(false, ContactMode::Open, 2.0)
         };
-        let moved = without_jumps(sequence(Mode::Frictionless, &[opening]));
+        let moved = without_jumps(sequence(ContactMode::Frictionless, &[opening]));
         let expected = Switch {
             place: Place::Inside,
             interval: 1,

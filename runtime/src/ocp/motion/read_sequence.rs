@@ -1,79 +1,15 @@
 //! Contact sequences read from motions.
 
-use super::mode::{Direction, Mode, is_frictional, sliding_velocity, zero_velocity};
+use super::mode::{closed_mode, is_frictional, sliding_velocity, zero_velocity};
+
 use super::sequence::{Place, Sequence, Switch};
 use super::trajectory::Trajectory;
 use crate::model::Model;
+use crate::simulation::ContactMode;
 use crate::simulation::{Event, EventKind, Simulation};
 
 /// Events nearer to an interval end than this share of the interval lie on it.
 const AT_THE_END: f64 = 1e-7;
-
-/// Share of `mu r` that a tangential force must reach to be one of sliding: of rounding error in `s / r`.
-const EDGE: f64 = 1.0 - 1e-9;
-
-/// The mode of a closed contact right after entry `index` of a simulation. At rest a contact with friction may
-/// begin to slip, in the direction against which its force acts. `slips` says whether it does; if that is not known,
-/// it does if its force lies on the edge of the friction cone and it moves before its next event.
-pub(in crate::ocp) fn after(
-    model: &dyn Model,
-    simulation: &Simulation,
-    contact: usize,
-    index: usize,
-    slips: Option<bool>,
-) -> Mode {
-    if !is_frictional(model, contact) {
-        return Mode::Frictionless;
-    }
-    let trajectory = &simulation.trajectory;
-    let velocity = |index: usize| {
-        let state = [&trajectory.q[index][..], &trajectory.v[index]].concat();
-        sliding_velocity(model, contact, &state, trajectory.time[index])
-    };
-    let zero = zero_velocity(&trajectory.v[index]);
-    let now = velocity(index);
-    let resting = Mode::closed(true, now, zero);
-    if resting != Mode::Stick {
-        return resting;
-    }
-    let force = trajectory.friction_force[index][contact];
-    if let Some(slips) = slips {
-        return match slips {
-            true => Mode::Slip(Direction::of(-force)),
-            false => Mode::Stick,
-        };
-    }
-    let limit = model.friction(contact) * trajectory.contact_force[index][contact];
-    let time = trajectory.time[index];
-    let mut events = simulation.events.iter();
-    let next = events.find(|event| event.contact == contact && event.time > time);
-    let until = next.map_or(f64::INFINITY, |next| next.time);
-    let mut later = index + 1..trajectory.time.len();
-    let moves = later.any(|next| {
-        trajectory.time[next] <= until && velocity(next).abs() > zero_velocity(&trajectory.v[next])
-    });
-    if force.abs() >= EDGE * limit && moves {
-        Mode::Slip(Direction::of(-force))
-    } else {
-        Mode::Stick
-    }
-}
-
-/// Whether an impact is followed by flight: the contact does not open later, and carries no force until the next event.
-fn touches(simulation: &Simulation, index: usize) -> bool {
-    let event = &simulation.events[index];
-    let own = |other: &&Event| other.contact == event.contact;
-    let next = simulation.events[index + 1..].iter().find(own);
-    let until = next.map_or(f64::INFINITY, |next| next.time);
-    if event.kind != EventKind::Impact
-        || next.is_some_and(|next| next.kind == EventKind::LiftOff && next.time > event.time)
-    {
-        return false;
-    }
-    let trajectory = &simulation.trajectory;
-    let mut forces = trajectory.time.iter().zip(&trajectory.contact_force);
-    !forces.any(|(&time, forces)| time > event.time && time < until && forces[event.contact] > 0.0)
-}
 
 /// A simulation under controls on equal intervals.
 pub(in crate::ocp) struct Replay<'r> {
@@ -93,16 +29,16 @@ impl Replay<'_> {
         let switches = (0..events.len()).filter(|&index| inside(&events[index]));
         let initially = closed.iter().enumerate().map(|(contact, &closed)| {
             if !closed {
-                return Mode::Open;
+                return ContactMode::Open;
+            }
+            let mode = self.simulation.initial_modes[contact];
+            if !mode.is_open() {
+                return mode;
             }
             // One that lands at once is closed from then on.
             let own = |event: &&Event| event.contact == contact;
-            let force = self.simulation.trajectory.contact_force[0][contact];
-            let landing = match events.iter().find(own) {
-                Some(first) if force <= 0.0 => first.time,
-                _ => 0.0,
-            };
-            self.mode_at(contact, landing, None)
+            let landing = events.iter().find(own);
+            landing.map_or(mode, |event| event.modes[contact])
         });
         let mut sequence = Sequence {
             initially: initially.collect(),
@@ -118,25 +54,11 @@ impl Replay<'_> {
         sequence
     }
 
-    /// The mode of a closed contact right after a time.
-    fn mode_at(&self, contact: usize, time: f64, slips: Option<bool>) -> Mode {
-        let times = &self.simulation.trajectory.time;
-        let index = times.partition_point(|&t| t <= time).saturating_sub(1);
-        after(self.model, self.simulation, contact, index, slips)
-    }
-
     /// The switch that the event with this index is.
     fn switch(&self, index: usize) -> Switch {
         let (model, events) = (self.model, &self.simulation.events);
         let event = &events[index];
         let contact = event.contact;
-        let mode = match event.kind {
-            EventKind::LiftOff => Mode::Open,
-            EventKind::Impact if touches(self.simulation, index) => Mode::Open,
-            EventKind::Slip => self.mode_at(contact, event.time, Some(true)),
-            EventKind::Stick => self.mode_at(contact, event.time, Some(false)),
-            _ => self.mode_at(contact, event.time, None),
-        };
         let frictional = is_frictional(model, contact);
         let velocity = if frictional {
             let state = [&event.q[..], &event.v_after].concat();
@@ -165,8 +87,8 @@ impl Replay<'_> {
         Switch {
             contact,
             closes,
-            mode,
-            impulse: Mode::closed(frictional, velocity, zero_velocity(&event.v_after)),
+            mode: event.modes[contact],
+            impulse: closed_mode(frictional, velocity, zero_velocity(&event.v_after)),
             accompanies: events[..index].iter().any(leads),
             interval: (interval as usize).min(self.intervals - 1),
             place,
@@ -178,7 +100,7 @@ impl Replay<'_> {
 /// What the contacts do in the elements of a program.
 pub(in crate::ocp) struct Elements {
     /// Modes of the contacts in each element.
-    pub(in crate::ocp) modes: Vec<Vec<Mode>>,
+    pub(in crate::ocp) modes: Vec<Vec<ContactMode>>,
     pub(in crate::ocp) per_interval: usize,
     /// Ends of the elements, in units of intervals.
     pub(in crate::ocp) ends: Vec<f64>,
@@ -188,7 +110,7 @@ pub(in crate::ocp) struct Elements {
 /// `closing` of the first element in which it does; it opens, and begins to slide, at the end of the last element
 /// before.
 pub(in crate::ocp) fn of_elements(
-    initially: Vec<Mode>,
+    initially: Vec<ContactMode>,
     elements: &Elements,
     closing: f64,
 ) -> Sequence {
@@ -201,7 +123,7 @@ pub(in crate::ocp) fn of_elements(
     let mut initially = initially;
     // A contact at rest may be pulled into slip at once.
     for (before, now) in initially.iter_mut().zip(modes.iter().flatten()) {
-        if let (Mode::Stick, Mode::Slip(_)) = (*before, *now) {
+        if let (ContactMode::Stick, ContactMode::Slip(_)) = (*before, *now) {
             *before = *now;
         }
     }
@@ -213,7 +135,7 @@ pub(in crate::ocp) fn of_elements(
             }
             let start = element.checked_sub(1).map_or(0.0, |before| ends[before]);
             let closes = was.is_open();
-            let released = is.is_open() || was == Mode::Stick;
+            let released = is.is_open() || was == ContactMode::Stick;
             let shift = if released { 0.0 } else { closing };
             let interval = element / per_interval;
             let at_jump = released && element % per_interval == 0 && element > 0;
@@ -256,8 +178,8 @@ pub(in crate::ocp) fn seen(
     for (contact, mode) in sequence.initially.iter_mut().enumerate() {
         let mut own = given.switches.iter().filter(|s| s.contact == contact);
         let end = own.next().map_or(f64::INFINITY, |switch| switch.time);
-        if matches!(mode, Mode::Slip(_)) && rests(contact, 0.0, end) {
-            *mode = Mode::Stick;
+        if matches!(mode, ContactMode::Slip(_)) && rests(contact, 0.0, end) {
+            *mode = ContactMode::Stick;
         }
     }
     for (index, switch) in sequence.switches.iter_mut().enumerate() {
@@ -266,8 +188,8 @@ pub(in crate::ocp) fn seen(
         let end = next.map_or(f64::INFINITY, |next| next.time);
         // What is seen at a switch itself may belong to the motion before it.
         let start = switch.time + AT_THE_END;
-        if matches!(switch.mode, Mode::Slip(_)) && rests(switch.contact, start, end) {
-            switch.mode = Mode::Stick;
+        if matches!(switch.mode, ContactMode::Slip(_)) && rests(switch.contact, start, end) {
+            switch.mode = ContactMode::Stick;
         }
     }
     let mut sequence = sequence.consistent();
@@ -285,8 +207,9 @@ pub(in crate::ocp) fn seen(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulation::Direction;
 
-    fn elements(modes: &[Mode], per_interval: usize) -> Elements {
+    fn elements(modes: &[ContactMode], per_interval: usize) -> Elements {
         let ends = (1..=modes.len()).map(|end| end as f64 / per_interval as f64);
         Elements {
             modes: modes.iter().map(|&mode| vec![mode]).collect(),
@@ -297,7 +220,7 @@ mod tests {
 
     #[test]
     fn contact_of_elements_closes_inside_one_and_opens_at_the_end_of_one() {
-        use Mode::{Frictionless, Open};
+        use ContactMode::{Frictionless, Open};
         // Four elements in two intervals: closed in the second and third one.
         let elements = elements(&[Open, Frictionless, Frictionless, Open], 2);
         let sequence = of_elements(vec![Open], &elements, 0.5);
@@ -314,7 +237,7 @@ mod tests {
 
     #[test]
     fn contact_that_opens_between_intervals_opens_at_the_jump_of_the_controls() {
-        use Mode::{Frictionless, Open};
+        use ContactMode::{Frictionless, Open};
         let elements = elements(&[Frictionless, Frictionless, Open, Open], 2);
         let sequence = of_elements(vec![Frictionless], &elements, 0.5);
         let opening = sequence.switches[0];
@@ -326,8 +249,8 @@ mod tests {
 
     #[test]
     fn contact_at_rest_that_slips_in_the_first_element_slips_from_the_start() {
-        let slips = Mode::Slip(Direction::Backward);
-        let sequence = of_elements(vec![Mode::Stick], &elements(&[slips, slips], 1), 0.5);
+        let slips = ContactMode::Slip(Direction::Backward);
+        let sequence = of_elements(vec![ContactMode::Stick], &elements(&[slips, slips], 1), 0.5);
         assert_eq!(sequence.initially, [slips]);
         assert!(sequence.switches.is_empty());
     }

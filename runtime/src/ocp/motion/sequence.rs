@@ -1,6 +1,6 @@
 //! Which contact closes, opens, begins to stick or to slip when: the contact sequence of a motion.
 
-use super::mode::Mode;
+use crate::simulation::ContactMode;
 
 /// Where in the grid of the controls a switch happens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -20,10 +20,10 @@ pub(in crate::ocp) struct Switch {
     /// Whether there is an impact: the contact closes or is touched.
     pub(in crate::ocp) closes: bool,
     /// What the contact does afterwards.
-    pub(in crate::ocp) mode: Mode,
+    pub(in crate::ocp) mode: ContactMode,
     /// How it slides right after the impulse that belongs to the switch, if one does: its own, or that of the impact
     /// it accompanies.
-    pub(in crate::ocp) impulse: Mode,
+    pub(in crate::ocp) impulse: ContactMode,
     /// Whether the contact switches at the same instant as another one, with the switch before it: both take part in
     /// one impact, or slide as parts of one body.
     pub(in crate::ocp) accompanies: bool,
@@ -36,12 +36,15 @@ pub(in crate::ocp) struct Switch {
 /// The modes of the contacts at the start, and the switches in order of time.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::ocp) struct Sequence {
-    pub(in crate::ocp) initially: Vec<Mode>,
+    pub(in crate::ocp) initially: Vec<ContactMode>,
     pub(in crate::ocp) switches: Vec<Switch>,
 }
 
 /// What tells two sequences apart, whatever the times.
-pub(in crate::ocp) type Signature = (Vec<Mode>, Vec<(usize, Mode, Mode, usize, Place)>);
+pub(in crate::ocp) type Signature = (
+    Vec<ContactMode>,
+    Vec<(usize, ContactMode, ContactMode, usize, Place)>,
+);
 
 impl Switch {
     /// Whether the contact closes and is closed afterwards.
@@ -65,7 +68,7 @@ impl Switch {
     }
 
     /// Whether the contact may have the mode `before` until then.
-    pub(super) fn follows(&self, before: Mode) -> bool {
+    pub(super) fn follows(&self, before: ContactMode) -> bool {
         before.is_open() == self.closes && (self.closes || before != self.mode)
     }
 }
@@ -78,7 +81,7 @@ impl Sequence {
             let impulse = if s.closes || s.accompanies {
                 s.impulse
             } else {
-                Mode::Open
+                ContactMode::Open
             };
             (s.contact, s.mode, impulse, s.interval, s.place)
         });
@@ -128,8 +131,8 @@ impl Sequence {
         &rest[..count]
     }
 
-    /// Mode of a contact before the switch with this index.
-    pub(in crate::ocp) fn mode_before(&self, index: usize, contact: usize) -> Mode {
+    /// ContactMode of a contact before the switch with this index.
+    pub(in crate::ocp) fn mode_before(&self, index: usize, contact: usize) -> ContactMode {
         let mut before = self.switches[..index].iter().rev();
         let last = before.find(|switch| switch.contact == contact);
         last.map_or(self.initially[contact], |switch| switch.mode)
@@ -158,11 +161,11 @@ impl Sequence {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ocp::motion::mode::Direction;
+    use crate::simulation::Direction;
 
-    const FORWARD: Mode = Mode::Slip(Direction::Forward);
+    const FORWARD: ContactMode = ContactMode::Slip(Direction::Forward);
 
-    fn switch(contact: usize, closes: bool, mode: Mode, time: f64) -> Switch {
+    fn switch(contact: usize, closes: bool, mode: ContactMode, time: f64) -> Switch {
         let place = if time.fract() == 0.0 {
             Place::Start
         } else {
@@ -180,7 +183,7 @@ mod tests {
         }
     }
 
-    fn sequence(initially: &[Mode], switches: &[Switch]) -> Sequence {
+    fn sequence(initially: &[ContactMode], switches: &[Switch]) -> Sequence {
         Sequence {
             initially: initially.to_vec(),
             switches: switches.to_vec(),
@@ -189,27 +192,27 @@ mod tests {
 
     #[test]
     fn switches_in_any_order_are_sorted_by_place_and_time() {
-        let late = switch(0, false, Mode::Open, 2.0);
-        let early = switch(0, true, Mode::Frictionless, 0.7);
-        let sorted = sequence(&[Mode::Open], &[late, early]).ordered(3);
-        assert_eq!(sorted, Some(sequence(&[Mode::Open], &[early, late])));
+        let late = switch(0, false, ContactMode::Open, 2.0);
+        let early = switch(0, true, ContactMode::Frictionless, 0.7);
+        let sorted = sequence(&[ContactMode::Open], &[late, early]).ordered(3);
+        assert_eq!(sorted, Some(sequence(&[ContactMode::Open], &[early, late])));
     }
 
     #[test]
     fn sequence_that_no_contact_can_follow_is_refused() {
-        let closing = switch(0, true, Mode::Frictionless, 0.5);
-        let opening = switch(0, false, Mode::Open, 1.5);
+        let closing = switch(0, true, ContactMode::Frictionless, 0.5);
+        let opening = switch(0, false, ContactMode::Open, 1.5);
         for switches in [
-            vec![closing, switch(0, true, Mode::Frictionless, 0.9)],
+            vec![closing, switch(0, true, ContactMode::Frictionless, 0.9)],
             vec![opening],
-            vec![closing, switch(0, false, Mode::Open, 4.5)],
+            vec![closing, switch(0, false, ContactMode::Open, 4.5)],
             vec![Switch {
                 place: Place::Start,
                 interval: 0,
                 ..closing
             }],
         ] {
-            let refused = sequence(&[Mode::Open], &switches).ordered(3);
+            let refused = sequence(&[ContactMode::Open], &switches).ordered(3);
             assert_eq!(refused, None, "{switches:?}");
         }
         // An impact may end the motion, an opening may not.
@@ -219,24 +222,24 @@ mod tests {
             place: Place::Start,
             ..closing
         };
-        let ends = sequence(&[Mode::Open], &[ending]).ordered(3);
+        let ends = sequence(&[ContactMode::Open], &[ending]).ordered(3);
         assert!(ends.is_some_and(|sequence| sequence.ends_with_impact(3)));
         let opens = Switch {
             closes: false,
-            mode: Mode::Open,
+            mode: ContactMode::Open,
             ..ending
         };
-        assert_eq!(sequence(&[Mode::Stick], &[opens]).ordered(3), None);
+        assert_eq!(sequence(&[ContactMode::Stick], &[opens]).ordered(3), None);
     }
 
     #[test]
     fn companion_without_its_leader_stands_for_itself() {
-        let impact = switch(0, true, Mode::Frictionless, 1.25);
+        let impact = switch(0, true, ContactMode::Frictionless, 1.25);
         let companion = Switch {
             accompanies: true,
             ..switch(1, false, FORWARD, 1.25)
         };
-        let modes = [Mode::Open, Mode::Stick];
+        let modes = [ContactMode::Open, ContactMode::Stick];
         let both = sequence(&modes, &[impact, companion]).ordered(3).unwrap();
         assert_eq!(Sequence::companions(&both.switches, 0), [companion]);
         let alone = sequence(&modes, &[companion]).ordered(3).unwrap();
@@ -245,7 +248,12 @@ mod tests {
 
     #[test]
     fn signature_ignores_times_but_not_intervals() {
-        let at = |time| sequence(&[Mode::Open], &[switch(0, true, Mode::Frictionless, time)]);
+        let at = |time| {
+            sequence(
+                &[ContactMode::Open],
+                &[switch(0, true, ContactMode::Frictionless, time)],
+            )
+        };
         assert_eq!(at(0.2).signature(), at(0.9).signature());
         assert_ne!(at(0.2).signature(), at(1.2).signature());
         assert_ne!(at(0.9).signature(), at(1.0).signature());
@@ -254,23 +262,23 @@ mod tests {
     #[test]
     fn mode_before_a_switch_is_that_of_the_last_switch_of_the_contact() {
         let switches = [
-            switch(0, true, Mode::Stick, 0.5),
-            switch(1, true, Mode::Frictionless, 1.5),
+            switch(0, true, ContactMode::Stick, 0.5),
+            switch(1, true, ContactMode::Frictionless, 1.5),
             switch(0, false, FORWARD, 2.5),
         ];
-        let sequence = sequence(&[Mode::Open; 2], &switches);
-        assert_eq!(sequence.mode_before(0, 0), Mode::Open);
-        assert_eq!(sequence.mode_before(2, 0), Mode::Stick);
-        assert_eq!(sequence.mode_before(1, 1), Mode::Open);
+        let sequence = sequence(&[ContactMode::Open; 2], &switches);
+        assert_eq!(sequence.mode_before(0, 0), ContactMode::Open);
+        assert_eq!(sequence.mode_before(2, 0), ContactMode::Stick);
+        assert_eq!(sequence.mode_before(1, 1), ContactMode::Open);
         let pairs: Vec<(usize, usize)> = sequence.neighbours().collect();
         assert_eq!(pairs, [(0, 2)]);
     }
 
     #[test]
     fn change_to_the_same_mode_is_dropped_but_a_touch_is_kept() {
-        let touch = switch(0, true, Mode::Open, 0.5);
+        let touch = switch(0, true, ContactMode::Open, 0.5);
         let nothing = switch(1, false, FORWARD, 1.5);
-        let consistent = sequence(&[Mode::Open, FORWARD], &[touch, nothing]).consistent();
+        let consistent = sequence(&[ContactMode::Open, FORWARD], &[touch, nothing]).consistent();
         assert_eq!(consistent.switches, [touch]);
     }
 }

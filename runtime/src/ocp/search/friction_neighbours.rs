@@ -3,14 +3,14 @@
 
 use super::neighbours::{ENTRY, INSERTED, STUCK};
 use super::pressure::Pressure;
-use crate::ocp::motion::mode::{Direction, Mode};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::simulation::{ContactMode, Direction};
 
 /// A change of the way of sliding, for a while.
 struct Change {
     contact: usize,
-    to: Mode,
-    back: Mode,
+    to: ContactMode,
+    back: ContactMode,
 }
 
 /// Sequences in which a contact slips where its force is held in the cone, sticks or turns round where its sliding
@@ -33,7 +33,7 @@ pub(in crate::ocp) fn sliding(pressure: &Pressure) -> Vec<Sequence> {
     found
 }
 
-fn slide(contact: usize, mode: Mode, place: Place, time: f64) -> Switch {
+fn slide(contact: usize, mode: ContactMode, place: Place, time: f64) -> Switch {
     Switch {
         contact,
         closes: false,
@@ -76,7 +76,7 @@ fn beginnings(pressure: &Pressure) -> Vec<Sequence> {
     for (place, time) in [(Place::Inside, ENTRY), (Place::Start, 1.0)] {
         let mut sequence = pressure.sequence.clone();
         for (index, &contact) in pulled.iter().enumerate() {
-            let mode = std::mem::replace(&mut sequence.initially[contact], Mode::Stick);
+            let mode = std::mem::replace(&mut sequence.initially[contact], ContactMode::Stick);
             sequence.switches.push(Switch {
                 accompanies: index > 0,
                 ..slide(contact, mode, place, time)
@@ -97,14 +97,18 @@ fn endings(pressure: &Pressure) -> Option<Sequence> {
     let end = pressure.intervals as f64;
     let rests = |contact: &usize| {
         let time = pressure.program.horizon_at(&x);
-        pressure.mode_at(*contact, stage, time, &x) == Mode::Stick && !pressure.near(*contact, end)
+        pressure.mode_at(*contact, stage, time, &x) == ContactMode::Stick
+            && !pressure.near(*contact, end)
     };
-    let slipping = stage.tangential.iter().filter(|t| t.mode != Mode::Stick);
+    let slipping = stage
+        .tangential
+        .iter()
+        .filter(|t| t.mode != ContactMode::Stick);
     let changes: Vec<Change> = slipping
         .filter(|tangential| rests(&tangential.contact))
         .map(|tangential| Change {
             contact: tangential.contact,
-            to: Mode::Stick,
+            to: ContactMode::Stick,
             back: tangential.mode,
         })
         .collect();
@@ -118,7 +122,7 @@ pub(in crate::ocp) fn shifted(pressure: &Pressure) -> Vec<Sequence> {
     let switches = &pressure.sequence.switches;
     let mut found = Vec::new();
     for (index, switch) in switches.iter().enumerate() {
-        let sticks = pressure.sequence.mode_before(index, switch.contact) == Mode::Stick;
+        let sticks = pressure.sequence.mode_before(index, switch.contact) == ContactMode::Stick;
         let jumps = switch.place == Place::Start && !switch.accompanies;
         if !jumps || !(switch.opens() || sticks && switch.slides()) {
             continue;
@@ -147,7 +151,7 @@ fn turned(pressure: &Pressure) -> Vec<Sequence> {
     let switches = &pressure.sequence.switches;
     let mut found = Vec::new();
     for (index, switch) in switches.iter().enumerate() {
-        if switch.accompanies || !switch.slides() || switch.mode != Mode::Stick {
+        if switch.accompanies || !switch.slides() || switch.mode != ContactMode::Stick {
             continue;
         }
         let phases = &pressure.program.phases;
@@ -171,12 +175,13 @@ fn turned(pressure: &Pressure) -> Vec<Sequence> {
             continue;
         };
         let mut sequence = pressure.sequence.clone();
-        let back = pressure.sequence.mode_before(index, switch.contact) != Mode::Slip(direction);
+        let back =
+            pressure.sequence.mode_before(index, switch.contact) != ContactMode::Slip(direction);
         let companions = Sequence::companions(switches, index).len();
         for member in &mut sequence.switches[index..=index + companions] {
             let before = pressure.sequence.mode_before(index, member.contact);
             member.mode = match before {
-                Mode::Slip(direction) if back => Mode::Slip(direction.reversed()),
+                ContactMode::Slip(direction) if back => ContactMode::Slip(direction.reversed()),
                 before => before,
             };
         }
@@ -200,8 +205,8 @@ fn inserted_sliding(pressure: &Pressure) -> Vec<Sequence> {
             .filter(|cone| phase.index.0 == 0 && !pressure.near(cone.0, time(0.0)))
             .map(|&(contact, direction, _)| Change {
                 contact,
-                to: Mode::Slip(direction),
-                back: Mode::Stick,
+                to: ContactMode::Slip(direction),
+                back: ContactMode::Stick,
             })
             .collect();
         found.extend(inserted(pressure, &changes, Place::Start, time(0.0)));
@@ -211,15 +216,15 @@ fn inserted_sliding(pressure: &Pressure) -> Vec<Sequence> {
                 let (direction, _) = rows.find(|(_, row)| pressure.presses(*row))?;
                 Some((tangential.contact, tangential.mode, *direction))
             });
-            let pressed: Vec<(usize, Mode, Direction)> = pressed
+            let pressed: Vec<(usize, ContactMode, Direction)> = pressed
                 .filter(|&(contact, ..)| !pressure.near(contact, time(*c)))
                 .collect();
             for turned in [false, true] {
-                let change = |&(contact, back, direction): &(usize, Mode, Direction)| {
+                let change = |&(contact, back, direction): &(usize, ContactMode, Direction)| {
                     let to = match back {
-                        Mode::Stick => Mode::Slip(direction),
-                        _ if turned => Mode::Slip(direction.reversed()),
-                        _ => Mode::Stick,
+                        ContactMode::Stick => ContactMode::Slip(direction),
+                        _ if turned => ContactMode::Slip(direction.reversed()),
+                        _ => ContactMode::Stick,
                     };
                     Change { contact, to, back }
                 };
@@ -275,11 +280,13 @@ fn impacts(pressure: &Pressure) -> Vec<Sequence> {
             continue;
         };
         let laws = match tangential.mode {
-            Mode::Stick => vec![(Mode::Slip(direction), Mode::Slip(direction))],
+            ContactMode::Stick => {
+                vec![(ContactMode::Slip(direction), ContactMode::Slip(direction))]
+            }
             _ => vec![
-                (Mode::Stick, Mode::Stick),
-                (Mode::Stick, Mode::Slip(direction.reversed())),
-                (Mode::Stick, Mode::Slip(direction)),
+                (ContactMode::Stick, ContactMode::Stick),
+                (ContactMode::Stick, ContactMode::Slip(direction.reversed())),
+                (ContactMode::Stick, ContactMode::Slip(direction)),
             ],
         };
         for (impulse, mode) in laws {

@@ -3,8 +3,8 @@
 use super::pressure::Pressure;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::edit_sequence::without;
-use crate::ocp::motion::mode::Mode;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::simulation::ContactMode;
 
 /// Switches of a contact closer than this many intervals may cancel each other.
 const CLOSE: f64 = 1.1;
@@ -61,7 +61,7 @@ pub(in crate::ocp) fn directed(pressure: &Pressure) -> Vec<Sequence> {
         // What ends at a zero of the motion happens at a jump of the controls by chance only.
         let slips = matches!(
             pressure.sequence.mode_before(index, switch.contact),
-            Mode::Slip(_)
+            ContactMode::Slip(_)
         );
         if switch.closes
             || slips && switch.slides()
@@ -111,7 +111,7 @@ fn touches_and_contacts(pressure: &Pressure) -> Vec<Sequence> {
         let (first, second) = (&switches[i], &switches[j]);
         if first.stays() && second.opens() && second.time - first.time < TOUCH {
             let mut sequence = pressure.sequence.clone();
-            sequence.switches[i].mode = Mode::Open;
+            sequence.switches[i].mode = ContactMode::Open;
             sequence.switches.remove(j);
             found.extend(sequence.ordered(pressure.intervals));
         }
@@ -141,7 +141,7 @@ fn touches_and_contacts(pressure: &Pressure) -> Vec<Sequence> {
             let time = (switch.time + INSERTED).min(pressure.intervals as f64 - STUCK);
             sequence.switches.push(Switch {
                 closes: false,
-                mode: Mode::Open,
+                mode: ContactMode::Open,
                 interval: time.floor() as usize,
                 place: Place::Inside,
                 time,
@@ -166,7 +166,7 @@ pub(in crate::ocp) fn shortened(pressure: &Pressure) -> Option<Sequence> {
 /// none of them.
 pub(in crate::ocp) fn insertions(pressure: &Pressure) -> Vec<Sequence> {
     let threshold = pressure.threshold();
-    let mut places: Vec<(usize, bool, Mode, f64)> = Vec::new();
+    let mut places: Vec<(usize, bool, ContactMode, f64)> = Vec::new();
     let contacts = pressure.sequence.initially.len();
     let tableau = pressure.program.tableau;
     let x = pressure.program.program.physical(&pressure.solution.x);
@@ -214,7 +214,7 @@ pub(in crate::ocp) fn insertions(pressure: &Pressure) -> Vec<Sequence> {
             sequence.switches.push(Switch {
                 contact,
                 closes,
-                mode: if closes { mode } else { Mode::Open },
+                mode: if closes { mode } else { ContactMode::Open },
                 impulse: mode,
                 accompanies: false,
                 interval: time.floor() as usize,

@@ -3,8 +3,9 @@
 use crate::nlp;
 use crate::ocp::collocation::layout::{Phase, Stage};
 use crate::ocp::collocation::program::Collocation;
-use crate::ocp::motion::mode::{Mode, is_frictional, sliding_velocity, zero_velocity};
+use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity, zero_velocity};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::simulation::ContactMode;
 
 /// Distance from a switch of the same contact within which no other one is inserted, in intervals.
 const NEAR: f64 = 0.6;
@@ -54,7 +55,9 @@ impl Pressure<'_, '_> {
             .flat_map(|stage| &stage.tangential)
             .filter(|tangential| tangential.contact == switch.contact)
             .flat_map(|tangential| &tangential.rows);
-        own.any(|&(direction, row)| switch.mode == Mode::Slip(direction) && self.presses(row))
+        own.any(|&(direction, row)| {
+            switch.mode == ContactMode::Slip(direction) && self.presses(row)
+        })
     }
 
     /// The mode in which a contact closes at a stage.
@@ -64,15 +67,15 @@ impl Pressure<'_, '_> {
         stage: &Stage,
         time: f64,
         x: &[f64],
-    ) -> Mode {
+    ) -> ContactMode {
         let model = self.program.model;
         if !is_frictional(model, contact) {
-            return Mode::Frictionless;
+            return ContactMode::Frictionless;
         }
         let state: Vec<f64> = stage.state.iter().map(|&i| x[i]).collect();
         let zero = zero_velocity(&state[state.len() / 2..]);
         let velocity = sliding_velocity(model, contact, &state, time);
-        Mode::closed(true, velocity, zero)
+        closed_mode(true, velocity, zero)
     }
 
     pub(super) fn moved(

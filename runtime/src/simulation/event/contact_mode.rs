@@ -70,7 +70,7 @@ pub(in crate::simulation) fn change(
 ) -> Result<(), Undetermined> {
     let undetermined = |dynamics: &Dynamics<'_>, message: &str| {
         Err(Undetermined {
-            contact: dynamics.active.first().copied().unwrap_or_default(),
+            contact: dynamics.mode.active.first().copied().unwrap_or_default(),
             message: message.into(),
         })
     };
@@ -206,7 +206,7 @@ fn candidates(
         let (acceleration, tangential_terms) = dynamics.free_sliding_acceleration(i);
         tangential.push(acceleration);
         scales.push((terms, tangential_terms));
-        let mu = dynamics.friction[i];
+        let mu = dynamics.laws.friction[i];
         let velocity = dynamics.sliding_velocity(i);
         let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == i);
         laws.push(

@@ -147,7 +147,7 @@ pub(in crate::simulation) fn jammed(dynamics: &Dynamics<'_>, contact: usize, gai
     format!(
         "friction {} of `{}` pushes it into the ground as much as its force lifts it, 1 - mu |n'e| = {gain:.1e} \
          (Painleve); lower the friction or change the geometry",
-        dynamics.friction[contact],
+        dynamics.laws.friction[contact],
         dynamics.model.declaration().contacts[contact].name,
     )
 }

@@ -49,7 +49,7 @@ impl Place<'_, '_> {
 
     /// Steps shrink to `h` where nothing jams and all is finite.
     pub(super) fn step_too_short(self, h: f64, tolerance: f64) -> SimulationStatus {
-        let contact = self.dynamics.active.first().copied();
+        let contact = self.dynamics.mode.active.first().copied();
         let message = format!(
             "steps of {h:.1e} s do not meet the tolerance {tolerance:e}; the motion is not smooth here, \
              or the tolerance too small"
@@ -83,7 +83,7 @@ impl Place<'_, '_> {
     /// The derivative `slope` of the state, or what a contact needs, is not finite.
     pub(super) fn not_finite(self, slope: &[f64]) -> SimulationStatus {
         let n = self.dynamics.n;
-        let contact = self.dynamics.undefined;
+        let contact = self.dynamics.switching.undefined;
         let what = match (0..n).find(|&k| !slope[n + k].is_finite()) {
             Some(k) => format!("the acceleration of `{}`", self.coordinate_name(k)),
             None => match contact {

@@ -91,7 +91,7 @@ pub(super) fn strike(
         .zip(velocities)
         .map(|(&i, &velocity)| {
             if velocity < 0.0 && outcome.ended.iter().all(|end| end.contact != i) {
-                -dynamics.restitution[i] * velocity
+                -dynamics.laws.restitution[i] * velocity
             } else {
                 0.0
             }
@@ -110,7 +110,7 @@ pub(super) fn strike(
             }
             let velocity = dynamics.sliding_velocity(i);
             let slides = velocity.abs() > dynamics.zero_sliding_velocity(i);
-            let law = TangentialLaw::Coulomb(dynamics.friction[i]);
+            let law = TangentialLaw::Coulomb(dynamics.laws.friction[i]);
             (law, if slides { velocity } else { 0.0 })
         })
         .unzip();
@@ -176,14 +176,14 @@ pub(super) fn ended_bounces(
     struck: &[usize],
     lowest: LowestBounce,
 ) -> Vec<EndOfBounces> {
-    if struck.iter().all(|&i| dynamics.restitution[i] == 0.0) {
+    if struck.iter().all(|&i| dynamics.laws.restitution[i] == 0.0) {
         return Vec::new();
     }
     let presses = presses(dynamics, t, y, struck);
     let pressed = struck.iter().zip(presses);
     pressed
         .filter_map(|(&i, press)| {
-            let e = dynamics.restitution[i];
+            let e = dynamics.laws.restitution[i];
             let speed = -dynamics.point(i)[contact_point::NORMAL_VELOCITY];
             let last = lowest_speed(dynamics, i, press, lowest);
             (e > 0.0 && speed <= last).then(|| EndOfBounces {

@@ -35,34 +35,66 @@ const AUDITED: [f64; 3] = [0.25, 0.5, 0.75];
 /// Steps at the same instant after which a contact mode is chosen by what follows later.
 const PATIENCE: usize = 2;
 
-/// State of a run.
+/// A run.
 pub(super) struct Integration<'a> {
     settings: &'a EventDriven,
     problem: &'a InitialValueProblem,
     dynamics: Dynamics<'a>,
     method: Dop853,
+    /// The method that looks ahead where a contact mode is chosen.
     probe: Dop853,
     search: EventSearch,
-    error_scale: ErrorScale,
+    /// Time \[s\], state `(q, v, numerical time)`, and length of the next step \[s\].
     t: f64,
     y: Vec<f64>,
     h: f64,
+    step: StepEnds,
+    forces: Forces,
+    dense: DenseState,
+    counts: Attempts,
+    checks: Checks,
+    result: Simulation,
+}
+
+/// What is known at the two ends of a step.
+struct StepEnds {
+    /// By which its error is measured.
+    error_scale: ErrorScale,
+    /// Values of the switching functions.
     start_values: Vec<f64>,
     end_values: Vec<f64>,
-    forces: Vec<f64>,
-    friction_forces: Vec<f64>,
     /// Residuals at the end of the last step, which count unless it turns out to contain an event.
     at_end: Residuals,
-    output: Vec<f64>,
-    slope: Vec<f64>,
-    next_output: usize,
-    steps: usize,
-    repeats: usize,
     /// Sign of the determinant of the equations of the mode.
     orientation: f64,
+}
+
+/// Forces of all contacts.
+struct Forces {
+    normal: Vec<f64>,
+    tangential: Vec<f64>,
+}
+
+/// A state inside a step.
+struct DenseState {
+    state: Vec<f64>,
+    slope: Vec<f64>,
+    /// Index of the next output time.
+    next: usize,
+}
+
+/// What is limited.
+#[derive(Default)]
+struct Attempts {
+    steps: usize,
+    /// Steps at the same instant.
+    repeats: usize,
+}
+
+/// What is looked at during the run, and said after it.
+struct Checks {
     remarks: Remarks,
     audit: Audit,
-    result: Simulation,
 }
 
 impl<'a> Integration<'a> {
@@ -83,23 +115,30 @@ impl<'a> Integration<'a> {
             method: Dop853::new(dimension, 2 * n),
             probe: Dop853::new(dimension, 2 * n),
             search: EventSearch::new(dimension, functions),
-            error_scale: ErrorScale::new(model.declaration()),
             t: 0.0,
             y,
             h: 0.0,
-            start_values: vec![0.0; functions],
-            end_values: vec![0.0; functions],
-            forces: vec![0.0; contacts],
-            friction_forces: vec![0.0; contacts],
-            at_end: Residuals::default(),
-            output: vec![0.0; dimension],
-            slope: vec![0.0; dimension],
-            next_output: 1,
-            steps: 0,
-            repeats: 0,
-            orientation: 1.0,
-            remarks: Remarks::default(),
-            audit: Audit::new(settings.tolerance),
+            step: StepEnds {
+                error_scale: ErrorScale::new(model.declaration()),
+                start_values: vec![0.0; functions],
+                end_values: vec![0.0; functions],
+                at_end: Residuals::default(),
+                orientation: 1.0,
+            },
+            forces: Forces {
+                normal: vec![0.0; contacts],
+                tangential: vec![0.0; contacts],
+            },
+            dense: DenseState {
+                state: vec![0.0; dimension],
+                slope: vec![0.0; dimension],
+                next: 1,
+            },
+            counts: Attempts::default(),
+            checks: Checks {
+                remarks: Remarks::default(),
+                audit: Audit::new(settings.tolerance),
+            },
             result: dynamics.empty_result(),
             dynamics,
         }
@@ -112,11 +151,11 @@ impl<'a> Integration<'a> {
             self.record_start();
         }
         let residuals = &mut self.result.residuals;
-        residuals.dual = self.audit.largest;
-        if let Some(status) = ended.or_else(|| self.audit.verdict()) {
+        residuals.dual = self.checks.audit.largest;
+        if let Some(status) = ended.or_else(|| self.checks.audit.verdict()) {
             self.result.status = status;
         }
-        self.result.notes = self.remarks.notes(self.dynamics.model.declaration());
+        self.result.notes = self.checks.remarks.notes(self.dynamics.model.declaration());
         self.result.counts.evaluations = self.dynamics.evaluations;
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             self.result.seconds.total = elapsed.as_secs_f64();
@@ -182,11 +221,12 @@ impl<'a> Integration<'a> {
                     self.t = if lands { limit } else { self.t + h };
                     self.y.copy_from_slice(self.method.end());
                     self.method.advance();
-                    self.keep(self.at_end);
+                    self.keep(self.step.at_end);
                     let step = self.result.counts.elements;
-                    self.audit
-                        .look(&self.dynamics, &self.end_values, self.t, step);
-                    std::mem::swap(&mut self.start_values, &mut self.end_values);
+                    self.checks
+                        .audit
+                        .look(&self.dynamics, &self.step.end_values, self.t, step);
+                    std::mem::swap(&mut self.step.start_values, &mut self.step.end_values);
                     self.record();
                     self.observe();
                     if lands && limit < horizon {
@@ -206,18 +246,18 @@ impl<'a> Integration<'a> {
         let n = self.dynamics.n;
         let moment = GLANCE * longest;
         let slope = self.method.slope();
-        for ((later, y), slope) in self.output.iter_mut().zip(&self.y).zip(slope) {
+        for ((later, y), slope) in self.dense.state.iter_mut().zip(&self.y).zip(slope) {
             *later = y + moment * slope;
         }
         self.dynamics
-            .derivative(self.t + moment, &self.output, &mut self.slope);
-        let change: Vec<f64> = self.slope[n..2 * n]
+            .derivative(self.t + moment, &self.dense.state, &mut self.dense.slope);
+        let change: Vec<f64> = self.dense.slope[n..2 * n]
             .iter()
             .zip(&slope[n..2 * n])
             .map(|(later, now)| later - now)
             .collect();
         let mass = self.dynamics.mass(self.t, &self.y);
-        let time = self.error_scale.shortest_time(mass, &change, moment);
+        let time = self.step.error_scale.shortest_time(mass, &change, moment);
         (self.settings.tolerance.powf(1.0 / 8.0) * time).min(longest)
     }
 
@@ -227,22 +267,25 @@ impl<'a> Integration<'a> {
         self.dynamics.observe(self.t, &self.y, self.h);
         let mass = self.dynamics.mass(self.t, &self.y);
         let slope = self.method.slope();
-        self.error_scale
+        self.step
+            .error_scale
             .observe(mass, &self.y[n..2 * n], &slope[n..2 * n]);
     }
 
     /// Tries a step of length `h`; `false` if it was rejected and `self.h` reduced.
     fn try_step(&mut self, h: f64) -> Result<bool, SimulationStatus> {
-        if self.steps >= self.settings.max_steps {
-            return Err(self.place().step_limit(self.steps, h));
+        if self.counts.steps >= self.settings.max_steps {
+            return Err(self.place().step_limit(self.counts.steps, h));
         }
-        self.steps += 1;
-        self.dynamics.sample_from(&self.start_values);
+        self.counts.steps += 1;
+        self.dynamics.sample_from(&self.step.start_values);
         self.method.step(&mut self.dynamics, self.t, &self.y, h);
         let n = self.dynamics.n;
         let mass = self.dynamics.mass(self.t, &self.y);
-        self.error_scale.try_end(mass, &self.method.end()[n..2 * n]);
-        let (tolerance, scale) = (self.settings.tolerance, &self.error_scale);
+        self.step
+            .error_scale
+            .try_end(mass, &self.method.end()[n..2 * n]);
+        let (tolerance, scale) = (self.settings.tolerance, &self.step.error_scale);
         let mut error = self
             .method
             .error(h, |component, _| tolerance * scale.of(component, h));
@@ -253,11 +296,17 @@ impl<'a> Integration<'a> {
                 error = f64::NAN;
             }
             // Beyond a pole of the contact forces lies another motion.
-            if self.dynamics.orientation != self.orientation {
+            if self.dynamics.orientation != self.step.orientation {
                 error = f64::NAN;
             }
-            let mut numbers = self.method.end_slope().iter().chain(&self.dynamics.values);
-            if self.dynamics.undefined.is_some() || numbers.any(|number| !number.is_finite()) {
+            let mut numbers = self
+                .method
+                .end_slope()
+                .iter()
+                .chain(&self.dynamics.switching.values);
+            if self.dynamics.switching.undefined.is_some()
+                || numbers.any(|number| !number.is_finite())
+            {
                 error = f64::NAN;
             }
         }
@@ -268,8 +317,10 @@ impl<'a> Integration<'a> {
             }
             return Ok(false);
         }
-        self.end_values.copy_from_slice(&self.dynamics.values);
-        self.at_end = self.measure();
+        self.step
+            .end_values
+            .copy_from_slice(&self.dynamics.switching.values);
+        self.step.at_end = self.measure();
         // A step that was cut short says nothing against longer ones.
         let next = self.method.next_size(h, error);
         self.h = if h < self.h { next.max(self.h) } else { next };
@@ -290,8 +341,8 @@ impl<'a> Integration<'a> {
             t: self.t,
             h,
             y: &self.y,
-            start_values: &self.start_values,
-            end_values: &self.end_values,
+            start_values: &self.step.start_values,
+            end_values: &self.step.end_values,
         };
         self.search
             .earliest(&mut self.dynamics, &mut self.method, step)
@@ -313,11 +364,11 @@ impl<'a> Integration<'a> {
         until: f64,
     ) -> Result<(), SimulationStatus> {
         if until > SAME_INSTANT * self.problem.horizon.max(self.t) {
-            self.repeats = 0;
+            self.counts.repeats = 0;
             return Ok(());
         }
-        self.repeats += 1;
-        if self.repeats <= REPEATS * (1 + self.dynamics.contacts) {
+        self.counts.repeats += 1;
+        if self.counts.repeats <= REPEATS * (1 + self.dynamics.contacts) {
             return Ok(());
         }
         if let Some(status) = self.jamming() {
@@ -326,7 +377,7 @@ impl<'a> Integration<'a> {
         let place = self.place();
         Err(match switch {
             None => place.unbounded(self.method.slope()),
-            Some(switch) => place.unsettled(switch, self.repeats),
+            Some(switch) => place.unsettled(switch, self.counts.repeats),
         })
     }
 
@@ -342,7 +393,7 @@ impl<'a> Integration<'a> {
         let previously = self.dynamics.mode().to_vec();
         let outlook = Outlook {
             moment: self.h,
-            skipped: self.repeats / PATIENCE,
+            skipped: self.counts.repeats / PATIENCE,
         };
         self.dynamics.observe_rounding(self.t, &self.y, self.h);
         let impact = self.impact(vanished)?;
@@ -388,7 +439,7 @@ impl<'a> Integration<'a> {
             velocity_jump::impact(&mut self.dynamics, self.t, &mut self.y, closing, lowest)
                 .map_err(|problem| self.place().undetermined(problem))?;
         self.y[2 * self.dynamics.n] += impact.impulse / self.settings.auxiliary_acceleration;
-        self.remarks.add(self.t, &impact);
+        self.checks.remarks.add(self.t, &impact);
         Ok(impact)
     }
 
@@ -443,12 +494,14 @@ impl<'a> Integration<'a> {
     /// Evaluates derivative, values and forces at the present state.
     fn begin(&mut self) -> Result<(), SimulationStatus> {
         self.method.begin(&mut self.dynamics, self.t, &self.y);
-        self.start_values.copy_from_slice(&self.dynamics.values);
+        self.step
+            .start_values
+            .copy_from_slice(&self.dynamics.switching.values);
         let measured = self.measure();
         self.audit_now();
         self.keep(measured);
         if self.method.slope().iter().all(|slope| slope.is_finite()) {
-            self.orientation = self.dynamics.orientation;
+            self.step.orientation = self.dynamics.orientation;
             Ok(())
         } else {
             Err(self.place().not_finite(self.method.slope()))
@@ -458,10 +511,10 @@ impl<'a> Integration<'a> {
     /// Forces at the last evaluation, and the residuals there.
     fn measure(&mut self) -> Residuals {
         let dynamics = &self.dynamics;
-        dynamics.forces(&mut self.forces);
-        dynamics.friction_forces(&mut self.friction_forces);
+        dynamics.forces(&mut self.forces.normal);
+        dynamics.friction_forces(&mut self.forces.tangential);
         let mut residuals = Residuals::default();
-        for &i in &dynamics.active {
+        for &i in &dynamics.mode.active {
             let point = dynamics.point(i);
             let gap = point[contact_point::GAP].abs();
             residuals.primal = residuals
@@ -480,8 +533,8 @@ impl<'a> Integration<'a> {
     /// Looks at the signs of the functions last evaluated.
     fn audit_now(&mut self) {
         let step = self.result.counts.elements;
-        let values = &self.dynamics.values;
-        self.audit.look(&self.dynamics, values, self.t, step);
+        let values = &self.dynamics.switching.values;
+        self.checks.audit.look(&self.dynamics, values, self.t, step);
     }
 
     fn keep(&mut self, measured: Residuals) {
@@ -495,8 +548,8 @@ impl<'a> Integration<'a> {
         let n = self.dynamics.n;
         self.y[..n].copy_from_slice(&self.problem.q);
         self.y[n..2 * n].copy_from_slice(&self.problem.v);
-        self.forces.fill(0.0);
-        self.friction_forces.fill(0.0);
+        self.forces.normal.fill(0.0);
+        self.forces.tangential.fill(0.0);
         self.record();
     }
 
@@ -510,10 +563,12 @@ impl<'a> Integration<'a> {
             &self.y[..n],
             &self.y[n..2 * n],
             &self.dynamics.u,
-            &self.forces,
+            &self.forces.normal,
         );
-        if self.dynamics.declares_friction {
-            trajectory.friction_force.push(self.friction_forces.clone());
+        if self.dynamics.laws.declares_friction {
+            trajectory
+                .friction_force
+                .push(self.forces.tangential.clone());
         }
     }
 
@@ -522,13 +577,14 @@ impl<'a> Integration<'a> {
     fn audit_inside(&mut self, h: f64, until: f64) {
         for share in AUDITED {
             let time = self.t + share * until;
-            self.method.interpolate(share * until / h, &mut self.output);
-            if motion::project(&mut self.dynamics, time, &mut self.output) {
+            self.method
+                .interpolate(share * until / h, &mut self.dense.state);
+            if motion::project(&mut self.dynamics, time, &mut self.dense.state) {
                 self.dynamics
-                    .derivative(time, &self.output, &mut self.slope);
+                    .derivative(time, &self.dense.state, &mut self.dense.slope);
                 let step = self.result.counts.elements;
-                let values = &self.dynamics.values;
-                self.audit.look(&self.dynamics, values, time, step);
+                let values = &self.dynamics.switching.values;
+                self.checks.audit.look(&self.dynamics, values, time, step);
             }
         }
     }
@@ -539,38 +595,38 @@ impl<'a> Integration<'a> {
 
     /// Whether an output time lies inside the next `h`.
     fn output_due(&self, h: f64) -> bool {
-        self.next_output < self.settings.output_times
-            && self.output_time(self.next_output) < self.t + h
+        self.dense.next < self.settings.output_times
+            && self.output_time(self.dense.next) < self.t + h
     }
 
     /// Writes the output times inside the first `until` of the step of length `h` just made.
     fn write_outputs(&mut self, h: f64, until: f64) {
         let n = self.dynamics.n;
         while self.output_due(until) {
-            let time = self.output_time(self.next_output);
-            self.next_output += 1;
+            let time = self.output_time(self.dense.next);
+            self.dense.next += 1;
             if time <= self.t {
                 continue;
             }
             self.method
-                .interpolate((time - self.t) / h, &mut self.output);
-            if !motion::project(&mut self.dynamics, time, &mut self.output) {
+                .interpolate((time - self.t) / h, &mut self.dense.state);
+            if !motion::project(&mut self.dynamics, time, &mut self.dense.state) {
                 continue;
             }
             self.dynamics
-                .derivative(time, &self.output, &mut self.slope);
-            let mut forces = vec![0.0; self.forces.len()];
+                .derivative(time, &self.dense.state, &mut self.dense.slope);
+            let mut forces = vec![0.0; self.forces.normal.len()];
             self.dynamics.forces(&mut forces);
             let trajectory = &mut self.result.trajectory;
             trajectory.push(
                 time,
-                self.output[2 * n],
-                &self.output[..n],
-                &self.output[n..2 * n],
+                self.dense.state[2 * n],
+                &self.dense.state[..n],
+                &self.dense.state[n..2 * n],
                 &self.dynamics.u,
                 &forces,
             );
-            if self.dynamics.declares_friction {
+            if self.dynamics.laws.declares_friction {
                 self.dynamics.friction_forces(&mut forces);
                 trajectory.friction_force.push(forces);
             }
@@ -588,7 +644,8 @@ impl<'a> Integration<'a> {
 
     /// The status where the force of a sliding contact grows beyond all bounds.
     fn jamming(&mut self) -> Option<SimulationStatus> {
-        self.dynamics.derivative(self.t, &self.y, &mut self.slope);
+        self.dynamics
+            .derivative(self.t, &self.y, &mut self.dense.slope);
         self.place().jamming()
     }
 

@@ -280,7 +280,7 @@ impl EventSearch {
             root: theta,
         } = crossing;
         let zero = self.least_zero(dynamics, step, function);
-        let range = dynamics.highest[function] - dynamics.lowest[function];
+        let range = dynamics.switching.highest[function] - dynamics.switching.lowest[function];
         let resolution = step.resolution();
         let rounding = ROUNDING * switching::zero_value(dynamics, function);
         let sinks = left.value <= rounding || (theta - left.at) * step.h <= resolution;
@@ -453,6 +453,9 @@ impl EventSearch {
 }
 
 fn may_cross(dynamics: &Dynamics<'_>, function: usize) -> bool {
-    let (lowest, highest) = (dynamics.lowest[function], dynamics.highest[function]);
+    let (lowest, highest) = (
+        dynamics.switching.lowest[function],
+        dynamics.switching.highest[function],
+    );
     lowest <= highest - lowest || lowest <= 0.0
 }

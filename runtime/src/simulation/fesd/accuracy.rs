@@ -4,8 +4,8 @@
 //! of an error nor a switch that was missed. The difference to a looser run contains both. Where impacts follow each
 //! other too fast to be told apart, all runs join them alike, and the event-driven method has to confirm the result.
 
+use super::bounces::{LEFT_OUT, LOW_FLIGHTS};
 use super::driver::Driver;
-use super::mode_change::{LEFT_OUT, LOW_FLIGHTS};
 use super::settings::Fesd;
 use super::stepping;
 use crate::model::Model;

@@ -1,5 +1,6 @@
 //! Why a run stopped, in words.
 
+use super::bounces;
 use super::driver::Driver;
 use super::stop::Stop;
 use crate::fesd::active_contact::find;
@@ -22,7 +23,7 @@ pub(super) fn diagnosis(
     message: String,
 ) -> Diagnosis {
     Diagnosis {
-        time: driver.state.time,
+        time: driver.now.state.time,
         step,
         contact,
         message,
@@ -32,9 +33,9 @@ pub(super) fn diagnosis(
 /// Whether the friction of a sliding contact presses nearly as much as its force lifts, so that the forces
 /// grow without bound.
 pub(super) fn nearly_jams(driver: &Driver<'_>) -> bool {
-    driver.active.iter().any(|held| {
+    driver.now.active.iter().any(|held| {
         let sense = held.tangential.sense();
-        sense != 0.0 && driver.contacts.lift_in_slip(held.contact, sense) < NEARLY_JAMMED
+        sense != 0.0 && driver.now.contacts.lift_in_slip(held.contact, sense) < NEARLY_JAMMED
     })
 }
 
@@ -43,17 +44,17 @@ pub(super) fn too_short(driver: &Driver<'_>, step: usize, end: f64) -> Simulatio
     if nearly_jams(driver) {
         return stopped(driver, step, &Stop::Mode(ModeError::Jammed));
     }
-    if driver.not_finite {
+    if driver.record.not_finite {
         return stopped(driver, step, &Stop::Mode(ModeError::NotFinite));
     }
     SimulationStatus::StepLimit(diagnosis(
         driver,
         step,
-        driver.active.first().map(|held| held.contact),
+        driver.now.active.first().map(|held| held.contact),
         format!(
             "too many elements, the last of {:.1e} s: forces grow without bound here, or the tolerance \
              is below what the model's functions resolve; raise the tolerance",
-            end - driver.state.time
+            end - driver.now.state.time
         ),
     ))
 }
@@ -67,22 +68,22 @@ pub(super) fn too_many(driver: &Driver<'_>, step: usize) -> SimulationStatus {
         format!(
             "{} elements do not reach the horizon; shorten it, raise the tolerance, or raise \
              `most_elements`",
-            driver.settings.most_elements
+            driver.setup.settings.most_elements
         ),
     ))
 }
 
 /// The status of a run whose contact mode switches without end.
 pub(super) fn unsettled(driver: &Driver<'_>, step: usize) -> SimulationStatus {
-    let last = driver.events.last();
+    let last = driver.record.events.last();
     let contact = last.map(|event| event.contact);
     let why = match last {
         Some(event)
-            if event.kind == EventKind::Impact && driver.restitution[event.contact] > 0.0 =>
+            if event.kind == EventKind::Impact && driver.setup.restitution[event.contact] > 0.0 =>
         {
-            let name = driver.model.declaration().contacts[event.contact].name;
-            if driver.restitution[event.contact] < 1.0 {
-                let rest = driver.rest_velocity(event.contact);
+            let name = driver.setup.name(event.contact);
+            if driver.setup.restitution[event.contact] < 1.0 {
+                let rest = bounces::rest_velocity(driver, event.contact);
                 format!(
                     "`{name}` bounces too often before it rests: raise the rest velocity, {rest:.1e} now, or lower the \
                      restitution"
@@ -102,16 +103,16 @@ pub(super) fn unsettled(driver: &Driver<'_>, step: usize) -> SimulationStatus {
         contact,
         format!(
             "more than {MAX_SWITCHES} switches within {} s; {why}",
-            0.01 * driver.horizon
+            0.01 * driver.setup.horizon
         ),
     ))
 }
 
 /// Contacts that touch at the present state.
 fn touching(driver: &Driver<'_>) -> impl Iterator<Item = usize> {
-    driver.all_contacts.iter().copied().filter(|&i| {
-        find(&driver.active, i).is_some()
-            || driver.contacts.gap(i) <= driver.contacts.size(i, driver.state.time).touching_gap()
+    driver.setup.contacts().filter(|&i| {
+        find(&driver.now.active, i).is_some()
+            || driver.now.contacts.gap(i) <= driver.now.size(i).touching_gap()
     })
 }
 
@@ -119,9 +120,9 @@ fn touching(driver: &Driver<'_>) -> impl Iterator<Item = usize> {
 /// contact force lifts, or else the directions.
 fn jamming(driver: &Driver<'_>) -> (Option<usize>, String) {
     let pressed = touching(driver)
-        .filter(|&i| driver.contacts.friction(i) > 0.0)
+        .filter(|&i| driver.now.contacts.friction(i) > 0.0)
         .flat_map(|i| [(i, 1.0), (i, -1.0)])
-        .map(|(i, sense)| (i, sense, driver.contacts.lift_in_slip(i, sense)))
+        .map(|(i, sense)| (i, sense, driver.now.contacts.lift_in_slip(i, sense)))
         .min_by(|a, b| a.2.total_cmp(&b.2));
     let first = touching(driver).next();
     match pressed {
@@ -131,7 +132,7 @@ fn jamming(driver: &Driver<'_>) -> (Option<usize>, String) {
                 "no impulse or force satisfies the contact law (jamming): when `{}` slides {} its \
                  friction presses as much as the contact force lifts, or more (1 -+ mu n'e = {lift:.1e}, \
                  Painleve's paradox); lower the friction or keep away from this position",
-                driver.model.declaration().contacts[i].name,
+                driver.setup.name(i),
                 if sense > 0.0 { "forward" } else { "backward" },
             ),
         ),
@@ -153,30 +154,34 @@ fn jamming(driver: &Driver<'_>) -> (Option<usize>, String) {
 /// Whether several contacts with friction and restitution touch and close.
 fn several_bounce(driver: &Driver<'_>) -> bool {
     let bounces = |&i: &usize| {
-        driver.contacts.friction(i) > 0.0
-            && driver.restitution[i] > 0.0
-            && driver.contacts.normal_velocity(i) < 0.0
+        driver.now.contacts.friction(i) > 0.0
+            && driver.setup.restitution[i] > 0.0
+            && driver.now.contacts.normal_velocity(i) < 0.0
     };
     touching(driver).filter(bounces).count() > 1
 }
 
 pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> SimulationStatus {
     let names = |contacts: &mut dyn Iterator<Item = usize>| {
-        let declared = driver.model.declaration().contacts;
+        let declared = driver.setup.model.declaration().contacts;
         let names: Vec<&str> = contacts.map(|i| declared[i].name).collect();
         names.join(", ")
     };
-    let held = names(&mut driver.active.iter().map(|held| held.contact));
+    let held = names(&mut driver.now.active.iter().map(|held| held.contact));
     let touched = names(&mut touching(driver));
     let mode = match (held.as_str(), touched.as_str()) {
         ("", "") => "in free motion".to_string(),
         ("", touched) => format!("touching {touched}"),
         (held, _) => format!("in contact with {held}"),
     };
-    let contact = driver.active.first().map(|held| held.contact);
+    let contact = driver.now.active.first().map(|held| held.contact);
     let contact = contact.or_else(|| touching(driver).next());
-    let describe =
-        |what: &str| format!("step {step} at t = {} s {mode}: {what}", driver.state.time);
+    let describe = |what: &str| {
+        format!(
+            "step {step} at t = {} s {mode}: {what}",
+            driver.now.state.time
+        )
+    };
     match stop {
         Stop::Element(ElementError::NotFinite) | Stop::Mode(ModeError::NotFinite) => {
             SimulationStatus::NotFinite(diagnosis(

@@ -74,58 +74,12 @@ pub(super) fn first_friction(
         }
     }
     for &held in active {
-        let i = held.contact;
-        if contacts.friction(i) == 0.0 {
-            continue;
-        }
-        let row = &detector.frictions[i * (samples + 1)..(i + 1) * (samples + 1)];
-        let (before, value) = (row[k], row[k + 1]);
-        if held.sticks() {
-            if value < -FORCE_TOLERANCE * contacts.tangential_scale(i) {
-                let kind = SwitchKind::Slipping;
-                keep_first(
-                    first,
-                    detector.between(kind, i, element, k, before.max(0.0), value),
-                );
-            }
-            continue;
-        }
-        if held.tangential.sense() == 0.0 {
-            continue;
-        }
-        let rounding = detector.sizes[i].sliding_rounding();
-        let moved = row[..=k].iter().any(|speed| *speed > rounding);
-        let found = if value < -rounding && moved {
-            let kind = SwitchKind::Stopping;
-            Some(detector.between(kind, i, element, k, before.max(0.0), value))
-        } else if value < -rounding {
-            let back = stop_after_start(detector, element, contacts, i, k);
-            if back.is_none() && k + 1 == samples {
-                if starts_in_sense(contacts, start, held) {
-                    // The element is too long to show the slip that the forces demand.
-                    return Err(Stop::Unresolved);
-                }
-                // The element starts where the slip ends.
-                Some(Switch {
-                    kind: SwitchKind::Stopping,
-                    contact: i,
-                    theta: 0.0,
-                    violated: detector.thetas[k],
-                    slope: (value - before) / element.length(),
-                })
-            } else {
-                back
-            }
-        } else if k > 0 && before <= row[k - 1] && before <= value && before < row[k - 1] - before {
-            let lower = detector.left(k - 1);
-            brief_stop(
-                detector,
-                element,
-                contacts,
-                i,
-                (lower, detector.thetas[k]),
-                rounding,
-            )
+        let found = if contacts.friction(held.contact) == 0.0 {
+            None
+        } else if held.sticks() {
+            slipping(detector, element, contacts, held.contact, k)
+        } else if held.tangential.sense() != 0.0 {
+            stopping(detector, element, contacts, start, held, k)?
         } else {
             None
         };
@@ -135,6 +89,70 @@ pub(super) fn first_friction(
     }
     detector.interpolate(element, k);
     Ok(())
+}
+
+/// Values of the friction condition of a contact up to sample `k`, from the start of the element on.
+fn samples<'d>(detector: &'d Detector<'_>, contact: usize, k: usize) -> &'d [f64] {
+    let row = contact * (detector.thetas.len() + 1);
+    &detector.frictions[row..=row + k + 1]
+}
+
+/// The end of sticking between samples `k - 1` and `k`.
+fn slipping(
+    detector: &Detector<'_>,
+    element: &FiniteElement<'_>,
+    contacts: &Contacts<'_>,
+    contact: usize,
+    k: usize,
+) -> Option<Switch> {
+    let row = samples(detector, contact, k);
+    let (before, value) = (row[k], row[k + 1]);
+    let slips = value < -FORCE_TOLERANCE * contacts.tangential_scale(contact);
+    let kind = SwitchKind::Slipping;
+    slips.then(|| detector.between(kind, contact, element, k, before.max(0.0), value))
+}
+
+/// The end of a slip between samples `k - 1` and `k`, or before where sample `k` is the first to tell.
+fn stopping(
+    detector: &mut Detector<'_>,
+    element: &FiniteElement<'_>,
+    contacts: &mut Contacts<'_>,
+    start: &ElementStart<'_>,
+    held: ActiveContact,
+    k: usize,
+) -> Result<Option<Switch>, Stop> {
+    let i = held.contact;
+    let rounding = detector.sizes[i].sliding_rounding();
+    let row = samples(detector, i, k);
+    let (before, value) = (row[k], row[k + 1]);
+    if value < -rounding {
+        if row[..=k].iter().any(|speed| *speed > rounding) {
+            let kind = SwitchKind::Stopping;
+            let switch = detector.between(kind, i, element, k, before.max(0.0), value);
+            return Ok(Some(switch));
+        }
+        let back = stop_after_start(detector, element, contacts, i, k);
+        if back.is_some() || k + 1 < detector.thetas.len() {
+            return Ok(back);
+        }
+        if starts_in_sense(contacts, start, held) {
+            // The element is too long to show the slip that the forces demand.
+            return Err(Stop::Unresolved);
+        }
+        // The element starts where the slip ends.
+        return Ok(Some(Switch {
+            kind: SwitchKind::Stopping,
+            contact: i,
+            theta: 0.0,
+            violated: detector.thetas[k],
+            slope: (value - before) / element.length(),
+        }));
+    }
+    if k > 0 && before <= row[k - 1] && before <= value && before < row[k - 1] - before {
+        let places = (detector.left(k - 1), detector.thetas[k]);
+        return Ok(brief_stop(detector, element, contacts, i, places, rounding));
+    }
+    Ok(None)
 }
 
 /// Whether the forces at the start of the element accelerate a contact in the sense of its slip.

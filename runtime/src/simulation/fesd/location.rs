@@ -17,19 +17,23 @@ const MAX_LOCATIONS: usize = 60;
 
 pub(super) fn violation(driver: &mut Driver<'_>) -> Result<Option<Switch>, Stop> {
     let start = ElementStart {
-        x: &driver.x,
-        gaps: &driver.gaps,
-        velocities: &driver.velocities,
-        sliding: &driver.sliding,
-        forces: &driver.forces,
-        acceleration: &driver.acceleration,
-        time: driver.state.time,
-        motion: driver.local_tolerance.is_some().then_some(&driver.motion),
+        x: &driver.now.x,
+        gaps: &driver.now.gaps,
+        velocities: &driver.now.velocities,
+        sliding: &driver.now.sliding,
+        forces: &driver.now.forces,
+        acceleration: &driver.now.acceleration,
+        time: driver.now.state.time,
+        motion: driver
+            .control
+            .tolerance
+            .is_some()
+            .then_some(&driver.control.motion),
     };
     detection::first_violation(
         &mut driver.detector,
         &driver.element,
-        &mut driver.contacts,
+        &mut driver.now.contacts,
         &start,
     )
 }
@@ -41,15 +45,11 @@ pub(super) fn locate(
     mut switch: Switch,
     longest: f64,
     count: usize,
-    recorded: usize,
 ) -> Result<Switch, Stop> {
-    let start_numerical_time = driver.numerical_time;
-    for _ in 0..=2 * driver.all_contacts.len() {
+    for _ in 0..=2 * driver.setup.contacts().len() {
         locate_one(driver, switch, longest, count)?;
-        driver.trajectory.truncate(recorded);
-        driver.numerical_time = start_numerical_time;
         let mut length = driver.element.length();
-        if switch.kind == SwitchKind::Exit && !driver.settings.exit_condition {
+        if switch.kind == SwitchKind::Exit && !driver.setup.settings.exit_condition {
             length = earliest_release(driver, switch.contact, length, longest, count)?;
         }
         // One element of the length of the last evaluation is the located one.
@@ -62,9 +62,7 @@ pub(super) fn locate(
             |theta: f64| (theta + (count - 1) as f64) * length / longest - (count - 1) as f64;
         (other.theta, other.violated) = (place(other.theta), place(other.violated));
         switch = other;
-        driver.trajectory.truncate(recorded);
-        driver.numerical_time = start_numerical_time;
-        driver.state.copy_from(&driver.segment_start);
+        driver.return_to_start();
     }
     Err(Stop::Location)
 }
@@ -89,11 +87,16 @@ fn accept_located(
     (length, count): (f64, usize),
     mut solved: bool,
 ) -> Result<Option<Switch>, Stop> {
-    driver.state.copy_from(&driver.segment_start);
+    driver.return_to_start();
     driver.evaluate_state()?;
     for done in 1..=count {
         if !solved {
-            newton::solve(&mut driver.element, &driver.state, length, &driver.piece)?;
+            newton::solve(
+                &mut driver.element,
+                &driver.now.state,
+                length,
+                &driver.now.piece,
+            )?;
         }
         solved = false;
         let passed = passed_through(driver);
@@ -101,11 +104,7 @@ fn accept_located(
         // On ground that has the shape of the flight rounding errors close the gap anywhere.
         if let Some((mut other, gap)) = passed
             && (done < count || other.violated < 1.0)
-            && gap
-                < -driver
-                    .contacts
-                    .size(other.contact, driver.state.time)
-                    .touching_gap()
+            && gap < -driver.now.size(other.contact).touching_gap()
         {
             other.theta -= (count - done) as f64;
             other.violated -= (count - done) as f64;
@@ -119,22 +118,25 @@ fn accept_located(
 /// next to the start, it may be far from it for an element that is much too long.
 pub(super) fn holds_at_start(driver: &Driver<'_>, switch: Switch) -> bool {
     let i = switch.contact;
-    let size = driver.contacts.size(i, driver.state.time);
-    let slot = driver.active.iter().position(|held| held.contact == i);
-    let force = slot.map_or(0.0, |slot| driver.forces[slot]);
+    let size = driver.now.size(i);
+    let slot = driver.now.active.iter().position(|held| held.contact == i);
+    let force = slot.map_or(0.0, |slot| driver.now.forces[slot]);
     match switch.kind {
-        SwitchKind::Entry => driver.gaps[i] <= size.touching_gap(),
+        SwitchKind::Entry => driver.now.gaps[i] <= size.touching_gap(),
         SwitchKind::Reentry => true,
-        SwitchKind::Exit => force <= CROSSED * driver.contacts.phi_scale(i),
+        SwitchKind::Exit => force <= CROSSED * driver.now.contacts.phi_scale(i),
         SwitchKind::Slipping => {
-            let frictions = driver.contacts.frictions(&driver.active, &driver.forces);
+            let frictions = driver
+                .now
+                .contacts
+                .frictions(&driver.now.active, &driver.now.forces);
             let s = frictions
-                .zip(&driver.active)
+                .zip(&driver.now.active)
                 .find(|(_, held)| held.contact == i);
-            let margin = driver.contacts.friction(i) * force - s.map_or(0.0, |(s, _)| s.abs());
-            margin <= CROSSED * driver.contacts.tangential_scale(i)
+            let margin = driver.now.contacts.friction(i) * force - s.map_or(0.0, |(s, _)| s.abs());
+            margin <= CROSSED * driver.now.contacts.tangential_scale(i)
         }
-        SwitchKind::Stopping => driver.sliding[i].abs() <= size.crossed_rest(),
+        SwitchKind::Stopping => driver.now.sliding[i].abs() <= size.crossed_rest(),
     }
 }
 
@@ -156,34 +158,47 @@ pub(super) fn earlier_violation(driver: &Driver<'_>, located: Switch) -> Option<
             slope,
         })
     };
-    let size = |i: usize| driver.contacts.size(i, driver.state.time);
+    let size = |i: usize| driver.now.size(i);
     let closed = driver
-        .all_contacts
-        .iter()
-        .filter(|&&i| find(&driver.active, i).is_none())
-        .find(|&&i| driver.gaps[i] < -size(i).touching_gap())
-        .and_then(|&i| {
+        .setup
+        .contacts()
+        .filter(|&i| find(&driver.now.active, i).is_none())
+        .find(|&i| driver.now.gaps[i] < -size(i).touching_gap())
+        .and_then(|i| {
             other(
                 SwitchKind::Entry,
                 i,
-                driver.contacts.normal_velocity(i).min(-f64::MIN_POSITIVE),
+                driver
+                    .now
+                    .contacts
+                    .normal_velocity(i)
+                    .min(-f64::MIN_POSITIVE),
             )
         });
     if closed.is_some() {
         return closed;
     }
-    let frictions = driver.contacts.frictions(&driver.active, &driver.forces);
-    for ((held, &r), s) in driver.active.iter().zip(&driver.forces).zip(frictions) {
+    let frictions = driver
+        .now
+        .contacts
+        .frictions(&driver.now.active, &driver.now.forces);
+    for ((held, &r), s) in driver
+        .now
+        .active
+        .iter()
+        .zip(&driver.now.forces)
+        .zip(frictions)
+    {
         let i = held.contact;
-        let found = if r < -CROSSED * driver.contacts.phi_scale(i) {
+        let found = if r < -CROSSED * driver.now.contacts.phi_scale(i) {
             other(SwitchKind::Exit, i, located.slope)
         } else if held.sticks() {
-            let margin = driver.contacts.friction(i) * r - s.abs();
-            (margin < -CROSSED * driver.contacts.tangential_scale(i))
+            let margin = driver.now.contacts.friction(i) * r - s.abs();
+            (margin < -CROSSED * driver.now.contacts.tangential_scale(i))
                 .then(|| other(SwitchKind::Slipping, i, located.slope))
                 .flatten()
         } else {
-            let speed = held.tangential.sense() * driver.sliding[i];
+            let speed = held.tangential.sense() * driver.now.sliding[i];
             (speed < -size(i).crossed_rest())
                 .then(|| other(SwitchKind::Stopping, i, located.slope))
                 .flatten()
@@ -202,7 +217,7 @@ pub(super) fn locate_one(
     longest: f64,
     count: usize,
 ) -> Result<(), Stop> {
-    let tolerance = 2.0 * f64::EPSILON * driver.segment_start.time.max(longest * count as f64);
+    let tolerance = 2.0 * f64::EPSILON * driver.start.state.time.max(longest * count as f64);
     let length_at = |theta: f64| ((count - 1) as f64 + theta) * longest / count as f64;
     // A little room beyond the violated place, which the dense output of another element named.
     let (mut before, mut after) = (0.0, length_at(switch.violated) + 0.01 * longest);
@@ -226,7 +241,7 @@ pub(super) fn locate_one(
         let step = value / slope;
         if value == 0.0 || step.abs() <= tolerance || after - before <= tolerance {
             let force = matches!(switch.kind, SwitchKind::Exit | SwitchKind::Slipping);
-            let pole = force && value.abs() > POLE * driver.contacts.phi_scale(switch.contact);
+            let pole = force && value.abs() > POLE * driver.now.contacts.phi_scale(switch.contact);
             return if pole { Err(Stop::Location) } else { Ok(()) };
         }
         length -= step;
@@ -243,10 +258,15 @@ pub(super) fn solve_elements(
     length: f64,
     count: usize,
 ) -> Result<(), Stop> {
-    driver.state.copy_from(&driver.segment_start);
+    driver.now.state.copy_from(&driver.start.state);
     for _ in 0..count {
-        newton::solve(&mut driver.element, &driver.state, length, &driver.piece)?;
-        driver.state.copy_from(&driver.element.end);
+        newton::solve(
+            &mut driver.element,
+            &driver.now.state,
+            length,
+            &driver.now.piece,
+        )?;
+        driver.now.state.copy_from(&driver.element.end);
     }
     Ok(())
 }
@@ -259,43 +279,51 @@ pub(super) fn switch_condition(
     count: usize,
 ) -> Result<f64, Stop> {
     solve_elements(driver, length, count)?;
-    driver.write_input();
+    driver.now.write_input();
     match switch.kind {
-        SwitchKind::Entry => Ok(driver.model.gap(switch.contact, &driver.x)),
+        SwitchKind::Entry => Ok(driver.setup.model.gap(switch.contact, &driver.now.x)),
         SwitchKind::Reentry => {
             driver
+                .now
                 .contacts
-                .evaluate_contacts(&driver.x, [switch.contact]);
-            let gap = driver.contacts.gap(switch.contact);
-            Ok(gap.max(driver.contacts.normal_velocity(switch.contact)))
+                .evaluate_contacts(&driver.now.x, [switch.contact]);
+            let gap = driver.now.contacts.gap(switch.contact);
+            Ok(gap.max(driver.now.contacts.normal_velocity(switch.contact)))
         }
         SwitchKind::Exit | SwitchKind::Slipping => {
-            let held = driver.active.iter().map(|held| held.contact);
-            driver.contacts.evaluate(&driver.x, held);
-            driver.forces.resize(force_count(&driver.active), 0.0);
+            let held = driver.now.active.iter().map(|held| held.contact);
+            driver.now.contacts.evaluate(&driver.now.x, held);
             driver
+                .now
+                .forces
+                .resize(force_count(&driver.now.active), 0.0);
+            driver
+                .now
                 .contacts
-                .contact_forces(&driver.active, &mut driver.forces)?;
+                .contact_forces(&driver.now.active, &mut driver.now.forces)?;
             let of = |held: &ActiveContact| held.contact == switch.contact;
-            let Some(slot) = driver.active.iter().position(of) else {
+            let Some(slot) = driver.now.active.iter().position(of) else {
                 return Ok(f64::NAN);
             };
-            let r = driver.forces[slot];
+            let r = driver.now.forces[slot];
             if switch.kind == SwitchKind::Exit {
                 return Ok(r);
             }
             let s = driver
+                .now
                 .contacts
-                .frictions(&driver.active, &driver.forces)
+                .frictions(&driver.now.active, &driver.now.forces)
                 .nth(slot);
-            Ok(driver.contacts.friction(switch.contact) * r - s.map_or(f64::NAN, f64::abs))
+            Ok(driver.now.contacts.friction(switch.contact) * r - s.map_or(f64::NAN, f64::abs))
         }
         SwitchKind::Stopping => {
             driver
+                .now
                 .contacts
-                .evaluate_contacts(&driver.x, [switch.contact]);
-            let sense = find(&driver.active, switch.contact).map_or(f64::NAN, Tangential::sense);
-            Ok(sense * driver.contacts.sliding_velocity(switch.contact))
+                .evaluate_contacts(&driver.now.x, [switch.contact]);
+            let sense =
+                find(&driver.now.active, switch.contact).map_or(f64::NAN, Tangential::sense);
+            Ok(sense * driver.now.contacts.sliding_velocity(switch.contact))
         }
     }
 }
@@ -330,14 +358,21 @@ pub(super) fn first_gap_after_release(
     h: f64,
 ) -> Result<f64, Stop> {
     let released: Vec<ActiveContact> = driver
+        .now
         .active
         .iter()
         .copied()
         .filter(|held| held.contact != contact)
         .collect();
     driver.next_element.set_mode(&released);
-    newton::solve(&mut driver.next_element, &driver.state, h, &driver.piece)?;
+    newton::solve(
+        &mut driver.next_element,
+        &driver.now.state,
+        h,
+        &driver.now.piece,
+    )?;
     Ok(driver
+        .setup
         .model
         .gap(contact, driver.next_element.stage_input(0)))
 }

@@ -10,8 +10,9 @@
 //! - the friction of a sticking contact reaches its bound: `mu_i r_i - |s_i| = 0`, an exit condition as well;
 //! - a contact that slides comes to rest: `v_t,i = 0`.
 //!
-//! `driver` is the state of a run and `stepping` its loop; `detection` looks for switches (`gap_switch`, `friction_switch`),
-//! `location` finds where they are, `mode_change` carries them out, `program` solves a step as a whole.
+//! `driver` is the state of a run (`present`: where it is) and `stepping` its loop, with lengths by `error_control`;
+//! `detection` looks for switches (`gap_switch`, `friction_switch`), `location` finds where they are, `mode_change` carries them
+//! out (`impacts`, `bounces`), `program` solves a step as a whole.
 //!
 //! Without a named number of steps the run promises an accuracy and checks it (`accuracy`).
 //!
@@ -23,15 +24,19 @@
 //! this with elements in numerical time.
 
 mod accuracy;
+mod bounces;
 mod detection;
 mod detector;
 mod diagnosis;
 mod driver;
+mod error_control;
 mod estimate;
 mod friction_switch;
 mod gap_switch;
+mod impacts;
 mod location;
 mod mode_change;
+mod present;
 mod program;
 mod settings;
 mod size;

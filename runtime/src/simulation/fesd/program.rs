@@ -5,9 +5,9 @@
 //! switch is known to the length of an element.
 
 use super::driver::Driver;
-use super::mode_change::sliding_event;
 use super::settings::StepFormulation;
 use super::stop::Stop;
+use super::{bounces, impacts, mode_change};
 use crate::dcs::HeavisideSystem;
 use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::finite_element::State;
@@ -68,20 +68,20 @@ fn tangential(share: Option<f64>) -> Tangential {
 
 /// Advances to `end` by one complementarity problem.
 pub(super) fn solve_program(driver: &mut Driver<'_>, end: f64) -> Result<(), Stop> {
-    if driver.settings.formulation == StepFormulation::TimeFreezing {
+    if driver.setup.settings.formulation == StepFormulation::TimeFreezing {
         // Its switches are known to the length of an element only, and this formulation promises more.
         return Err(Stop::Program(
             "Newton's method did not solve the step; take more steps",
         ));
     }
     // Contacts that rest do not bounce; nor do impacts below the rest velocity, which a second run finds.
-    let resting: Vec<usize> = driver.active.iter().map(|held| held.contact).collect();
-    let elastic = |i: &usize| driver.restitution[*i] > 0.0 && !resting.contains(i);
-    if driver.all_contacts.iter().any(elastic) {
+    let resting: Vec<usize> = driver.now.active.iter().map(|held| held.contact).collect();
+    let elastic = |i: usize| driver.setup.restitution[i] > 0.0 && !resting.contains(&i);
+    if driver.setup.contacts().any(elastic) {
         if try_program(driver, end, &resting, BOUNCE_ELEMENTS)? {
             return Ok(());
         }
-        let everything = driver.all_contacts.clone();
+        let everything: Vec<usize> = driver.setup.contacts().collect();
         if try_program(driver, end, &everything, ELEMENTS)? {
             return Ok(());
         }
@@ -106,10 +106,10 @@ fn bounces_left_out(
     x: &[f64],
     resting: &[usize],
 ) -> Vec<(usize, f64)> {
-    let start = driver.state.clone();
+    let start = driver.now.state.clone();
     let mut ended = Vec::new();
-    for i in driver.all_contacts.clone() {
-        if driver.restitution[i] == 0.0 {
+    for i in driver.setup.contacts() {
+        if driver.setup.restitution[i] == 0.0 {
             continue;
         }
         let phase = |e: usize| Phase::of(program.mean_alpha(x, e, i));
@@ -121,7 +121,7 @@ fn bounces_left_out(
                 continue;
             }
             let closed = if e == 0 {
-                find(&driver.active, i).is_some()
+                find(&driver.now.active, i).is_some()
             } else {
                 phase(e - 1) != Phase::Free
             };
@@ -129,15 +129,15 @@ fn bounces_left_out(
                 continue;
             }
             if e > 0 {
-                driver.state = program.state(x, e - 1);
+                driver.now.state = program.state(x, e - 1);
             }
-            driver.write_input();
-            driver.contacts.evaluate_contacts(&driver.x, [i]);
-            ended.push((i, -driver.contacts.normal_velocity(i)));
-            driver.state.copy_from(&start);
+            driver.now.write_input();
+            driver.now.contacts.evaluate_contacts(&driver.now.x, [i]);
+            ended.push((i, -driver.now.contacts.normal_velocity(i)));
+            driver.now.state.copy_from(&start);
         }
     }
-    driver.write_input();
+    driver.now.write_input();
     ended
 }
 
@@ -150,15 +150,20 @@ fn try_program(
     fewest: usize,
 ) -> Result<bool, Stop> {
     // A jump that begins to stick has one switch more.
-    let fewest = fewest + usize::from(driver.rough);
-    let fewest = driver.settings.elements.max(fewest);
+    let fewest = fewest + usize::from(driver.setup.frictional);
+    let fewest = driver.setup.settings.elements.max(fewest);
     for elements in fewest..fewest + ATTEMPTS {
-        let system =
-            TimeFreezingSystem::new(driver.model, AUXILIARY_ACCELERATION).without_bounces(resting);
+        let system = TimeFreezingSystem::new(driver.setup.model, AUXILIARY_ACCELERATION)
+            .without_bounces(resting);
         let mut program = transcribe(
-            HeavisideSystem::new(system).driven(driver.state.time, driver.piece.slopes()),
-            driver.tableau,
-            Task::step(&driver.state, &driver.u, end - driver.state.time, elements),
+            HeavisideSystem::new(system).driven(driver.now.state.time, driver.now.piece.slopes()),
+            driver.setup.tableau,
+            Task::step(
+                &driver.now.state,
+                &driver.now.u,
+                end - driver.now.state.time,
+                elements,
+            ),
         );
         let mut settings = mpcc::Settings::default();
         settings.interior_point.initial_barrier_parameter = BARRIER_PARAMETER;
@@ -167,29 +172,30 @@ fn try_program(
         settings.maximum_neighbours = 0;
         let solution = mpcc::solve(&mut program, &settings)
             .map_err(|_| Stop::Program("the step problem was refused"))?;
-        driver.counts.interior_point += solution.iterations - solution.crossover_iterations;
-        driver.counts.crossover += solution.crossover_iterations;
-        driver.counts.fallbacks += 1;
+        driver.record.counts.interior_point += solution.iterations - solution.crossover_iterations;
+        driver.record.counts.crossover += solution.crossover_iterations;
+        driver.record.counts.fallbacks += 1;
         // The step is a root of its equations: feasibility decides, optimality only chooses lengths.
         let residuals = solution.residuals;
         if residuals.primal.max(residuals.complementarity) > ACCEPTED {
             continue;
         }
         let ended = bounces_left_out(driver, &program, &solution.x, resting);
-        let slow = |&(i, speed): &(usize, f64)| speed <= driver.rest_velocity(i);
+        let slow = |&(i, speed): &(usize, f64)| speed <= bounces::rest_velocity(driver, i);
         if ended.iter().all(slow) {
-            let (start, events) = (driver.state.time, driver.events.len());
+            let (start, events) = (driver.now.state.time, driver.record.events.len());
             take(driver, &program, &solution)?;
             // The program is solved to its residuals, and a switch lies anywhere in its element.
             let residuals = solution.residuals;
-            driver.error_estimate += residuals.primal.max(residuals.complementarity);
-            if driver.events.len() > events && driver.motion.distance > 0.0 {
+            driver.control.estimate += residuals.primal.max(residuals.complementarity);
+            if driver.record.events.len() > events && driver.control.motion.distance > 0.0 {
                 let length = (end - start) / elements as f64;
-                driver.error_estimate += length * driver.motion.speed / driver.motion.distance;
+                driver.control.estimate +=
+                    length * driver.control.motion.speed / driver.control.motion.distance;
             }
             // The clock of the program ends there up to its residual.
-            driver.state.time = end;
-            driver.end_cascades(&ended);
+            driver.now.state.time = end;
+            bounces::end_cascades(driver, &ended);
             return Ok(true);
         }
     }
@@ -203,8 +209,9 @@ fn take(
     solution: &mpcc::Solution,
 ) -> Result<(), Stop> {
     let residuals = solution.residuals;
-    driver.residuals.primal = driver.residuals.primal.max(residuals.primal);
-    driver.residuals.complementarity = driver
+    driver.record.residuals.primal = driver.record.residuals.primal.max(residuals.primal);
+    driver.record.residuals.complementarity = driver
+        .record
         .residuals
         .complementarity
         .max(residuals.complementarity);
@@ -216,118 +223,144 @@ fn take(
     Ok(())
 }
 
+/// How far the elements of a solved program have been followed.
+struct Followed {
+    /// State at the last boundary.
+    before: State,
+    /// What each contact did in the last element.
+    phases: Vec<Phase>,
+    /// Where the jumps of the present instant began.
+    jump_start: Option<State>,
+    /// First event whose modes are not known yet: those of an instant are known where its jumps have ended.
+    open_from: usize,
+}
+
 /// Records elements and events of a solved program and settles at its end.
 fn follow(driver: &mut Driver<'_>, program: &Transcription<'_>, x: &[f64]) -> Result<(), Stop> {
-    let mut before = driver.state.clone();
-    let mut phases: Vec<Phase> = driver
-        .all_contacts
-        .iter()
-        .map(|i| {
-            if find(&driver.active, *i).is_some() {
-                Phase::Contact
-            } else {
-                Phase::Free
-            }
+    let phase = |i| match find(&driver.now.active, i) {
+        Some(_) => Phase::Contact,
+        None => Phase::Free,
+    };
+    let mut followed = Followed {
+        before: driver.now.state.clone(),
+        phases: driver.setup.contacts().map(phase).collect(),
+        jump_start: None,
+        open_from: driver.record.events.len(),
+    };
+    for e in 0..program.elements() {
+        take_element(driver, (program, x, e), &mut followed)?;
+    }
+    for i in driver.setup.contacts() {
+        if followed.phases[i] == Phase::Jump {
+            finish_jump(driver, i, &mut followed);
+        }
+    }
+    let close: Vec<usize> = driver
+        .setup
+        .contacts()
+        .filter(|&i| followed.phases[i] != Phase::Free)
+        .collect();
+    impacts::project(driver, &close)?;
+    mode_change::settle(driver, &close)?;
+    set_modes(driver, followed.open_from);
+    Ok(())
+}
+
+/// Records element `e` of a solved program, and the events at its start.
+fn take_element(
+    driver: &mut Driver<'_>,
+    (program, x, e): (&Transcription<'_>, &[f64], usize),
+    followed: &mut Followed,
+) -> Result<(), Stop> {
+    let sliding = driver.now.active.clone();
+    let after = program.state(x, e);
+    driver.now.state.copy_from(&after);
+    driver.control.motion.include(&after.q, &after.v);
+    // Jumps and the slowing down by contact are inversely proportional to the acceleration.
+    let physical = after.time - followed.before.time;
+    driver.now.numerical_time += physical
+        + (program.numerical_length(x, e) - physical) * AUXILIARY_ACCELERATION
+            / driver.setup.settings.auxiliary_acceleration;
+    for i in driver.setup.contacts() {
+        change_phase(driver, i, Phase::of(program.mean_alpha(x, e, i)), followed);
+    }
+    let held = |i: &usize| followed.phases[*i] == Phase::Contact;
+    driver.now.active = driver
+        .setup
+        .contacts()
+        .filter(held)
+        .map(|contact| ActiveContact {
+            contact,
+            tangential: tangential(program.slip_share(x, e, contact)),
         })
         .collect();
-    let mut jump_start: Option<State> = None;
-    // Events whose modes are not known yet: those of an instant are known where its jumps have ended.
-    let mut open_from = driver.events.len();
-    for e in 0..program.elements() {
-        let sliding = driver.active.clone();
-        let after = program.state(x, e);
-        driver.state.copy_from(&after);
-        driver.motion.include(&after.q, &after.v);
-        // Jumps and the slowing down by contact are inversely proportional to the acceleration.
-        let physical = after.time - before.time;
-        driver.numerical_time += physical
-            + (program.numerical_length(x, e) - physical) * AUXILIARY_ACCELERATION
-                / driver.settings.auxiliary_acceleration;
-        for i in driver.all_contacts.clone() {
-            let phase = Phase::of(program.mean_alpha(x, e, i));
-            match (phases[i], phase) {
-                (Phase::Free | Phase::Contact, Phase::Jump) => {
-                    jump_start.get_or_insert_with(|| before.clone());
-                }
-                (Phase::Contact, Phase::Free) => {
-                    push_event_at(driver, &before, EventKind::LiftOff, i, before.v.clone());
-                }
-                (Phase::Free, Phase::Contact) => {
-                    push_event_at(driver, &before, EventKind::Contact, i, before.v.clone());
-                }
-                _ => {}
-            }
-            if phases[i] == Phase::Jump && phase != Phase::Jump {
-                finish_jump(driver, i, &mut jump_start, &before);
-            }
-            phases[i] = phase;
-        }
-        driver.active = (0..phases.len())
-            .filter(|&i| phases[i] == Phase::Contact)
-            .map(|contact| ActiveContact {
-                contact,
-                tangential: tangential(program.slip_share(x, e, contact)),
-            })
-            .collect();
-        driver.write_input();
-        driver
-            .contacts
-            .evaluate_contacts(&driver.x, 0..driver.all_contacts.len());
-        sharing::drop_dependent_sticks(&driver.contacts, &mut driver.active)?;
-        for held in driver.active.clone() {
-            let earlier = find(&sliding, held.contact);
-            let kind = earlier.and_then(|earlier| sliding_event(earlier, held.tangential));
-            if let Some(kind) = kind {
-                push_event_at(driver, &before, kind, held.contact, before.v.clone());
-            }
-        }
-        if !phases.contains(&Phase::Jump) {
-            set_modes(driver, open_from);
-            open_from = driver.events.len();
-        }
-        driver.evaluate_state()?;
-        driver.record();
-        before.copy_from(&after);
-    }
-    for (i, &phase) in phases.iter().enumerate() {
-        if phase == Phase::Jump {
-            finish_jump(driver, i, &mut jump_start, &before);
+    let contacts = driver.setup.contacts();
+    driver.now.evaluate_contacts(contacts);
+    sharing::drop_dependent_sticks(&driver.now.contacts, &mut driver.now.active)?;
+    for held in driver.now.active.clone() {
+        let earlier = find(&sliding, held.contact);
+        let kind = earlier.and_then(|earlier| mode_change::sliding_event(earlier, held.tangential));
+        if let Some(kind) = kind {
+            let v_before = followed.before.v.clone();
+            record_event_at(driver, &followed.before, kind, held.contact, v_before);
         }
     }
-    let close: Vec<usize> = (0..phases.len())
-        .filter(|&i| phases[i] != Phase::Free)
-        .collect();
-    driver.project(&close)?;
-    driver.settle(&close)?;
-    set_modes(driver, open_from);
+    if !followed.phases.contains(&Phase::Jump) {
+        set_modes(driver, followed.open_from);
+        followed.open_from = driver.record.events.len();
+    }
+    driver.evaluate_state()?;
+    driver.record_state();
+    followed.before.copy_from(&after);
     Ok(())
+}
+
+/// Takes a contact to the `phase` of the next element, and records what this means.
+fn change_phase(driver: &mut Driver<'_>, contact: usize, phase: Phase, followed: &mut Followed) {
+    let before = &followed.before;
+    let kind = match (followed.phases[contact], phase) {
+        (Phase::Free | Phase::Contact, Phase::Jump) => {
+            followed.jump_start.get_or_insert_with(|| before.clone());
+            None
+        }
+        (Phase::Contact, Phase::Free) => Some(EventKind::LiftOff),
+        (Phase::Free, Phase::Contact) => Some(EventKind::Contact),
+        _ => None,
+    };
+    if let Some(kind) = kind {
+        record_event_at(driver, before, kind, contact, before.v.clone());
+    }
+    if followed.phases[contact] == Phase::Jump && phase != Phase::Jump {
+        finish_jump(driver, contact, followed);
+    }
+    followed.phases[contact] = phase;
 }
 
 /// Makes the present modes those of all events from `first` on.
 fn set_modes(driver: &mut Driver<'_>, first: usize) {
-    let modes = driver.modes();
-    for event in &mut driver.events[first..] {
+    let modes = driver.now.modes();
+    for event in &mut driver.record.events[first..] {
         event.modes.clone_from(&modes);
     }
 }
 
-/// The event of a jump that ended at `after`.
-fn finish_jump(driver: &mut Driver<'_>, contact: usize, start: &mut Option<State>, after: &State) {
-    let Some(begin) = start.take() else {
-        return;
-    };
-    push_event_at(driver, after, EventKind::Impact, contact, begin.v);
+/// The event of a jump that has ended.
+fn finish_jump(driver: &mut Driver<'_>, contact: usize, followed: &mut Followed) {
+    if let Some(begin) = followed.jump_start.take() {
+        let kind = EventKind::Impact;
+        record_event_at(driver, &followed.before, kind, contact, begin.v);
+    }
 }
 
 /// Records an event at `state`, the boundary of two elements.
-fn push_event_at(
+fn record_event_at(
     driver: &mut Driver<'_>,
     state: &State,
     kind: EventKind,
     contact: usize,
     v_before: Vec<f64>,
 ) {
-    let present = std::mem::replace(&mut driver.state, state.clone());
-    driver.push_event(kind, contact, v_before);
-    driver.state = present;
+    let present = std::mem::replace(&mut driver.now.state, state.clone());
+    driver.record_event(kind, contact, v_before);
+    driver.now.state = present;
 }

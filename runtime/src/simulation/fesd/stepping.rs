@@ -2,30 +2,18 @@
 
 use super::diagnosis::{self, MAX_SWITCHES};
 use super::driver::Driver;
+use super::error_control::ErrorControl;
 use super::settings::{Fesd, StepFormulation};
 use super::stop::Stop;
-use super::{location, program};
+use super::{bounces, impacts, location, mode_change, program};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
 use crate::simulation::watch::Watch;
 use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
 use cpu_time::ThreadTime;
 
-/// Halvings of the elements of a step before it counts as failed.
-const MAX_HALVINGS: usize = 8;
-/// The same under error control, where each halves the length that lasts.
-const MAX_CONTROLLED_HALVINGS: usize = 24;
 /// Attempts at a segment within a hundredth of the horizon: of them some are rejected, some lead to a switch.
 const MAX_ATTEMPTS: usize = 20_000;
-/// Largest share of the horizon that an element may take under error control: a flight has no error, but
-/// passes over ground.
-const LONGEST: f64 = 0.1;
-/// Largest share of the horizon that the first element may take, for a tolerance of one.
-const FIRST: f64 = 0.25;
-/// Share of the horizon below which slow starts do not shorten the first element.
-const LEAST_FIRST: f64 = 1e-9;
-/// Largest and smallest change of the element length by the error control.
-const LENGTH_CHANGE: (f64, f64) = (0.2, 4.0);
 
 /// How a segment ended.
 enum Segment {
@@ -44,274 +32,237 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
         Ok(()) => SimulationStatus::Solved,
         Err(status) => status,
     };
-    if !driver.keeps_trajectory {
-        driver.keeps_trajectory = true;
-        driver.record();
+    if driver.record.forgetful {
+        driver.record.forgetful = false;
+        driver.record_state();
     }
-    let controlled = driver.local_tolerance.is_some();
-    driver.note_cascades();
-    driver.note_energy_gains();
+    let controlled = driver.control.tolerance.is_some();
+    bounces::note_cascades(&mut driver);
+    impacts::note_energy_gains(&mut driver);
     let newton = driver.element.counts;
     let other = driver.next_element.counts;
-    driver.counts.newton = newton.iterations + other.iterations;
-    driver.counts.factorizations = newton.factorizations + other.factorizations;
-    driver.counts.evaluations =
-        newton.evaluations + other.evaluations + driver.contacts.evaluations;
+    driver.record.counts.newton = newton.iterations + other.iterations;
+    driver.record.counts.factorizations = newton.factorizations + other.factorizations;
+    driver.record.counts.evaluations =
+        newton.evaluations + other.evaluations + driver.now.contacts.evaluations;
     Simulation {
-        declaration: driver.model.declaration(),
+        declaration: driver.setup.model.declaration(),
         status,
-        error_estimate: (!controlled).then_some(driver.error_estimate),
-        initial_modes: driver.initial_modes,
-        events: driver.events,
-        trajectory: driver.trajectory,
-        residuals: driver.residuals,
-        size: driver.size,
-        counts: driver.counts,
+        error_estimate: (!controlled).then_some(driver.control.estimate),
+        initial_modes: driver.record.initial_modes,
+        events: driver.record.events,
+        trajectory: driver.record.trajectory,
+        residuals: driver.record.residuals,
+        size: driver.record.size,
+        counts: driver.record.counts,
         seconds: Seconds {
             total: clock.elapsed().as_secs_f64(),
             ..Seconds::default()
         },
-        notes: driver.notes,
+        notes: driver.record.notes,
     }
 }
 
 /// Steps over the horizon.
 fn step_count(driver: &Driver<'_>) -> usize {
-    match driver.local_tolerance {
-        None => driver.settings.steps.unwrap_or(Fesd::DEFAULT_STEPS),
-        Some(_) => driver.settings.steps.unwrap_or(1),
+    match driver.control.tolerance {
+        None => driver.setup.settings.steps.unwrap_or(Fesd::DEFAULT_STEPS),
+        Some(_) => driver.setup.settings.steps.unwrap_or(1),
     }
 }
 
 fn steps(driver: &mut Driver<'_>, watch: &mut Watch<'_>) -> Result<(), SimulationStatus> {
-    driver.take_piece(0.0);
-    driver.active.clear();
-    if let Err(error) = driver.settle(&[]) {
-        driver.record();
+    driver.now.take_piece(driver.setup.controls, 0.0);
+    driver.now.active.clear();
+    if let Err(error) = mode_change::settle(driver, &[]) {
+        driver.record_state();
         return Err(diagnosis::stopped(driver, 0, &Stop::Mode(error)));
     }
-    driver.initial_modes = driver.modes();
-    driver.record();
-    propose_first_length(driver);
+    driver.record.initial_modes = driver.now.modes();
+    driver.record_state();
+    let now = &driver.now;
+    driver
+        .control
+        .propose_first(&now.state.v, &now.acceleration);
     let steps = step_count(driver);
     for step in 0..steps {
         let end = if step + 1 == steps {
-            driver.horizon
+            driver.setup.horizon
         } else {
-            driver.horizon * (step + 1) as f64 / steps as f64
+            driver.setup.horizon * (step + 1) as f64 / steps as f64
         };
         advance(driver, step, end, watch)?;
         watch.reach(
-            driver.state.time,
-            driver.counts.elements,
-            &mut driver.trajectory,
+            driver.now.state.time,
+            driver.record.counts.elements,
+            &mut driver.record.trajectory,
         )?;
     }
     Ok(())
 }
 
-/// First element length: a share of the horizon and of the time in which the velocity changes, which falls
-/// with the tolerance, so that two runs do not share their first elements.
-fn propose_first_length(driver: &mut Driver<'_>) {
-    let Some(tolerance) = driver.local_tolerance else {
-        return;
-    };
-    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let share = tolerance.powf(1.0 / (driver.tableau.stages() as f64 + 1.0));
-    let mut length = FIRST * driver.horizon;
-    let (speed, acceleration) = (largest(&driver.state.v), largest(&driver.acceleration));
-    if speed > 0.0 && acceleration > 0.0 {
-        // What an impact leaves of a velocity may be rounding error, which says nothing of the motion that follows.
-        length = length.min((speed / acceleration).max(LEAST_FIRST * driver.horizon));
+/// A step of the grid, and how it goes.
+struct Step {
+    /// Its number, from 0.
+    number: usize,
+    begin: f64,
+    end: f64,
+    /// What is left of it where it has been made, up to rounding error \[s\].
+    shortest: f64,
+    /// How often its elements have been halved.
+    halvings: usize,
+    /// Switches and attempts at segments since `counted_from` \[s\].
+    switches: usize,
+    attempts: usize,
+    counted_from: f64,
+    size: ProblemSize,
+}
+
+impl Step {
+    fn new(number: usize, begin: f64, end: f64, horizon: f64) -> Self {
+        Self {
+            number,
+            begin,
+            end,
+            shortest: 1e-14 * horizon,
+            halvings: 0,
+            switches: 0,
+            attempts: 0,
+            counted_from: begin,
+            size: ProblemSize::default(),
+        }
     }
-    driver.proposed_length = share * length;
+
+    /// Halves the elements after a segment of this `length` that led to nothing.
+    fn halve(&mut self, control: &mut ErrorControl, length: f64) {
+        self.halvings = (self.halvings + 1).min(control.most_halvings());
+        control.shorten(length);
+    }
 }
 
 /// Advances to `end`, with as many segments as there are switches and pieces of the controls.
 fn advance(
     driver: &mut Driver<'_>,
-    step: usize,
+    number: usize,
     end: f64,
     watch: &mut Watch<'_>,
 ) -> Result<(), SimulationStatus> {
-    let begin = driver.state.time;
-    let shortest = 1e-14 * driver.horizon;
-    let mut halvings = 0;
-    let (mut switches, mut attempts) = (0, 0);
-    let mut counted_from = begin;
-    let mut size = ProblemSize::default();
-    while end - driver.state.time > shortest {
+    let mut step = Step::new(number, driver.now.state.time, end, driver.setup.horizon);
+    while end - driver.now.state.time > step.shortest {
         watch.reach(
-            driver.state.time,
-            driver.counts.elements,
-            &mut driver.trajectory,
+            driver.now.state.time,
+            driver.record.counts.elements,
+            &mut driver.record.trajectory,
         )?;
-        take_up_controls(driver, step)?;
-        let segment_end = driver
-            .controls
-            .next_break(driver.state.time)
-            .map_or(end, |next| next.min(end));
-        if driver.settings.formulation == StepFormulation::Complementarity {
-            if let Err(stop) = program::solve_program(driver, segment_end) {
-                return Err(diagnosis::stopped(driver, step, &stop));
-            }
-            continue;
-        }
-        let (segment_end, elements) = plan(driver, begin, segment_end, end, halvings);
-        if driver.state.time - counted_from > 0.01 * driver.horizon {
-            (switches, attempts) = (0, 0);
-            counted_from = driver.state.time;
-        }
-        attempts += 1;
-        if driver.counts.elements >= driver.settings.most_elements {
-            return Err(diagnosis::too_many(driver, step));
-        }
-        let vanishes = driver.local_tolerance.is_some() && driver.proposed_length <= shortest;
-        if attempts > MAX_ATTEMPTS || vanishes {
-            return Err(diagnosis::too_short(driver, step, segment_end));
-        }
-        let (time, events) = (driver.state.time, driver.events.len());
-        match segment(driver, segment_end, elements, shortest, &mut size) {
-            Ok(Segment::Rejected) => {}
-            Ok(Segment::Completed) if driver.local_tolerance.is_some() => halvings = 0,
-            Ok(Segment::Completed) => halvings = halvings.saturating_sub(1),
-            Ok(Segment::Switched) => {
-                driver.not_finite = false;
-                switches += 1;
-                // A switch at the start that changes nothing is an error of an element that is much too long.
-                if driver.state.time == time && driver.events.len() == events {
-                    halvings = (halvings + 1).min(most_halvings(driver));
-                    shorten(driver, segment_end);
-                }
-                if switches > MAX_SWITCHES {
-                    return Err(diagnosis::unsettled(driver, step));
-                }
-            }
-            Err(Stop::Mode(ModeError::NotFinite)) | Err(Stop::Element(ElementError::NotFinite))
-                if halvings < most_halvings(driver) =>
-            {
-                halvings += 1;
-                driver.not_finite = true;
-                shorten(driver, segment_end);
-            }
-            Err(stop @ Stop::Mode(_)) => return Err(diagnosis::stopped(driver, step, &stop)),
-            Err(_) if halvings < most_halvings(driver) => {
-                halvings += 1;
-                shorten(driver, segment_end);
-            }
-            Err(_) if diagnosis::nearly_jams(driver) => {
-                return Err(diagnosis::stopped(
-                    driver,
-                    step,
-                    &Stop::Mode(ModeError::Jammed),
-                ));
-            }
-            Err(stop @ Stop::Element(ElementError::NotFinite)) => {
-                return Err(diagnosis::stopped(driver, step, &stop));
-            }
-            Err(_) => {
-                if let Err(stop) = program::solve_program(driver, segment_end) {
-                    return Err(diagnosis::stopped(driver, step, &stop));
-                }
-                halvings = 0;
-            }
+        take_up_controls(driver, number)?;
+        let next = driver.setup.controls.next_break(driver.now.state.time);
+        let piece_end = next.map_or(end, |next| next.min(end));
+        if driver.setup.settings.formulation == StepFormulation::Complementarity {
+            program::solve_program(driver, piece_end)
+                .map_err(|stop| diagnosis::stopped(driver, number, &stop))?;
+        } else {
+            attempt(driver, &mut step, piece_end)?;
         }
     }
-    driver.state.time = end;
-    if let Some(time) = driver.trajectory.time.last_mut() {
+    driver.now.state.time = end;
+    if let Some(time) = driver.record.trajectory.time.last_mut() {
         *time = end;
     }
-    if size.variables > driver.size.variables {
-        driver.size = size;
+    if step.size.variables > driver.record.size.variables {
+        driver.record.size = step.size;
     }
     Ok(())
 }
 
-/// Halves the proposed length after a failed segment that ended at `end`.
-fn shorten(driver: &mut Driver<'_>, end: f64) {
-    if driver.local_tolerance.is_some() {
-        driver.proposed_length = 0.5 * (end - driver.segment_start.time);
+/// Attempts a segment of a step, at most up to `piece_end`, and decides how to go on where it fails.
+fn attempt(
+    driver: &mut Driver<'_>,
+    step: &mut Step,
+    piece_end: f64,
+) -> Result<(), SimulationStatus> {
+    let time = driver.now.state.time;
+    let share = (piece_end - time) / (step.end - step.begin);
+    let share = driver.setup.settings.elements as f64 * share;
+    let (end, elements) = driver.control.plan(time, piece_end, share, step.halvings);
+    if time - step.counted_from > 0.01 * driver.setup.horizon {
+        (step.switches, step.attempts) = (0, 0);
+        step.counted_from = time;
     }
+    step.attempts += 1;
+    if driver.record.counts.elements >= driver.setup.settings.most_elements {
+        return Err(diagnosis::too_many(driver, step.number));
+    }
+    let control = &driver.control;
+    let vanishes = control.tolerance.is_some() && control.proposed_length <= step.shortest;
+    if step.attempts > MAX_ATTEMPTS || vanishes {
+        return Err(diagnosis::too_short(driver, step.number, end));
+    }
+    let events = driver.record.events.len();
+    match segment(driver, step, end, elements) {
+        Ok(Segment::Rejected) => {}
+        Ok(Segment::Completed) if driver.control.tolerance.is_some() => step.halvings = 0,
+        Ok(Segment::Completed) => step.halvings = step.halvings.saturating_sub(1),
+        Ok(Segment::Switched) => {
+            driver.record.not_finite = false;
+            step.switches += 1;
+            // A switch at the start that changes nothing is an error of an element that is much too long.
+            if driver.now.state.time == time && driver.record.events.len() == events {
+                step.halve(&mut driver.control, end - time);
+            }
+            if step.switches > MAX_SWITCHES {
+                return Err(diagnosis::unsettled(driver, step.number));
+            }
+        }
+        Err(stop) => recover(driver, step, end, stop)?,
+    }
+    Ok(())
 }
 
-/// Halvings before a segment counts as failed.
-fn most_halvings(driver: &Driver<'_>) -> usize {
-    match driver.local_tolerance {
-        None => MAX_HALVINGS,
-        Some(_) => MAX_CONTROLLED_HALVINGS,
-    }
-}
-
-/// End and number of elements of the next segment: equal elements up to `segment_end`, or the length
-/// that the error control proposes.
-fn plan(
-    driver: &Driver<'_>,
-    begin: f64,
-    segment_end: f64,
+/// Goes on after a segment up to `end` that failed: with shorter elements, or with the step as a program.
+fn recover(
+    driver: &mut Driver<'_>,
+    step: &mut Step,
     end: f64,
-    halvings: usize,
-) -> (f64, usize) {
-    let remaining = segment_end - driver.state.time;
-    if driver.local_tolerance.is_none() {
-        let share = remaining / (end - begin);
-        let elements = (driver.settings.elements as f64 * share).round() as usize;
-        return (segment_end, elements.max(1) << halvings);
+    stop: Stop,
+) -> Result<(), SimulationStatus> {
+    let mode = matches!(stop, Stop::Mode(_));
+    let not_finite = matches!(
+        stop,
+        Stop::Mode(ModeError::NotFinite) | Stop::Element(ElementError::NotFinite)
+    );
+    if (not_finite || !mode) && step.halvings < driver.control.most_halvings() {
+        let length = end - driver.start.state.time;
+        step.halve(&mut driver.control, length);
+        driver.record.not_finite |= not_finite;
+        return Ok(());
     }
-    let length = driver.proposed_length;
-    if remaining <= 1.01 * length {
-        (segment_end, 1)
-    } else {
-        // Two nearly equal elements rather than one and a sliver.
-        (driver.state.time + length.min(0.5 * remaining), 1)
+    if !mode && diagnosis::nearly_jams(driver) {
+        let jammed = Stop::Mode(ModeError::Jammed);
+        return Err(diagnosis::stopped(driver, step.number, &jammed));
     }
-}
-
-/// Updates the proposed element length from the error estimate of the solved element; true if the
-/// element must be shorter.
-fn control_error(driver: &mut Driver<'_>) -> bool {
-    let Some(tolerance) = driver.local_tolerance else {
-        return false;
-    };
-    let error = driver
-        .element
-        .relative_error(&driver.acceleration, &driver.motion);
-    let ratio = error / tolerance;
-    let order = driver.tableau.stages() as f64 + 1.0;
-    let factor = 0.9 * ratio.max(1e-12).powf(-1.0 / order);
-    if factor < LENGTH_CHANGE.0 {
-        // So far off, Newton's method may have found stages that have nothing to do with the motion.
-        driver.element.forget();
+    if mode || not_finite {
+        return Err(diagnosis::stopped(driver, step.number, &stop));
     }
-    let proposed = driver.element.length() * factor.clamp(LENGTH_CHANGE.0, LENGTH_CHANGE.1);
-    driver.proposed_length = proposed.min(LONGEST * driver.horizon);
-    ratio > 1.0
-}
-
-/// Whether the element leaves the ground between its stages by more than its tolerance; the next one is half as long.
-fn strays(driver: &mut Driver<'_>) -> bool {
-    let strays = driver
-        .local_tolerance
-        .is_some_and(|tolerance| driver.detector.drift > tolerance);
-    if strays {
-        driver.proposed_length = 0.5 * driver.element.length();
-    }
-    strays
+    program::solve_program(driver, end)
+        .map_err(|stop| diagnosis::stopped(driver, step.number, &stop))?;
+    step.halvings = 0;
+    Ok(())
 }
 
 /// Controls that hold from now on; a jump of theirs may change the contact mode.
 fn take_up_controls(driver: &mut Driver<'_>, step: usize) -> Result<(), SimulationStatus> {
-    if driver.u.is_empty() {
+    if driver.now.u.is_empty() {
         return Ok(());
     }
-    let before = driver.u.clone();
+    let before = driver.now.u.clone();
     // A jump within rounding error of the present time has been reached.
-    let now = driver.state.time + 4.0 * f64::EPSILON * driver.horizon;
-    driver.take_piece(now);
-    if driver.controls.jumps() && before != driver.u && driver.state.time > 0.0 {
-        if let Err(error) = driver.settle(&[]) {
+    let now = driver.now.state.time + 4.0 * f64::EPSILON * driver.setup.horizon;
+    driver.now.take_piece(driver.setup.controls, now);
+    if driver.setup.controls.jumps() && before != driver.now.u && driver.now.state.time > 0.0 {
+        if let Err(error) = mode_change::settle(driver, &[]) {
             return Err(diagnosis::stopped(driver, step, &Stop::Mode(error)));
         }
-        driver.record();
+        driver.record_state();
     }
     Ok(())
 }
@@ -320,70 +271,63 @@ fn take_up_controls(driver: &mut Driver<'_>, step: usize) -> Result<(), Simulati
 /// located, with the elements before it of equal length again, and carried out.
 fn segment(
     driver: &mut Driver<'_>,
+    step: &mut Step,
     end: f64,
     elements: usize,
-    shortest: f64,
-    size: &mut ProblemSize,
 ) -> Result<Segment, Stop> {
-    driver.segment_start.copy_from(&driver.state);
-    driver.segment_acceleration.clone_from(&driver.acceleration);
-    let error_estimate = driver.error_estimate;
-    let recorded = driver.trajectory.time.len();
-    let start_numerical_time = driver.numerical_time;
-    let length = (end - driver.state.time) / elements as f64;
+    driver.begin_segment();
+    let length = (end - driver.now.state.time) / elements as f64;
     let mut violation = None;
     for count in 1..=elements {
-        newton::solve(&mut driver.element, &driver.state, length, &driver.piece)?;
-        if control_error(driver) {
+        let now = &driver.now;
+        newton::solve(&mut driver.element, &now.state, length, &now.piece)?;
+        let acceleration = &driver.now.acceleration;
+        if driver.control.rejects(&mut driver.element, acceleration) {
             return Ok(Segment::Rejected);
         }
         if let Some(switch) = location::violation(driver)? {
             violation = Some((switch, count));
             break;
         }
-        if strays(driver) {
+        let length = driver.element.length();
+        if driver.control.strays(driver.detector.drift, length) {
             return Ok(Segment::Rejected);
         }
         driver.accept_element()?;
     }
     let Some((switch, count)) = violation else {
-        add_size(driver, elements, false, size);
+        add_size(driver, elements, false, &mut step.size);
         return Ok(Segment::Completed);
     };
-    driver.trajectory.truncate(recorded);
-    driver.numerical_time = start_numerical_time;
-    driver.error_estimate = error_estimate;
-    driver.state.copy_from(&driver.segment_start);
-    driver.acceleration.clone_from(&driver.segment_acceleration);
+    driver.return_to_start();
     let offset = (count - 1) as f64 + switch.theta;
-    if offset * length <= shortest && location::holds_at_start(driver, switch) {
-        driver.carry_out(switch)?;
+    if offset * length <= step.shortest && location::holds_at_start(driver, switch) {
+        mode_change::carry_out(driver, switch)?;
         return Ok(Segment::Switched);
     }
-    let located = match location::locate(driver, switch, length, count, recorded) {
+    let located = match location::locate(driver, switch, length, count) {
         Ok(located) => located,
         Err(stop) => {
             // Whoever tries again starts where this segment did.
-            driver.trajectory.truncate(recorded);
-            driver.numerical_time = start_numerical_time;
-            driver.state.copy_from(&driver.segment_start);
+            driver.return_to_start();
             driver.evaluate_state()?;
             return Err(stop);
         }
     };
-    add_size(driver, count, true, size);
-    driver.carry_out(located)?;
+    add_size(driver, count, true, &mut step.size);
+    mode_change::carry_out(driver, located)?;
     Ok(Segment::Switched)
 }
 
 /// Size of the step's system: stage unknowns and one length an element.
 fn add_size(driver: &Driver<'_>, elements: usize, switched: bool, size: &mut ProblemSize) {
-    let stages = driver.tableau.stages();
+    let stages = driver.setup.tableau.stages();
     let unknowns = elements * driver.element.variables();
     let block = driver.element.variables() / stages;
-    let cones = (0..driver.all_contacts.len()).filter(|&i| driver.contacts.friction(i) > 0.0);
+    let cones =
+        (0..driver.setup.contacts().len()).filter(|&i| driver.now.contacts.friction(i) > 0.0);
     // One condition on the force or the gap of each contact, one on friction or sliding velocity.
-    let conditions = driver.all_contacts.len() + cones.count();
+    let conditions = driver.setup.contacts().len() + cones.count();
     size.variables += unknowns + elements;
     // Equal lengths but one, which the end of the segment or the switch condition determines.
     size.equalities += unknowns + elements;

@@ -30,48 +30,77 @@ use scales::{ContactScale, Instant};
 /// a linear system for the normal contact accelerations `r_i`, `i` in `I`, and the tangential ones `s_i`, `i`
 /// in `J`.
 ///
-/// The state is `y = (q, v, numerical time)`. The switching functions are numbered: one for each contact, then
-/// two for each contact with friction.
+/// The state is `y = (q, v, numerical time)`.
 pub(in crate::simulation) struct Dynamics<'a> {
     pub(in crate::simulation) model: &'a dyn Model,
     /// Number of coordinates.
     pub(in crate::simulation) n: usize,
     /// Number of contacts.
     pub(in crate::simulation) contacts: usize,
-    /// Active contacts, increasing: those that are not open.
-    pub(in crate::simulation) active: Vec<usize>,
+    pub(in crate::simulation) laws: Laws,
+    pub(in crate::simulation) mode: Mode,
+    pub(in crate::simulation) switching: SwitchingFunctions,
     /// Controls that hold now.
     pub(in crate::simulation) u: Vec<f64>,
     /// The controls over time, until they jump or change their slope.
     piece: ControlPiece,
-    /// Switching functions at the last evaluation.
-    pub(in crate::simulation) values: Vec<f64>,
-    /// Smallest of `values` since [`sample_from`](Self::sample_from).
-    pub(in crate::simulation) lowest: Vec<f64>,
-    /// Largest of `values` since [`sample_from`](Self::sample_from).
-    pub(in crate::simulation) highest: Vec<f64>,
-    /// A contact one of whose functions could not be evaluated since [`sample_from`](Self::sample_from).
-    pub(in crate::simulation) undefined: Option<usize>,
-    /// Whether a contact declares friction, if only with the coefficient 0.
-    pub(in crate::simulation) declares_friction: bool,
-    /// Coefficients of restitution.
-    pub(in crate::simulation) restitution: Vec<f64>,
-    /// Coefficients of friction.
-    pub(in crate::simulation) friction: Vec<f64>,
     /// Evaluations so far.
     pub(in crate::simulation) evaluations: usize,
     /// Sign of the determinant of the equations for the contact accelerations at the last evaluation. While it
     /// stays, none of them has passed through infinity.
     pub(in crate::simulation) orientation: f64,
+    evaluated: Evaluated,
+    equations: Equations,
+    /// What counts as zero at each contact.
+    scales: Vec<ContactScale>,
+    auxiliary_acceleration: f64,
+    explicit_time: bool,
+}
+
+/// Coefficients of the contact laws, one entry a contact.
+pub(in crate::simulation) struct Laws {
+    pub(in crate::simulation) restitution: Vec<f64>,
+    pub(in crate::simulation) friction: Vec<f64>,
+    /// Whether a contact declares friction, if only with the coefficient 0.
+    pub(in crate::simulation) declares_friction: bool,
     /// Contacts with friction, increasing.
     frictional: Vec<usize>,
+}
+
+impl Laws {
+    fn of(model: &dyn Model) -> Self {
+        let contacts = model.declaration().contacts;
+        let declared = |i: usize| contacts[i].friction.map_or(0.0, |_| model.friction(i));
+        let friction: Vec<f64> = (0..contacts.len()).map(declared).collect();
+        Self {
+            restitution: (0..contacts.len()).map(|i| model.restitution(i)).collect(),
+            declares_friction: contacts.iter().any(|c| c.friction.is_some()),
+            frictional: (0..contacts.len()).filter(|&i| friction[i] > 0.0).collect(),
+            friction,
+        }
+    }
+}
+
+/// The contact mode.
+pub(in crate::simulation) struct Mode {
     /// State of each contact.
-    mode: Vec<ContactState>,
+    states: Vec<ContactState>,
+    /// Active contacts, increasing: those that are not open.
+    pub(in crate::simulation) active: Vec<usize>,
     /// Contacts that stick, increasing.
     sticking: Vec<usize>,
-    /// Normal and tangential contact accelerations at the last evaluation.
-    r: Vec<f64>,
-    s: Vec<f64>,
+}
+
+/// The switching functions: one for each contact, then two for each contact with friction.
+pub(in crate::simulation) struct SwitchingFunctions {
+    /// Their values at the last evaluation.
+    pub(in crate::simulation) values: Vec<f64>,
+    /// Smallest of `values` since [`sample_from`](Dynamics::sample_from).
+    pub(in crate::simulation) lowest: Vec<f64>,
+    /// Largest of `values` since [`sample_from`](Dynamics::sample_from).
+    pub(in crate::simulation) highest: Vec<f64>,
+    /// A contact one of whose functions could not be evaluated since [`sample_from`](Dynamics::sample_from).
+    pub(in crate::simulation) undefined: Option<usize>,
     /// Sizes of the terms that a switching function balances if it is a force,
     /// `|curvature| + sum_k |n_k a_k| + sum_j |D_ij r_j|` for a normal one: rounding error is a share of it.
     force_scale: Vec<f64>,
@@ -80,19 +109,46 @@ pub(in crate::simulation) struct Dynamics<'a> {
     force_floor: Vec<f64>,
     /// Forces that pull no more than this are zero: so much was accepted with the mode.
     accepted_pull: Vec<f64>,
-    /// What counts as zero at each contact.
-    scales: Vec<ContactScale>,
-    auxiliary_acceleration: f64,
-    explicit_time: bool,
+}
+
+impl SwitchingFunctions {
+    fn new(count: usize) -> Self {
+        let zeros = || vec![0.0; count];
+        Self {
+            values: zeros(),
+            lowest: zeros(),
+            highest: zeros(),
+            undefined: None,
+            force_scale: zeros(),
+            force_floor: zeros(),
+            accepted_pull: zeros(),
+        }
+    }
+}
+
+/// What the model has given at the state loaded.
+struct Evaluated {
+    /// Input vector of the model, `(q, v, u[, t])`.
     x: Vec<f64>,
+    /// Acceleration without contact.
     acceleration: Vec<f64>,
+    /// The contacts, each laid out as in [`contact_point`].
     points: Vec<f64>,
+    /// Their tangential sides, each laid out as in [`tangent_point`].
     tangents: Vec<f64>,
+    /// Mass matrix, row-major.
+    mass: Vec<f64>,
+}
+
+/// The equations for the contact accelerations of a mode.
+struct Equations {
     /// `d_i`, or `d_i - mu e_i` and `d_i + mu e_i` for a contact that slips.
     columns: Vec<f64>,
-    mass: Vec<f64>,
     matrix: Vec<f64>,
     right: Vec<f64>,
+    /// Normal and tangential contact accelerations at the last evaluation.
+    r: Vec<f64>,
+    s: Vec<f64>,
 }
 
 impl<'a> Dynamics<'a> {
@@ -100,51 +156,41 @@ impl<'a> Dynamics<'a> {
         let declaration = model.declaration();
         let n = declaration.coordinates.len();
         let contacts = declaration.contacts.len();
-        let friction: Vec<f64> = (0..contacts)
-            .map(|i| {
-                declaration.contacts[i]
-                    .friction
-                    .map_or(0.0, |_| model.friction(i))
-            })
-            .collect();
-        let frictional: Vec<usize> = (0..contacts).filter(|&i| friction[i] > 0.0).collect();
-        let functions = contacts + 2 * frictional.len();
-        let rows = contacts + frictional.len();
+        let laws = Laws::of(model);
+        let functions = contacts + 2 * laws.frictional.len();
+        let rows = contacts + laws.frictional.len();
         Self {
             model,
             n,
             contacts,
-            active: Vec::with_capacity(contacts),
+            mode: Mode {
+                states: vec![ContactState::Open; contacts],
+                active: Vec::with_capacity(contacts),
+                sticking: Vec::with_capacity(laws.frictional.len()),
+            },
+            laws,
+            switching: SwitchingFunctions::new(functions),
             u: vec![0.0; declaration.controls.len()],
             piece: ControlPiece::default(),
-            values: vec![0.0; functions],
-            lowest: vec![0.0; functions],
-            highest: vec![0.0; functions],
-            undefined: None,
-            declares_friction: declaration.contacts.iter().any(|c| c.friction.is_some()),
-            restitution: (0..contacts).map(|i| model.restitution(i)).collect(),
-            friction,
             evaluations: 0,
             orientation: 1.0,
-            sticking: Vec::with_capacity(frictional.len()),
-            frictional,
-            mode: vec![ContactState::Open; contacts],
-            r: vec![0.0; contacts],
-            s: vec![0.0; contacts],
-            force_scale: vec![0.0; functions],
-            force_floor: vec![0.0; functions],
-            accepted_pull: vec![0.0; functions],
+            evaluated: Evaluated {
+                x: vec![0.0; declaration.inputs()],
+                acceleration: vec![0.0; n],
+                points: vec![0.0; contacts * contact_point::length(n)],
+                tangents: vec![0.0; contacts * tangent_point::length(n)],
+                mass: vec![0.0; n * n],
+            },
+            equations: Equations {
+                columns: vec![0.0; contacts * n],
+                matrix: vec![0.0; rows * rows],
+                right: vec![0.0; rows],
+                r: vec![0.0; contacts],
+                s: vec![0.0; contacts],
+            },
             scales: vec![ContactScale::default(); contacts],
             auxiliary_acceleration,
             explicit_time: declaration.explicit_time,
-            x: vec![0.0; declaration.inputs()],
-            acceleration: vec![0.0; n],
-            points: vec![0.0; contacts * contact_point::length(n)],
-            tangents: vec![0.0; contacts * tangent_point::length(n)],
-            columns: vec![0.0; contacts * n],
-            mass: vec![0.0; n * n],
-            matrix: vec![0.0; rows * rows],
-            right: vec![0.0; rows],
         }
     }
 
@@ -180,18 +226,18 @@ impl<'a> Dynamics<'a> {
     pub(in crate::simulation) fn write_controls(&mut self, t: f64) {
         self.piece.write(t, &mut self.u);
         let n = self.n;
-        self.x[2 * n..2 * n + self.u.len()].copy_from_slice(&self.u);
+        self.evaluated.x[2 * n..2 * n + self.u.len()].copy_from_slice(&self.u);
     }
 
     /// Writes state and controls at `t` into the input vector that the model's kernels read.
     pub(in crate::simulation) fn load(&mut self, t: f64, y: &[f64]) {
         let n = self.n;
-        self.x[..2 * n].copy_from_slice(&y[..2 * n]);
+        self.evaluated.x[..2 * n].copy_from_slice(&y[..2 * n]);
         if self.piece.varies() {
             self.write_controls(t);
         }
         if self.explicit_time
-            && let Some(last) = self.x.last_mut()
+            && let Some(last) = self.evaluated.x.last_mut()
         {
             *last = t;
         }
@@ -200,14 +246,14 @@ impl<'a> Dynamics<'a> {
     /// Evaluates one contact at the state loaded.
     pub(in crate::simulation) fn evaluate_contact(&mut self, contact: usize) {
         let length = contact_point::length(self.n);
-        let point = &mut self.points[contact * length..(contact + 1) * length];
-        self.model.contact(contact, &self.x, point);
+        let point = &mut self.evaluated.points[contact * length..(contact + 1) * length];
+        self.model.contact(contact, &self.evaluated.x, point);
     }
 
     /// The contact as last evaluated, laid out as in [`contact_point`].
     pub(in crate::simulation) fn point(&self, contact: usize) -> &[f64] {
         let length = contact_point::length(self.n);
-        &self.points[contact * length..(contact + 1) * length]
+        &self.evaluated.points[contact * length..(contact + 1) * length]
     }
 
     /// Contact normal as last evaluated.
@@ -223,8 +269,8 @@ impl<'a> Dynamics<'a> {
     /// Evaluates the tangential side of one contact with friction at the state loaded.
     pub(in crate::simulation) fn evaluate_tangent(&mut self, contact: usize) {
         let length = tangent_point::length(self.n);
-        let point = &mut self.tangents[contact * length..(contact + 1) * length];
-        self.model.tangent(contact, &self.x, point);
+        let point = &mut self.evaluated.tangents[contact * length..(contact + 1) * length];
+        self.model.tangent(contact, &self.evaluated.x, point);
     }
 
     /// Evaluates one contact, and its tangential side if it has friction, at the state loaded.
@@ -238,7 +284,7 @@ impl<'a> Dynamics<'a> {
     /// The tangential side as last evaluated, laid out as in [`tangent_point`].
     fn tangent_point(&self, contact: usize) -> &[f64] {
         let length = tangent_point::length(self.n);
-        &self.tangents[contact * length..(contact + 1) * length]
+        &self.evaluated.tangents[contact * length..(contact + 1) * length]
     }
 
     /// Sliding velocity as last evaluated.
@@ -258,7 +304,7 @@ impl<'a> Dynamics<'a> {
 
     /// Whether a contact has a coefficient of friction above zero.
     pub(in crate::simulation) fn has_friction(&self, contact: usize) -> bool {
-        self.friction[contact] > 0.0
+        self.laws.friction[contact] > 0.0
     }
 
     /// `n' (d + ratio e)` as last evaluated: the normal acceleration for one unit of a contact's `r` if its
@@ -270,72 +316,86 @@ impl<'a> Dynamics<'a> {
 
     /// The sliding contact with the smallest [`gain`](Self::gain), and that.
     pub(in crate::simulation) fn smallest_gain(&self) -> Option<(usize, f64)> {
-        self.active
+        self.mode
+            .active
             .iter()
-            .filter(|&&i| matches!(self.mode[i], ContactState::Slip(_)))
-            .map(|&i| (i, self.gain(i, self.mode[i].force_ratio(self.friction[i]))))
+            .filter(|&&i| matches!(self.mode.states[i], ContactState::Slip(_)))
+            .map(|&i| {
+                (
+                    i,
+                    self.gain(i, self.mode.states[i].force_ratio(self.laws.friction[i])),
+                )
+            })
             .min_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 
     /// State of a contact in the present mode.
     pub(in crate::simulation) fn state(&self, contact: usize) -> ContactState {
-        self.mode[contact]
+        self.mode.states[contact]
     }
 
     /// States of all contacts.
     pub(in crate::simulation) fn mode(&self) -> &[ContactState] {
-        &self.mode
+        &self.mode.states
     }
 
     /// The present mode of each contact, as results tell it.
     pub(in crate::simulation) fn contact_modes(&self) -> Vec<ContactMode> {
-        self.mode.iter().map(|&state| state.into()).collect()
+        self.mode.states.iter().map(|&state| state.into()).collect()
     }
 
     /// Changes the contact mode.
     pub(in crate::simulation) fn set_mode(&mut self, mode: &[ContactState]) {
-        self.mode.copy_from_slice(mode);
-        self.active.clear();
-        self.sticking.clear();
+        self.mode.states.copy_from_slice(mode);
+        self.mode.active.clear();
+        self.mode.sticking.clear();
         for (i, state) in mode.iter().enumerate() {
             if !state.is_open() {
-                self.active.push(i);
+                self.mode.active.push(i);
             }
             if *state == ContactState::Stick {
-                self.sticking.push(i);
+                self.mode.sticking.push(i);
             }
         }
     }
 
     /// Gap at the state loaded.
     pub(in crate::simulation) fn gap(&self, contact: usize) -> f64 {
-        self.model.gap(contact, &self.x)
+        self.model.gap(contact, &self.evaluated.x)
     }
 
     /// Evaluates the acceleration without contact at the state loaded.
     pub(in crate::simulation) fn evaluate_free_acceleration(&mut self) {
         self.evaluations += 1;
         self.model
-            .free_acceleration(&self.x, &mut self.acceleration);
+            .free_acceleration(&self.evaluated.x, &mut self.evaluated.acceleration);
     }
 
     /// Acceleration without contact as last evaluated.
     pub(in crate::simulation) fn free_acceleration(&self) -> &[f64] {
-        &self.acceleration
+        &self.evaluated.acceleration
     }
 
     /// Normal acceleration of contact `i` without contact forces, `n' a + curvature`, and the sum of
     /// the absolute values of its terms.
     pub(in crate::simulation) fn free_normal_acceleration(&self, contact: usize) -> (f64, f64) {
         let curvature = self.point(contact)[contact_point::CURVATURE];
-        along(self.normal(contact), &self.acceleration, curvature)
+        along(
+            self.normal(contact),
+            &self.evaluated.acceleration,
+            curvature,
+        )
     }
 
     /// Rate of the sliding velocity of contact `i` without contact forces, `b' a + curvature`, and the sum of
     /// the absolute values of its terms.
     pub(in crate::simulation) fn free_sliding_acceleration(&self, contact: usize) -> (f64, f64) {
         let curvature = self.tangent_point(contact)[tangent_point::CURVATURE];
-        along(self.tangent(contact), &self.acceleration, curvature)
+        along(
+            self.tangent(contact),
+            &self.evaluated.acceleration,
+            curvature,
+        )
     }
 
     /// Normal acceleration and rate of the sliding velocity with the accelerations `a`; the latter is 0
@@ -359,14 +419,14 @@ impl<'a> Dynamics<'a> {
     pub(in crate::simulation) fn normal_acceleration_scale(&self, contact: usize) -> f64 {
         let curvature = self.point(contact)[contact_point::CURVATURE];
         self.acceleration_scale(self.normal(contact), curvature)
-            .max(self.force_floor[contact])
+            .max(self.switching.force_floor[contact])
     }
 
     /// The same for the rate of the sliding velocity.
     pub(in crate::simulation) fn sliding_acceleration_scale(&self, contact: usize) -> f64 {
         let curvature = self.tangent_point(contact)[tangent_point::CURVATURE];
         self.acceleration_scale(self.tangent(contact), curvature)
-            .max(self.force_floor[contact])
+            .max(self.switching.force_floor[contact])
     }
 
     fn acceleration_scale(&self, covector: &[f64], curvature: f64) -> f64 {
@@ -375,17 +435,18 @@ impl<'a> Dynamics<'a> {
             .enumerate()
             .fold(curvature.abs(), |sum, (k, component)| {
                 let forces: f64 = self
+                    .mode
                     .active
                     .iter()
                     .map(|&j| {
-                        let normal = (self.direction(j)[k] * self.r[j]).abs();
-                        if self.s[j] == 0.0 {
+                        let normal = (self.direction(j)[k] * self.equations.r[j]).abs();
+                        if self.equations.s[j] == 0.0 {
                             return normal;
                         }
-                        normal + (self.friction_direction(j)[k] * self.s[j]).abs()
+                        normal + (self.friction_direction(j)[k] * self.equations.s[j]).abs()
                     })
                     .sum();
-                sum + component.abs() * (self.acceleration[k].abs() + forces)
+                sum + component.abs() * (self.evaluated.acceleration[k].abs() + forces)
             })
     }
 
@@ -394,16 +455,17 @@ impl<'a> Dynamics<'a> {
     pub(in crate::simulation) fn observe(&mut self, t: f64, y: &[f64], moment: f64) {
         self.load(t, y);
         self.model
-            .free_acceleration(&self.x, &mut self.acceleration);
+            .free_acceleration(&self.evaluated.x, &mut self.evaluated.acceleration);
         let n = self.n;
         for i in 0..self.contacts {
             self.evaluate_sides(i);
             let tangent = self.has_friction(i).then(|| {
-                &self.tangents[i * tangent_point::length(n)..][tangent_point::TANGENT..][..n]
+                &self.evaluated.tangents[i * tangent_point::length(n)..][tangent_point::TANGENT..]
+                    [..n]
             });
             let length = contact_point::length(n);
-            let point = &self.points[i * length..(i + 1) * length];
-            let instant = Instant::new(&y[..2 * n], &self.acceleration, moment);
+            let point = &self.evaluated.points[i * length..(i + 1) * length];
+            let instant = Instant::new(&y[..2 * n], &self.evaluated.acceleration, moment);
             self.scales[i].observe(point, tangent, instant);
         }
     }
@@ -414,9 +476,9 @@ impl<'a> Dynamics<'a> {
         let n = self.n;
         for i in 0..self.contacts {
             let gaps = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|multiple| {
-                let instant = Instant::new(&y[..2 * n], &self.acceleration, moment);
+                let instant = Instant::new(&y[..2 * n], &self.evaluated.acceleration, moment);
                 for k in 0..n {
-                    self.x[k] = instant.moved(k, multiple);
+                    self.evaluated.x[k] = instant.moved(k, multiple);
                 }
                 self.gap(i)
             });
@@ -428,62 +490,68 @@ impl<'a> Dynamics<'a> {
     /// Mass matrix at a state, row-major.
     pub(in crate::simulation) fn mass(&mut self, t: f64, y: &[f64]) -> &[f64] {
         self.load(t, y);
-        self.model.mass_matrix(&self.x, &mut self.mass);
-        &self.mass
+        self.model
+            .mass_matrix(&self.evaluated.x, &mut self.evaluated.mass);
+        &self.evaluated.mass
     }
 
     /// Kinetic energy of the velocities in `y`, `v' M v / 2`, with the mass matrix at the state last loaded.
     pub(in crate::simulation) fn kinetic_energy(&mut self, y: &[f64]) -> f64 {
-        self.model.mass_matrix(&self.x, &mut self.mass);
+        self.model
+            .mass_matrix(&self.evaluated.x, &mut self.evaluated.mass);
         let v = &y[self.n..2 * self.n];
-        let momentum = self.mass.chunks_exact(self.n.max(1)).map(|row| dot(row, v));
+        let momentum = self
+            .evaluated
+            .mass
+            .chunks_exact(self.n.max(1))
+            .map(|row| dot(row, v));
         0.5 * momentum.zip(v).map(|(p, v)| p * v).sum::<f64>()
     }
 
     /// Whether a contact belongs to the present mode.
     pub(in crate::simulation) fn is_active(&self, contact: usize) -> bool {
-        self.active.contains(&contact)
+        self.mode.active.contains(&contact)
     }
 
     /// Normal contact forces at the last evaluation, `lambda_i = r_i / D_i`, 0 for open contacts.
     pub(in crate::simulation) fn forces(&self, out: &mut [f64]) {
-        self.divide_by_inertia(&self.r, out);
+        self.divide_by_inertia(&self.equations.r, out);
     }
 
     /// Tangential contact forces at the last evaluation, `s_i / D_i`, 0 for open contacts.
     pub(in crate::simulation) fn friction_forces(&self, out: &mut [f64]) {
-        self.divide_by_inertia(&self.s, out);
+        self.divide_by_inertia(&self.equations.s, out);
     }
 
     fn divide_by_inertia(&self, accelerations: &[f64], out: &mut [f64]) {
         out.fill(0.0);
-        for &i in &self.active {
+        for &i in &self.mode.active {
             out[i] = accelerations[i] / self.point(i)[contact_point::INVERSE_INERTIA];
         }
     }
 
     /// Normal contact acceleration of an active contact at the last evaluation.
     pub(in crate::simulation) fn normal_force(&self, contact: usize) -> f64 {
-        self.r[contact]
+        self.equations.r[contact]
     }
 
     /// What a contact that sticks at the last evaluation has left before it slips, `mu r - |s|`.
     pub(in crate::simulation) fn friction_reserve(&self, contact: usize) -> f64 {
-        self.friction[contact] * self.r[contact] - self.s[contact].abs()
+        self.laws.friction[contact] * self.equations.r[contact] - self.equations.s[contact].abs()
     }
 
     /// What a switching function is in the present mode.
     pub(in crate::simulation) fn switch(&self, function: usize) -> Switch {
         if function < self.contacts {
-            return if self.mode[function].is_open() {
+            return if self.mode.states[function].is_open() {
                 Switch::Gap(function)
             } else {
                 Switch::NormalForce(function)
             };
         }
         let index = function - self.contacts;
-        let contact = self.frictional[index / 2];
-        match (self.mode[contact], index % 2) {
+        let contact = self.laws.frictional[index / 2];
+        match (self.mode.states[contact], index % 2) {
             (ContactState::Stick, 0) => Switch::FrictionLimit(contact, Direction::Forward),
             (ContactState::Stick, _) => Switch::FrictionLimit(contact, Direction::Backward),
             (ContactState::Slip(direction), 0) => Switch::SlidingVelocity(contact, direction),
@@ -494,19 +562,19 @@ impl<'a> Dynamics<'a> {
 
     /// Number of switching functions.
     pub(in crate::simulation) fn functions(&self) -> usize {
-        self.values.len()
+        self.switching.values.len()
     }
 
     /// Size of forces to which those of a contact are compared.
     pub(in crate::simulation) fn force_floor(&self, contact: usize) -> f64 {
-        self.force_floor[contact]
+        self.switching.force_floor[contact]
     }
 
     /// Makes `values` the first sample of a step.
     pub(in crate::simulation) fn sample_from(&mut self, values: &[f64]) {
-        self.lowest.copy_from_slice(values);
-        self.highest.copy_from_slice(values);
-        self.undefined = None;
+        self.switching.lowest.copy_from_slice(values);
+        self.switching.highest.copy_from_slice(values);
+        self.switching.undefined = None;
     }
 
     /// Below this gap a contact is closed.

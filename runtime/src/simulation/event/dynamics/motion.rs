@@ -12,7 +12,7 @@ const PROJECTIONS: usize = 6;
 /// Whether the sliding velocity of a closed contact vanishes with those that the mode keeps zero, at the
 /// points last evaluated.
 pub(in crate::simulation) fn holds(dynamics: &mut Dynamics<'_>, contact: usize) -> bool {
-    let rows = dynamics.active.len() + dynamics.sticking.len();
+    let rows = dynamics.mode.active.len() + dynamics.mode.sticking.len();
     let order = rows + 1;
     let mut matrix = vec![0.0; order * order];
     for row in 0..order {
@@ -36,21 +36,21 @@ pub(in crate::simulation) fn holds(dynamics: &mut Dynamics<'_>, contact: usize) 
 /// Moves the state onto `g = 0`, `v_n = 0` of the active contacts and `v_t = 0` of the sticking ones,
 /// along their directions `d` and `e`. `false` if it cannot.
 pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mut [f64]) -> bool {
-    if dynamics.active.is_empty() {
+    if dynamics.mode.active.is_empty() {
         return true;
     }
     let n = dynamics.n;
-    let normals = dynamics.active.len();
+    let normals = dynamics.mode.active.len();
     let mut previous = f64::INFINITY;
     for _ in 0..PROJECTIONS {
         dynamics.load(t, y);
         // Largest gap in units of what rounding leaves of it.
         let mut worst = 0.0_f64;
         for slot in 0..normals {
-            let i = dynamics.active[slot];
+            let i = dynamics.mode.active[slot];
             dynamics.evaluate_contact(i);
             let gap = dynamics.point(i)[contact_point::GAP];
-            dynamics.right[slot] = -gap;
+            dynamics.equations.right[slot] = -gap;
             if gap.is_nan() {
                 return false;
             }
@@ -67,18 +67,18 @@ pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mu
         rows::add_columns(dynamics, normals, false, &mut y[..n]);
     }
     for slot in 0..normals {
-        dynamics.right[slot] =
-            -dynamics.point(dynamics.active[slot])[contact_point::NORMAL_VELOCITY];
+        dynamics.equations.right[slot] =
+            -dynamics.point(dynamics.mode.active[slot])[contact_point::NORMAL_VELOCITY];
     }
-    if !dynamics.sticking.is_empty() {
+    if !dynamics.mode.sticking.is_empty() {
         dynamics.load(t, y);
     }
-    for slot in 0..dynamics.sticking.len() {
-        let i = dynamics.sticking[slot];
+    for slot in 0..dynamics.mode.sticking.len() {
+        let i = dynamics.mode.sticking[slot];
         dynamics.evaluate_tangent(i);
-        dynamics.right[normals + slot] = -dynamics.sliding_velocity(i);
+        dynamics.equations.right[normals + slot] = -dynamics.sliding_velocity(i);
     }
-    let rows = normals + dynamics.sticking.len();
+    let rows = normals + dynamics.mode.sticking.len();
     if rows::solve_rows(dynamics, rows, false).is_none() {
         return false;
     }
@@ -91,9 +91,15 @@ pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mu
 /// `s_i = r_i / a_bar` over the active contacts: the weight of the free dynamics is `p`, those of
 /// the auxiliary dynamics `gamma_i = s_i p`.
 fn speed_of_numerical_time(dynamics: &Dynamics<'_>) -> f64 {
-    let shares = || dynamics.active.iter().map(|&i| dynamics.r[i]);
+    let shares = || {
+        dynamics
+            .mode
+            .active
+            .iter()
+            .map(|&i| dynamics.equations.r[i])
+    };
     let sum: f64 = shares().map(|r| r / dynamics.auxiliary_acceleration).sum();
-    if dynamics.active.len() < 2 {
+    if dynamics.mode.active.len() < 2 {
         return 1.0 + sum;
     }
     // The residual p - prod(1 - s p) increases with p and 1 / (1 + sum s) lies below its root.
@@ -120,7 +126,7 @@ impl System for Dynamics<'_> {
         self.load(t, y);
         self.evaluate_free_acceleration();
         dy[..n].copy_from_slice(&y[n..2 * n]);
-        dy[n..2 * n].copy_from_slice(&self.acceleration);
+        dy[n..2 * n].copy_from_slice(&self.evaluated.acceleration);
         dy[2 * n] = 1.0;
         let rows = rows::evaluate_rows(self);
         if rows > 0 {
@@ -128,24 +134,30 @@ impl System for Dynamics<'_> {
                 self.orientation = sign;
                 rows::add_columns(self, rows, true, &mut dy[n..2 * n]);
             } else {
-                self.right[..rows].fill(f64::NAN);
+                self.equations.right[..rows].fill(f64::NAN);
                 dy[n..2 * n].fill(f64::NAN);
             }
             rows::store_forces(self, rows);
             dy[2 * n] = speed_of_numerical_time(self);
         }
         switching::evaluate_switches(self, rows);
-        if !self.sticking.is_empty() {
+        if !self.mode.sticking.is_empty() {
             rows::refine(self, rows, &mut dy[n..2 * n]);
         }
-        if let Some(function) = self.values.iter().position(|value| value.is_nan()) {
-            self.undefined = Some(self.switch(function).contact());
-        }
-        for ((value, lowest), highest) in self
+        if let Some(function) = self
+            .switching
             .values
             .iter()
-            .zip(&mut self.lowest)
-            .zip(&mut self.highest)
+            .position(|value| value.is_nan())
+        {
+            self.switching.undefined = Some(self.switch(function).contact());
+        }
+        for ((value, lowest), highest) in self
+            .switching
+            .values
+            .iter()
+            .zip(&mut self.switching.lowest)
+            .zip(&mut self.switching.highest)
         {
             *lowest = lowest.min(*value);
             *highest = highest.max(*value);

@@ -7,9 +7,9 @@ use crate::simulation::event::small_system;
 /// Row of the constraints that the mode keeps: the normals of active contacts, then the tangents of
 /// sticking ones.
 pub(super) fn constraint<'a>(dynamics: &'a Dynamics<'_>, row: usize) -> &'a [f64] {
-    match dynamics.active.get(row) {
+    match dynamics.mode.active.get(row) {
         Some(&i) => dynamics.normal(i),
-        None => dynamics.tangent(dynamics.sticking[row - dynamics.active.len()]),
+        None => dynamics.tangent(dynamics.mode.sticking[row - dynamics.mode.active.len()]),
     }
 }
 
@@ -20,10 +20,12 @@ pub(super) fn force_direction<'a>(
     row: usize,
     slipping: bool,
 ) -> &'a [f64] {
-    match dynamics.active.get(row) {
-        Some(&i) if slipping => &dynamics.columns[i * dynamics.n..(i + 1) * dynamics.n],
+    match dynamics.mode.active.get(row) {
+        Some(&i) if slipping => &dynamics.equations.columns[i * dynamics.n..(i + 1) * dynamics.n],
         Some(&i) => dynamics.direction(i),
-        None => dynamics.friction_direction(dynamics.sticking[row - dynamics.active.len()]),
+        None => {
+            dynamics.friction_direction(dynamics.mode.sticking[row - dynamics.mode.active.len()])
+        }
     }
 }
 
@@ -32,21 +34,21 @@ pub(super) fn force_direction<'a>(
 pub(super) fn solve_rows(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> Option<f64> {
     for row in 0..rows {
         for column in 0..rows {
-            dynamics.matrix[row * rows + column] = dot(
+            dynamics.equations.matrix[row * rows + column] = dot(
                 constraint(dynamics, row),
                 force_direction(dynamics, column, slipping),
             );
         }
     }
     small_system::solve(
-        &mut dynamics.matrix[..rows * rows],
-        &mut dynamics.right[..rows],
+        &mut dynamics.equations.matrix[..rows * rows],
+        &mut dynamics.equations.right[..rows],
     )
 }
 
 /// `to += sum_row column_row right_row` over the first rows.
 pub(super) fn add_columns(dynamics: &Dynamics<'_>, rows: usize, slipping: bool, to: &mut [f64]) {
-    for (row, factor) in dynamics.right[..rows].iter().enumerate() {
+    for (row, factor) in dynamics.equations.right[..rows].iter().enumerate() {
         for (to, d) in to.iter_mut().zip(force_direction(dynamics, row, slipping)) {
             *to += d * factor;
         }
@@ -57,55 +59,60 @@ pub(super) fn add_columns(dynamics: &Dynamics<'_>, rows: usize, slipping: bool, 
 /// contact forces. Returns the number of rows.
 pub(super) fn evaluate_rows(dynamics: &mut Dynamics<'_>) -> usize {
     let n = dynamics.n;
-    let normals = dynamics.active.len();
+    let normals = dynamics.mode.active.len();
     for slot in 0..normals {
-        let i = dynamics.active[slot];
+        let i = dynamics.mode.active[slot];
         dynamics.evaluate_sides(i);
-        dynamics.right[slot] = -dynamics.free_normal_acceleration(i).0;
+        dynamics.equations.right[slot] = -dynamics.free_normal_acceleration(i).0;
         let column = i * n..(i + 1) * n;
-        dynamics.columns[column.clone()].copy_from_slice(
-            &dynamics.points[i * contact_point::length(n)..][contact_point::direction(n)..][..n],
+        dynamics.equations.columns[column.clone()].copy_from_slice(
+            &dynamics.evaluated.points[i * contact_point::length(n)..]
+                [contact_point::direction(n)..][..n],
         );
-        let ratio = dynamics.mode[i].force_ratio(dynamics.friction[i]);
+        let ratio = dynamics.mode.states[i].force_ratio(dynamics.laws.friction[i]);
         if ratio != 0.0 {
-            let e = &dynamics.tangents[i * tangent_point::length(n)..]
+            let e = &dynamics.evaluated.tangents[i * tangent_point::length(n)..]
                 [tangent_point::direction(n)..][..n];
-            for (d, e) in dynamics.columns[column].iter_mut().zip(e) {
+            for (d, e) in dynamics.equations.columns[column].iter_mut().zip(e) {
                 *d += ratio * e;
             }
         }
     }
-    for slot in 0..dynamics.sticking.len() {
-        dynamics.right[normals + slot] = -dynamics
-            .free_sliding_acceleration(dynamics.sticking[slot])
+    for slot in 0..dynamics.mode.sticking.len() {
+        dynamics.equations.right[normals + slot] = -dynamics
+            .free_sliding_acceleration(dynamics.mode.sticking[slot])
             .0;
     }
-    normals + dynamics.sticking.len()
+    normals + dynamics.mode.sticking.len()
 }
 
 /// Takes the contact accelerations over from the solution of the rows.
 pub(super) fn store_forces(dynamics: &mut Dynamics<'_>, rows: usize) {
-    let normals = dynamics.active.len();
+    let normals = dynamics.mode.active.len();
     for slot in 0..normals {
-        let i = dynamics.active[slot];
-        dynamics.r[i] = dynamics.right[slot];
-        dynamics.s[i] = dynamics.mode[i].force_ratio(dynamics.friction[i]) * dynamics.right[slot];
+        let i = dynamics.mode.active[slot];
+        dynamics.equations.r[i] = dynamics.equations.right[slot];
+        dynamics.equations.s[i] = dynamics.mode.states[i].force_ratio(dynamics.laws.friction[i])
+            * dynamics.equations.right[slot];
     }
     for slot in normals..rows {
-        dynamics.s[dynamics.sticking[slot - normals]] = dynamics.right[slot];
+        dynamics.equations.s[dynamics.mode.sticking[slot - normals]] =
+            dynamics.equations.right[slot];
     }
 }
 
 /// Takes from the accelerations `a` what rounding has left in the rows. In them terms of the size of the forces cancel:
 /// a body that sticks would fall by that for as long as it rests.
 pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
-    let normals = dynamics.active.len();
+    let normals = dynamics.mode.active.len();
     for slot in 0..normals {
-        dynamics.right[slot] = -dynamics.contact_accelerations(dynamics.active[slot], a).0;
+        dynamics.equations.right[slot] = -dynamics
+            .contact_accelerations(dynamics.mode.active[slot], a)
+            .0;
     }
     for slot in normals..rows {
-        let contact = dynamics.sticking[slot - normals];
-        dynamics.right[slot] = -dynamics.contact_accelerations(contact, a).1;
+        let contact = dynamics.mode.sticking[slot - normals];
+        dynamics.equations.right[slot] = -dynamics.contact_accelerations(contact, a).1;
     }
     if solve_rows(dynamics, rows, true).is_some() {
         add_columns(dynamics, rows, true, a);
@@ -114,9 +121,10 @@ pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
 
 /// Size of the terms that the equation of a row balances.
 pub(super) fn row_scale(dynamics: &Dynamics<'_>, row: usize, rows: usize) -> f64 {
-    let (_, free) = match dynamics.active.get(row) {
+    let (_, free) = match dynamics.mode.active.get(row) {
         Some(&i) => dynamics.free_normal_acceleration(i),
-        None => dynamics.free_sliding_acceleration(dynamics.sticking[row - dynamics.active.len()]),
+        None => dynamics
+            .free_sliding_acceleration(dynamics.mode.sticking[row - dynamics.mode.active.len()]),
     };
     (0..rows)
         .filter(|&other| other != row)
@@ -125,6 +133,6 @@ pub(super) fn row_scale(dynamics: &Dynamics<'_>, row: usize, rows: usize) -> f64
                 constraint(dynamics, row),
                 force_direction(dynamics, other, true),
             );
-            sum + (coupling * dynamics.right[other]).abs()
+            sum + (coupling * dynamics.equations.right[other]).abs()
         })
 }

@@ -16,9 +16,12 @@ const CONSTANT: f64 = 1.0;
 /// Sets the sizes of forces to which others are compared, for the contacts given; contacts and free
 /// acceleration are evaluated.
 pub(in crate::simulation) fn set_force_floors(dynamics: &mut Dynamics<'_>, contacts: &[usize]) {
-    dynamics.model.mass_matrix(&dynamics.x, &mut dynamics.mass);
-    let a = &dynamics.acceleration;
+    dynamics
+        .model
+        .mass_matrix(&dynamics.evaluated.x, &mut dynamics.evaluated.mass);
+    let a = &dynamics.evaluated.acceleration;
     let square: f64 = dynamics
+        .evaluated
         .mass
         .chunks_exact(dynamics.n.max(1))
         .zip(a)
@@ -30,12 +33,18 @@ pub(in crate::simulation) fn set_force_floors(dynamics: &mut Dynamics<'_>, conta
             (inverse_inertia * square).max(0.0).sqrt(),
             dynamics.scales[i].acceleration(),
         );
-        dynamics.force_floor[i] = floor;
-        dynamics.accepted_pull[i] = 0.0;
-        if let Some(slot) = dynamics.frictional.iter().position(|&other| other == i) {
+        dynamics.switching.force_floor[i] = floor;
+        dynamics.switching.accepted_pull[i] = 0.0;
+        if let Some(slot) = dynamics
+            .laws
+            .frictional
+            .iter()
+            .position(|&other| other == i)
+        {
             let first = dynamics.contacts + 2 * slot;
-            dynamics.force_floor[first..first + 2].fill((1.0 + dynamics.friction[i]) * floor);
-            dynamics.accepted_pull[first..first + 2].fill(0.0);
+            dynamics.switching.force_floor[first..first + 2]
+                .fill((1.0 + dynamics.laws.friction[i]) * floor);
+            dynamics.switching.accepted_pull[first..first + 2].fill(0.0);
         }
     }
 }
@@ -45,8 +54,8 @@ pub(in crate::simulation) fn set_force_floors(dynamics: &mut Dynamics<'_>, conta
 pub(in crate::simulation) fn accept_forces(dynamics: &mut Dynamics<'_>) {
     for function in 0..dynamics.functions() {
         if dynamics.switch(function).is_force() {
-            let pull = -dynamics.values[function];
-            let accepted = &mut dynamics.accepted_pull[function];
+            let pull = -dynamics.switching.values[function];
+            let accepted = &mut dynamics.switching.accepted_pull[function];
             *accepted = accepted.max(2.0 * pull);
         }
     }
@@ -63,7 +72,7 @@ pub(in crate::simulation) fn zero_value(dynamics: &Dynamics<'_>, function: usize
         Switch::Gap(i) => dynamics.closed_gap(i),
         Switch::SlidingVelocity(i, _) => dynamics.zero_sliding_velocity(i),
         Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
-            (ZERO_FORCE * size(dynamics, function)).max(dynamics.accepted_pull[function])
+            (ZERO_FORCE * size(dynamics, function)).max(dynamics.switching.accepted_pull[function])
         }
         Switch::HeldVelocity(_) | Switch::Constant(_) => 0.0,
     }
@@ -77,7 +86,7 @@ pub(in crate::simulation) fn size(dynamics: &Dynamics<'_>, function: usize) -> f
             dynamics.scales[i].sliding_velocity()
         }
         Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
-            dynamics.force_scale[function].max(dynamics.force_floor[function])
+            dynamics.switching.force_scale[function].max(dynamics.switching.force_floor[function])
         }
         Switch::Constant(_) => CONSTANT,
     }
@@ -108,7 +117,7 @@ pub(in crate::simulation) fn switching_value(
         }
         Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
             dynamics.derivative(t, y, slope);
-            dynamics.values[function]
+            dynamics.switching.values[function]
         }
         Switch::Constant(_) => CONSTANT,
     }
@@ -118,19 +127,20 @@ pub(in crate::simulation) fn switching_value(
 /// terms of those that are forces.
 pub(super) fn evaluate_switches(dynamics: &mut Dynamics<'_>, rows: usize) {
     for i in 0..dynamics.contacts {
-        if dynamics.mode[i].is_open() {
-            dynamics.values[i] = dynamics.gap(i);
+        if dynamics.mode.states[i].is_open() {
+            dynamics.switching.values[i] = dynamics.gap(i);
         }
     }
-    for slot in 0..dynamics.active.len() {
-        let i = dynamics.active[slot];
-        dynamics.values[i] = dynamics.r[i];
-        dynamics.force_scale[i] = rows::row_scale(dynamics, slot, rows);
+    for slot in 0..dynamics.mode.active.len() {
+        let i = dynamics.mode.active[slot];
+        dynamics.switching.values[i] = dynamics.equations.r[i];
+        dynamics.switching.force_scale[i] = rows::row_scale(dynamics, slot, rows);
     }
     for function in dynamics.contacts..dynamics.functions() {
-        dynamics.values[function] = match dynamics.switch(function) {
+        dynamics.switching.values[function] = match dynamics.switch(function) {
             Switch::FrictionLimit(i, direction) => {
-                dynamics.friction[i] * dynamics.r[i] + direction.sign() * dynamics.s[i]
+                dynamics.laws.friction[i] * dynamics.equations.r[i]
+                    + direction.sign() * dynamics.equations.s[i]
             }
             Switch::SlidingVelocity(i, direction) => {
                 direction.sign() * dynamics.sliding_velocity(i)
@@ -141,15 +151,16 @@ pub(super) fn evaluate_switches(dynamics: &mut Dynamics<'_>, rows: usize) {
             _ => CONSTANT,
         };
     }
-    for slot in 0..dynamics.sticking.len() {
-        let i = dynamics.sticking[slot];
-        let scale = dynamics.friction[i] * dynamics.force_scale[i]
-            + rows::row_scale(dynamics, dynamics.active.len() + slot, rows);
+    for slot in 0..dynamics.mode.sticking.len() {
+        let i = dynamics.mode.sticking[slot];
+        let scale = dynamics.laws.friction[i] * dynamics.switching.force_scale[i]
+            + rows::row_scale(dynamics, dynamics.mode.active.len() + slot, rows);
         let first = dynamics
+            .laws
             .frictional
             .iter()
             .position(|&other| other == i)
             .map_or(0, |slot| dynamics.contacts + 2 * slot);
-        dynamics.force_scale[first..first + 2].fill(scale);
+        dynamics.switching.force_scale[first..first + 2].fill(scale);
     }
 }

@@ -1,0 +1,191 @@
+//! The present state of a run: the motion, its contacts and their forces.
+
+use crate::fesd::active_contact::{ActiveContact, Tangential, find, force_count};
+use crate::fesd::contact_size::ContactSize;
+use crate::fesd::contacts::{Contacts, ModeError};
+use crate::fesd::finite_element::State;
+use crate::model::{ControlPiece, Model};
+use crate::simulation::{
+    ContactMode, ControlSignal, Direction, InitialValueProblem, Residuals, Trajectory,
+};
+
+/// The present state, and what is known there.
+pub(super) struct Present<'a> {
+    pub(super) state: State,
+    pub(super) numerical_time: f64,
+    /// Contacts that carry a force.
+    pub(super) active: Vec<ActiveContact>,
+    /// Controls \[their units\].
+    pub(super) u: Vec<f64>,
+    /// The controls over time, until they jump or change their slope.
+    pub(super) piece: ControlPiece,
+    /// Input vector of the model, `(q, v, u[, t])`.
+    pub(super) x: Vec<f64>,
+    pub(super) contacts: Contacts<'a>,
+    /// Gaps of all contacts.
+    pub(super) gaps: Vec<f64>,
+    /// Normal velocities of all contacts.
+    pub(super) velocities: Vec<f64>,
+    /// Sliding velocities of all contacts, 0 for those without friction.
+    pub(super) sliding: Vec<f64>,
+    /// Forces of the active contacts: `r` of each, then `s` of those that stick.
+    pub(super) forces: Vec<f64>,
+    /// Acceleration with contact forces.
+    pub(super) acceleration: Vec<f64>,
+}
+
+fn finite(values: &[f64]) -> bool {
+    values.iter().all(|value| value.is_finite())
+}
+
+impl<'a> Present<'a> {
+    pub(super) fn new(model: &'a dyn Model, problem: &InitialValueProblem) -> Self {
+        let declaration = model.declaration();
+        let contacts = declaration.contacts.len();
+        Self {
+            state: State {
+                time: 0.0,
+                q: problem.q.clone(),
+                v: problem.v.clone(),
+            },
+            numerical_time: 0.0,
+            active: Vec::with_capacity(contacts),
+            u: vec![0.0; declaration.controls.len()],
+            piece: ControlPiece::default(),
+            x: problem.input(model),
+            contacts: Contacts::new(model),
+            gaps: vec![0.0; contacts],
+            velocities: vec![0.0; contacts],
+            sliding: vec![0.0; contacts],
+            forces: Vec::with_capacity(contacts),
+            acceleration: vec![0.0; declaration.coordinates.len()],
+        }
+    }
+
+    /// Takes the piece of the controls that holds from `time` on.
+    pub(super) fn take_piece(&mut self, controls: &ControlSignal, time: f64) {
+        controls.take_piece(time, self.u.len(), &mut self.piece);
+        self.piece.write(time, &mut self.u);
+        self.contacts.set_control_slopes(self.piece.slopes());
+    }
+
+    /// Writes the input vector.
+    pub(super) fn write_input(&mut self) {
+        let (n, m) = (self.state.q.len(), self.u.len());
+        self.x[..n].copy_from_slice(&self.state.q);
+        self.x[n..2 * n].copy_from_slice(&self.state.v);
+        self.piece.write(self.state.time, &mut self.u);
+        self.x[2 * n..2 * n + m].copy_from_slice(&self.u);
+        if let Some(time) = self.x.get_mut(2 * n + m) {
+            *time = self.state.time;
+        }
+    }
+
+    /// Gaps and velocities of `contacts`.
+    pub(super) fn evaluate_contacts(&mut self, contacts: impl IntoIterator<Item = usize>) {
+        self.write_input();
+        self.contacts.evaluate_contacts(&self.x, contacts);
+    }
+
+    /// Sizes of the gap and the normal velocity of a contact.
+    pub(super) fn size(&self, contact: usize) -> ContactSize {
+        self.contacts.size(contact, self.state.time)
+    }
+
+    /// Contacts and forces; measures the `residuals`.
+    pub(super) fn evaluate(&mut self, residuals: &mut Residuals) -> Result<(), ModeError> {
+        self.write_input();
+        self.contacts.evaluate(&self.x, 0..self.gaps.len());
+        self.contacts.remember_sizes(&self.x);
+        self.contacts.remember_scales();
+        self.forces.resize(force_count(&self.active), 0.0);
+        self.contacts
+            .contact_forces(&self.active, &mut self.forces)?;
+        self.contacts
+            .constrained_acceleration(&self.active, &self.forces, &mut self.acceleration);
+        if !finite(&self.acceleration) || !finite(&self.forces) {
+            return Err(ModeError::NotFinite);
+        }
+        for i in 0..self.gaps.len() {
+            self.gaps[i] = self.contacts.gap(i);
+            self.velocities[i] = self.contacts.normal_velocity(i);
+            if self.contacts.friction(i) > 0.0 {
+                self.sliding[i] = self.contacts.sliding_velocity(i);
+            }
+        }
+        if !finite(&self.gaps) || !finite(&self.velocities) {
+            return Err(ModeError::NotFinite);
+        }
+        self.measure(residuals);
+        Ok(())
+    }
+
+    /// Adds the residuals of the contact conditions.
+    fn measure(&self, residuals: &mut Residuals) {
+        let frictions = self.contacts.frictions(&self.active, &self.forces);
+        for ((held, &r), s) in self.active.iter().zip(&self.forces).zip(frictions) {
+            let i = held.contact;
+            let (gap, velocity) = (self.gaps[i].abs(), self.velocities[i].abs());
+            residuals.primal = residuals.primal.max(gap).max(velocity);
+            residuals.complementarity = residuals.complementarity.max(gap * r.abs());
+            residuals.dual = residuals.dual.max(-r);
+            if self.contacts.friction(i) > 0.0 {
+                let sense = held.tangential.sense();
+                if held.sticks() {
+                    residuals.primal = residuals.primal.max(self.sliding[i].abs());
+                }
+                residuals.dual = residuals
+                    .dual
+                    .max(s.abs() - self.contacts.friction(i) * r)
+                    .max(-sense * self.sliding[i]);
+            }
+        }
+        for &gap in &self.gaps {
+            residuals.dual = residuals.dual.max(-gap);
+        }
+    }
+
+    /// The mode of each contact.
+    pub(super) fn modes(&self) -> Vec<ContactMode> {
+        let mode = |i: usize| match find(&self.active, i) {
+            None => ContactMode::Open,
+            Some(Tangential::Forward) => ContactMode::Slip(Direction::Forward),
+            Some(Tangential::Backward) => ContactMode::Slip(Direction::Backward),
+            Some(_) if self.contacts.friction(i) > 0.0 => ContactMode::Stick,
+            Some(_) => ContactMode::Frictionless,
+        };
+        (0..self.gaps.len()).map(mode).collect()
+    }
+
+    /// Appends an instant to the `trajectory`: the input vector, at which the active contacts carry `forces`; those of
+    /// friction only where there may be any.
+    pub(super) fn push(
+        &self,
+        (time, numerical_time): (f64, f64),
+        forces: &[f64],
+        friction: bool,
+        trajectory: &mut Trajectory,
+    ) {
+        let (n, m) = (self.state.q.len(), self.u.len());
+        let mut row = vec![0.0; self.gaps.len()];
+        for (held, &r) in self.active.iter().zip(forces) {
+            row[held.contact] = self.contacts.force(held.contact, r);
+        }
+        trajectory.push(
+            time,
+            numerical_time,
+            &self.x[..n],
+            &self.x[n..2 * n],
+            &self.x[2 * n..2 * n + m],
+            &row,
+        );
+        if friction {
+            row.fill(0.0);
+            let frictions = self.contacts.frictions(&self.active, forces);
+            for (held, s) in self.active.iter().zip(frictions) {
+                row[held.contact] = self.contacts.force(held.contact, s);
+            }
+            trajectory.friction_force.push(row);
+        }
+    }
+}
