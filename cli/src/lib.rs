@@ -49,5 +49,6 @@ pub use published::{
     PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
 pub use scene::{
-    Charted, ClosedForm, GroundLine, HardScene, Plane, Right, Scene, Variant, heights, parameter,
+    Charted, ClosedForm, ControlScene, GroundLine, HardScene, Plane, Right, Scene, Variant,
+    heights, parameter,
 };
