@@ -90,6 +90,7 @@ impl ResultFiles<'_> {
                     .map(|(name, _)| (name.clone(), name.clone()))
                     .collect(),
             }],
+            ..Page::default()
         };
         files.extend(figures);
         files.push((format!("{stem}.html"), page.html()));

@@ -19,9 +19,14 @@ use crate::page::{Page, Section};
 use crate::report::Report;
 use crate::settings::ChosenScene;
 use crate::table::table;
+use std::path::Path;
+
 use crate::{ControlScene, HardScene, Scene};
 use peers::Peers;
 use study::{Charted, charted};
+
+/// Most pages that are linked.
+const MOST_PAGES: usize = 50;
 
 /// What the program knows that can be charted.
 pub(crate) struct Listed {
@@ -72,7 +77,8 @@ pub(crate) fn run(listed: &Listed, arguments: &ChartArguments) -> Result<Report,
     };
     let mut files = drawn.files;
     if !drawn.sections.is_empty() {
-        files.push(page(&charted, drawn.sections, drawn.overview));
+        let links = other_pages(&arguments.out);
+        files.push(page(&charted, links, drawn.sections, drawn.overview));
     }
     report.diagnoses.extend(
         bounds
@@ -125,9 +131,22 @@ impl Drawn {
     }
 }
 
+/// The pages of other runs in the output directory.
+pub(crate) fn other_pages(directory: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let mut pages: Vec<String> = names
+        .filter(|name| Path::new(name).extension().is_some_and(|end| end == "html"))
+        .collect();
+    pages.sort();
+    pages.truncate(MOST_PAGES);
+    pages
+}
+
 /// The page: of one scene, or of all with an overview.
 fn page(
     charted: &[Charted],
+    links: Vec<String>,
     mut sections: Vec<Section>,
     overview: Vec<Vec<String>>,
 ) -> (String, String) {
@@ -152,6 +171,8 @@ fn page(
         title,
         introduction: simulation::LEGEND.to_owned(),
         sections,
+        links: links.into_iter().filter(|link| *link != name).collect(),
     };
-    (name, page.html())
+    let html = page.html();
+    (name, html)
 }

@@ -14,6 +14,7 @@ use crate::{PublishedCase, Scene, Task};
 use self::case::{Case, Reproduced};
 use crate::arguments::ReproduceArguments;
 use crate::bounds::Bounds;
+use crate::chart::other_pages;
 use crate::failure::BadInput;
 use crate::output::OutputDirectory;
 use crate::page::Page;
@@ -67,6 +68,10 @@ pub(crate) fn run(
         title: "hangtime: published results, reproduced".to_owned(),
         introduction: overview::INTRODUCTION.to_owned(),
         sections,
+        links: other_pages(&arguments.out)
+            .into_iter()
+            .filter(|page| page.starts_with("chart") || page == "stability.html")
+            .collect(),
     };
     files.push((INDEX.to_owned(), page.html()));
     if !report.deliver(directory, &files).is_empty() {
