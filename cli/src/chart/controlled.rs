@@ -67,14 +67,11 @@ pub(super) fn chart(scenes: &[ControlScene], bounds: &Bounds) -> Result<Chart, B
     let mut progress = Progress::new("control scenes", (asked.len() * WAYS.len()) as f64);
     let mut runs = Vec::new();
     for (scene, intervals, best) in asked {
-        for way in 0..WAYS.len() {
+        for (way, (name, _)) in WAYS.iter().enumerate() {
             if bounds.asked().is_some() {
                 break;
             }
-            progress.say(&format!(
-                "{}: {}, {intervals} intervals",
-                scene.name, WAYS[way].0
-            ));
+            progress.say(&format!("{}: {name}, {intervals} intervals", scene.name));
             runs.push(solve(scene, way, (intervals, best), bounds)?);
             progress.reach(runs.len() as f64);
         }

@@ -19,14 +19,10 @@ use crate::page::{Page, Section};
 use crate::report::Report;
 use crate::settings::ChosenScene;
 use crate::table::table;
-use std::path::Path;
 
 use crate::{ControlScene, HardScene, Scene};
 use peers::Peers;
 use study::{Charted, charted};
-
-/// Most pages that are linked.
-const MOST_PAGES: usize = 50;
 
 /// What the program knows that can be charted.
 pub(crate) struct Listed {
@@ -77,7 +73,7 @@ pub(crate) fn run(listed: &Listed, arguments: &ChartArguments) -> Result<Report,
     };
     let mut files = drawn.files;
     if !drawn.sections.is_empty() {
-        let links = other_pages(&arguments.out);
+        let links = directory.pages();
         files.push(page(&charted, links, drawn.sections, drawn.overview));
     }
     report.diagnoses.extend(
@@ -129,18 +125,6 @@ impl Drawn {
             self.texts.concat()
         }
     }
-}
-
-/// The pages of other runs in the output directory.
-pub(crate) fn other_pages(directory: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();
-    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
-    let mut pages: Vec<String> = names
-        .filter(|name| Path::new(name).extension().is_some_and(|end| end == "html"))
-        .collect();
-    pages.sort();
-    pages.truncate(MOST_PAGES);
-    pages
 }
 
 /// The page: of one scene, or of all with an overview.

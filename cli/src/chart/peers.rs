@@ -84,7 +84,7 @@ impl Peers {
             return Ok(Self::default());
         }
         let mut reader = csv::Reader::from_reader(text.as_bytes());
-        if !reader.headers().is_ok_and(|header| header == &HEADER[..]) {
+        if !reader.headers().is_ok_and(|header| *header == HEADER[..]) {
             return Err(refuse(
                 1,
                 &format!("the columns are not {}", HEADER.join(", ")),

@@ -39,20 +39,24 @@ pub(super) fn chart(
     let mut measured = measure_all(study, &reference, bounds, of_many)?;
     let title = study.title();
     measured.extend(peers.measured(&title, &reference));
-    let measured = measured;
     let error = format!(
         "largest error of a coordinate at {} s",
         study.problem.horizon
     );
-    let rows: Vec<Vec<String>> = measured.iter().map(Measured::row).collect();
     let against = format!(
         "measured against {}, known to {:.0e}",
         reference.what, reference.uncertainty
     );
+    let beside = beside_peers(&measured, &peers.origin(&title));
     let text = format!(
-        "{title}: {error}, {against}\n\n{}{}\n",
-        table(header(), rows.clone()),
-        beside_peers(&measured, &peers.origin(&title))
+        "{title}: {error}, {against}\n\n{}{beside}\n",
+        table(header(), measured.iter().map(Measured::row))
+    );
+    let about = format!(
+        "{}. The {error}, {against}. Parameters: {}.{}{beside}",
+        study.chosen.scene.title,
+        study.chosen.parameters().join(", "),
+        absent(&measured)
     );
     let drawings = Drawings {
         title: &title,
@@ -60,45 +64,7 @@ pub(super) fn chart(
         uncertainty: reference.uncertainty,
         measured: &measured,
     };
-    let stem = study.stem();
-    let mut figures = Vec::from(drawings.compared());
-    let origin = peers.origin(&title);
-    if !origin.is_empty() {
-        figures.push(("peers", drawings.peers()));
-    }
-    let schemes = drawings.schemes();
-    let data = format!("chart-{stem}.csv");
-    let mut files = vec![(data.clone(), csv(&error, &measured))];
-    let drawn = figures.iter().chain(&schemes);
-    files.extend(drawn.map(|(kind, svg)| (format!("chart-{stem}-{kind}.svg"), svg.clone())));
-    let beside = beside_peers(&measured, &origin);
-    let section = Section {
-        heading: title.clone(),
-        text: format!(
-            "{}. The {error}, {against}. Parameters: {}.{}{beside}",
-            study.chosen.scene.title,
-            study.chosen.parameters().join(", "),
-            absent(&measured)
-        ),
-        header: header(),
-        rows,
-        figures: figures.into_iter().map(|(_, svg)| svg).collect(),
-        folds: vec![
-            Fold {
-                title: "The schemes, one by one".to_owned(),
-                figures: schemes.into_iter().map(|(_, svg)| svg).collect(),
-                ..Fold::default()
-            },
-            Fold {
-                title: "Every run".to_owned(),
-                header: RUNS.map(str::to_owned).into(),
-                rows: measured.iter().flat_map(Measured::runs).collect(),
-                ..Fold::default()
-            },
-        ],
-        files: vec![(data, "all runs".to_owned())],
-        animation: None,
-    };
+    let (section, files) = drawings.section(about, &study.stem());
     Ok(Chart {
         text,
         section: Some(section),
@@ -391,6 +357,44 @@ impl Drawings<'_> {
             curves: curves.collect(),
         }
         .svg()
+    }
+
+    /// All figures and tables, and the files that hold them; `stem` begins the names of the files.
+    fn section(&self, text: String, stem: &str) -> (Section, Vec<(String, String)>) {
+        let mut figures = Vec::from(self.compared());
+        let of_peers = |measured: &Measured| measured.sweep.group == Group::Peers;
+        if self.measured.iter().any(of_peers) {
+            figures.push(("peers", self.peers()));
+        }
+        let schemes = self.schemes();
+        let data = format!("chart-{stem}.csv");
+        let mut files = vec![(data.clone(), csv(self.error, self.measured))];
+        let drawn = figures.iter().chain(&schemes);
+        files.extend(drawn.map(|(kind, svg)| (format!("chart-{stem}-{kind}.svg"), svg.clone())));
+        let folds = vec![
+            Fold {
+                title: "The schemes, one by one".to_owned(),
+                figures: schemes.into_iter().map(|(_, svg)| svg).collect(),
+                ..Fold::default()
+            },
+            Fold {
+                title: "Every run".to_owned(),
+                header: RUNS.map(str::to_owned).into(),
+                rows: self.measured.iter().flat_map(Measured::runs).collect(),
+                ..Fold::default()
+            },
+        ];
+        let section = Section {
+            heading: self.title.to_owned(),
+            text,
+            header: header(),
+            rows: self.measured.iter().map(Measured::row).collect(),
+            figures: figures.into_iter().map(|(_, svg)| svg).collect(),
+            folds,
+            files: vec![(data, "all runs".to_owned())],
+            animation: None,
+        };
+        (section, files)
     }
 
     /// The families of methods, over step size and over CPU time.

@@ -1,11 +1,8 @@
 //! `hangtime chart --stability`: what every method makes of scenes on which methods fail.
 
-use std::path::Path;
-
 use cpu_time::ProcessTime;
 use hangtime::simulation::{InitialValueProblem, InputError, Simulation, SimulationStatus};
 
-use super::other_pages;
 use super::study::{Reference, Study, charted, distance};
 use crate::arguments::{ChartArguments, FormulationName, Method, MethodArguments};
 use crate::bounds::Bounds;
@@ -151,7 +148,8 @@ pub(super) fn run(
             .map(|stop| stop.line("chart", &arguments.limits)),
     );
     drop(bounds);
-    let written = report.deliver(directory, &files(&rows, &arguments.out));
+    let files = files(&rows, directory.pages());
+    let written = report.deliver(directory, &files);
     report.text += &written;
     Ok(report)
 }
@@ -208,7 +206,7 @@ fn sums(rows: &[Row]) -> Vec<Vec<String>> {
     sums.collect()
 }
 
-fn files(rows: &[Row], directory: &Path) -> Vec<(String, String)> {
+fn files(rows: &[Row], pages: Vec<String>) -> Vec<(String, String)> {
     let (csv, html) = ("stability.csv", "stability.html");
     let data = csv_text(&header(), rows.iter().map(Row::cells));
     let reasons = rows
@@ -217,10 +215,7 @@ fn files(rows: &[Row], directory: &Path) -> Vec<(String, String)> {
     let page = Page {
         title: "What methods do where methods fail".to_owned(),
         introduction: INTRODUCTION.to_owned(),
-        links: other_pages(directory)
-            .into_iter()
-            .filter(|page| page != html)
-            .collect(),
+        links: pages.into_iter().filter(|page| page != html).collect(),
         sections: vec![
             Section {
                 heading: "Sums".to_owned(),

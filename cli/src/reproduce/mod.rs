@@ -14,7 +14,6 @@ use crate::{PublishedCase, Scene, Task};
 use self::case::{Case, Reproduced};
 use crate::arguments::ReproduceArguments;
 use crate::bounds::Bounds;
-use crate::chart::other_pages;
 use crate::failure::BadInput;
 use crate::output::OutputDirectory;
 use crate::page::Page;
@@ -68,7 +67,8 @@ pub(crate) fn run(
         title: "hangtime: published results, reproduced".to_owned(),
         introduction: overview::INTRODUCTION.to_owned(),
         sections,
-        links: other_pages(&arguments.out)
+        links: directory
+            .pages()
             .into_iter()
             .filter(|page| page.starts_with("chart") || page == "stability.html")
             .collect(),

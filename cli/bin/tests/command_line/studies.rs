@@ -133,7 +133,9 @@ fn chart_writes_a_point_for_every_run_and_measures_the_order_of_the_default_sche
         assert!(lost || stored || line.contains(",solved"), "{line}");
     }
     // Another program comes to the same end by itself, as the points that are stored of it show.
-    let scipy = csv.lines().filter(|line| line.starts_with("\"scipy DOP853, stored "));
+    let scipy = csv
+        .lines()
+        .filter(|line| line.starts_with("\"scipy DOP853, stored "));
     let errors = scipy.map(|line| {
         let (_, error) = line.split_once(",,").unwrap();
         error.split(',').next().unwrap().parse::<f64>().unwrap()
