@@ -6,7 +6,8 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
 use hangtime::mpcc::Mpcc as _;
-use hangtime::nl::{self, Program, Solution, Stationarity};
+use hangtime::mpcc::Stationarity;
+use hangtime::nl::{self, Program, Solution};
 use hangtime::simulation::ProblemSize;
 
 use crate::arguments::NlpArguments;

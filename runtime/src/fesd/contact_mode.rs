@@ -226,7 +226,10 @@ fn select_by_jerk(
     contacts.constrained_acceleration(strict, &forces, &mut motion);
     let matrix = sharing::reduced_couplings(contacts, &held, &lines)?;
     let scales: Vec<f64> = lines.iter().map(|&line| contacts.scale(line)).collect();
-    let (step, time_scale) = difference_step(contacts, x, &motion);
+    let largest = scales
+        .iter()
+        .fold(0.0_f64, |largest, scale| largest.max(*scale));
+    let (step, time_scale) = difference_step(contacts, x, (&motion, largest));
     // Far from the origin the step is longer and leaves fewer digits.
     let biactive = BIACTIVE.max(4.0 * (step / time_scale).powi(2));
     let mut jerk = vec![0.0; lines.len()];
@@ -297,12 +300,22 @@ fn from_rest(margin: f64, slip: f64, zero: f64) -> Option<Tangential> {
     }
 }
 
-/// Step of a central difference along the motion with the acceleration `motion`, and the motion's own time
-/// scale: truncation and rounding errors are both near 1e-10 for a step of 1e-5 of it.
-fn difference_step(contacts: &Contacts<'_>, x: &[f64], motion: &[f64]) -> (f64, f64) {
+/// Step of a central difference along the motion with the acceleration `motion`, beside accelerations of the size `scale`,
+/// and the motion's own time scale: truncation and rounding errors are both near 1e-10 for a step of 1e-5 of it.
+fn difference_step(
+    contacts: &Contacts<'_>,
+    x: &[f64],
+    (motion, scale): (&[f64], f64),
+) -> (f64, f64) {
     let speed = norm(&x[contacts.n..2 * contacts.n]) + f64::MIN_POSITIVE;
     let rounding = f64::EPSILON * norm(&x[..contacts.n]);
-    let own = speed / (norm(motion) + f64::MIN_POSITIVE);
+    let acceleration = norm(motion);
+    // Where it is rounding error, at rest under forces that change with time, its ratio to the velocity says nothing.
+    let own = if acceleration > BIACTIVE * scale {
+        speed / acceleration
+    } else {
+        f64::INFINITY
+    };
     // From rest the velocity says nothing.
     let shortest = if speed * own > 1e8 * rounding {
         0.0

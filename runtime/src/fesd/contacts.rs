@@ -7,7 +7,7 @@
 use super::active_contact::{ActiveContact, Tangential};
 use super::contact_size::ContactSize;
 use crate::linalg::{dense, lcp};
-use crate::model::{Model, contact_point, friction_coefficients, tangent_point};
+use crate::model::{Model, contact_point, contains_ground, friction_coefficients, tangent_point};
 
 /// Coupling of the force of a slipping contact to its own normal velocity below which no force holds the
 /// contact: the friction presses as much as the force lifts.
@@ -177,6 +177,15 @@ impl<'a> Contacts<'a> {
             }
         }
         self.evaluations += 1;
+    }
+
+    /// Whether the ground of a contact that was evaluated with the velocities `v` moves.
+    pub(crate) fn ground_moves(&self, contact: usize, v: &[f64]) -> bool {
+        contains_ground(self.normal_velocity(contact), self.normal(contact), v)
+            || self.friction[contact] > 0.0 && {
+                let along = &self.tangent(contact)[tangent_point::TANGENT..][..self.n];
+                contains_ground(self.sliding_velocity(contact), along, v)
+            }
     }
 
     /// Sizes of gap and velocities of a contact that was evaluated at `x`.

@@ -220,9 +220,18 @@ pub mod contact_point {
     }
 }
 
+/// Whether a velocity contains more than `covector' v`, up to rounding error: that of a ground that moves, which does work
+/// on the bodies.
+pub(crate) fn contains_ground(velocity: f64, covector: &[f64], v: &[f64]) -> bool {
+    const ROUNDING: f64 = 1e-12;
+    let terms = || covector.iter().zip(v).map(|(c, v)| c * v);
+    let size = terms().fold(velocity.abs(), |size, term| size + term.abs());
+    (velocity - terms().sum::<f64>()).abs() > ROUNDING * size
+}
+
 /// Layout of the output of [`Model::tangent`].
 pub mod tangent_point {
-    /// Sliding velocity `v_t = b' v`.
+    /// Sliding velocity `v_t = b' v` (plus what the ground moves).
     pub const SLIDING_VELOCITY: usize = 0;
     /// Velocity-dependent part of the sliding acceleration: `v_t' = b' v' + CURVATURE`.
     pub const CURVATURE: usize = 1;

@@ -63,6 +63,7 @@ mod settings;
 mod sides;
 mod solution;
 mod solve;
+mod stationarity;
 mod watch;
 
 pub use crate::nlp::Residuals;
@@ -71,3 +72,4 @@ pub use problem::Mpcc;
 pub use settings::{RelaxationRule, Settings};
 pub use solution::{Solution, Status};
 pub use solve::{solve, solve_observed};
+pub use stationarity::Stationarity;

@@ -31,5 +31,5 @@ mod vertical;
 
 pub use error::ReadError;
 pub use program::Program;
-pub use solution::{Solution, Stationarity, Status, Work};
+pub use solution::{Solution, Status, Work};
 pub use solve::solve;

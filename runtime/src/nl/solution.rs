@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::program::Program;
-use crate::nlp::Residuals;
-use crate::nlp::Violation;
+use crate::mpcc::Stationarity;
+use crate::nlp::{Residuals, Violation};
 
 /// How a solve ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -58,29 +58,6 @@ impl Status {
             Self::TimeLimit => 401,
             Self::Interrupted => 402,
             Self::Failed => 500,
-        }
-    }
-}
-
-/// What is proved about a solution.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Stationarity {
-    /// Strongly stationary: the optimality conditions of the relaxed program hold. Without pairs, those of the program.
-    S,
-    /// B-stationary: no choice of the vanishing sides has a descent direction.
-    B,
-    /// Nothing.
-    None,
-}
-
-impl Stationarity {
-    /// `S`, `B` or `none`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::S => "S",
-            Self::B => "B",
-            Self::None => "none",
         }
     }
 }

@@ -3,8 +3,8 @@
 use cpu_time::ThreadTime;
 
 use super::program::Program;
-use super::solution::{Solution, Stationarity, Status, Work};
-use crate::mpcc::{self, Mpcc, StationarityType};
+use super::solution::{Solution, Status, Work};
+use crate::mpcc::{self, Mpcc, Stationarity, StationarityType};
 use crate::nlp::{self, InputError};
 
 /// Solves a program with the default settings of [`mpcc`], or of [`nlp`] where nothing is complementary, in at most

@@ -1,6 +1,7 @@
 //! What the caller keeps.
 
 use super::previous::Previous;
+use crate::mpcc::Stationarity;
 use crate::nlp::Violation;
 use crate::ocp::motion::control_grid::{ControlShape, signal};
 use crate::seconds::Seconds;
@@ -51,52 +52,6 @@ impl Status {
             Self::Unbounded => "unbounded",
             Self::Interrupted => "interrupted",
             Self::Failed(_) => "failed",
-        }
-    }
-}
-
-/// What is proved about the contact sequence of a result.
-///
-/// ```
-/// use hangtime::prelude::*;
-///
-/// # hangtime::model! {
-/// #     /// A cart that is pushed to 1 m.
-/// #     pub Cart {
-/// #         parameters { m: kg = 2 }
-/// #         coordinates { y: m }
-/// #         controls { u: N in -1..=1 }
-/// #         lagrangian m/2*dot(y)^2
-/// #         forces { y: u }
-/// #         minimize time
-/// #         finally { y == 1[m] }
-/// #     }
-/// # }
-/// let cart = Cart::default();
-/// let solution = solve(&cart).intervals(4).run()?;
-/// // Without contacts there is no neighbouring contact sequence.
-/// assert_eq!(solution.stationarity, Stationarity::S);
-/// # Ok::<(), InputError>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Stationarity {
-    /// Nowhere do gap and force of a contact vanish together, and no switch sticks to a jump of the
-    /// controls: the sequence has no neighbours.
-    S,
-    /// There are such places, and none of the neighbouring sequences gives a better motion.
-    B,
-    /// Not decided.
-    None,
-}
-
-impl Stationarity {
-    /// Name used in JSON.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::S => "S",
-            Self::B => "B",
-            Self::None => "none",
         }
     }
 }

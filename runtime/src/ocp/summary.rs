@@ -3,7 +3,8 @@
 use std::fmt;
 use std::ops::Index;
 
-use super::solution::{Solution, Stationarity};
+use super::solution::Solution;
+use crate::mpcc::Stationarity;
 use crate::simulation::number;
 
 /// Share of the largest value of a component to which a plan meets its goals, and more.

@@ -5,7 +5,7 @@
 //!
 //! 1. Of the contacts that approach, that with the least `g_i / -v_n,i` is struck, together with those that rest
 //!    on their bodies; the other gaps change by as much as they do until then.
-//! 2. Each impact follows the impact law of the run; one that would raise the kinetic energy has no restitution.
+//! 2. Each impact follows the impact law of the run; one that would raise the kinetic energy on ground at rest has no restitution.
 //! 3. The cluster ends when no contact approaches, or after [`MOST_IMPACTS`] with an impact without restitution of
 //!    all at once: what then still approaches does so by a share of its speed that falls with each impact.
 //! 4. Contacts that are left with less than the slowest bounce, or [`SAME_VELOCITY`], come to rest: without an end of bounces infinitely many
@@ -31,6 +31,9 @@ pub(super) trait Bodies {
 
     /// Kinetic energy \[J\].
     fn kinetic_energy(&mut self) -> f64;
+
+    /// Whether the ground of one of these contacts moves, so that it does work.
+    fn ground_moves(&mut self, contacts: &[usize]) -> bool;
 
     /// Normal velocity of a contact of the cluster.
     fn normal_velocity(&mut self, contact: usize) -> f64;
@@ -194,12 +197,13 @@ fn run<B: Bodies>(bodies: &mut B, near: &mut [NearContact]) -> Result<Cluster, B
     Ok(cluster)
 }
 
-/// An impact that does not raise the kinetic energy.
+/// An impact that does not raise the kinetic energy on ground at rest.
 fn strike<B: Bodies>(bodies: &mut B, together: &[usize], elastic: bool) -> Result<f64, B::Error> {
     let before = bodies.velocity().to_vec();
     let energy = bodies.kinetic_energy();
+    let passive = elastic && !bodies.ground_moves(together);
     let time = bodies.strike(together, elastic)?;
-    if elastic && bodies.kinetic_energy() > energy * (1.0 + SAME_ENERGY) {
+    if passive && bodies.kinetic_energy() > energy * (1.0 + SAME_ENERGY) {
         bodies.velocity().copy_from_slice(&before);
         return bodies.strike(together, false);
     }

@@ -9,7 +9,6 @@ mod event_scales;
 mod fesd_accuracy;
 mod fesd_against_event_driven;
 mod fesd_complementarity;
-
 mod fesd_friction;
 mod fesd_laws_against_event_driven;
 mod fesd_properties;
@@ -24,6 +23,7 @@ mod hidden_switches;
 mod impact_clusters;
 mod linear_controls;
 mod modes_after_events;
+mod moving_ground;
 mod promises;
 mod restitution_event;
 mod time_stepping;

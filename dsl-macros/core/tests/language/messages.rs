@@ -162,9 +162,9 @@ texts! {
         "E03: units differ: `m/80 [s]` is in N s/m, where a pure number is needed (a coefficient of friction is a ratio)";
     sliding_velocity_without_time: beside "surface wall: y >= 0 impact wall: inelastic, friction 0.3, sliding dot(z)/1 [m]" =>
         "E03: units differ: `dot(z)/1 [m]` is in 1/s, where m/s is needed (the sliding velocity of `wall` has the unit of its gap over s)";
-    sliding_velocity_that_is_none: beside "surface wall: y >= 0 surface top: z <= 1 [m] impact wall: inelastic, friction 0.3, sliding dot(z) + 1 [m/s] impact top: inelastic, friction 0.3, sliding z/1 [s]" =>
-        "E07: `dot(z) + 1 [m/s]` is no sliding velocity: that is a sum of velocities times functions of positions, zero at rest, such as `dot(y)`",
-        "E07: `z/1 [s]` is no sliding velocity: that is a sum of velocities times functions of positions, zero at rest, such as `dot(y)`";
+    sliding_velocity_that_is_none: beside "surface wall: y >= 0 surface top: z <= 1 [m] impact wall: inelastic, friction 0.3, sliding dot(z)*dot(y)/1 [m/s] impact top: inelastic, friction 0.3, sliding z/1 [s]" =>
+        "E07: `dot(z)*dot(y)/1 [m/s]` is no sliding velocity: that is a sum of velocities times functions of positions, such as `dot(y)`, less the speed of a ground that moves",
+        "E07: the sliding velocity `z/1 [s]` contains no velocity; write e.g. `dot(y)`";
     friction_beyond_a_point_mass: messages
         "S { parameters { m: kg = 1, mu = 0.3 } coordinates { y: m, z: m, s: m } lagrangian m/2*|dot((y, z, s))|^2 surface wall: y >= 0 impact wall: inelastic, friction mu }" =>
         "E20: `friction` of `wall` needs the sliding velocity, which follows by itself for one point mass in two Cartesian coordinates on a surface at rest only; add that of the touching point along the surface, scaled like the gap, as in `impact wall: ..., friction mu, sliding dot(y)`";

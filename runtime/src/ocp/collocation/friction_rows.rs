@@ -289,7 +289,7 @@ mod tests {
             surface ground: z - ground(y) >= 0
             surface wall: z + y <= 3 [m]
             impact ground: friction mu, restitution e, sliding dot(y) + 0.1[m]*w*cos(w*y)*dot(z)
-            impact wall: inelastic, friction 2*mu, sliding dot(y) - dot(z)
+            impact wall: inelastic, friction 2*mu, sliding dot(y) - dot(z) - 0.2[m/s]*cos(w*y)
             minimize time
             finally { y == 1.5 [m] }
             start { z: 0.5 [m], dot(y): 1 [m/s] }

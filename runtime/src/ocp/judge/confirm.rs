@@ -3,6 +3,7 @@
 use super::disagreement::disagreement;
 use super::margins::margins;
 use super::refine_grid::{ROUNDS, refine};
+use crate::mpcc::Stationarity;
 use crate::ocp::collocation::between_stages::excess;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::Cut;
@@ -16,7 +17,7 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::search::replay::{read_replay, simulate};
 use crate::ocp::settings::Settings;
-use crate::ocp::solution::{Solution, Stationarity, Status};
+use crate::ocp::solution::{Solution, Status};
 use crate::rk::ButcherTableau;
 use crate::simulation::ContactMode;
 use crate::simulation::{

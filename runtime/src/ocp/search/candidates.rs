@@ -3,6 +3,7 @@
 use super::attempt::{Attempt, Attempts, Local, Purpose};
 use super::repair::repair;
 use super::replay::{read_replay, simulate};
+use crate::mpcc::Stationarity;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
 use crate::ocp::global::{coarse_to_fine, time_freezing_search};
@@ -13,7 +14,7 @@ use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Formulation;
-use crate::ocp::solution::{Stationarity, TimeFreezingReport};
+use crate::ocp::solution::TimeFreezingReport;
 use crate::simulation::{InputError, SimulationStatus};
 
 /// Most switches of short contacts and flights for which a sequence is tried with them, too.

@@ -3,13 +3,13 @@
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
 use super::pressure::Pressure;
 use super::{friction_neighbours, neighbours};
+use crate::mpcc::Stationarity;
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::touching_gap;
 use crate::ocp::effort::Effort;
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
-use crate::ocp::solution::Stationarity;
 use crate::simulation::InputError;
 
 /// Follows improving neighbours of the best, and sequences in other basins, until there is none; says what was proved.

@@ -6,10 +6,11 @@
 
 use super::one_grid::{Round, Start, solve_round};
 use crate::model::Model;
+use crate::mpcc::Stationarity;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::progress::Watch;
 use crate::ocp::settings::Settings;
-use crate::ocp::solution::{Solution, Stationarity, Status};
+use crate::ocp::solution::{Solution, Status};
 use crate::simulation::InputError;
 
 /// How often the range is moved, each time by a factor of 20 at most.

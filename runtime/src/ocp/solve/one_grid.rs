@@ -1,6 +1,7 @@
 //! From a guess to a judged motion, on one grid of the controls.
 
 use crate::model::Model;
+use crate::mpcc::Stationarity;
 use crate::nlp;
 use crate::ocp::collocation::discretization::{Places, Setting, parabolas};
 use crate::ocp::effort::Effort;
@@ -18,7 +19,7 @@ use crate::ocp::search::attempt::{Attempts, Local};
 use crate::ocp::search::candidates::{Found, Search};
 use crate::ocp::search::ride::ride;
 use crate::ocp::settings::{Guess, Settings};
-use crate::ocp::solution::{Counts, Solution, Stationarity, Status};
+use crate::ocp::solution::{Counts, Solution, Status};
 use crate::rk::{ButcherTableau, Scheme};
 use crate::seconds::Seconds;
 use crate::simulation::InputError;

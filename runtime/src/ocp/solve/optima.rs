@@ -1,6 +1,7 @@
 //! What several runs come to: the best of them, and the distinct local optima that they saw.
 
-use crate::ocp::solution::{Counts, Optimum, Solution, Stationarity, Status};
+use crate::mpcc::Stationarity;
+use crate::ocp::solution::{Counts, Optimum, Solution, Status};
 use crate::seconds::Seconds;
 
 /// Relative difference of the objective within which two local optima count as the same.

@@ -9,11 +9,12 @@ use super::optima::{Found, rank};
 use super::shared_observer::SharedObserver;
 use crate::Progress;
 use crate::model::Model;
+use crate::mpcc::Stationarity;
 use crate::ocp::effort::Effort;
 use crate::ocp::problem::Problem;
 use crate::ocp::progress::Watch;
 use crate::ocp::settings::Settings;
-use crate::ocp::solution::{Counts, Solution, Stationarity, Status};
+use crate::ocp::solution::{Counts, Solution, Status};
 use crate::simulation::InputError;
 
 /// Relative increase of the objective that rounding and tolerances explain.

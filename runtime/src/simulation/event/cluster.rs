@@ -84,6 +84,14 @@ impl impact_cluster::Bodies for Bodies<'_, '_> {
         self.dynamics.kinetic_energy(self.y)
     }
 
+    fn ground_moves(&mut self, contacts: &[usize]) -> bool {
+        self.dynamics.load(self.t, self.y);
+        contacts.iter().any(|&contact| {
+            self.dynamics.evaluate_sides(contact);
+            self.dynamics.ground_moves(contact)
+        })
+    }
+
     fn normal_velocity(&mut self, contact: usize) -> f64 {
         self.dynamics.load(self.t, self.y);
         self.dynamics.evaluate_contact(contact);

@@ -52,7 +52,7 @@ pub(in crate::simulation) struct Impact {
     pub(in crate::simulation) ended: Vec<EndOfBounces>,
     /// What a user should know of a cluster of impacts.
     pub(in crate::simulation) cluster: Option<&'static str>,
-    /// Kinetic energy before and after, if the law has raised it.
+    /// Kinetic energy before and after, if the law has raised it on ground at rest.
     pub(in crate::simulation) energy_gain: Option<(f64, f64)>,
 }
 
@@ -126,7 +126,8 @@ pub(super) fn strike(
         message,
     })?;
     let elastic = returned.iter().any(|&velocity| velocity > 0.0);
-    let before = if elastic {
+    let passive = elastic && !closed.iter().any(|&i| dynamics.ground_moves(i));
+    let before = if passive {
         dynamics.kinetic_energy(y)
     } else {
         0.0
@@ -135,7 +136,7 @@ pub(super) fn strike(
     for (v, change) in y[n..2 * n].iter_mut().zip(change) {
         *v += change;
     }
-    if elastic {
+    if passive {
         let after = dynamics.kinetic_energy(y);
         outcome.energy_gain = (after > before * (1.0 + SAME_ENERGY)).then_some((before, after));
     }

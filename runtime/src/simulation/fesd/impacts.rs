@@ -126,10 +126,11 @@ fn strike(
         }
     }
     let elastic = restitution.iter().any(|e| *e > 0.0);
-    let before = if elastic { kinetic_energy(driver) } else { 0.0 };
+    let passive = elastic && !ground_moves(driver, touching);
+    let before = if passive { kinetic_energy(driver) } else { 0.0 };
     driver.now.numerical_time += jump(driver, touching, &restitution)?;
     driver.now.write_input();
-    if elastic {
+    if passive {
         compare_energies(driver, before, closing);
     }
     if touching.len() > 1 {
@@ -170,6 +171,13 @@ fn kinetic_energy(driver: &Driver<'_>) -> f64 {
     driver.setup.model.mass_matrix(x, &mut mass);
     let momentum = mass.chunks_exact(n).map(|row| dot(row, v));
     0.5 * momentum.zip(v).map(|(p, v)| p * v).sum::<f64>()
+}
+
+/// Whether the ground of one of the contacts moves, which are evaluated at the present state.
+fn ground_moves(driver: &Driver<'_>, contacts: &[usize]) -> bool {
+    let now = &driver.now;
+    let moves = |&i: &usize| now.contacts.ground_moves(i, &now.state.v);
+    contacts.iter().any(moves)
 }
 
 /// Remembers an impact of the `closing` contacts that raised the kinetic energy.
@@ -216,6 +224,11 @@ impl impact_cluster::Bodies for Bodies<'_, '_> {
 
     fn kinetic_energy(&mut self) -> f64 {
         kinetic_energy(self.0)
+    }
+
+    fn ground_moves(&mut self, contacts: &[usize]) -> bool {
+        self.0.now.evaluate_contacts(contacts.iter().copied());
+        ground_moves(self.0, contacts)
     }
 
     fn normal_velocity(&mut self, contact: usize) -> f64 {

@@ -13,7 +13,7 @@ pub(in crate::simulation) mod switching;
 pub(in crate::simulation) use switch::Switch;
 
 use super::contact_state::{ContactState, Direction};
-use crate::model::{ControlPiece, Model, contact_point, tangent_point};
+use crate::model::{ControlPiece, Model, contact_point, contains_ground, tangent_point};
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
     SimulationStatus, Trajectory,
@@ -302,6 +302,15 @@ impl<'a> Dynamics<'a> {
         &self.tangent_point(contact)[tangent_point::direction(self.n)..][..self.n]
     }
 
+    /// Whether the ground of a contact moves as last evaluated.
+    pub(in crate::simulation) fn ground_moves(&self, contact: usize) -> bool {
+        let v = &self.evaluated.x[self.n..2 * self.n];
+        let normal_velocity = self.point(contact)[contact_point::NORMAL_VELOCITY];
+        contains_ground(normal_velocity, self.normal(contact), v)
+            || self.has_friction(contact)
+                && contains_ground(self.sliding_velocity(contact), self.tangent(contact), v)
+    }
+
     /// Whether a contact has a coefficient of friction above zero.
     pub(in crate::simulation) fn has_friction(&self, contact: usize) -> bool {
         self.laws.friction[contact] > 0.0
@@ -460,8 +469,8 @@ impl<'a> Dynamics<'a> {
         for i in 0..self.contacts {
             self.evaluate_sides(i);
             let tangent = self.has_friction(i).then(|| {
-                &self.evaluated.tangents[i * tangent_point::length(n)..][tangent_point::TANGENT..]
-                    [..n]
+                let length = tangent_point::length(n);
+                &self.evaluated.tangents[i * length..(i + 1) * length]
             });
             let length = contact_point::length(n);
             let point = &self.evaluated.points[i * length..(i + 1) * length];

@@ -1,7 +1,7 @@
 //! What counts as zero at a contact: shares of the sizes of its own functions, so that it depends neither on where
 //! a scene is nor on the units in which it is written.
 
-use crate::model::contact_point;
+use crate::model::{contact_point, tangent_point};
 
 /// Gaps below this share of the range of values that the gap has had are closed: contacts that close at one
 /// instant do so up to the errors of integration.
@@ -87,7 +87,8 @@ impl Default for ContactScale {
 }
 
 impl ContactScale {
-    /// Takes note of a contact, laid out as in [`contact_point`], and of its tangent if it has friction.
+    /// Takes note of a contact, laid out as in [`contact_point`], and of its tangential side, laid out as in
+    /// [`tangent_point`], if it has friction.
     pub(super) fn observe(&mut self, point: &[f64], tangent: Option<&[f64]>, instant: Instant<'_>) {
         let gap = point[contact_point::GAP];
         self.longest = self.longest.max(instant.moment);
@@ -98,7 +99,10 @@ impl ContactScale {
         let terms = instant.velocity_terms(normal) + instant.moment * curvature;
         self.normal_velocity = self.normal_velocity.max(terms);
         if let Some(tangent) = tangent {
-            let terms = instant.velocity_terms(tangent);
+            let along = &tangent[tangent_point::TANGENT..][..instant.q.len()];
+            // Ground that moves is a term of its own.
+            let sliding = tangent[tangent_point::SLIDING_VELOCITY].abs();
+            let terms = instant.velocity_terms(along).max(sliding);
             self.sliding_velocity = self.sliding_velocity.max(terms);
         }
         let position: f64 = normal
