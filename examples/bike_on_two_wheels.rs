@@ -7,8 +7,7 @@
 
 use std::process::ExitCode;
 
-use hangtime::model::Model;
-use hangtime_cli::{CommandLine, GroundLine, Plane, Scene, Variant};
+use hangtime_cli::{CommandLine, Scene, Variant};
 
 hangtime::model! {
     /// A rigid bike with two small wheels; its rider pulls on the handlebar and shifts weight.
@@ -33,6 +32,12 @@ hangtime::model! {
         surface front_wheel: front.z - track(front.y) >= 0
         impact rear_wheel: inelastic
         impact front_wheel: inelastic
+        picture {
+            point rear_wheel at rear,
+            point front_wheel at front,
+            link rear_wheel to front_wheel,
+            curve track: (w, track(w)) over w,
+        }
 
         minimize time
         finally { y == 5[m] }
@@ -46,30 +51,7 @@ pub const SCENES: &[Scene] = &[Scene::new(
     "bike",
     "a bike on two wheels crosses a wavy track in least time",
     &[Variant::new(|| Box::new(Bike::default()))],
-)
-.drawn(Plane {
-    axes: ["y [m]", "z [m]"],
-    unit: "m",
-    bodies: &["rear wheel", "front wheel"],
-    links: &[[0, 1]],
-    positions: |model, q| wheels(model, q).into(),
-    ground,
-})];
-
-fn wheels(model: &dyn Model, q: &[f64]) -> [[f64; 2]; 2] {
-    let (across, up) = (q[2].cos(), q[2].sin());
-    let a = model.parameter(3);
-    [-a, a].map(|side| [q[0] + side * across, q[1] + side * up])
-}
-
-fn ground(model: &dyn Model, from: f64, to: f64) -> Vec<GroundLine> {
-    let points = (0..=200).map(|i| from + (to - from) * f64::from(i) / 200.0);
-    let height = |y: f64| model.parameter(4) * (1.0 - (2.0 * y).cos());
-    vec![GroundLine {
-        name: "track",
-        points: points.map(|y| [y, height(y)]).collect(),
-    }]
-}
+)];
 
 fn main() -> ExitCode {
     CommandLine::new(SCENES).run(std::env::args_os())

@@ -7,7 +7,7 @@
 
 use std::process::ExitCode;
 
-use hangtime_cli::{CommandLine, Plane, Scene, Variant};
+use hangtime_cli::{CommandLine, Scene, Variant};
 
 hangtime::model! {
     /// A sledge with a propeller that can be tilted.
@@ -34,8 +34,7 @@ pub const SCENES: &[Scene] = &[Scene::new(
     "sledge",
     "a sledge crosses a hollow in least time",
     &[Variant::new(|| Box::new(Sledge::default()))],
-)
-.drawn(Plane::of_one_body(&["sledge"], ["y [m]", "z [m]"]))];
+)];
 
 fn main() -> ExitCode {
     CommandLine::new(SCENES).run(std::env::args_os())

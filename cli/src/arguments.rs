@@ -40,8 +40,12 @@ pub(crate) enum Command {
     Explain(ExplainArguments),
     /// Report the mistakes of a scene file, and nothing else.
     Check(CheckArguments),
+    /// Write scene files anew in the settled style; comments stay, and so does what they declare.
+    Fmt(FormatArguments),
     /// Write a scene file to begin with, which simulates and solves as it stands.
     New(NewArguments),
+    /// Write a page on which scenes are written, simulated, solved and played; it opens in a browser without a server.
+    Play(PlayArguments),
     /// Reproduce the published results and write figures, data and a page.
     Reproduce(ReproduceArguments),
     /// Print the script that completes commands, options and their choices in a shell.
@@ -325,12 +329,34 @@ pub(crate) struct CheckArguments {
     pub(crate) file: String,
 }
 
+/// Arguments of `fmt`.
+#[derive(Debug, Args)]
+pub(crate) struct FormatArguments {
+    /// The scene files, which end with .hang.
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<String>,
+    /// Write nothing, and refuse files that are not in the settled style.
+    #[arg(long)]
+    pub(crate) check: bool,
+}
+
 /// Arguments of `new`.
 #[derive(Debug, Args)]
 pub(crate) struct NewArguments {
     /// Name of the scene; NAME.hang is written, unless there is such a file.
     #[arg(value_name = "NAME")]
     pub(crate) name: String,
+}
+
+/// Arguments of `play`.
+#[derive(Debug, Args)]
+pub(crate) struct PlayArguments {
+    /// A scene file that the page opens with [default: the first shipped scene].
+    #[arg(value_name = "FILE")]
+    pub(crate) file: Option<String>,
+    /// Directory for the page; made if it does not exist.
+    #[arg(long, value_name = "DIR", default_value = OUT)]
+    pub(crate) out: PathBuf,
 }
 
 /// Arguments of `reproduce`.
@@ -474,7 +500,7 @@ mod tests {
     use hangtime::simulation::{EventDriven, Fesd, FixedStep, Moreau, Smooth};
 
     use super::{Arguments, duration};
-    use crate::solve::INTERVALS;
+    use crate::task::INTERVALS;
 
     fn help(command: &str) -> String {
         let mut arguments = Arguments::command();

@@ -12,9 +12,9 @@ use crate::chart::Listed;
 use crate::failure::{BadInput, visible};
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, refuse};
 use crate::scene_file::is_path;
-use crate::{ControlScene, HardScene, Scene};
+use crate::{ControlScene, HardScene, PlayPage, Scene};
 use crate::{
-    authoring, chart, explain, list, program, reproduce, scene, shell, simulate, solve, watch,
+    authoring, chart, explain, list, play, program, reproduce, scene, shell, simulate, solve, watch,
 };
 
 /// The command line over a list of scenes.
@@ -54,6 +54,7 @@ use crate::{
 pub struct CommandLine {
     scenes: &'static [Scene],
     hard: &'static [HardScene],
+    page: Option<PlayPage>,
     peers: &'static str,
     controlled: &'static [ControlScene],
 }
@@ -65,6 +66,7 @@ impl CommandLine {
         Self {
             scenes,
             hard: &[],
+            page: None,
             peers: "",
             controlled: &[],
         }
@@ -74,6 +76,15 @@ impl CommandLine {
     #[must_use]
     pub const fn with_hard(self, hard: &'static [HardScene]) -> Self {
         Self { hard, ..self }
+    }
+
+    /// The same, which writes this page by `play`.
+    #[must_use]
+    pub const fn with_page(self, page: PlayPage) -> Self {
+        Self {
+            page: Some(page),
+            ..self
+        }
     }
 
     /// The same, whose charts show runs of other programs on its scenes beside its own: a table in CSV with the columns `date`,
@@ -193,9 +204,11 @@ impl CommandLine {
             Some(Command::Solve(arguments)) => solve::run(scenes, &arguments),
             Some(Command::Nlp(arguments)) => program::run(&arguments),
             Some(Command::Chart(arguments)) => chart::run(&self.charted(), &arguments),
-            Some(Command::Explain(arguments)) => explain::run(scenes, &arguments),
+            Some(Command::Explain(arguments)) => explain::run(scenes, &arguments).map(Report::of),
             Some(Command::Check(arguments)) => authoring::check(&arguments),
+            Some(Command::Fmt(arguments)) => authoring::format(&arguments),
             Some(Command::New(arguments)) => authoring::new(&arguments),
+            Some(Command::Play(arguments)) => play::run(self.page, &arguments),
             Some(Command::Reproduce(arguments)) => reproduce::run(scenes, &arguments),
             Some(Command::Completions(arguments)) => Ok(shell::completions(parser, &arguments)),
             Some(Command::Man(arguments)) => shell::manual(parser, &arguments),

@@ -10,7 +10,6 @@ use hangtime::model::{
 
 use crate::arguments::ExplainArguments;
 use crate::failure::BadInput;
-use crate::report::Report;
 use crate::settings::ChosenScene;
 use crate::sizes::Sizes;
 use crate::table::{headed, table};
@@ -18,18 +17,28 @@ use crate::table::{headed, table};
 pub(crate) fn run(
     scenes: &'static [Scene],
     arguments: &ExplainArguments,
-) -> Result<Report, BadInput> {
+) -> Result<String, BadInput> {
     if let Some(page) = page(&arguments.scene.scene)? {
-        return Ok(Report::of(page));
+        return Ok(page.to_owned());
     }
     let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
-    if arguments.size {
-        let sizes = Sizes::of(&chosen);
-        return Ok(Report::of(match arguments.json {
-            true => sizes.json(&chosen),
-            false => sizes.text(),
-        }));
+    Ok(answer(&chosen, arguments))
+}
+
+/// What is asked for about a scene.
+pub(crate) fn answer(chosen: &ChosenScene, arguments: &ExplainArguments) -> String {
+    if !arguments.size {
+        return text(chosen);
     }
+    let sizes = Sizes::of(chosen);
+    match arguments.json {
+        true => sizes.json(chosen),
+        false => sizes.text(),
+    }
+}
+
+/// What was derived from a scene, for people.
+fn text(chosen: &ChosenScene) -> String {
     let declaration = chosen.model.declaration();
     let mut text = format!("{} ({})\n", chosen.scene.name, declaration.name);
     let documentation = declaration.documentation.lines().map(str::trim);
@@ -46,6 +55,11 @@ pub(crate) fn run(
         let _ = writeln!(text, "controls    {}", controls.join(", "));
     }
     text += &laws(&*chosen.model);
+    let outputs = chosen.model.outputs().iter();
+    let outputs: Vec<String> = outputs.map(|o| headed(o.name, o.unit)).collect();
+    if !outputs.is_empty() {
+        let _ = writeln!(text, "outputs     {}", outputs.join(", "));
+    }
     if declaration.explicit_time {
         text +=
             "time        the scene depends on the physical time t, which becomes the clock (E14)\n";
@@ -77,7 +91,7 @@ pub(crate) fn run(
         .map(|kernel| kernel.operations)
         .sum();
     let _ = writeln!(text, "  {total} operations in all");
-    Ok(Report::of(text))
+    text
 }
 
 /// The page of a mistake, if its code was given.

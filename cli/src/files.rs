@@ -4,6 +4,7 @@ use crate::PublishedData;
 use hangtime::simulation::Simulation;
 
 use crate::animation::Animation;
+use crate::drawing::Drawing;
 use crate::figure::over_time;
 use crate::motion::{panels, picture};
 use crate::page::{Page, Section};
@@ -26,6 +27,8 @@ pub(crate) struct ResultFiles<'a> {
     pub(crate) published: &'a PublishedData,
     /// Most rows of the trajectory.
     pub(crate) rows: usize,
+    /// The page that lists this result among others, if there is one, as (file name, what it holds).
+    pub(crate) index: Option<(&'static str, &'static str)>,
     /// What to tell about the result, as (name, value).
     pub(crate) facts: Vec<[String; 2]>,
 }
@@ -41,6 +44,7 @@ impl ResultFiles<'_> {
             json,
             published,
             rows,
+            index,
             facts,
         } = self;
         let model = chosen.model.as_ref();
@@ -49,7 +53,7 @@ impl ResultFiles<'_> {
             (format!("{stem}.json"), json.to_owned()),
             (
                 format!("{stem}-trajectory.csv"),
-                trajectory_csv(declaration, &simulation.trajectory, rows),
+                trajectory_csv(model, &simulation.trajectory, rows),
             ),
             (
                 format!("{stem}-events.csv"),
@@ -57,9 +61,9 @@ impl ResultFiles<'_> {
             ),
         ];
         let mut figures = Vec::new();
-        let plane = chosen.scene.plane.as_ref();
-        if let Some(plane) = plane {
-            let svg = picture(title.clone(), plane, model, simulation, published).svg();
+        let drawing = Drawing::of(model, chosen.scene.name);
+        if let Some(drawing) = &drawing {
+            let svg = picture(title.clone(), drawing, model, simulation, published).svg();
             figures.push((format!("{stem}.svg"), svg));
         }
         let heading = if published.curves.is_empty() {
@@ -69,7 +73,7 @@ impl ResultFiles<'_> {
         };
         let svg = over_time(&heading, &panels(model, simulation, published));
         figures.push((format!("{stem}-time.svg"), svg));
-        let animation = plane.and_then(|plane| Animation::new(plane, model, simulation));
+        let animation = drawing.and_then(|drawing| Animation::new(&drawing, model, simulation));
         let page = Page {
             title: title.clone(),
             introduction: format!(
@@ -85,9 +89,10 @@ impl ResultFiles<'_> {
                 figures: figures.iter().map(|(_, svg)| svg.clone()).collect(),
                 header: vec![String::new(), String::new()],
                 rows: facts.into_iter().map(Vec::from).collect(),
-                files: files
+                files: index
                     .iter()
-                    .map(|(name, _)| (name.clone(), name.clone()))
+                    .map(|(file, what)| (String::from(*file), String::from(*what)))
+                    .chain(files.iter().map(|(name, _)| (name.clone(), name.clone())))
                     .collect(),
             }],
             ..Page::default()

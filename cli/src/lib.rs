@@ -2,53 +2,88 @@
 //!
 //! A program with [`CommandLine`] simulates, solves, charts and explains its scenes, and writes their figures, tables
 //! and pages. What it knows about a scene is a [`Scene`].
+//!
+//! Without the feature `terminal` there are only the [`Calls`], for hosts that have no files and no terminal.
+
+#![cfg_attr(
+    not(feature = "terminal"),
+    allow(dead_code, unused_imports, reason = "what only commands need")
+)]
 
 mod animation;
 mod arguments;
-mod authoring;
-mod bounds;
-mod chart;
-mod command_line;
+mod calls;
+mod contour;
+mod drawing;
+mod ending;
 mod explain;
 mod failure;
-mod figure;
-mod files;
-
 mod json;
-mod list;
 mod markup;
 mod method;
-mod motion;
-mod output;
-mod page;
-mod program;
-mod progress;
 mod published;
 mod quantity;
+#[cfg(feature = "terminal")]
 mod report;
-mod reproduce;
 mod sampling;
 mod scene;
 mod scene_file;
 mod settings;
-mod shell;
-mod simulate;
 mod sizes;
-mod solve;
-mod spreadsheet;
 mod table;
+mod task;
 #[cfg(test)]
 mod testing;
 mod thinning;
+
+#[cfg(feature = "terminal")]
+mod authoring;
+#[cfg(feature = "terminal")]
+mod bounds;
+#[cfg(feature = "terminal")]
+mod chart;
+#[cfg(feature = "terminal")]
+mod command_line;
+#[cfg(feature = "terminal")]
+mod figure;
+#[cfg(feature = "terminal")]
+mod files;
+#[cfg(feature = "terminal")]
+mod list;
+#[cfg(feature = "terminal")]
+mod motion;
+#[cfg(feature = "terminal")]
+mod output;
+#[cfg(feature = "terminal")]
+mod page;
+#[cfg(feature = "terminal")]
+mod play;
+#[cfg(feature = "terminal")]
+mod program;
+#[cfg(feature = "terminal")]
+mod progress;
+#[cfg(feature = "terminal")]
+mod reproduce;
+#[cfg(feature = "terminal")]
+mod shell;
+#[cfg(feature = "terminal")]
+mod simulate;
+#[cfg(feature = "terminal")]
+mod solve;
+#[cfg(feature = "terminal")]
+mod spreadsheet;
+#[cfg(feature = "terminal")]
 mod timing;
+#[cfg(feature = "terminal")]
 mod watch;
 
+pub use calls::Calls;
+#[cfg(feature = "terminal")]
 pub use command_line::CommandLine;
+#[cfg(feature = "terminal")]
+pub use play::PlayPage;
 pub use published::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
     PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
-pub use scene::{
-    Charted, ClosedForm, ControlScene, GroundLine, HardScene, Plane, Right, Scene, Variant,
-    heights, parameter,
-};
+pub use scene::{Charted, ClosedForm, ControlScene, HardScene, Right, Scene, Variant, parameter};

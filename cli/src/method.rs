@@ -3,7 +3,6 @@
 use std::fmt;
 
 use clap::ValueEnum;
-use cpu_time::ProcessTime;
 use hangtime::Observer;
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
@@ -186,13 +185,22 @@ impl ChosenMethod {
         problem: &InitialValueProblem,
         observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
-        let start = ProcessTime::try_now();
+        let start = processor_seconds();
         let mut simulation = self.simulator.simulate(model, problem, observer)?;
-        if let Ok(elapsed) = start.and_then(|start| start.try_elapsed()) {
-            simulation.seconds.total = elapsed.as_secs_f64();
+        if let (Some(start), Some(end)) = (start, processor_seconds()) {
+            simulation.seconds.total = end - start;
         }
         Ok(simulation)
     }
+}
+
+/// CPU time of the whole process so far \[s\], where the system tells.
+fn processor_seconds() -> Option<f64> {
+    #[cfg(feature = "terminal")]
+    if let Ok(now) = cpu_time::ProcessTime::try_now() {
+        return Some(now.as_duration().as_secs_f64());
+    }
+    None
 }
 
 fn stepping(steps: usize) -> MethodSettings {

@@ -1,84 +1,99 @@
 //! From a simulation to its figures: the motion in its plane, and its quantities over time.
 
-use crate::{Plane, PublishedData, Quantity};
-use hangtime::model::{Declaration, Model};
+use crate::{PublishedData, Quantity};
+use hangtime::model::Model;
 use hangtime::simulation::{EventKind, Simulation};
 
-use crate::figure::{COLOURS, Motion, Panel, Path, Series};
+use crate::drawing::{Drawing, Placed, zigzag};
+use crate::figure::{COLOURS, Motion, Panel, Path, Series, frame};
 use crate::quantity;
 use crate::sampling::{State, dense, state_at};
 
-/// Ground drawn on either side of the motion, as a share of its horizontal extent.
-const GROUND_AROUND: f64 = 0.25;
+/// Width of the coils of a spring, as a share of the width of the picture.
+const COILS: f64 = 0.012;
 /// Most impacts that are marked.
 const MOST_MARKS: usize = 1_000;
 /// About how many instants a time lapse shows where none is published.
 const LAPSES: f64 = 12.0;
 
-/// The picture of a simulation in its plane, beside published positions if there are any.
+/// The picture of a simulation, beside published positions if there are any.
 pub(crate) fn picture(
     title: String,
-    plane: &Plane,
+    drawing: &Drawing<'_>,
     model: &dyn Model,
     simulation: &Simulation,
     published: &PublishedData,
 ) -> Motion {
     let trajectory = &simulation.trajectory;
-    let positions = |q: &[f64]| plane.bodies_at(model, q);
     let end = trajectory.time.last().copied().unwrap_or_default();
     let (times, lapse) = lapses(end, published);
-    let time_lapse: Vec<Vec<[f64; 2]>> = times
+    let at = |states: Vec<State>| -> Vec<Placed> {
+        states.iter().map(|state| drawing.at(state)).collect()
+    };
+    let instants = times
         .iter()
-        .filter_map(|&t| state_at(trajectory, t.min(end)))
-        .map(|state| positions(&state.q))
-        .collect();
-    let path: Vec<Vec<[f64; 2]>> = dense(trajectory)
-        .iter()
-        .map(|state| positions(&state.q))
-        .collect();
-    let body = |rows: &[Vec<[f64; 2]>], body: usize| rows.iter().map(|row| row[body]).collect();
+        .filter_map(|&t| state_at(model, trajectory, t.min(end)));
+    let time_lapse = at(instants.collect());
+    let path = at(dense(model, trajectory));
     let shown = published.points.iter().flat_map(|point| &point.positions);
-    let seen = path.iter().flatten().chain(shown);
-    let seen = seen.filter(|[y, _]| y.is_finite());
-    let (from, to) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), [y, _]| {
-        (from.min(*y), to.max(*y))
+    let extents: Vec<[f64; 2]> = time_lapse
+        .iter()
+        .flat_map(|placed| placed.extent(&drawing.bodies))
+        .collect();
+    let places = path.iter().flat_map(|placed| &placed.places);
+    let frame = frame(places.chain(&extents).chain(shown));
+    let coils = COILS * (frame[0][1] - frame[0][0]);
+    let lines = time_lapse.iter().flat_map(|placed| {
+        let ends = placed.ends.iter().zip(&drawing.springs);
+        ends.map(|(&ends, &spring)| match spring {
+            true => zigzag(ends, coils),
+            false => ends.to_vec(),
+        })
     });
-    // Some ground on either side of the motion.
-    let around = GROUND_AROUND * (to - from);
+    let bodies = drawing.bodies.iter().enumerate();
+    let events = simulation.events.iter();
+    let impacts = events.filter(|event| event.kind == EventKind::Impact);
     Motion {
         title,
-        axes: plane.axes,
-        ground: if from <= to {
-            (plane.ground)(model, from - around, to + around)
-        } else {
-            Vec::new()
-        },
-        paths: plane
-            .bodies
-            .iter()
-            .enumerate()
-            .map(|(index, name)| Path {
-                name,
-                points: body(&path, index),
-                time_lapse: body(&time_lapse, index),
+        axes: drawing.axes.clone(),
+        frame,
+        ground: drawing.ground(frame),
+        lines: lines.collect(),
+        paths: bodies
+            .map(|(index, body)| Path {
+                name: body.name,
+                points: path.iter().map(|placed| placed.places[index]).collect(),
+                time_lapse: time_lapse
+                    .iter()
+                    .map(|placed| placed.places[index])
+                    .collect(),
+                outlines: time_lapse
+                    .iter()
+                    .map(|placed| closed(placed.outline(index, body)))
+                    .filter(|outline| !outline.is_empty())
+                    .collect(),
             })
             .collect(),
-        links: plane.links,
-        start: trajectory
-            .q
+        start: path
             .first()
-            .map(|q| positions(q))
-            .unwrap_or_default(),
-        impacts: simulation
-            .events
-            .iter()
-            .filter(|event| event.kind == EventKind::Impact)
+            .map_or_else(Vec::new, |placed| placed.places.clone()),
+        impacts: impacts
             .take(MOST_MARKS)
-            .flat_map(|event| positions(&event.q))
+            .flat_map(|event| {
+                drawing
+                    .placed(&event.q, &event.v_after, &[], event.time)
+                    .places
+            })
             .collect(),
         published: published.points.clone(),
         lapse,
     }
+}
+
+/// An outline that ends where it begins.
+fn closed(mut outline: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    outline.extend(outline.first().copied());
+    outline
 }
 
 /// The instants of the time lapse, and what the legend says about them: those that were published, or else evenly
@@ -125,16 +140,15 @@ pub(crate) fn panels(
     simulation: &Simulation,
     published: &PublishedData,
 ) -> Vec<Panel> {
-    let declaration = model.declaration();
-    let states = dense(&simulation.trajectory);
-    quantity::all(declaration)
+    let states = dense(model, &simulation.trajectory);
+    quantity::all(model)
         .into_iter()
         .map(|quantity| {
             let unit = match published.curve(quantity) {
                 Some(curve) => curve.unit.to_owned(),
-                None => quantity::unit(declaration, quantity),
+                None => quantity::unit(model, quantity),
             };
-            let series = series(declaration, quantity, &unit, &states, published);
+            let series = series(model, quantity, &unit, &states, published);
             panel(model, quantity, &unit, vec![series])
         })
         .collect()
@@ -147,13 +161,12 @@ pub(crate) fn panel(
     unit: &str,
     series: Vec<Series>,
 ) -> Panel {
-    let declaration = model.declaration();
     Panel {
-        title: quantity::title(declaration, quantity),
-        label: quantity::label(declaration, quantity, unit),
+        title: quantity::title(model, quantity),
+        label: quantity::label(model, quantity, unit),
         bounds: quantity::bounds(model, quantity)
             .into_iter()
-            .filter_map(|bound| quantity::converted(declaration, quantity, bound, unit))
+            .filter_map(|bound| quantity::converted(model, quantity, bound, unit))
             .collect(),
         series,
     }
@@ -161,14 +174,14 @@ pub(crate) fn panel(
 
 /// The line of one quantity in `unit`, and its published dots.
 pub(crate) fn series(
-    declaration: &Declaration,
+    model: &dyn Model,
     quantity: Quantity,
     unit: &str,
     states: &[State],
     published: &PublishedData,
 ) -> Series {
     let value = |state: &State| {
-        let value = quantity::converted(declaration, quantity, state.value(quantity)?, unit)?;
+        let value = quantity::converted(model, quantity, state.value(quantity)?, unit)?;
         value.is_finite().then_some((state.time, value))
     };
     let dots = published.curve(quantity).map(|curve| &curve.points[..]);

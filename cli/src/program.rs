@@ -11,7 +11,8 @@ use hangtime::nl::{self, Program, Solution};
 use hangtime::simulation::ProblemSize;
 
 use crate::arguments::NlpArguments;
-use crate::bounds::{Bounds, Ending};
+use crate::bounds::Bounds;
+use crate::ending::Ending;
 use crate::failure::{BadInput, one_line};
 use crate::json::ProgramDocument;
 use crate::output::OutputDirectory;

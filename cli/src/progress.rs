@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::bounds::Stop;
+use crate::ending::Stop;
 use crate::failure::one_line;
 
 /// Runs shorter than this show no bar, and a bar is redrawn no more often.

@@ -117,6 +117,8 @@ pub enum Quantity {
     ContactForce(usize),
     /// Tangential force of a contact.
     FrictionForce(usize),
+    /// A quantity that the scene declares in `outputs`.
+    Output(usize),
 }
 
 /// One number of a comparison.

@@ -1,7 +1,7 @@
 //! Names, units and bounds of the quantities of a motion.
 
 use crate::Quantity;
-use hangtime::model::{Declaration, Model};
+use hangtime::model::Model;
 
 use crate::table::{headed, per_second};
 
@@ -9,7 +9,8 @@ use crate::table::{headed, per_second};
 const FORCE: &str = "N";
 
 /// Every quantity of a scene, in the order in which figures show them.
-pub(crate) fn all(declaration: &Declaration) -> Vec<Quantity> {
+pub(crate) fn all(model: &dyn Model) -> Vec<Quantity> {
+    let declaration = model.declaration();
     let coordinates = 0..declaration.coordinates.len();
     let contacts = || 0..declaration.contacts.len();
     let rubs = |&contact: &usize| declaration.contacts[contact].friction.is_some();
@@ -18,22 +19,25 @@ pub(crate) fn all(declaration: &Declaration) -> Vec<Quantity> {
         .chain((0..declaration.controls.len()).map(Quantity::Control))
         .chain(contacts().map(Quantity::ContactForce))
         .chain(contacts().filter(rubs).map(Quantity::FrictionForce))
+        .chain((0..model.outputs().len()).map(Quantity::Output))
         .collect()
 }
 
 /// Name of a quantity in a table of its kind: that of its coordinate, control or contact; `dy/dt` for a velocity.
-pub(crate) fn name(declaration: &Declaration, quantity: Quantity) -> String {
+pub(crate) fn name(model: &dyn Model, quantity: Quantity) -> String {
     match quantity {
         Quantity::ContactForce(i) | Quantity::FrictionForce(i) => {
-            declaration.contacts[i].name.to_owned()
+            model.declaration().contacts[i].name.to_owned()
         }
-        _ => symbol(declaration, quantity),
+        _ => symbol(model, quantity),
     }
 }
 
 /// Symbol of a quantity: `y`, `dy/dt`, `u`.
-pub(crate) fn symbol(declaration: &Declaration, quantity: Quantity) -> String {
+pub(crate) fn symbol(model: &dyn Model, quantity: Quantity) -> String {
+    let declaration = model.declaration();
     match quantity {
+        Quantity::Output(i) => model.outputs()[i].name.to_owned(),
         Quantity::Coordinate(i) => declaration.coordinates[i].name.to_owned(),
         Quantity::Velocity(i) => format!("d{}/dt", declaration.coordinates[i].name),
         Quantity::Control(i) => declaration.controls[i].name.to_owned(),
@@ -43,8 +47,10 @@ pub(crate) fn symbol(declaration: &Declaration, quantity: Quantity) -> String {
 }
 
 /// Declared unit of a quantity.
-pub(crate) fn unit(declaration: &Declaration, quantity: Quantity) -> String {
+pub(crate) fn unit(model: &dyn Model, quantity: Quantity) -> String {
+    let declaration = model.declaration();
     match quantity {
+        Quantity::Output(i) => model.outputs()[i].unit.to_owned(),
         Quantity::Coordinate(i) => declaration.coordinates[i].unit.to_owned(),
         Quantity::Velocity(i) => per_second(declaration.coordinates[i].unit),
         Quantity::Control(i) => declaration.controls[i].unit.to_owned(),
@@ -59,22 +65,24 @@ pub(crate) fn unit(declaration: &Declaration, quantity: Quantity) -> String {
 }
 
 /// Symbol with unit, for an axis.
-pub(crate) fn label(declaration: &Declaration, quantity: Quantity, unit: &str) -> String {
+pub(crate) fn label(model: &dyn Model, quantity: Quantity, unit: &str) -> String {
     let symbol = match quantity {
         Quantity::ContactForce(_) | Quantity::FrictionForce(_) => "force".to_owned(),
-        _ => symbol(declaration, quantity),
+        _ => symbol(model, quantity),
     };
     headed(&symbol, unit)
 }
 
 /// What a quantity is, in words: the first sentence of its documentation.
-pub(crate) fn title(declaration: &Declaration, quantity: Quantity) -> String {
+pub(crate) fn title(model: &dyn Model, quantity: Quantity) -> String {
+    let declaration = model.declaration();
     let documentation = match quantity {
         Quantity::Coordinate(i) => declaration.coordinates[i].documentation,
         Quantity::Velocity(i) => {
             return format!("Rate of change of {}", declaration.coordinates[i].name);
         }
         Quantity::Control(i) => declaration.controls[i].documentation,
+        Quantity::Output(i) => model.outputs()[i].documentation,
         Quantity::ContactForce(i) => {
             return format!("Normal force of {}", declaration.contacts[i].name);
         }
@@ -85,7 +93,7 @@ pub(crate) fn title(declaration: &Declaration, quantity: Quantity) -> String {
     let sentence = documentation.split('.').next().unwrap_or_default();
     let words: Vec<&str> = sentence.split_whitespace().collect();
     if words.is_empty() {
-        symbol(declaration, quantity)
+        symbol(model, quantity)
     } else {
         words.join(" ")
     }
@@ -101,7 +109,10 @@ pub(crate) fn bounds(model: &dyn Model, quantity: Quantity) -> Vec<f64> {
     let index = match quantity {
         Quantity::Coordinate(i) => i,
         Quantity::Control(i) => coordinates + i,
-        Quantity::Velocity(_) | Quantity::ContactForce(_) | Quantity::FrictionForce(_) => {
+        Quantity::Velocity(_)
+        | Quantity::ContactForce(_)
+        | Quantity::FrictionForce(_)
+        | Quantity::Output(_) => {
             return Vec::new();
         }
     };
@@ -111,11 +122,11 @@ pub(crate) fn bounds(model: &dyn Model, quantity: Quantity) -> Vec<f64> {
 
 /// A value of a quantity in `to` instead of its declared unit.
 pub(crate) fn converted(
-    declaration: &Declaration,
+    model: &dyn Model,
     quantity: Quantity,
     value: f64,
     to: &str,
 ) -> Option<f64> {
-    let from = unit(declaration, quantity);
+    let from = unit(model, quantity);
     hangtime_units::convert(value, &from, to).ok()
 }

@@ -1,6 +1,7 @@
 //! States between the instants that a trajectory keeps.
 
 use crate::Quantity;
+use hangtime::model::Model;
 use hangtime::simulation::Trajectory;
 
 use crate::thinning::kept;
@@ -30,6 +31,8 @@ pub(crate) struct State {
     pub(crate) contact_force: Vec<f64>,
     /// Tangential contact forces; empty in a scene without friction.
     pub(crate) friction_force: Vec<f64>,
+    /// What the scene declares in `outputs`.
+    pub(crate) outputs: Vec<f64>,
 }
 
 impl State {
@@ -41,13 +44,14 @@ impl State {
             Quantity::Control(index) => (&self.u, index),
             Quantity::ContactForce(index) => (&self.contact_force, index),
             Quantity::FrictionForce(index) => (&self.friction_force, index),
+            Quantity::Output(index) => (&self.outputs, index),
         };
         values.get(index).copied()
     }
 
     /// Instant `k` of the trajectory.
-    pub(crate) fn of(trajectory: &Trajectory, k: usize) -> Self {
-        Self {
+    pub(crate) fn of(model: &dyn Model, trajectory: &Trajectory, k: usize) -> Self {
+        let state = Self {
             time: trajectory.time[k],
             q: trajectory.q[k].clone(),
             v: trajectory.v[k].clone(),
@@ -58,13 +62,31 @@ impl State {
                 .get(k)
                 .cloned()
                 .unwrap_or_default(),
+            outputs: Vec::new(),
+        };
+        state.recorded(model)
+    }
+
+    /// The same with the outputs of the scene.
+    fn recorded(self, model: &dyn Model) -> Self {
+        let count = model.outputs().len();
+        if count == 0 {
+            return self;
         }
+        let mut x = self.q.clone();
+        x.extend(self.v.iter().chain(&self.u).chain([&self.time]));
+        let mut forces = self.contact_force.clone();
+        forces.extend(&self.friction_force);
+        forces.resize(2 * self.contact_force.len(), 0.0);
+        let mut outputs = vec![f64::NAN; count];
+        model.output_values(&x, &forces, &mut outputs);
+        Self { outputs, ..self }
     }
 
     /// The state at the share `s` of the interval from instant `k` to the next: coordinates on the cubic through
     /// both states and their velocities, velocities as its derivative, forces and controls on a straight line: where these
     /// jump, the trajectory keeps both sides.
-    fn between(trajectory: &Trajectory, k: usize, s: f64) -> Self {
+    fn between(model: &dyn Model, trajectory: &Trajectory, k: usize, s: f64) -> Self {
         let t0 = trajectory.time[k];
         let h = trajectory.time[k + 1] - t0;
         let (q0, q1) = (&trajectory.q[k], &trajectory.q[k + 1]);
@@ -89,14 +111,16 @@ impl State {
             }
             _ => Vec::new(),
         };
-        Self {
+        let state = Self {
             time: t0 + s * h,
             q,
             v,
             u: straight(&trajectory.u),
             contact_force: straight(&trajectory.contact_force),
             friction_force: straight(&trajectory.friction_force),
-        }
+            outputs: Vec::new(),
+        };
+        state.recorded(model)
     }
 }
 
@@ -104,38 +128,41 @@ impl State {
 /// is constant, and miss by `h^4 |q''''| / 384` between two instants that are `h` apart otherwise.
 ///
 /// `None` outside the trajectory.
-pub(crate) fn state_at(trajectory: &Trajectory, t: f64) -> Option<State> {
+pub(crate) fn state_at(model: &dyn Model, trajectory: &Trajectory, t: f64) -> Option<State> {
     let next = trajectory.time.partition_point(|&time| time <= t);
     let last = next.checked_sub(1)?;
     if next == trajectory.time.len() {
-        return (trajectory.time[last] == t).then(|| State::of(trajectory, last));
+        return (trajectory.time[last] == t).then(|| State::of(model, trajectory, last));
     }
     let h = trajectory.time[next] - trajectory.time[last];
     let s = (t - trajectory.time[last]) / h;
-    Some(State::between(trajectory, last, s))
+    Some(State::between(model, trajectory, last, s))
 }
 
 /// The states of the trajectory and some between them, enough for a smooth line, or a part of them, if there are very
 /// many. Where the motion jumps, the states before and after the jump follow each other.
-pub(crate) fn dense(trajectory: &Trajectory) -> Vec<State> {
+pub(crate) fn dense(model: &dyn Model, trajectory: &Trajectory) -> Vec<State> {
     let instants = trajectory.time.len();
     if instants == 0 {
         return Vec::new();
     }
     if instants > MOST_DRAWN {
         let kept = kept(&trajectory.time, MOST_DRAWN);
-        return kept.into_iter().map(|k| State::of(trajectory, k)).collect();
+        return kept
+            .into_iter()
+            .map(|k| State::of(model, trajectory, k))
+            .collect();
     }
     let between = POINTS.div_ceil(instants).clamp(1, MOST_BETWEEN);
     let mut states = Vec::with_capacity(instants * (between + 1));
     for k in 0..instants - 1 {
-        states.push(State::of(trajectory, k));
+        states.push(State::of(model, trajectory, k));
         if trajectory.time[k + 1] > trajectory.time[k] {
             let shares = (1..between).map(|i| i as f64 / between as f64);
-            states.extend(shares.map(|s| State::between(trajectory, k, s)));
+            states.extend(shares.map(|s| State::between(model, trajectory, k, s)));
         }
     }
-    states.push(State::of(trajectory, instants - 1));
+    states.push(State::of(model, trajectory, instants - 1));
     states.dedup();
     states
 }
@@ -145,6 +172,7 @@ mod tests {
     use hangtime::simulation::Trajectory;
 
     use super::{dense, state_at};
+    use crate::testing::Slide;
 
     /// A ball thrown up at 3 m/s that stops on the ground at t = 1 s; the jump is kept twice.
     fn thrown() -> Trajectory {
@@ -163,7 +191,7 @@ mod tests {
     fn state_at_constant_acceleration_is_exact() {
         let trajectory = thrown();
         for t in [0.0_f64, 0.1, 0.5, 0.77, 0.999] {
-            let state = state_at(&trajectory, t).unwrap();
+            let state = state_at(&Slide::default(), &trajectory, t).unwrap();
             // A handful of roundings of numbers below 3 and of their quotients by 0.5.
             assert!((state.q[0] - (3.0 * t - 3.0 * t * t)).abs() < 1e-14, "{t}");
             assert!((state.v[0] - (3.0 - 6.0 * t)).abs() < 1e-14, "{t}");
@@ -172,7 +200,7 @@ mod tests {
 
     #[test]
     fn state_at_an_impact_is_the_one_after_it() {
-        let q = |t| state_at(&thrown(), t).map(|state| (state.q[0], state.v[0]));
+        let q = |t| state_at(&Slide::default(), &thrown(), t).map(|state| (state.q[0], state.v[0]));
         assert_eq!(q(1.0), Some((0.0, 0.0)));
         assert_eq!(q(1.5), Some((0.0, 0.0)));
         assert_eq!(q(2.0), Some((0.0, 0.0)));
@@ -184,23 +212,26 @@ mod tests {
         let (early, late) = (1.0, 1.0_f64.next_up().next_up());
         trajectory.push(early, early, &[5.0], &[3.0], &[], &[]);
         trajectory.push(late, late, &[5.0_f64.next_up()], &[3.0], &[], &[]);
-        let state = state_at(&trajectory, 1.0_f64.next_up()).unwrap();
+        let state = state_at(&Slide::default(), &trajectory, 1.0_f64.next_up()).unwrap();
         assert_eq!(state.v, [3.0]);
     }
 
     #[test]
     fn state_at_outside_the_trajectory_is_none() {
-        assert_eq!(state_at(&thrown(), 2.5), None);
-        assert_eq!(state_at(&Trajectory::default(), 0.0), None);
+        assert_eq!(state_at(&Slide::default(), &thrown(), 2.5), None);
+        assert_eq!(
+            state_at(&Slide::default(), &Trajectory::default(), 0.0),
+            None
+        );
     }
 
     #[test]
     fn dense_states_keep_both_sides_of_a_jump() {
-        let states = dense(&thrown());
+        let states = dense(&Slide::default(), &thrown());
         assert!(states.is_sorted_by(|a, b| a.time <= b.time));
         let speeds = states.iter().filter(|state| state.time == 1.0);
         let speeds: Vec<f64> = speeds.map(|state| state.v[0]).collect();
         assert_eq!(speeds, [-3.0, 0.0]);
-        assert!(dense(&Trajectory::default()).is_empty());
+        assert!(dense(&Slide::default(), &Trajectory::default()).is_empty());
     }
 }

@@ -17,8 +17,6 @@ pub struct Scene {
     pub variants: &'static [Variant],
     /// The scene itself, if it is one from a file.
     pub text: Option<&'static TextScene>,
-    /// How to draw the scene, if it moves in a plane.
-    pub plane: Option<Plane>,
     /// Published results that the scene reproduces.
     pub published: &'static [PublishedCase],
     /// Published sizes of its optimal control problem, as other programs transcribe it.
@@ -91,32 +89,6 @@ pub enum Right {
     Stop,
 }
 
-/// How a scene that moves in a vertical plane is drawn.
-#[derive(Debug, Clone, Copy)]
-pub struct Plane {
-    /// Labels of the horizontal and the vertical axis, with units.
-    pub axes: [&'static str; 2],
-    /// Unit of both axes.
-    pub unit: &'static str,
-    /// Names of the bodies.
-    pub bodies: &'static [&'static str],
-    /// Pairs of bodies that are joined by a line.
-    pub links: &'static [[usize; 2]],
-    /// Positions of the bodies for coordinates `q`, one for each body; what is not finite is not drawn.
-    pub positions: fn(model: &dyn Model, q: &[f64]) -> Vec<[f64; 2]>,
-    /// The ground lines between two horizontal positions.
-    pub ground: fn(model: &dyn Model, from: f64, to: f64) -> Vec<GroundLine>,
-}
-
-/// A line of ground to draw.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GroundLine {
-    /// Name of the surface.
-    pub name: &'static str,
-    /// Its points, as (horizontal, vertical).
-    pub points: Vec<[f64; 2]>,
-}
-
 impl Variant {
     /// The only form of a scene.
     #[must_use]
@@ -128,54 +100,8 @@ impl Variant {
     }
 }
 
-impl Plane {
-    /// A scene of one body, called `body`, whose first two coordinates are a horizontal position and a height in
-    /// metres, above the ground lines of [`heights`].
-    #[must_use]
-    pub const fn of_one_body(body: &'static [&'static str; 1], axes: [&'static str; 2]) -> Self {
-        Self {
-            axes,
-            unit: "m",
-            bodies: body,
-            links: &[],
-            positions: |_, q| match q {
-                [y, z, ..] => vec![[*y, *z]],
-                _ => Vec::new(),
-            },
-            ground: heights,
-        }
-    }
-
-    /// The position of every body, however many the scene gives.
-    pub(crate) fn bodies_at(&self, model: &dyn Model, q: &[f64]) -> Vec<[f64; 2]> {
-        let mut positions = (self.positions)(model, q);
-        positions.resize(self.bodies.len(), [f64::NAN; 2]);
-        positions
-    }
-
-    /// Whether bodies, links and positions of the scene `name` fit together; positions are tried at `q`.
-    pub(crate) fn check(&self, name: &str, model: &dyn Model, q: &[f64]) -> Result<(), BadInput> {
-        let bodies = self.bodies.len();
-        let beyond = self.links.iter().flatten().find(|&&body| body >= bodies);
-        if let Some(body) = beyond {
-            return Err(BadInput::new(format!(
-                "scene `{name}`: a link of its plane joins body {body}, but there are {bodies} bodies, counted from 0; \
-                 mend `links` or `bodies`"
-            )));
-        }
-        let positions = (self.positions)(model, q).len();
-        if bodies == 0 || positions != bodies {
-            return Err(BadInput::new(format!(
-                "scene `{name}`: its plane names {bodies} bodies and gives {positions} positions; give one for each, \
-                 of at least one body (`Plane::of_one_body` needs a scene with two coordinates)"
-            )));
-        }
-        Ok(())
-    }
-}
-
 impl Scene {
-    /// A scene that is not drawn in a plane and has no published results.
+    /// A scene without published results.
     #[must_use]
     pub const fn new(
         name: &'static str,
@@ -187,21 +113,11 @@ impl Scene {
             title,
             variants,
             text: None,
-            plane: None,
             published: &[],
             published_sizes: &[],
             charted: &[],
             closed_form: None,
             best_known: None,
-        }
-    }
-
-    /// The same scene, drawn in a plane.
-    #[must_use]
-    pub const fn drawn(self, plane: Plane) -> Self {
-        Self {
-            plane: Some(plane),
-            ..self
         }
     }
 }
@@ -249,9 +165,6 @@ pub(crate) fn check(scenes: &[Scene]) -> Result<(), BadInput> {
     Ok(())
 }
 
-/// Points of a ground line.
-const POINTS: usize = 200;
-
 /// The value of the parameter called `name`; not a number if there is none.
 #[must_use]
 pub fn parameter(model: &dyn Model, name: &str) -> f64 {
@@ -260,36 +173,10 @@ pub fn parameter(model: &dyn Model, name: &str) -> f64 {
     index.map_or(f64::NAN, |index| model.parameter(index))
 }
 
-/// The ground lines of a scene whose first two coordinates are a horizontal position and a height: where each gap
-/// vanishes, from one horizontal position to another. Gaps must be linear in the height; all other coordinates count
-/// as zero.
-#[must_use]
-pub fn heights(model: &dyn Model, from: f64, to: f64) -> Vec<GroundLine> {
-    let declaration = model.declaration();
-    let mut point = vec![0.0; declaration.inputs()];
-    let mut height = |contact: usize, y: f64| {
-        let [low, high] = [0.0, 1.0].map(|z| {
-            point[..2].copy_from_slice(&[y, z]);
-            model.gap(contact, &point)
-        });
-        low / (low - high)
-    };
-    let contacts = declaration.contacts.iter().enumerate();
-    contacts
-        .map(|(contact, declared)| GroundLine {
-            name: declared.name,
-            points: (0..=POINTS)
-                .map(|i| from + (to - from) * i as f64 / POINTS as f64)
-                .map(|y| [y, height(contact, y)])
-                .collect(),
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use crate::testing::{Slide, Wave};
-    use crate::{GroundLine, Plane, Scene, Variant};
+    use crate::{Scene, Variant};
 
     use super::check;
 
@@ -317,40 +204,5 @@ mod tests {
             let refusal = refusal(&[Scene::new("two", "", Box::leak(variants))]);
             assert!(refusal.contains("stands for two things"), "{refusal}");
         }
-    }
-
-    #[test]
-    fn plane_that_does_not_fit_its_scene_is_refused() {
-        let plane = Plane {
-            axes: ["y [m]", "z [m]"],
-            unit: "m",
-            bodies: &["a", "b"],
-            links: &[[0, 1]],
-            positions: |_, q| vec![[q[0], 0.0]; 2],
-            ground: |_, _, _| Vec::<GroundLine>::new(),
-        };
-        let model = Slide::default();
-        let check = |plane: Plane, q: &[f64]| {
-            let outcome = plane.check("slide", &model, q);
-            outcome.map_err(|refusal| refusal.to_string())
-        };
-        assert_eq!(check(plane, &[1.0, 2.0]), Ok(()));
-        let far = Plane {
-            links: &[[0, 2]],
-            ..plane
-        };
-        assert!(check(far, &[1.0]).unwrap_err().contains("joins body 2"));
-        let few = Plane {
-            positions: |_, _| vec![[0.0; 2]],
-            ..plane
-        };
-        assert!(
-            check(few, &[1.0])
-                .unwrap_err()
-                .contains("gives 1 positions")
-        );
-        let one = Plane::of_one_body(&["mass"], ["y [m]", "z [m]"]);
-        assert!(check(one, &[1.0]).unwrap_err().contains("two coordinates"));
-        assert_eq!(check(one, &[1.0, 2.0]), Ok(()));
     }
 }

@@ -42,13 +42,6 @@ impl ChosenScene {
                 chosen.set(name, value)?;
             }
         }
-        if let Some(plane) = &scene.plane {
-            let model = chosen.model.as_ref();
-            let mut start = vec![0.0; model.declaration().coordinates.len()];
-            let mut rates = start.clone();
-            model.start(&mut start, &mut rates);
-            plane.check(scene.name, model, &start)?;
-        }
         Ok(chosen)
     }
 

@@ -4,19 +4,20 @@ use std::fmt::Write as _;
 
 use crate::{PublishedData, Scene};
 use hangtime::model::Declaration;
-use hangtime::simulation::{Event, InitialValueProblem, Simulation};
+use hangtime::simulation::{Event, Simulation};
 
 use crate::arguments::{Method, SimulateArguments};
-use crate::bounds::{Bounds, Ending};
+use crate::bounds::Bounds;
+use crate::ending::Ending;
 use crate::failure::{BadInput, one_line};
 use crate::files::ResultFiles;
-use crate::json::Document;
 use crate::method::{ChosenMethod, name_of};
 use crate::output::OutputDirectory;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::settings::ChosenScene;
 use crate::table::{counted, headed, per_second, residual_line, seconds, table};
+use crate::task::{SimulationTask, simulation_facts};
 
 /// Most events that are printed.
 const MOST_EVENTS: usize = 1_000;
@@ -26,54 +27,43 @@ pub(crate) fn run(
     arguments: &SimulateArguments,
 ) -> Result<Report, BadInput> {
     let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
-    let method = ChosenMethod::from_arguments(&arguments.method)?;
-    let problem = InitialValueProblem::of(chosen.model.as_ref(), arguments.horizon)
-        .and_then(|problem| problem.check(chosen.model.as_ref()).map(|()| problem))
-        .map_err(|error| chosen.refuse(&error))?;
-    let (out, rows) = (arguments.result.out.as_deref(), arguments.result.rows);
+    let task = SimulationTask::new(chosen, arguments)?;
+    let (chosen, method, horizon) = (&task.chosen, &task.method, task.problem.horizon);
+    let out = arguments.result.out.as_deref();
     let directory = out.map(OutputDirectory::open).transpose()?;
     let bounds = Bounds::watch(chosen.scene.name, &arguments.limits);
-    let mut progress = Progress::new(chosen.scene.name, problem.horizon);
-    let simulation = method
-        .simulate(chosen.model.as_ref(), &problem, &mut |now| {
-            progress.reach(now.time);
-            bounds.asked().is_none()
-        })
-        .map_err(|error| chosen.refuse(&error))?;
+    let mut progress = Progress::new(chosen.scene.name, horizon);
+    let simulation = task.run(&mut |now| {
+        progress.reach(now.time);
+        bounds.asked().is_none()
+    })?;
     drop(progress);
     let ending = Ending::of_simulation(&simulation, bounds.asked(), &arguments.limits);
     drop(bounds);
-    let json = Document::new(
-        &chosen,
-        problem.horizon,
-        &method.settings,
-        &simulation,
-        &ending,
-        rows,
-    )
-    .text();
+    let json = task.json(&simulation, &ending);
     let mut report = Report::default();
     report
         .diagnoses
-        .extend(diagnosis_line(&chosen, &simulation, &ending));
+        .extend(diagnosis_line(chosen, &simulation, &ending));
     let mut written = String::new();
     if let Some(directory) = directory {
         let files = ResultFiles {
-            stem: stem(&chosen, arguments.method.method),
+            stem: stem(chosen, arguments.method.method),
             title: format!("{}, {}", chosen.scene.name, method.settings.name()),
-            chosen: &chosen,
+            chosen,
             simulation: &simulation,
             json: &json,
             published: &PublishedData::default(),
-            rows,
-            facts: facts(&method, &simulation, &ending),
+            rows: arguments.result.rows,
+            index: None,
+            facts: simulation_facts(method, &simulation, &ending),
         };
         written = report.deliver(directory, &files.contents());
     }
     report.text = if arguments.result.json {
         json
     } else {
-        tables(&chosen, problem.horizon, &method, &simulation, &ending) + &written
+        tables(chosen, horizon, method, &simulation, &ending) + &written
     };
     Ok(report)
 }
@@ -103,31 +93,6 @@ pub(crate) fn diagnosis_line(
         ending.diagnosis.as_deref().unwrap_or_default()
     );
     Some(one_line(&text))
-}
-
-/// What a page tells about a simulation.
-pub(crate) fn facts(
-    method: &ChosenMethod,
-    simulation: &Simulation,
-    ending: &Ending,
-) -> Vec<[String; 2]> {
-    let residuals = simulation.residuals;
-    [
-        ("method", method.settings.to_string()),
-        ("status", ending.status.to_owned()),
-        (
-            "largest primal residual",
-            format!("{:.1e}", residuals.primal),
-        ),
-        ("largest dual residual", format!("{:.1e}", residuals.dual)),
-        (
-            "largest complementarity",
-            format!("{:.1e}", residuals.complementarity),
-        ),
-        ("CPU time", seconds(simulation.seconds.total)),
-    ]
-    .map(|(name, value)| [name.to_owned(), value])
-    .into()
 }
 
 /// A number for people: ten decimals, or an exponent where they would fill the line.

@@ -2,19 +2,16 @@
 
 use std::fmt::Write as _;
 
-use hangtime::model::Declaration;
-use hangtime::ocp::{
-    self, ControlShape, Formulation, Problem, Settings, Solution, Stationarity,
-    TimeFreezingSettings,
-};
-use hangtime::rk::Scheme;
+use hangtime::model::{Declaration, Model};
+use hangtime::ocp::{ControlShape, Solution};
 use hangtime::simulation::{EventKind, Trajectory};
 
-use crate::arguments::{ControlsName, SchemeName, SolveArguments, SolveFormulation};
-use crate::bounds::{Bounds, Ending};
+use crate::arguments::{ControlsName, SolveArguments, SolveFormulation};
+use crate::bounds::Bounds;
+use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
-use crate::json::{SolutionDocument, SolverSettings};
+use crate::json::SolverSettings;
 use crate::method::name_of;
 use crate::output::OutputDirectory;
 use crate::progress::SolveProgress;
@@ -24,54 +21,42 @@ use crate::sampling::State;
 use crate::settings::ChosenScene;
 use crate::simulate::digits;
 use crate::table::{counted, headed, residual_line, seconds, table};
+use crate::task::{OptimumTask, certificate, optimum_facts};
 use crate::{Measure, PublishedData, Quantity, Scene};
-
-/// Control intervals, unless others are asked for.
-pub(crate) const INTERVALS: usize = 30;
 
 pub(crate) fn run(
     scenes: &'static [Scene],
     arguments: &SolveArguments,
 ) -> Result<Report, BadInput> {
     let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
-    if chosen.model.declaration().optimal_control.is_none() {
-        return Err(BadInput::new(format!(
-            "scene `{0}` declares no objective, so there is nothing to optimize; run `simulate {0}` instead",
-            chosen.scene.name
-        )));
-    }
-    let settings = settings(arguments)?;
-    let model = chosen.model.as_ref();
-    let problem = Problem::of(model, arguments.intervals.unwrap_or(INTERVALS));
-    let (out, rows) = (arguments.result.out.as_deref(), arguments.result.rows);
+    let task = OptimumTask::new(chosen, arguments)?;
+    let (chosen, method) = (&task.chosen, &task.method);
+    let out = arguments.result.out.as_deref();
     let bounds = Bounds::watch(chosen.scene.name, &arguments.limits);
     let directory = out.map(OutputDirectory::open).transpose()?;
     let mut display = SolveProgress::new(chosen.scene.name);
-    let solution = ocp::solve(model, &problem, &settings, &mut |progress| {
-        display.report(progress, bounds.asked())
-    })
-    .map_err(|error| chosen.refuse(&error))?;
+    let solution = task.run(&mut |progress| display.report(progress, bounds.asked()))?;
     drop(display);
     let ending = Ending::of_bounded(&solution, bounds.asked(), &arguments.limits);
     drop(bounds);
-    let method = SolverSettings::new(&settings, problem.intervals);
-    let json = SolutionDocument::new(&chosen, &method, &solution, &ending, rows).text();
+    let json = task.json(&solution, &ending);
     let mut report = Report::default();
     report.diagnoses.extend(ending.line(chosen.scene.name));
     let mut written = String::new();
     if let Some(directory) = directory {
-        let stem = stem(&chosen, arguments);
+        let stem = stem(chosen, arguments);
         let files = match &solution.motion {
             None => vec![(format!("{stem}.json"), json.clone())],
             Some(simulation) => ResultFiles {
                 stem,
                 title: format!("{}, optimal", chosen.scene.name),
-                chosen: &chosen,
+                chosen,
                 simulation,
                 json: &json,
                 published: &PublishedData::default(),
-                rows,
-                facts: facts(&method, &solution, &ending),
+                rows: arguments.result.rows,
+                index: None,
+                facts: optimum_facts(method, &solution, &ending),
             }
             .contents(),
         };
@@ -80,7 +65,7 @@ pub(crate) fn run(
     report.text = if arguments.result.json {
         json
     } else {
-        tables(&chosen, &method, &solution, &ending) + &written
+        tables(chosen, method, &solution, &ending) + &written
     };
     Ok(report)
 }
@@ -95,80 +80,6 @@ fn stem(chosen: &ChosenScene, arguments: &SolveArguments) -> String {
         stem = format!("{stem}-{}", name_of(arguments.controls));
     }
     stem
-}
-
-/// The settings of the solver.
-fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
-    let mut settings = Settings::default();
-    settings.starts = arguments.starts;
-    settings.controls = match arguments.controls {
-        ControlsName::Constant => ControlShape::Constant,
-        ControlsName::Linear => ControlShape::Linear,
-    };
-    match arguments.formulation {
-        SolveFormulation::Auto => {
-            if arguments.scheme.is_some() {
-                return Err(BadInput::new(
-                    "--scheme has no meaning for --formulation auto, whose phases are Radau IIA, with a stage at their \
-                     end; leave it out, or add --formulation time-freezing",
-                ));
-            }
-            settings.stages = arguments.stages.unwrap_or(settings.stages);
-            settings.elements = arguments.elements.unwrap_or(settings.elements);
-        }
-        SolveFormulation::TimeFreezing => {
-            let mut freezing = TimeFreezingSettings::default();
-            freezing.scheme = match arguments.scheme {
-                Some(SchemeName::GaussLegendre) => Scheme::GaussLegendre,
-                Some(SchemeName::RadauIia) => Scheme::RadauIia,
-                None => freezing.scheme,
-            };
-            freezing.stages = arguments.stages.unwrap_or(freezing.stages);
-            freezing.elements = arguments.elements.unwrap_or(freezing.elements);
-            settings.formulation = Formulation::TimeFreezing(freezing);
-        }
-    }
-    Ok(settings)
-}
-
-/// What a page tells about a solution.
-pub(crate) fn facts(
-    method: &SolverSettings,
-    solution: &Solution,
-    ending: &Ending,
-) -> Vec<[String; 2]> {
-    [
-        (
-            "method",
-            format!(
-                "{}, {}, {} stages, {} intervals, {} controls",
-                method.name, method.scheme, method.stages, method.intervals, method.control_shape
-            ),
-        ),
-        ("status", ending.status.to_owned()),
-        ("objective", format!("{:.10}", solution.objective)),
-        ("final time", format!("{:.10} s", solution.horizon)),
-        ("stationarity", certificate(solution.stationarity)),
-        (
-            "distance of the re-simulation at the end",
-            format!("{:.1e}", solution.resimulation_error),
-        ),
-        ("CPU time", seconds(solution.seconds.total)),
-    ]
-    .map(|(name, value)| [name.to_owned(), value])
-    .into()
-}
-
-/// A certificate with its meaning.
-fn certificate(stationarity: Stationarity) -> String {
-    let meaning = match stationarity {
-        Stationarity::S => "a local optimum whose contact sequence has no neighbours",
-        Stationarity::B => {
-            "a local optimum, and no neighbouring contact sequence gives a better one"
-        }
-        Stationarity::None => "no proof that neighbouring contact sequences are no better",
-    };
-    format!("{}: {meaning}", stationarity.name())
 }
 
 /// The result for people.
@@ -207,7 +118,7 @@ fn tables(
         solution.resimulation_error
     );
     text += &relaxed_and_optima(solution);
-    text += &ends(chosen.model.declaration(), &motion.trajectory);
+    text += &ends(chosen.model.as_ref(), &motion.trajectory);
     text += &switches(chosen.model.declaration(), solution);
     text += &controls(chosen.model.declaration(), solution);
     let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
@@ -217,11 +128,11 @@ fn tables(
 /// What the publications of the scene measure the optimum by: how much a quantity grows, beside the published number
 /// if it is for the same parameters.
 fn gains(chosen: &ChosenScene, trajectory: &Trajectory) -> Vec<String> {
-    let declaration = chosen.model.declaration();
+    let model = chosen.model.as_ref();
     let Some(end) = trajectory.time.len().checked_sub(1) else {
         return Vec::new();
     };
-    let [start, end] = [0, end].map(|k| State::of(trajectory, k));
+    let [start, end] = [0, end].map(|k| State::of(model, trajectory, k));
     let mut gains: Vec<(Quantity, String)> = Vec::new();
     for case in chosen.scene.published {
         let same = case
@@ -235,14 +146,14 @@ fn gains(chosen: &ChosenScene, trajectory: &Trajectory) -> Vec<String> {
                 continue;
             };
             let in_unit = |state: &State| {
-                quantity::converted(declaration, quantity, state.value(quantity)?, value.unit)
+                quantity::converted(model, quantity, state.value(quantity)?, value.unit)
             };
             let (Some(from), Some(to)) = (in_unit(&start), in_unit(&end)) else {
                 continue;
             };
             let mut text = format!(
                 "{} {:+.4} {unit}, from {from:.4} to {to:.4} {unit}",
-                quantity::symbol(declaration, quantity),
+                quantity::symbol(model, quantity),
                 to - from,
                 unit = value.unit,
             );
@@ -261,19 +172,19 @@ fn gains(chosen: &ChosenScene, trajectory: &Trajectory) -> Vec<String> {
 }
 
 /// The states at both ends of the motion.
-fn ends(declaration: &Declaration, trajectory: &Trajectory) -> String {
+fn ends(model: &dyn Model, trajectory: &Trajectory) -> String {
     let (Some(last), Some(time)) = (trajectory.time.len().checked_sub(1), trajectory.time.last())
     else {
         return String::new();
     };
-    let quantities = (0..declaration.coordinates.len())
+    let quantities = (0..model.declaration().coordinates.len())
         .flat_map(|i| [Quantity::Coordinate(i), Quantity::Velocity(i)]);
     let rows = quantities.map(|quantity| {
-        let value = |k| State::of(trajectory, k).value(quantity).map(digits);
+        let value = |k| State::of(model, trajectory, k).value(quantity).map(digits);
         vec![
             headed(
-                &quantity::symbol(declaration, quantity),
-                &quantity::unit(declaration, quantity),
+                &quantity::symbol(model, quantity),
+                &quantity::unit(model, quantity),
             ),
             value(0).unwrap_or_default(),
             value(last).unwrap_or_default(),

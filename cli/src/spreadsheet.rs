@@ -1,10 +1,11 @@
 //! Data files in CSV, one header line with names and units.
 
-use hangtime::model::Declaration;
+use hangtime::model::{Declaration, Model};
 use hangtime::simulation::{Event, Trajectory};
 
 use crate::published::Quantity;
 use crate::quantity;
+use crate::sampling::State;
 use crate::table::{headed, per_second};
 use crate::thinning::kept;
 
@@ -36,11 +37,8 @@ fn state_names(declaration: &Declaration, suffix: &str) -> Vec<String> {
 }
 
 /// At most `most` rows of a trajectory.
-pub(crate) fn trajectory_csv(
-    declaration: &Declaration,
-    trajectory: &Trajectory,
-    most: usize,
-) -> String {
+pub(crate) fn trajectory_csv(model: &dyn Model, trajectory: &Trajectory, most: usize) -> String {
+    let declaration = model.declaration();
     let mut header = vec!["time [s]".to_owned(), "numerical time [s]".to_owned()];
     header.extend(state_names(declaration, ""));
     header.extend(declaration.controls.iter().map(|u| headed(u.name, u.unit)));
@@ -48,8 +46,8 @@ pub(crate) fn trajectory_csv(
         (0..declaration.contacts.len()).map(move |contact| {
             let force = force(contact);
             headed(
-                &quantity::symbol(declaration, force),
-                &quantity::unit(declaration, force),
+                &quantity::symbol(model, force),
+                &quantity::unit(model, force),
             )
         })
     };
@@ -57,6 +55,8 @@ pub(crate) fn trajectory_csv(
     if !trajectory.friction_force.is_empty() {
         header.extend(force(Quantity::FrictionForce));
     }
+    let outputs = model.outputs();
+    header.extend(outputs.iter().map(|known| headed(known.name, known.unit)));
     csv_text(
         &header,
         kept(&trajectory.time, most).into_iter().map(|k| {
@@ -67,6 +67,7 @@ pub(crate) fn trajectory_csv(
                 .chain(&trajectory.u[k])
                 .chain(&trajectory.contact_force[k])
                 .chain(trajectory.friction_force.get(k).into_iter().flatten())
+                .chain(&State::of(model, trajectory, k).outputs)
                 .map(f64::to_string)
                 .collect()
         }),

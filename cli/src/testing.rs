@@ -1,6 +1,6 @@
 //! Small scenes for the tests of this library.
 
-use crate::{GroundLine, Plane, Scene, Variant, parameter};
+use crate::{Scene, Variant};
 
 hangtime::model! {
     /// A point mass above a level table and a slope.
@@ -12,6 +12,7 @@ hangtime::model! {
         surface slope: z - 7[m] + y/2 >= 0
         impact table: inelastic
         impact slope: inelastic
+        picture { point mass at (y, z) }
         start { y: start_y, z: 20[m] }
         horizon 1 [s]
     }
@@ -28,6 +29,7 @@ hangtime::model! {
         forces { y: u }
         surface ground: s >= 0
         impact ground: inelastic
+        picture { point mass, curve track: (w, a*(1 - cos(k*w))) over w }
         minimize time
         finally { y == 1[m] }
         start { dot(y): 1[m/s] }
@@ -41,22 +43,10 @@ pub(crate) const SCENES: &[Scene] = &[
         "slide",
         "a point mass falls on a slope",
         &[Variant::new(|| Box::new(Slide::default()))],
-    )
-    .drawn(Plane::of_one_body(&["mass"], ["y [m]", "z [m]"])),
+    ),
     Scene::new(
         "wave",
         "a point mass is pushed over a wavy track",
         &[Variant::new(|| Box::new(Wave::default()))],
-    )
-    .drawn(Plane {
-        axes: ["y [m]", "z [m]"],
-        unit: "m",
-        bodies: &["mass"],
-        links: &[],
-        positions: |model, q| {
-            let [a, k] = ["a", "k"].map(|name| parameter(model, name));
-            vec![[q[0], a * (1.0 - (k * q[0]).cos()) + q[1]]]
-        },
-        ground: |_, _, _| Vec::<GroundLine>::new(),
-    }),
+    ),
 ];

@@ -3,7 +3,7 @@
 //! From a height `h` the ball reaches the floor after `sqrt(2 h / g)`, and rests on it after `(1 + e) / (1 - e)` times
 //! that time, for a coefficient of restitution `e`.
 
-use hangtime_cli::{Charted, Plane, Scene, Variant};
+use hangtime_cli::{Charted, Scene, Variant};
 
 use crate::closed_form;
 
@@ -22,5 +22,4 @@ pub(crate) const SCENE: Scene = Scene {
         "a ball bounces along a floor and comes to rest after infinitely many impacts",
         &[Variant::new(|| Box::new(BouncingBall::default()))],
     )
-    .drawn(Plane::of_one_body(&["ball"], ["y [m]", "z [m]"]))
 };

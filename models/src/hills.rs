@@ -1,6 +1,6 @@
 //! Hills: sliding, taking off tangentially, flying and landing, on a track that is a cosine.
 
-use hangtime_cli::{Plane, Scene, Variant};
+use hangtime_cli::{Scene, Variant};
 
 hangtime::model_file!("scenes/hills.hang");
 
@@ -9,5 +9,4 @@ pub(crate) const SCENE: Scene = Scene::new(
     "hills",
     "a point mass slides over hills, takes off, and lands",
     &[Variant::new(|| Box::new(Hills::default()))],
-)
-.drawn(Plane::of_one_body(&["mass"], ["y [m]", "z [m]"]));
+);

@@ -3,7 +3,7 @@
 //! The block slides down with the deceleration `g (mu cos(incline) - sin(incline))`, and sticks where it stops if `mu`
 //! is at least the slope of the incline.
 
-use hangtime_cli::{Plane, Scene, Variant};
+use hangtime_cli::{Scene, Variant};
 
 use crate::closed_form;
 
@@ -17,5 +17,4 @@ pub(crate) const SCENE: Scene = Scene {
         "a block slides down a rough incline, stops, and sticks",
         &[Variant::new(|| Box::new(Incline::default()))],
     )
-    .drawn(Plane::of_one_body(&["block"], ["y [m]", "z [m]"]))
 };

@@ -55,3 +55,26 @@ pub fn scenes() -> &'static [Scene] {
     ];
     SCENES
 }
+
+/// The texts of the shipped scenes, as (name, text of the file), in the order in which they are listed.
+#[must_use]
+pub const fn scene_texts() -> &'static [(&'static str, &'static str)] {
+    macro_rules! texts {
+        ($($name:literal),* $(,)?) => {
+            &[$(($name, include_str!(concat!("../scenes/", $name, ".hang")))),*]
+        };
+    }
+    texts![
+        "ski-jump",
+        "pump-track",
+        "pump-track-holding",
+        "bouncing-ball",
+        "incline",
+        "elastic-box",
+        "rough-ball",
+        "stick-slip",
+        "hills",
+        "falling-rod",
+        "three-blocks",
+    ]
+}

@@ -15,24 +15,14 @@
 //! keeps it. Without input at 15 km/h the goal is reached after 1.8565 s in form `paper` and after
 //! 1.8100 s in form `holding`.
 
-use hangtime::model::Model;
-
 use crate::published;
-use hangtime_cli::{Charted, GroundLine, Plane, Scene, Variant, parameter};
+use hangtime_cli::{Charted, Scene, Variant};
 
 hangtime::model_file!("scenes/pump-track.hang");
 hangtime::model_file!("scenes/pump-track-holding.hang");
 
 /// Its entry in the list of scenes.
 pub(crate) const SCENE: Scene = Scene {
-    plane: Some(Plane {
-        axes: ["y [m]", "z [m]"],
-        unit: "m",
-        bodies: &["bike", "rider"],
-        links: &[[0, 1]],
-        positions,
-        ground,
-    }),
     published: published::pump_track::CASES,
     published_sizes: published::pump_track::SIZES,
     // 240 intervals, re-simulated to 1e-12 m.
@@ -65,28 +55,4 @@ const fn charted(what: &'static str, settings: &'static [&'static str]) -> Chart
         settings,
         horizon: None,
     }
-}
-
-/// Points of the ground line.
-const POINTS: usize = 200;
-
-/// Height of the track above its lowest point at `y` [m].
-fn track(model: &dyn Model, y: f64) -> f64 {
-    parameter(model, "a") * (1.0 - (parameter(model, "k") * y).cos())
-}
-
-/// Bike and rider.
-fn positions(model: &dyn Model, q: &[f64]) -> Vec<[f64; 2]> {
-    let bike = track(model, q[0]) + q[1];
-    vec![[q[0], bike], [q[0], bike + q[2]]]
-}
-
-fn ground(model: &dyn Model, from: f64, to: f64) -> Vec<GroundLine> {
-    vec![GroundLine {
-        name: "track",
-        points: (0..=POINTS)
-            .map(|i| from + (to - from) * i as f64 / POINTS as f64)
-            .map(|y| [y, track(model, y)])
-            .collect(),
-    }]
 }

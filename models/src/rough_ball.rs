@@ -3,7 +3,7 @@
 //! An impact with the normal velocity `v` has the impulse `(1 + e) m v`, so friction takes `mu (1 + e) v` of the
 //! horizontal velocity, and no more than there is.
 
-use hangtime_cli::{Plane, Scene, Variant};
+use hangtime_cli::{Scene, Variant};
 
 use crate::closed_form;
 
@@ -17,5 +17,4 @@ pub(crate) const SCENE: Scene = Scene {
         "a ball bounces along a rough floor and loses speed at every impact",
         &[Variant::new(|| Box::new(RoughBall::default()))],
     )
-    .drawn(Plane::of_one_body(&["ball"], ["y [m]", "z [m]"]))
 };

@@ -5,7 +5,7 @@
 //! those of the authors' scripts and of the data of their Fig. 3.
 
 use crate::published;
-use hangtime_cli::{Charted, Plane, Scene, Variant};
+use hangtime_cli::{Charted, Scene, Variant};
 
 hangtime::model_file!("scenes/ski-jump.hang");
 
@@ -29,5 +29,4 @@ pub(crate) const SCENE: Scene = Scene {
         "a point mass slides off a curved table, flies, and lands on a straight slope",
         &[Variant::new(|| Box::new(SkiJump::default()))],
     )
-    .drawn(Plane::of_one_body(&["jumper"], ["y [m]", "z [m]"]))
 };

@@ -3,7 +3,7 @@
 //! While it slips, the stretch of the spring oscillates about `mu m g / k`; while it sticks, the stretch grows at the
 //! speed of the other end. So the motion is known as a formula, switch by switch.
 
-use hangtime_cli::{Plane, Scene, Variant};
+use hangtime_cli::{Scene, Variant};
 
 use crate::closed_form;
 
@@ -17,5 +17,4 @@ pub(crate) const SCENE: Scene = Scene {
         "a spring drags a block that sticks and slips",
         &[Variant::new(|| Box::new(StickSlip::default()))],
     )
-    .drawn(Plane::of_one_body(&["block"], ["y [m]", "z [m]"]))
 };

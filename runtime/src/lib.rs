@@ -56,6 +56,7 @@ pub mod __private;
 #[cfg(test)]
 extern crate self as hangtime;
 
+mod clock;
 mod dcs;
 mod fesd;
 mod front;
@@ -74,6 +75,8 @@ pub mod simulation;
 mod size;
 mod time_freezing;
 
+#[cfg(target_family = "wasm")]
+pub use clock::set_clock;
 pub use front::simulate::{Simulate, simulate};
 pub use front::solve::{Solve, solve};
 #[doc = include_str!("model_macro.md")]

@@ -1,6 +1,6 @@
 //! CPU time by kind of work.
 
-use cpu_time::ThreadTime;
+use crate::clock::ThreadTime;
 
 /// CPU time by kind of work \[s\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

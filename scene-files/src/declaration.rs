@@ -3,10 +3,10 @@
 use hangtime::model::{
     ConstraintDeclaration, ConstraintRelation, ContactDeclaration, Declaration, Equation,
     FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
-    SparsityPattern, VariableDeclaration,
+    Picture, Shape, SparsityPattern, VariableDeclaration,
 };
 use hangtime_dsl::description::{
-    Condition, Contact, Description, OptimalControl, Pattern, Rows, Variable,
+    self, Condition, Contact, Description, OptimalControl, Outputs, Pattern, Rows, Variable,
 };
 
 /// The declaration of a described scene. It is never freed: solvers and results keep names of it.
@@ -41,6 +41,32 @@ pub(crate) fn of(scene: &Description) -> &'static Declaration {
         kernels: list(kernels),
         equations: list(equations),
     }))
+}
+
+/// What a described scene records.
+pub(crate) fn outputs(outputs: Option<&Outputs>) -> &'static [VariableDeclaration] {
+    let outputs = outputs.into_iter().flat_map(|known| &known.quantities);
+    list(outputs.map(variable))
+}
+
+/// How a described scene is drawn.
+pub(crate) fn picture(picture: &description::Picture) -> Picture {
+    use description::Shape as Described;
+    Picture {
+        unit: text(&picture.unit),
+        axes: [0, 1].map(|axis| text(&picture.axes[axis])),
+        ground: picture.ground,
+        shapes: list(picture.shapes.iter().map(|shape| match shape {
+            Described::Point(name) => Shape::Point(text(name)),
+            Described::Circle(name) => Shape::Circle(text(name)),
+            Described::Rectangle(name) => Shape::Rectangle(text(name)),
+            Described::Polygon(name, corners) => Shape::Polygon(text(name), *corners),
+            Described::Link => Shape::Link,
+            Described::Spring => Shape::Spring,
+            Described::Curve(name) => Shape::Curve(text(name)),
+            Described::Arc(name) => Shape::Arc(text(name)),
+        })),
+    }
 }
 
 fn text(text: &str) -> &'static str {

@@ -1,7 +1,7 @@
 //! Scenes from files, which run without a compiler.
 //!
-//! A file `NAME.hang` holds what stands inside `hangtime::model! { ... }`, or only the statements. [`read`] derives it and
-//! gives a [`TextScene`], a [`Model`](hangtime::model::Model) like any other:
+//! A file `NAME.hang` holds what stands inside `hangtime::model! { ... }`, or only the statements. [`read`] derives it
+//! and gives a [`TextScene`], a [`Model`](hangtime::model::Model) like any other:
 //!
 //! ```
 //! use hangtime::prelude::*;
@@ -36,14 +36,17 @@ pub use hangtime_dsl::TextMistake;
 pub use scene::TextScene;
 
 use program::TooLarge;
+use std::fmt;
 use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::Path;
-use std::{fmt, thread};
+#[cfg(not(target_family = "wasm"))]
+use std::thread;
 
 /// Most bytes that are read of a file; a longer one is refused by the language.
 const LONGEST: u64 = 1 << 17;
 /// Stack for a derivation, whose recursion is bounded.
+#[cfg(not(target_family = "wasm"))]
 const STACK: usize = 64 << 20;
 
 /// Why a scene was refused.
@@ -79,6 +82,36 @@ impl std::error::Error for SceneError {}
 /// # Errors
 /// The file cannot be read, or its text has mistakes.
 pub fn read(file: &Path) -> Result<TextScene, SceneError> {
+    of_text(&file.display().to_string(), &read_text(file)?)
+}
+
+/// The text of a scene file, and the same in the settled style of [`hangtime_dsl::format_text`].
+///
+/// # Errors
+/// The file cannot be read, or its text has mistakes.
+pub fn format(file: &Path) -> Result<(String, String), SceneError> {
+    let text = read_text(file)?;
+    let formatted = format_text(&file.display().to_string(), &text)?;
+    Ok((text, formatted))
+}
+
+/// A text in the settled style; `file` is what its messages call the file.
+///
+/// # Errors
+/// The text has mistakes.
+pub fn format_text(file: &str, text: &str) -> Result<String, SceneError> {
+    let formatted = on_a_thread(file, |stem| hangtime_dsl::format_text(text, stem))?;
+    formatted.map_err(|mistakes| SceneError::Mistakes {
+        report: report::report(file, text, &mistakes),
+        mistakes,
+    })
+}
+
+/// Reads the text of a scene file, whatever stands in it; of a text that is too long for a scene, not all.
+///
+/// # Errors
+/// The file cannot be read, or is no text.
+pub fn read_text(file: &Path) -> Result<String, SceneError> {
     let shown = file.display();
     let unreadable = |why: String| SceneError::Unreadable(format!("scene file `{shown}`: {why}"));
     // Reading from a pipe might never end.
@@ -93,13 +126,41 @@ pub fn read(file: &Path) -> Result<TextScene, SceneError> {
         .map_err(|error| {
             unreadable(format!("{error}; give the path of a file that can be read"))
         })?;
-    let text = String::from_utf8(bytes).map_err(|error| {
+    String::from_utf8(bytes).map_err(|error| {
         let place = error.utf8_error().valid_up_to();
         unreadable(format!(
             "byte {place} is no text in UTF-8; save it as UTF-8"
         ))
-    })?;
-    of_text(&shown.to_string(), &text)
+    })
+}
+
+/// Does work on a text on a thread of its own, whose stack is known, and whose memory of expressions and places ends
+/// with it; it gets the name of the file without its ending.
+#[cfg(not(target_family = "wasm"))]
+fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Result<T, SceneError> {
+    let stem = Path::new(file).file_stem().unwrap_or_default();
+    let stem = stem.to_string_lossy();
+    let done = thread::scope(|scope| {
+        let worker = thread::Builder::new().stack_size(STACK);
+        let worker = worker.spawn_scoped(scope, || work(&stem));
+        worker.map(|worker| worker.join())
+    });
+    match done {
+        Ok(Ok(value)) => Ok(value),
+        Ok(Err(panic)) => std::panic::resume_unwind(panic),
+        Err(error) => Err(SceneError::Unreadable(format!(
+            "scene file `{file}`: no thread for its derivation: {error}"
+        ))),
+    }
+}
+
+/// Does work on a text where there are no threads: on the stack of the host, whose memory of places is given back.
+#[cfg(target_family = "wasm")]
+fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Result<T, SceneError> {
+    let stem = Path::new(file).file_stem().unwrap_or_default();
+    let done = work(&stem.to_string_lossy());
+    hangtime_dsl::forget_places();
+    Ok(done)
 }
 
 /// Derives a scene from a text; `file` is what its messages call the file, and the name of a scene without one follows
@@ -110,37 +171,21 @@ pub fn read(file: &Path) -> Result<TextScene, SceneError> {
 /// # Errors
 /// The text has mistakes.
 pub fn of_text(file: &str, text: &str) -> Result<TextScene, SceneError> {
-    let stem = Path::new(file).file_stem().unwrap_or_default();
-    let stem = stem.to_string_lossy();
-    // On a thread of its own, whose stack is known, and whose memory of expressions and places ends with it.
-    let derived = thread::scope(|scope| {
-        let work = || hangtime_dsl::describe_text(text, &stem);
-        let worker = thread::Builder::new()
-            .stack_size(STACK)
-            .spawn_scoped(scope, work);
-        worker.map(|worker| worker.join())
-    });
     let refuse = |mistakes: Vec<TextMistake>| SceneError::Mistakes {
         report: report::report(file, text, &mistakes),
         mistakes,
     };
-    match derived {
-        Ok(Ok(derived)) => {
-            let (description, warnings) = derived.map_err(refuse)?;
-            let report = report::report(file, text, &warnings);
-            TextScene::new(description, report).map_err(|TooLarge| {
-                refuse(vec![TextMistake {
-                    code: Some("E22"),
-                    message: "a derived function has too many values; split the mechanism into smaller scenes"
-                        .to_owned(),
-                    warning: false,
-                    place: 0..0,
-                }])
-            })
-        }
-        Ok(Err(panic)) => std::panic::resume_unwind(panic),
-        Err(error) => Err(SceneError::Unreadable(format!(
-            "scene file `{file}`: no thread for its derivation: {error}"
-        ))),
-    }
+    let derived = on_a_thread(file, |stem| hangtime_dsl::describe_text(text, stem))?;
+    let (description, warnings) = derived.map_err(refuse)?;
+    let report = report::report(file, text, &warnings);
+    TextScene::new(description, report).map_err(|TooLarge| {
+        refuse(vec![TextMistake {
+            code: Some("E22"),
+            message:
+                "a derived function has too many values; split the mechanism into smaller scenes"
+                    .to_owned(),
+            warning: false,
+            place: 0..0,
+        }])
+    })
 }

@@ -4,7 +4,7 @@ use crate::declaration;
 use crate::program::{Program, TooLarge};
 use crate::scratch::Scratch;
 use crate::system::zeros;
-use hangtime::model::{Declaration, Model};
+use hangtime::model::{Declaration, Model, Picture, VariableDeclaration};
 use hangtime_dsl::description::{
     Contact, Description, Friction, Functions, Motion, MotionDerivatives, Rows,
 };
@@ -24,6 +24,8 @@ pub struct TextScene {
 #[derive(Debug)]
 struct Shared {
     declaration: &'static Declaration,
+    outputs: &'static [VariableDeclaration],
+    picture: Option<Picture>,
     description: Description,
     programs: Vec<Program>,
     warnings: String,
@@ -42,6 +44,8 @@ impl TextScene {
             folded: Vec::new(),
             shared: Arc::new(Shared {
                 declaration: declaration::of(&description),
+                outputs: declaration::outputs(description.outputs.as_ref()),
+                picture: description.picture.as_ref().map(declaration::picture),
                 description,
                 programs,
                 warnings,
@@ -421,6 +425,26 @@ impl Model for TextScene {
         if let Some([low, high]) = task.and_then(|task| task.free_start_bounds) {
             self.evaluate(low, &[], &[], lower);
             self.evaluate(high, &[], &[], upper);
+        }
+    }
+
+    fn outputs(&self) -> &'static [VariableDeclaration] {
+        self.shared.outputs
+    }
+
+    fn output_values(&self, x: &[f64], forces: &[f64], values: &mut [f64]) {
+        if let Some(outputs) = &self.description().outputs {
+            self.evaluate(outputs.kernel, x, forces, values);
+        }
+    }
+
+    fn picture(&self) -> Option<Picture> {
+        self.shared.picture
+    }
+
+    fn picture_values(&self, x: &[f64], along: f64, values: &mut [f64]) {
+        if let Some(picture) = &self.description().picture {
+            self.evaluate(picture.kernel, x, &[along], values);
         }
     }
 

@@ -11,3 +11,4 @@ mod impact_laws;
 mod optimal_control_functions;
 mod same;
 mod scene_texts;
+mod shown;

@@ -49,6 +49,9 @@ pub(crate) fn assert_same(compiled: &dyn Model, loaded: &dyn Model) {
     let declaration = compiled.declaration();
     let [mine, theirs] = [compiled, loaded].map(|model| format!("{:?}", model.declaration()));
     assert_eq!(mine, theirs);
+    let [mine, theirs] = [compiled, loaded].map(|model| format!("{:?}", model.outputs()));
+    assert_eq!(mine, theirs);
+    assert_eq!(compiled.picture(), loaded.picture());
     let (mut compiled, mut loaded) = (compiled.boxed(), loaded.boxed());
     assert_values(&*compiled, &*loaded);
     for (i, parameter) in declaration.parameters.iter().enumerate() {
@@ -128,7 +131,29 @@ fn assert_values(compiled: &dyn Model, loaded: &dyn Model) {
             assert_contact(pair, contact, x, &w);
         }
         assert_optimal_control(pair, [x, z], &w);
+        assert_shown(pair, &w);
     }
+}
+
+/// Compares what is recorded and drawn, if there is anything; `w` is long enough for states, forces and a time.
+fn assert_shown(pair: Pair<'_>, w: &[f64]) {
+    let declaration = pair.declaration();
+    let length = 2 * declaration.coordinates.len() + declaration.controls.len() + 1;
+    let x: Vec<f64> = w.iter().copied().cycle().take(length).collect();
+    let forces: Vec<f64> = w
+        .iter()
+        .rev()
+        .copied()
+        .cycle()
+        .take(2 * declaration.contacts.len())
+        .collect();
+    pair.both("outputs", pair.0[0].outputs().len(), |model, out| {
+        model.output_values(&x, &forces, out);
+    });
+    let values = pair.0[0].picture().map_or(0, |picture| picture.values());
+    pair.both("picture", values, |model, out| {
+        model.picture_values(&x, w[0], out);
+    });
 }
 
 /// Compares what depends on parameters only.

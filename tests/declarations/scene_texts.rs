@@ -1,7 +1,7 @@
 //! The declarations of this program once more, as texts that are derived when they are loaded.
 
 use crate::same::assert_all_same;
-use crate::{chain, contact_laws, derivatives, impact_laws, optimal_control_functions};
+use crate::{chain, contact_laws, derivatives, impact_laws, optimal_control_functions, shown};
 
 #[test]
 fn text_evaluates_to_what_the_compiled_scene_does() {
@@ -40,6 +40,10 @@ fn text_evaluates_to_what_the_compiled_scene_does() {
                 &optimal_control_functions::Effort::default(),
                 &optimal_control_functions::Appointment::default(),
             ],
+        )
+        + assert_all_same(
+            include_str!("shown.rs"),
+            &[&shown::Wheel::default(), &shown::WrittenOut::default()],
         );
-    assert_eq!(compared, 19);
+    assert_eq!(compared, 21);
 }

@@ -1,6 +1,6 @@
 //! The example with two contacts: its optimum against free flight, and the geometry of its picture.
 
-use hangtime::model::Model;
+use hangtime::model::{Model, Shape};
 use hangtime::ocp::{self, Problem, Settings, Stationarity};
 
 #[expect(
@@ -32,12 +32,24 @@ fn bike_lands_on_a_downhill_slope_and_is_faster_than_in_flight() {
 #[test]
 fn wheels_in_the_picture_touch_the_ground_where_the_gaps_vanish() {
     let model = example::Bike::default();
-    let plane = example::SCENES[0].plane.unwrap();
+    let picture = model.picture().unwrap();
     let q = [0.7, 0.4, 0.3];
     let mut x = q.to_vec();
     x.resize(model.declaration().inputs(), 0.0);
-    for (contact, [y, z]) in (plane.positions)(&model, &q).into_iter().enumerate() {
-        let ground = (plane.ground)(&model, y, y + 1.0)[0].points[0][1];
+    // The time stands behind states and controls in every scene.
+    let mut at = x.clone();
+    at.push(0.0);
+    let drawn = |along: f64| {
+        let mut values = vec![0.0; picture.values()];
+        model.picture_values(&at, along, &mut values);
+        values
+    };
+    assert_eq!(picture.shapes[3], Shape::Curve("track"));
+    for contact in 0..2 {
+        // Place and angle of two points, both ends of the link, a place on the track.
+        let [y, z] = [0, 1].map(|axis| drawn(0.0)[3 * contact + axis]);
+        let [along, ground] = [10, 11].map(|place| drawn(y)[place]);
+        assert_eq!(along, y);
         assert!((model.gap(contact, &x) - (z - ground)).abs() < 1e-15);
     }
 }

@@ -3,11 +3,20 @@
 use std::process::ExitCode;
 
 use hangtime_cli::CommandLine;
+#[cfg(feature = "play")]
+use hangtime_cli::PlayPage;
+#[cfg(feature = "play")]
+use hangtime_models::scene_texts;
 use hangtime_models::{hard_scenes, peers, scenes};
 
 fn main() -> ExitCode {
-    CommandLine::new(scenes())
+    let command_line = CommandLine::new(scenes())
         .with_hard(hard_scenes())
-        .with_peers(peers())
-        .run(std::env::args_os())
+        .with_peers(peers());
+    #[cfg(feature = "play")]
+    let command_line = command_line.with_page(PlayPage {
+        module: include_bytes!(concat!(env!("OUT_DIR"), "/module.gz")),
+        scenes: scene_texts(),
+    });
+    command_line.run(std::env::args_os())
 }

@@ -1,24 +1,30 @@
 //! Where in the plane a contact force acts, and along which direction.
 //!
-//! A force `F` on a body at `p(q)` is the generalized force `(dp/dq)' F`. The one of a contact is `n lambda_n + b
-//! lambda_t`. The arrow belongs to the body that can carry it, and is the least-squares solution there.
+//! A force `F` on a body at `p(q)` with the angle `a(q)`, and its moment `m` about `p`, are the generalized force
+//! `(dp/dq)' F + (da/dq)' m`. The one of a contact is `n lambda_n + b lambda_t`. The arrow belongs to the first body
+//! that can carry it, by least squares, and begins where the line on which `F` has the moment `m` enters the outline of
+//! the body.
 
-use crate::Plane;
 use hangtime::model::{Model, contact_point, tangent_point};
 use serde::Serialize;
 
+use crate::drawing::Drawing;
 use crate::sampling::State;
 
-/// Step of the central differences of a position, relative to the size of the coordinate.
+/// Step of the central differences of a place, relative to the size of the coordinate.
 const STEP: f64 = 1e-6;
-/// A determinant that is smaller than this share of the squared trace counts as zero: the body moves along a line.
+/// What is added to the squares, as a share of them, where a body does not move along all loads.
 const SINGULAR: f64 = 1e-9;
+/// Forces that no body can carry within this share of themselves are not drawn.
+const CARRIED: f64 = 1e-4;
 
 /// The force of one contact in the plane.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub(crate) struct Arrow {
     /// Index of the body that carries it.
     pub(super) body: usize,
+    /// Where it acts, from the place of the body.
+    pub(super) from: [f64; 2],
     /// Horizontal and vertical component.
     pub(super) force: [f64; 2],
 }
@@ -30,26 +36,76 @@ impl Arrow {
 }
 
 /// The force of every contact.
-pub(super) fn arrows(plane: &Plane, model: &dyn Model, state: &State) -> Vec<Arrow> {
-    let jacobians = jacobians(plane, model, &state.q);
+pub(super) fn arrows(drawing: &Drawing<'_>, model: &dyn Model, state: &State) -> Vec<Arrow> {
+    let jacobians = jacobians(drawing, state);
+    let placed = drawing.at(state);
     (0..state.contact_force.len())
         .map(|contact| {
             let generalized = generalized_force(model, contact, state);
-            if generalized.iter().all(|&component| component == 0.0) {
+            let Some((body, [y, z, moment])) = load(&jacobians, &generalized) else {
                 return Arrow::default();
-            }
-            let arrows = jacobians.iter().enumerate();
-            arrows
-                .map(|(body, jacobian)| {
-                    let (force, residual) = least_squares(jacobian, &generalized);
-                    (Arrow { body, force }, residual)
-                })
-                .min_by(|a, b| a.1.total_cmp(&b.1))
-                .map(|(arrow, _)| arrow)
-                .filter(|arrow| arrow.magnitude().is_finite())
-                .unwrap_or_default()
+            };
+            let outline = placed.outline(body, &drawing.bodies[body]);
+            let moment = moment * drawing.bodies[body].reach();
+            let arrow = Arrow {
+                body,
+                from: entry(placed.places[body], &outline, [y, z], moment),
+                force: [y, z],
+            };
+            let finite = arrow.force.iter().chain(&arrow.from).all(|x| x.is_finite());
+            if finite { arrow } else { Arrow::default() }
         })
         .collect()
+}
+
+/// The first body that carries a generalized force, and the load on it: a force through its place if one is enough.
+fn load(jacobians: &[Vec<[f64; 3]>], generalized: &[f64]) -> Option<(usize, [f64; 3])> {
+    let size = generalized.iter().map(|q| q * q).sum::<f64>().sqrt();
+    let carried = |turning: f64| {
+        let mut loads = jacobians.iter().enumerate().map(|(body, jacobian)| {
+            let columns = jacobian.iter();
+            let columns = columns.map(|[y, z, angle]| [*y, *z, turning * angle]);
+            let (load, residual) = least_squares(&columns.collect::<Vec<_>>(), generalized);
+            (residual, body, load)
+        });
+        loads.find(|(residual, ..)| size > 0.0 && *residual <= CARRIED * size)
+    };
+    let (_, body, load) = carried(0.0).or_else(|| carried(1.0))?;
+    Some((body, load))
+}
+
+/// Where the line on which a force has the moment enters an outline, from the place of the body; the point of the line
+/// that is nearest to the place, if they do not meet.
+fn entry(place: [f64; 2], outline: &[[f64; 2]], [y, z]: [f64; 2], moment: f64) -> [f64; 2] {
+    let size = y.hypot(z);
+    if outline.is_empty() || size == 0.0 {
+        return [0.0; 2];
+    }
+    let along = [y / size, z / size];
+    let nearest = [-along[1] * moment / size, along[0] * moment / size];
+    // How far a corner is along the line, and beside it.
+    let seen = |[a, b]: [f64; 2]| {
+        let [a, b] = [a - place[0] - nearest[0], b - place[1] - nearest[1]];
+        [a * along[0] + b * along[1], a * along[1] - b * along[0]]
+    };
+    let corners: Vec<[f64; 2]> = outline.iter().map(|&corner| seen(corner)).collect();
+    let reach = corners
+        .iter()
+        .flatten()
+        .fold(0.0_f64, |most, x| most.max(x.abs()));
+    // A corner on the line counts in spite of roundings of the derivatives.
+    let touching = corners
+        .iter()
+        .filter(|corner| corner[1].abs() <= CARRIED * reach);
+    let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+    let crossed = sides.filter(|(a, b)| a[1] * b[1] < 0.0);
+    let crossed = crossed.map(|(a, b)| a[0] + (b[0] - a[0]) * a[1] / (a[1] - b[1]));
+    let first = touching
+        .map(|corner| corner[0])
+        .chain(crossed)
+        .fold(f64::INFINITY, f64::min);
+    let first = if first.is_finite() { first } else { 0.0 };
+    [nearest[0] + first * along[0], nearest[1] + first * along[1]]
 }
 
 /// `n lambda_n + b lambda_t`.
@@ -78,61 +134,72 @@ fn generalized_force(model: &dyn Model, contact: usize, state: &State) -> Vec<f6
     generalized
 }
 
-/// For each body the derivative of its position by each coordinate.
-fn jacobians(plane: &Plane, model: &dyn Model, q: &[f64]) -> Vec<Vec<[f64; 2]>> {
-    let mut jacobians = vec![Vec::with_capacity(q.len()); plane.bodies.len()];
-    let mut shifted = q.to_vec();
+/// For each body the derivative of its place, and of its angle times its reach, by each coordinate.
+fn jacobians(drawing: &Drawing<'_>, state: &State) -> Vec<Vec<[f64; 3]>> {
+    let q = &state.q;
+    let mut jacobians = vec![Vec::with_capacity(q.len()); drawing.bodies.len()];
+    let mut shifted = q.clone();
     for i in 0..q.len() {
         let step = STEP * q[i].abs().max(1.0);
-        shifted[i] = q[i] + step;
-        let ahead = plane.bodies_at(model, &shifted);
-        shifted[i] = q[i] - step;
-        let behind = plane.bodies_at(model, &shifted);
+        let [ahead, behind] = [step, -step].map(|step| {
+            shifted[i] = q[i] + step;
+            drawing.placed(&shifted, &state.v, &state.u, state.time)
+        });
         shifted[i] = q[i];
-        for (jacobian, (a, b)) in jacobians.iter_mut().zip(ahead.iter().zip(&behind)) {
-            jacobian.push([0, 1].map(|axis| (a[axis] - b[axis]) / (2.0 * step)));
+        for (body, jacobian) in jacobians.iter_mut().enumerate() {
+            let [a, b] = [&ahead, &behind].map(|placed| {
+                let [y, z] = placed.places[body];
+                [y, z, placed.angles[body] * drawing.bodies[body].reach()]
+            });
+            jacobian.push([0, 1, 2].map(|axis| (a[axis] - b[axis]) / (2.0 * step)));
         }
     }
     jacobians
 }
 
-/// The force `F` that minimizes `|J' F - Q|`, and that distance.
-fn least_squares(jacobian: &[[f64; 2]], generalized: &[f64]) -> ([f64; 2], f64) {
-    let mut a = [[0.0; 2]; 2];
-    let mut b = [0.0; 2];
+/// The load (two components of a force, and a moment) that minimizes `|J' F - Q|`, and that distance; the smallest such
+/// load, if the body does not move along all of them.
+fn least_squares(jacobian: &[[f64; 3]], generalized: &[f64]) -> ([f64; 3], f64) {
+    let mut a = [[0.0; 4]; 3];
     for (column, q) in jacobian.iter().zip(generalized) {
-        for i in 0..2 {
-            b[i] += column[i] * q;
-            for j in 0..2 {
+        for i in 0..3 {
+            a[i][3] += column[i] * q;
+            for j in 0..3 {
                 a[i][j] += column[i] * column[j];
             }
         }
     }
-    let trace = a[0][0] + a[1][1];
-    let determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
-    let force = if determinant > SINGULAR * trace * trace {
-        [
-            (a[1][1] * b[0] - a[0][1] * b[1]) / determinant,
-            (a[0][0] * b[1] - a[1][0] * b[0]) / determinant,
-        ]
-    } else {
-        // Along one line: the pseudo-inverse of t u u' is u u' / t.
-        [0, 1].map(|i| (a[i][0] * b[0] + a[i][1] * b[1]) / (trace * trace))
-    };
+    let trace = a[0][0] + a[1][1] + a[2][2];
+    for (i, row) in a.iter_mut().enumerate() {
+        row[i] += SINGULAR * trace;
+    }
+    // Gauss-Jordan elimination; the matrix is positive definite.
+    for k in 0..3 {
+        let pivot = a[k].map(|x| x / a[k][k]);
+        a[k] = pivot;
+        for (_, row) in a.iter_mut().enumerate().filter(|(i, _)| *i != k) {
+            let factor = row[k];
+            for (x, p) in row.iter_mut().zip(pivot) {
+                *x -= factor * p;
+            }
+        }
+    }
+    let load = a.map(|row| row[3]);
     let residual = jacobian.iter().zip(generalized).map(|(column, q)| {
-        let difference = column[0] * force[0] + column[1] * force[1] - q;
-        difference * difference
+        let carried: f64 = column.iter().zip(load).map(|(c, f)| c * f).sum();
+        (carried - q) * (carried - q)
     });
-    (force, residual.sum::<f64>().sqrt())
+    (load, residual.sum::<f64>().sqrt())
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Arrow, arrows};
+    use crate::drawing::Drawing;
     use crate::sampling::State;
     use crate::settings::{ChosenScene, find};
 
-    fn arrow(scene: &str, q: &[f64], force: f64, contact: usize) -> Arrow {
+    fn arrow(scene: &'static str, q: &[f64], force: f64, contact: usize) -> Arrow {
         let chosen = ChosenScene::new(find(crate::testing::SCENES, scene).unwrap(), &[]).unwrap();
         let declaration = chosen.model.declaration();
         let mut contact_force = vec![0.0; declaration.contacts.len()];
@@ -144,9 +211,10 @@ mod tests {
             u: vec![0.0; declaration.controls.len()],
             contact_force,
             friction_force: Vec::new(),
+            outputs: Vec::new(),
         };
-        let plane = chosen.scene.plane.unwrap();
-        arrows(&plane, chosen.model.as_ref(), &state)[contact]
+        let model = chosen.model.as_ref();
+        arrows(&Drawing::of(model, scene).unwrap(), model, &state)[contact]
     }
 
     #[test]

@@ -2,20 +2,21 @@
 
 mod force;
 
-use crate::{GroundLine, Plane};
 use hangtime::model::Model;
 use hangtime::simulation::{Event, Simulation};
 use serde::Serialize;
 
 use self::force::Arrow;
+use crate::drawing::{Body, Drawing, GroundLine, Placed};
 use crate::json::to_line;
+use crate::markup::embedded;
 use crate::quantity;
 use crate::sampling::{State, state_at};
 
 /// The script, its style, and the elements that it works on.
 pub(crate) const SCRIPT: &str = include_str!("player.js");
 pub(crate) const STYLE: &str = include_str!("player.css");
-const ELEMENTS: &str = include_str!("player.html");
+pub(crate) const ELEMENTS: &str = include_str!("player.html");
 
 /// Frames of a second of motion [1/s].
 const FRAME_RATE: f64 = 240.0;
@@ -25,28 +26,47 @@ const FRAMES: (f64, f64) = (200.0, 2400.0);
 const MOST_EVENTS: usize = 500;
 /// Free space around the motion, as a share of its larger extent.
 const MARGIN: f64 = 0.08;
-/// Ground beyond the frame, as a share of the frame's width.
-const GROUND_AROUND: f64 = 0.02;
 
 /// What the script draws.
 #[derive(Serialize)]
-struct Frames<'a> {
-    bodies: &'a [&'static str],
-    links: &'a [[usize; 2]],
-    axes: [&'static str; 2],
+struct Frames {
+    bodies: Vec<BodyEntry>,
+    /// Whether each line is a spring; the others are links.
+    springs: Vec<bool>,
+    axes: [String; 2],
     /// Left, right, bottom, top.
     frame: [f64; 4],
     ground: Vec<GroundEntry>,
     contacts: Vec<&'static str>,
-    events: Vec<EventEntry>,
     /// Largest force of a contact; 0 if there is none.
     largest_force: f64,
-    time: Vec<f64>,
-    /// Position of each body, a row for each frame.
+    /// Place of each body, a row for each frame.
     positions: Vec<Vec<[f64; 2]>>,
+    /// Angle of each body, a row for each frame.
+    angles: Vec<Vec<f64>>,
+    /// Both ends of each line, a row for each frame.
+    ends: Vec<Vec<[[f64; 2]; 2]>>,
     /// Force of each contact, a row for each frame.
     forces: Vec<Vec<Arrow>>,
+    #[serde(flatten)]
+    curves: Curves,
+}
+
+/// All quantities over time.
+#[derive(Serialize)]
+struct Curves {
+    time: Vec<f64>,
+    events: Vec<EventEntry>,
     readings: Vec<Reading>,
+}
+
+#[derive(Serialize)]
+struct BodyEntry {
+    name: &'static str,
+    /// Corners where place and angle are zero; none for a point.
+    outline: Vec<[f64; 2]>,
+    /// Whether a line from its place to its rim shows how it turns.
+    spoke: bool,
 }
 
 #[derive(Serialize)]
@@ -76,62 +96,56 @@ pub(crate) struct Animation {
 
 impl Animation {
     /// The frames of a simulation; `None` if nothing moved.
-    pub(crate) fn new(plane: &Plane, model: &dyn Model, simulation: &Simulation) -> Option<Self> {
-        let states = states(simulation);
+    pub(crate) fn new(
+        drawing: &Drawing<'_>,
+        model: &dyn Model,
+        simulation: &Simulation,
+    ) -> Option<Self> {
+        let states = states(model, simulation);
         let (first, last) = (states.first()?.time, states.last()?.time);
         if last <= first {
             return None;
         }
-        let positions: Vec<Vec<[f64; 2]>> = states
-            .iter()
-            .map(|state| plane.bodies_at(model, &state.q))
-            .collect();
+        let placed: Vec<Placed> = states.iter().map(|state| drawing.at(state)).collect();
         let forces: Vec<Vec<Arrow>> = states
             .iter()
-            .map(|state| force::arrows(plane, model, state))
+            .map(|state| force::arrows(drawing, model, state))
             .collect();
-        let finite =
-            |rows: &[Vec<[f64; 2]>]| rows.iter().flatten().flatten().all(|x| x.is_finite());
-        if !finite(&positions) {
+        let extents: Vec<[f64; 2]> = placed
+            .iter()
+            .flat_map(|placed| placed.extent(&drawing.bodies))
+            .collect();
+        // Nothing but ground is drawn, or what is drawn has no place.
+        if extents.is_empty() || !extents.as_flattened().iter().all(|x| x.is_finite()) {
             return None;
         }
-        let frame = frame(&positions);
-        let around = GROUND_AROUND * (frame[1] - frame[0]);
-        let ground = (plane.ground)(model, frame[0] - around, frame[1] + around);
-        let declaration = model.declaration();
-        let readings = quantity::all(declaration).into_iter().map(|quantity| {
-            let values = states.iter().filter_map(|state| state.value(quantity));
-            Reading {
-                name: quantity::symbol(declaration, quantity).replace("contact force", "force"),
-                unit: quantity::unit(declaration, quantity),
-                values: values.collect(),
-            }
-        });
-        let events = shown(simulation).map(|event| EventEntry {
-            time: event.time,
-            label: format!(
-                "{} {}",
-                event.kind.name().replace('_', " "),
-                declaration.contacts[event.contact].name
-            ),
-        });
+        let frame = frame(&extents);
+        let [left, right, bottom, top] = frame;
+        let ground = drawing.ground([[left, right], [bottom, top]]);
+        let bodies = drawing.bodies.iter().enumerate();
+        let bodies = bodies.map(|(index, body)| BodyEntry::new(body, index, &placed));
         let frames = Frames {
-            bodies: plane.bodies,
-            links: plane.links,
-            axes: plane.axes,
+            bodies: bodies.collect(),
+            springs: drawing.springs.clone(),
+            axes: drawing.axes.clone(),
             frame,
             ground: ground.into_iter().map(GroundEntry::from).collect(),
-            contacts: declaration.contacts.iter().map(|c| c.name).collect(),
-            events: events.collect(),
+            contacts: model
+                .declaration()
+                .contacts
+                .iter()
+                .map(|c| c.name)
+                .collect(),
             largest_force: forces
                 .iter()
                 .flatten()
                 .map(Arrow::magnitude)
                 .fold(0.0, f64::max),
-            time: states.iter().map(|state| state.time).collect(),
-            readings: readings.collect(),
-            positions,
+            angles: placed.iter().map(|placed| placed.angles.clone()).collect(),
+            ends: placed.iter().map(|placed| placed.ends.clone()).collect(),
+            positions: placed.into_iter().map(|placed| placed.places).collect(),
             forces,
+            curves: Curves::new(model, simulation, &states),
         };
         Some(Self {
             frames: to_line(&frames),
@@ -150,6 +164,60 @@ impl Animation {
     }
 }
 
+impl Curves {
+    fn new(model: &dyn Model, simulation: &Simulation, states: &[State]) -> Self {
+        let declaration = model.declaration();
+        let readings = quantity::all(model).into_iter().map(|quantity| {
+            let values = states.iter().filter_map(|state| state.value(quantity));
+            Reading {
+                name: quantity::symbol(model, quantity).replace("contact force", "force"),
+                unit: quantity::unit(model, quantity),
+                values: values.collect(),
+            }
+        });
+        let events = shown(simulation).map(|event| EventEntry {
+            time: event.time,
+            label: format!(
+                "{} {}",
+                event.kind.name().replace('_', " "),
+                declaration.contacts[event.contact].name
+            ),
+        });
+        Self {
+            time: states.iter().map(|state| state.time).collect(),
+            events: events.collect(),
+            readings: readings.collect(),
+        }
+    }
+}
+
+impl BodyEntry {
+    fn new(body: &Body, index: usize, placed: &[Placed]) -> Self {
+        let turns = placed.iter().any(|placed| placed.angles[index] != 0.0);
+        Self {
+            name: body.name,
+            outline: body.outline.clone(),
+            spoke: turns && body.round && !body.outline.is_empty(),
+        }
+    }
+}
+
+/// What a host draws of a motion, as JSON: the frames of the player, or the curves alone where nothing is drawn in a
+/// plane; `None` if nothing moved.
+pub(crate) fn motion(
+    drawing: Option<&Drawing<'_>>,
+    model: &dyn Model,
+    simulation: &Simulation,
+) -> Option<String> {
+    if let Some(animation) = drawing.and_then(|drawing| Animation::new(drawing, model, simulation))
+    {
+        return Some(animation.frames);
+    }
+    let states = states(model, simulation);
+    let moved = states.first()?.time < states.last()?.time;
+    moved.then(|| to_line(&Curves::new(model, simulation, &states)))
+}
+
 impl From<GroundLine> for GroundEntry {
     fn from(line: GroundLine) -> Self {
         Self {
@@ -159,18 +227,13 @@ impl From<GroundLine> for GroundEntry {
     }
 }
 
-/// JSON that no browser takes for markup; it reads back as the same.
-fn embedded(json: &str) -> String {
-    json.trim_end().replace('<', "\\u003c")
-}
-
 /// The events that the page has frames and buttons for.
 fn shown(simulation: &Simulation) -> impl Iterator<Item = &Event> {
     simulation.events.iter().take(MOST_EVENTS)
 }
 
 /// The states of the frames: evenly spaced, and one at each event.
-fn states(simulation: &Simulation) -> Vec<State> {
+fn states(model: &dyn Model, simulation: &Simulation) -> Vec<State> {
     let trajectory = &simulation.trajectory;
     let (Some(&first), Some(&last)) = (trajectory.time.first(), trajectory.time.last()) else {
         return Vec::new();
@@ -183,14 +246,14 @@ fn states(simulation: &Simulation) -> Vec<State> {
     let mut times: Vec<f64> = even.chain(events).map(|t| t.clamp(first, last)).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
-    let states = times.iter().filter_map(|&t| state_at(trajectory, t));
+    let states = times.iter().filter_map(|&t| state_at(model, trajectory, t));
     states.collect()
 }
 
 /// Left, right, bottom and top of what is shown.
-fn frame(positions: &[Vec<[f64; 2]>]) -> [f64; 4] {
+fn frame(points: &[[f64; 2]]) -> [f64; 4] {
     let ranges = [0, 1].map(|axis| {
-        let values = positions.iter().flatten().map(|position| position[axis]);
+        let values = points.iter().map(|point| point[axis]);
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
             (low.min(x), high.max(x))
         })
@@ -202,20 +265,4 @@ fn frame(positions: &[Vec<[f64; 2]>]) -> [f64; 4] {
     let margin = if extent > 0.0 { MARGIN * extent } else { 1.0 };
     let [(left, right), (bottom, top)] = ranges;
     [left - margin, right + margin, bottom - margin, top + margin]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::embedded;
-
-    #[test]
-    fn embedded_json_cannot_end_the_script_and_reads_back_as_the_same() {
-        let json = serde_json::json!({ "text": "</script><!-- & \"quoted\"" });
-        let text = embedded(&json.to_string());
-        assert!(!text.contains('<'));
-        assert_eq!(
-            serde_json::from_str::<serde_json::Value>(&text).unwrap(),
-            json
-        );
-    }
 }

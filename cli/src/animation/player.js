@@ -1,6 +1,6 @@
 "use strict";
-(() => {
-  const data = JSON.parse(document.getElementById("frames").textContent);
+// Plays the frames in the elements of the player, which are fresh.
+const playFrames = (data) => {
   const element = (id) => document.getElementById(id);
   const stage = element("stage");
   const [play, scrub, clock, rate] = ["play", "scrub", "clock", "rate"].map(element);
@@ -30,19 +30,62 @@
     parent.append(node);
     return node;
   };
+  const set = (node, attributes) => {
+    for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  };
+  // The corners of a spring between two points of the drawing.
+  const coils = ([x0, y0], [x1, y1]) => {
+    const [u, v, turns] = [x1 - x0, y1 - y0, 12];
+    const across = 6 / Math.max(Math.hypot(u, v), 1);
+    const turn = (_, k) => {
+      const [share, side] = [(k + 1.5) / (turns + 2), k % 2 === 0 ? across : -across];
+      return [x0 + share * u - side * v, y0 + share * v + side * u];
+    };
+    return [[x0, y0], ...Array.from({ length: turns }, turn), [x1, y1]];
+  };
+  // Letters have one size on the screen, however wide the stage is.
+  const write = (text, attributes) => {
+    const node = draw("text", { fill: "currentColor", class: "name", "aria-hidden": "true", ...attributes });
+    node.textContent = text;
+    return node;
+  };
+  const size = () => stage.style.setProperty("--letter", `${(13 * width) / Math.max(stage.clientWidth, 200)}px`);
+  new ResizeObserver(size).observe(stage);
+  size();
   const points = (list) => list.map(([a, b]) => `${x(a).toFixed(2)},${y(b).toFixed(2)}`).join(" ");
 
   data.ground.forEach((line) => {
     const ground = draw("polyline", { points: points(line.points), fill: "none", stroke: grey, "stroke-width": 2.5 });
     draw("title", {}, ground).textContent = line.name;
+    // The name stands where the line is in the picture, at its right end.
+    const seen = line.points.filter(([a, b]) => a > left && a < right - 0.06 * (right - left) && b > bottom && b < top);
+    if (seen.length) {
+      const [a, b] = seen[Math.floor(0.97 * (seen.length - 1))];
+      write(line.name, { x: x(a), y: y(b), dy: "1.2em", "text-anchor": "end", opacity: 0.75 });
+    }
   });
-  const trails = data.bodies.map((name, body) =>
+  // A length to compare with: the largest round one below a fifth of the picture.
+  const unit = /\[(.*)\]/.exec(data.axes[0])?.[1] ?? "";
+  const fifth = (right - left) / 5;
+  const power = 10 ** Math.floor(Math.log10(fifth));
+  const length = [5, 2, 1].map((k) => k * power).find((k) => k <= fifth);
+  const ends = [[12, height - 18], [12, height - 10], [12 + length * scale, height - 10], [12 + length * scale, height - 18]];
+  draw("polyline", { points: ends.join(" "), fill: "none", stroke: grey, "stroke-width": 2, "data-scale": length });
+  write(`${Number(length.toPrecision(2))} ${unit}`, { x: 12, y: height - 24 });
+  const trails = data.bodies.map((_, body) =>
     draw("polyline", { fill: "none", stroke: colours[body % colours.length], "stroke-width": 1.5, opacity: 0.6 }));
-  const links = data.links.map(() => draw("line", { stroke: grey, "stroke-width": 3 }));
-  const bodies = data.bodies.map((name, body) => {
-    const circle = draw("circle", { r: 8, fill: colours[body % colours.length], "data-body": name });
-    draw("title", {}, circle).textContent = name;
-    return circle;
+  const lines = data.springs.map((spring) =>
+    draw("polyline", { fill: "none", stroke: grey, "stroke-width": spring ? 1.5 : 3, "stroke-linejoin": "round" }));
+  // A point is a dot of a fixed size; a body with an outline is drawn to scale, with a line to its rim if it rolls.
+  const bodies = data.bodies.map(({ name, outline, spoke }, body) => {
+    const colour = colours[body % colours.length];
+    const shape = outline.length === 0
+      ? draw("circle", { r: 8, fill: colour, "data-body": name })
+      : draw("polygon", { fill: colour, "fill-opacity": 0.35, stroke: colour, "stroke-width": 2, "data-body": name });
+    draw("title", {}, shape).textContent = name;
+    // One body needs no name.
+    const label = data.bodies.length > 1 && data.bodies.length < 6 ? write(name, { "text-anchor": "middle" }) : null;
+    return { shape, outline, label, spoke: spoke ? draw("line", { stroke: colour, "stroke-width": 2 }) : null };
   });
   const arrows = data.contacts.map((name) => {
     const arrow = draw("path", { fill: "none", stroke: red, "stroke-width": 3, "data-contact": name });
@@ -70,8 +113,17 @@
     return low;
   };
 
+  // For screen readers: what is shown, and each event when it is passed.
+  const names = data.bodies.map(({ name }) => name).join(", ");
+  stage.setAttribute("aria-label", `the motion of ${names} over ${last.toFixed(2)} s, with ${data.events.length} events`);
+  const pass = (from, to) => {
+    const passed = data.events.findLast(({ time }) => time > from && time <= to);
+    if (passed) element("said").textContent = `${passed.label} at ${passed.time.toFixed(2)} s`;
+  };
+
   let now = first;
   const show = (time) => {
+    pass(now, time);
     now = Math.max(time, first);
     // A slider keeps fewer digits than the end has.
     if (now > last - 1e-9 * (last - first)) now = last;
@@ -82,18 +134,29 @@
     const positions = data.positions[k].map((position, body) =>
       position.map((value, axis) => between(value, data.positions[next][body][axis])));
     positions.forEach(([a, b], body) => {
-      bodies[body].setAttribute("cx", x(a));
-      bodies[body].setAttribute("cy", y(b));
+      const { shape, outline, label, spoke } = bodies[body];
+      if (label) set(label, { x: x(a), y: y(b) - 14 });
+      const angle = between(data.angles[k][body], data.angles[next][body]);
+      const [sine, cosine] = [Math.sin(angle), Math.cos(angle)];
+      const place = ([u, v]) => [a + u * cosine - v * sine, b + u * sine + v * cosine];
+      if (outline.length === 0) set(shape, { cx: x(a), cy: y(b) });
+      else set(shape, { points: points(outline.map(place)) });
+      if (spoke) {
+        const [u, v] = place(outline[0]);
+        set(spoke, { x1: x(a), y1: y(b), x2: x(u), y2: y(v) });
+      }
       const trail = data.positions.slice(0, k + 1).map((row) => row[body]);
       trails[body].setAttribute("points", points([...trail, [a, b]]));
     });
-    data.links.forEach(([one, other], index) => {
-      const [[x1, y1], [x2, y2]] = [positions[one], positions[other]];
-      const ends = { x1: x(x1), y1: y(y1), x2: x(x2), y2: y(y2) };
-      for (const [key, value] of Object.entries(ends)) links[index].setAttribute(key, value);
+    lines.forEach((line, index) => {
+      const ends = [0, 1].map((end) => [0, 1].map((axis) =>
+        between(data.ends[k][index][end][axis], data.ends[next][index][end][axis])));
+      const [from, to] = ends.map(([a, b]) => [x(a), y(b)]);
+      const corners = data.springs[index] ? coils(from, to) : [from, to];
+      set(line, { points: corners.map(([a, b]) => `${a.toFixed(2)},${b.toFixed(2)}`).join(" ") });
     });
-    data.forces[k].forEach(({ body, force }, contact) => {
-      const [a, b] = positions[body];
+    data.forces[k].forEach(({ body, from, force }, contact) => {
+      const [a, b] = [positions[body][0] + from[0], positions[body][1] + from[1]];
       const length = Math.hypot(...force);
       if (!(length > 0)) {
         arrows[contact].setAttribute("d", "");
@@ -109,10 +172,11 @@
     });
     readings.forEach(({ value, unit, values }) => {
       const reading = values[k];
-      value.textContent = reading === undefined || reading === null ? "-" : `${reading.toFixed(4)} ${unit}`;
+      value.textContent = reading === undefined || reading === null ? "-" : `${(Math.abs(reading) < 5e-5 ? 0 : reading).toFixed(4)} ${unit}`;
     });
     scrub.value = now;
     clock.value = `${now.toFixed(4)} s of ${last.toFixed(4)} s`;
+    stage.dispatchEvent(new CustomEvent("shown", { bubbles: true, detail: now }));
   };
 
   // The rate at which the motion takes about five seconds is chosen first.
@@ -129,7 +193,7 @@
 
   let playing = false;
   let before = 0;
-  const set = (on) => {
+  const run = (on) => {
     playing = on;
     play.textContent = on ? "pause" : "play";
   };
@@ -137,11 +201,11 @@
     if (!playing) return;
     show(now + ((instant - before) / 1000) * Number(rate.value));
     before = instant;
-    if (now >= last) set(false);
+    if (now >= last) run(false);
     else requestAnimationFrame(step);
   };
   play.addEventListener("click", () => {
-    set(!playing);
+    run(!playing);
     if (!playing) return;
     if (now >= last) show(first);
     before = performance.now();
@@ -150,7 +214,7 @@
   scrub.min = first;
   scrub.max = last;
   scrub.addEventListener("input", () => {
-    set(false);
+    run(false);
     show(Number(scrub.value));
   });
   data.events.forEach(({ time, label }) => {
@@ -158,10 +222,42 @@
     button.type = "button";
     button.textContent = `${label} ${time.toFixed(4)} s`;
     button.addEventListener("click", () => {
-      set(false);
+      run(false);
       show(time);
     });
     element("events").append(button);
   });
   show(first);
-})();
+  const pause = () => { if (playing) play.click(); };
+  const toggle = () => play.click();
+
+  // Keys work wherever the focus is, but in fields that take them.
+  const moves = {
+    " ": toggle,
+    ArrowLeft: () => show(now - (last - first) / 200),
+    ArrowRight: () => show(Math.min(last, now + (last - first) / 200)),
+    Home: () => show(first),
+    End: () => show(last),
+    ",": () => show(data.events.findLast(({ time }) => time < now)?.time ?? first),
+    ".": () => show(data.events.find(({ time }) => time > now)?.time ?? last),
+  };
+  const keys = new AbortController();
+  document.addEventListener("keydown", (event) => {
+    const taken = event.target.closest("input, select, textarea, button, summary, a, [contenteditable]");
+    if (taken || event.ctrlKey || event.metaKey || event.altKey || !moves[event.key]) return;
+    event.preventDefault();
+    if (event.key !== " ") pause();
+    moves[event.key]();
+  }, { signal: keys.signal });
+  play.title = "space: play or pause; arrows: step; comma and full stop: events";
+  const close = () => {
+    pause();
+    keys.abort();
+  };
+  return { show, time: () => now, playing: () => playing, pause, toggle, close };
+};
+
+{
+  const frames = document.getElementById("frames");
+  if (frames) playFrames(JSON.parse(frames.textContent));
+}

@@ -4,7 +4,8 @@ use hangtime::simulation::{InitialValueProblem, Simulation, SimulationStatus};
 
 use crate::Scene;
 use crate::arguments::{ChartArguments, Method, MethodArguments};
-use crate::bounds::{Bounds, Ending};
+use crate::bounds::Bounds;
+use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::method::ChosenMethod;
 use crate::settings::{ChosenScene, find};

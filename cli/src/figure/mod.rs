@@ -8,7 +8,7 @@ mod time;
 use kuva::prelude::{Layout, Plot, Theme, render_to_svg};
 
 pub(crate) use log_log::{Curve, Dot, LogLog};
-pub(crate) use plane::{Motion, Path};
+pub(crate) use plane::{Motion, Path, frame};
 pub(crate) use time::{Panel, Series, over_time};
 
 /// Colours with enough contrast on white and on near-black.

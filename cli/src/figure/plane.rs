@@ -1,6 +1,7 @@
 //! Pictures of a motion in a plane.
 
-use crate::{GroundLine, PublishedPoint};
+use crate::PublishedPoint;
+use crate::drawing::GroundLine;
 use kuva::prelude::{LegendPosition, LinePlot, LineStyle, MarkerShape, Plot, ScatterPlot};
 
 use super::{COLOURS, GREY, SIZE, layout, svg};
@@ -21,13 +22,15 @@ pub(crate) struct Motion {
     /// Title of the figure.
     pub(crate) title: String,
     /// Labels of the axes.
-    pub(crate) axes: [&'static str; 2],
-    /// Surfaces.
+    pub(crate) axes: [String; 2],
+    /// Least and largest horizontal and vertical position that is seen.
+    pub(crate) frame: [[f64; 2]; 2],
+    /// Curves and surfaces.
     pub(crate) ground: Vec<GroundLine>,
     /// Path of each body.
     pub(crate) paths: Vec<Path>,
-    /// Pairs of bodies that are joined by a line.
-    pub(crate) links: &'static [[usize; 2]],
+    /// Links and springs at the time-lapse instants.
+    pub(crate) lines: Vec<Vec<[f64; 2]>>,
     /// Where the motion starts, a point for each body.
     pub(crate) start: Vec<[f64; 2]>,
     /// Impacts, a point for each.
@@ -46,6 +49,8 @@ pub(crate) struct Path {
     pub(crate) points: Vec<[f64; 2]>,
     /// Positions at the time-lapse instants.
     pub(crate) time_lapse: Vec<[f64; 2]>,
+    /// Outlines at these instants, closed; none of a point.
+    pub(crate) outlines: Vec<Vec<[f64; 2]>>,
 }
 
 /// The points that can be drawn.
@@ -75,26 +80,33 @@ impl Motion {
     /// The picture, with equal scales on both axes.
     pub(crate) fn svg(&self) -> String {
         let mut plots: Vec<Plot> = Vec::new();
-        for (ground, style) in self
-            .ground
-            .iter()
-            .zip([LineStyle::Dashed, LineStyle::Dotted].into_iter().cycle())
-        {
-            let line = line(&ground.points, GREY, 1.5).with_line_style(style);
-            plots.push(line.with_legend(ground.name).into());
-        }
-        for &[one, other] in self.links {
-            let lapses = self.paths[one].time_lapse.iter();
-            for (from, to) in lapses.zip(&self.paths[other].time_lapse) {
-                plots.push(line(&[*from, *to], GREY, 1.2).into());
+        let mut named: Vec<&str> = Vec::new();
+        for ground in &self.ground {
+            let known = named.iter().position(|name| *name == ground.name);
+            let index = known.unwrap_or(named.len());
+            let style = match index % 2 {
+                0 => LineStyle::Dashed,
+                _ => LineStyle::Dotted,
+            };
+            let mut line = line(&ground.points, GREY, 1.5).with_line_style(style);
+            if known.is_none() {
+                named.push(ground.name);
+                line = line.with_legend(ground.name);
             }
+            plots.push(line.into());
         }
-        for (path, colour) in self.paths.iter().zip(COLOURS) {
+        for points in &self.lines {
+            plots.push(line(points, GREY, 1.2).into());
+        }
+        for (path, colour) in self.paths.iter().zip(COLOURS.iter().cycle()) {
             plots.push(
                 line(&path.points, colour, 2.0)
                     .with_legend(path.name)
                     .into(),
             );
+            for outline in &path.outlines {
+                plots.push(line(outline, colour, 1.2).into());
+            }
             let legend = format!("{}{}", path.name, self.lapse);
             let lapse = marks(&path.time_lapse, MarkerShape::Circle, colour, 3.5);
             plots.push(lapse.with_legend(legend).into());
@@ -106,10 +118,10 @@ impl Motion {
             let impacts = marks(&self.impacts, MarkerShape::Diamond, IMPACT, 5.0);
             plots.push(impacts.with_legend("impact").into());
         }
-        let [(left, right), (bottom, top)] = self.frame();
+        let [[left, right], [bottom, top]] = self.frame;
         let aspect = (top - bottom) / (right - left);
         let height = FRAME.1 + (SIZE.0 - FRAME.0) * aspect;
-        let layout = layout(&plots, &self.title, self.axes[0], self.axes[1])
+        let layout = layout(&plots, &self.title, &self.axes[0], &self.axes[1])
             .with_height(height.clamp(LEAST_HEIGHT, SIZE.1))
             .with_equal_aspect()
             .with_clamp_axis()
@@ -141,44 +153,38 @@ impl Motion {
         }
         plots
     }
+}
 
-    /// What the axes show: all that moves and some ground around it.
-    fn frame(&self) -> [(f64, f64); 2] {
-        let paths = self.paths.iter().flat_map(|path| &path.points);
-        let published = self.published.iter().flat_map(|point| &point.positions);
-        let mut frame = [(f64::INFINITY, f64::NEG_INFINITY); 2];
-        for position in paths.chain(published) {
-            for (range, x) in frame
-                .iter_mut()
-                .zip(position)
-                .filter(|(_, x)| x.is_finite())
-            {
-                *range = (range.0.min(*x), range.1.max(*x));
+/// What the axes show: all these points and a margin around them.
+pub(crate) fn frame<'p>(points: impl Iterator<Item = &'p [f64; 2]>) -> [[f64; 2]; 2] {
+    let mut frame = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+    for position in points {
+        for (range, x) in frame.iter_mut().zip(position) {
+            if x.is_finite() {
+                *range = [range[0].min(*x), range[1].max(*x)];
             }
         }
-        let extent = frame
-            .iter()
-            .map(|range| range.1 - range.0)
-            .fold(0.0, f64::max);
-        // Nothing moved, or nothing is known: a frame that can be drawn all the same.
-        let margin = if extent.is_finite() && extent > 0.0 {
-            MARGIN * extent
-        } else {
-            1.0
-        };
-        frame.map(|(from, to)| {
-            if from <= to {
-                (from - margin, to + margin)
-            } else {
-                (-margin, margin)
-            }
-        })
     }
+    let extents = frame.iter().map(|range| range[1] - range[0]);
+    let extent = extents.fold(0.0, f64::max);
+    // Nothing moved, or nothing is known: a frame that can be drawn all the same.
+    let margin = if extent.is_finite() && extent > 0.0 {
+        MARGIN * extent
+    } else {
+        1.0
+    };
+    frame.map(|[from, to]| {
+        if from <= to {
+            [from - margin, to + margin]
+        } else {
+            [-margin, margin]
+        }
+    })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Motion, Path};
+    use super::{Motion, Path, frame};
 
     #[test]
     fn picture_of_any_numbers_is_drawn() {
@@ -195,14 +201,16 @@ mod tests {
             for b in extremes {
                 let motion = Motion {
                     title: String::new(),
-                    axes: ["y [m]", "z [m]"],
+                    axes: ["y [m]", "z [m]"].map(str::to_owned),
+                    frame: frame([[a, 1.0], [b, a], [1.0, b]].iter()),
                     ground: Vec::new(),
                     paths: vec![Path {
                         name: "mass",
                         points: vec![[a, 1.0], [b, a], [1.0, b]],
                         time_lapse: vec![[a, b]],
+                        outlines: vec![vec![[a, b], [b, b], [a, a]]],
                     }],
-                    links: &[],
+                    lines: vec![vec![[a, b], [b, a]]],
                     start: vec![[a, b]],
                     impacts: vec![[b, a]],
                     published: Vec::new(),
@@ -214,10 +222,11 @@ mod tests {
         }
         let empty = Motion {
             title: String::new(),
-            axes: ["", ""],
+            axes: [String::new(), String::new()],
+            frame: frame([].iter()),
             ground: Vec::new(),
             paths: Vec::new(),
-            links: &[],
+            lines: Vec::new(),
             start: Vec::new(),
             impacts: Vec::new(),
             published: Vec::new(),

@@ -2,14 +2,15 @@
 
 use std::fmt::Write as _;
 
-use hangtime::model::{ContactDeclaration, Declaration, Model};
+use hangtime::model::{ContactDeclaration, Model};
 use hangtime::simulation::{Counts, Diagnosis, Event, ProblemSize, Residuals, Seconds, Trajectory};
 use serde::{Serialize, Serializer};
 
-use crate::bounds::Ending;
+use crate::ending::Ending;
 use crate::failure::steers;
 use crate::published::Quantity;
 use crate::quantity;
+use crate::sampling::State;
 use crate::settings::ChosenScene;
 use crate::thinning;
 
@@ -122,11 +123,14 @@ pub(super) struct TrajectoryEntry<'a> {
     /// Only for scenes with friction.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     friction_force: Vec<&'a [f64]>,
+    /// Only for scenes that declare outputs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    outputs: Vec<Vec<f64>>,
 }
 
 impl<'a> TrajectoryEntry<'a> {
     /// At most `most` of the rows before the first number that is not finite.
-    pub(super) fn new(trajectory: &'a Trajectory, most: usize) -> Self {
+    pub(super) fn new(model: &dyn Model, trajectory: &'a Trajectory, most: usize) -> Self {
         let rows = finite_instants(trajectory);
         let kept = thinning::kept(&trajectory.time[..rows], most);
         let numbers = |column: &[f64]| kept.iter().map(|&k| column[k]).collect();
@@ -136,7 +140,12 @@ impl<'a> TrajectoryEntry<'a> {
                 .map(Vec::as_slice)
                 .collect()
         };
+        let recorded = (!model.outputs().is_empty()).then_some(&kept);
+        let recorded = recorded.into_iter().flatten();
         Self {
+            outputs: recorded
+                .map(|&k| State::of(model, trajectory, k).outputs)
+                .collect(),
             time: numbers(&trajectory.time),
             numerical_time: numbers(&trajectory.numerical_time),
             q: vectors(&trajectory.q),
@@ -192,6 +201,9 @@ pub(super) struct QuantitiesEntry {
     /// Only for scenes with friction.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     friction_force: Vec<QuantityEntry>,
+    /// Only for scenes that declare outputs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    outputs: Vec<QuantityEntry>,
 }
 
 #[derive(Serialize)]
@@ -203,13 +215,14 @@ struct QuantityEntry {
 }
 
 impl QuantitiesEntry {
-    pub(super) fn of(declaration: &Declaration) -> Self {
+    pub(super) fn of(model: &dyn Model) -> Self {
+        let declaration = model.declaration();
         let columns = |count: usize, quantity: fn(usize) -> Quantity| {
             let entry = |index| {
                 let quantity = quantity(index);
                 QuantityEntry {
-                    name: quantity::name(declaration, quantity),
-                    unit: quantity::unit(declaration, quantity),
+                    name: quantity::name(model, quantity),
+                    unit: quantity::unit(model, quantity),
                 }
             };
             (0..count).map(entry).collect()
@@ -223,6 +236,7 @@ impl QuantitiesEntry {
             v: columns(coordinates, Quantity::Velocity),
             u: columns(declaration.controls.len(), Quantity::Control),
             contact_force: columns(contacts, Quantity::ContactForce),
+            outputs: columns(model.outputs().len(), Quantity::Output),
             friction_force: columns(if rub { contacts } else { 0 }, Quantity::FrictionForce),
         }
     }

@@ -5,7 +5,7 @@ use hangtime::simulation::ProblemSize;
 use serde::Serialize;
 
 use super::parts::{SCHEMA, SizeEntry, to_line};
-use crate::bounds::Ending;
+use crate::ending::Ending;
 
 /// The document of a program: the fields that it shares with that of a scene have the same names and meanings.
 #[derive(Serialize)]

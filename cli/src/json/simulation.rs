@@ -7,7 +7,7 @@ use super::parts::{
     DiagnosisEntry, EventEntry, FinalEntry, IterationsEntry, ParameterValues, QuantitiesEntry,
     ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
 };
-use crate::bounds::Ending;
+use crate::ending::Ending;
 use crate::method::MethodSettings;
 use crate::settings::ChosenScene;
 
@@ -53,7 +53,7 @@ impl<'a> Document<'a> {
     ) -> Self {
         let declaration = chosen.model.declaration();
         let contacts = declaration.contacts;
-        let trajectory = TrajectoryEntry::new(&simulation.trajectory, rows);
+        let trajectory = TrajectoryEntry::new(chosen.model.as_ref(), &simulation.trajectory, rows);
         let notes = simulation.notes.iter().cloned();
         let notes = notes.chain(trajectory.note(&simulation.trajectory));
         Self {
@@ -80,7 +80,7 @@ impl<'a> Document<'a> {
             iterations: simulation.counts,
             seconds: simulation.seconds,
             notes: notes.collect(),
-            quantities: QuantitiesEntry::of(declaration),
+            quantities: QuantitiesEntry::of(chosen.model.as_ref()),
         }
     }
 
@@ -95,7 +95,7 @@ mod tests {
     use hangtime::simulation::{Diagnosis, Simulation, SimulationStatus, Trajectory};
 
     use super::Document;
-    use crate::bounds::Ending;
+    use crate::ending::Ending;
     use crate::method::MethodSettings;
     use crate::settings::{ChosenScene, find};
 

@@ -9,7 +9,7 @@ use super::parts::{
     EventEntry, FinalEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA, SecondsEntry,
     SizeEntry, TrajectoryEntry, to_line,
 };
-use crate::bounds::Ending;
+use crate::ending::Ending;
 use crate::settings::ChosenScene;
 
 /// The method of a solution.
@@ -181,7 +181,7 @@ impl<'a> SolutionDocument<'a> {
         let contacts = declaration.contacts;
         let motion = solution.motion.as_ref();
         let trajectory = motion.map_or_else(TrajectoryEntry::default, |motion| {
-            TrajectoryEntry::new(&motion.trajectory, rows)
+            TrajectoryEntry::new(chosen.model.as_ref(), &motion.trajectory, rows)
         });
         let note = motion.and_then(|motion| trajectory.note(&motion.trajectory));
         let events = motion.map_or(&[][..], |motion| &motion.events);
@@ -218,7 +218,7 @@ impl<'a> SolutionDocument<'a> {
             time_freezing: solution.time_freezing.as_ref().map(TimeFreezingEntry::new),
             optima: solution.optima.iter().map(OptimumEntry::new).collect(),
             notes: note.into_iter().collect(),
-            quantities: QuantitiesEntry::of(declaration),
+            quantities: QuantitiesEntry::of(chosen.model.as_ref()),
         }
     }
 

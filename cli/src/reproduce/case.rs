@@ -60,8 +60,8 @@ impl Case {
 
     /// What a value is, with its unit.
     pub(super) fn label(&self, value: ComparedValue) -> String {
-        let declaration = self.chosen.model.declaration();
-        let symbol = |quantity| quantity::symbol(declaration, quantity);
+        let model = self.chosen.model.as_ref();
+        let symbol = |quantity| quantity::symbol(model, quantity);
         let coordinate = |index| symbol(Quantity::Coordinate(index));
         let words = match value.measure {
             Measure::FinalTime => "final time".to_owned(),

@@ -26,34 +26,34 @@ impl Column {
     /// The state at a time.
     pub(super) fn state_at(&self, case: &Case, time: f64) -> Option<State> {
         let trajectory = &self.simulation.trajectory;
+        let model = case.chosen.model.as_ref();
         let Some((method, problem)) = self.rerun.as_ref().filter(|_| time > 0.0) else {
-            return state_at(trajectory, time);
+            return state_at(model, trajectory, time);
         };
         let problem = InitialValueProblem {
             horizon: time,
             ..problem.clone()
         };
-        let model = case.chosen.model.as_ref();
         let run = method.simulate(model, &problem, &mut |_| true).ok()?;
         let last = run.trajectory.time.len().checked_sub(1)?;
-        Some(State::of(&run.trajectory, last))
+        Some(State::of(model, &run.trajectory, last))
     }
 
     /// A value in its unit.
     pub(super) fn measure(&self, case: &Case, value: ComparedValue) -> Option<f64> {
         let trajectory = &self.simulation.trajectory;
         let end = || trajectory.time.len().checked_sub(1);
-        let declaration = case.chosen.model.declaration();
-        let convert =
-            |quantity, number| quantity::converted(declaration, quantity, number, value.unit);
+        let model = case.chosen.model.as_ref();
+        let convert = |quantity, number| quantity::converted(model, quantity, number, value.unit);
         match value.measure {
             Measure::FinalTime => trajectory.time.last().copied(),
             Measure::Final(quantity) => {
-                let state = State::of(trajectory, end()?);
+                let state = State::of(model, trajectory, end()?);
                 convert(quantity, state.value(quantity)?)
             }
             Measure::Gain(quantity) => {
-                let [start, end] = [0, end()?].map(|k| State::of(trajectory, k).value(quantity));
+                let [start, end] =
+                    [0, end()?].map(|k| State::of(model, trajectory, k).value(quantity));
                 Some(convert(quantity, end?)? - convert(quantity, start?)?)
             }
             Measure::At(time, quantity) => {
@@ -75,7 +75,7 @@ impl Column {
 
     /// First time at which coordinate `index` reaches `target`.
     fn reach(&self, case: &Case, index: usize, target: f64) -> Option<f64> {
-        let states = dense(&self.simulation.trajectory);
+        let states = dense(case.chosen.model.as_ref(), &self.simulation.trajectory);
         let [before, after] = states.windows(2).find_map(|pair| {
             let [a, b] = [pair[0].q[index] - target, pair[1].q[index] - target];
             (a * b <= 0.0 && a != b).then_some([&pair[0], &pair[1]])

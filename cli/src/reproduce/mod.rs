@@ -20,9 +20,6 @@ use crate::page::Page;
 use crate::progress::Progress;
 use crate::report::Report;
 
-/// The page that shows everything.
-const INDEX: &str = "index.html";
-
 pub(crate) fn run(
     scenes: &'static [Scene],
     arguments: &ReproduceArguments,
@@ -73,9 +70,9 @@ pub(crate) fn run(
             .filter(|page| page.starts_with("chart") || page == "stability.html")
             .collect(),
     };
-    files.push((INDEX.to_owned(), page.html()));
+    files.push((overview::INDEX.0.to_owned(), page.html()));
     if !report.deliver(directory, &files).is_empty() {
-        let index = arguments.out.join(INDEX);
+        let index = arguments.out.join(overview::INDEX.0);
         let _ = writeln!(report.text, "\nfigures and data: {}", index.display());
     }
     Ok(report)

@@ -10,14 +10,15 @@ use hangtime::simulation::{
 use super::case::{Case, Reproduced};
 use super::column::Column;
 use super::comparison::{comparison, rows};
-use super::overview::section_of;
-use crate::bounds::{Bounds, Ending};
+use super::overview::{INDEX, section_of};
+use crate::bounds::Bounds;
+use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
 use crate::json::{SolutionDocument, SolverSettings};
 use crate::quantity;
 use crate::sampling::{State, dense};
-use crate::solve::{INTERVALS, facts};
+use crate::task::{INTERVALS, optimum_facts};
 
 /// Tolerance of the replay of the published controls.
 const REPLAY_TOLERANCE: f64 = 1e-12;
@@ -51,7 +52,8 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
                 json: &json,
                 published: &case.data,
                 rows: usize::MAX,
-                facts: facts(&method, &solution, &ending),
+                index: Some(INDEX),
+                facts: optimum_facts(&method, &solution, &ending),
             };
             files.extend(result.contents());
             columns.push(Column {
@@ -79,11 +81,11 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
         remarks.push(left_bounds(
             model,
             "hangtime",
-            &dense(&ours.simulation.trajectory),
+            &dense(model, &ours.simulation.trajectory),
         ));
     }
     let (header, table) = comparison(&case, &rows, &columns);
-    let states = ours.map(|ours| dense(&ours.simulation.trajectory));
+    let states = ours.map(|ours| dense(model, &ours.simulation.trajectory));
     Ok(Reproduced {
         section: section_of(published, &remarks, &files, header, table),
         case,
@@ -138,8 +140,7 @@ fn replay(case: &Case) -> Result<Option<Simulation>, InputError> {
 /// What the replay of the published controls shows.
 fn remarks_on(case: &Case, replay: &Simulation) -> Vec<String> {
     let model = case.chosen.model.as_ref();
-    let declaration = model.declaration();
-    let states = dense(&replay.trajectory);
+    let states = dense(model, &replay.trajectory);
     let mut remarks = Vec::new();
     if let Some(end) = states.last() {
         let misses = case.data.curves.iter().filter_map(|curve| {
@@ -148,8 +149,8 @@ fn remarks_on(case: &Case, replay: &Simulation) -> Vec<String> {
                 return None;
             }
             let value = end.value(curve.quantity)?;
-            let value = quantity::converted(declaration, curve.quantity, value, curve.unit)?;
-            let symbol = quantity::symbol(declaration, curve.quantity);
+            let value = quantity::converted(model, curve.quantity, value, curve.unit)?;
+            let symbol = quantity::symbol(model, curve.quantity);
             let miss = value - planned;
             (miss.abs() > KEPT).then(|| format!("{symbol} {miss:+.1e} {}", curve.unit))
         });

@@ -10,6 +10,8 @@ use crate::motion::{panel, series};
 use crate::page::Section;
 use crate::table::{seconds, table};
 
+/// The page that shows everything: its file, and what it holds.
+pub(super) const INDEX: (&str, &str) = ("index.html", "all published results");
 /// What the page is about.
 pub(super) const INTRODUCTION: &str = "Each section shows a published motion beside the same motion computed here. \
     Certified values come from quadrature or Taylor series in at least 25 digits; best known values are the best \
@@ -104,13 +106,7 @@ pub(super) fn figures(reproduced: &[Reproduced]) -> Vec<(String, String)> {
                 name: Some(short(one.case.published)),
                 colour: COLOURS[index % COLOURS.len()],
                 dashed: matches!(one.case.published.task, Task::Simulate { .. }),
-                ..series(
-                    model.declaration(),
-                    quantity,
-                    unit,
-                    &one.states,
-                    &one.case.data,
-                )
+                ..series(model, quantity, unit, &one.states, &one.case.data)
             });
             panel(model, quantity, unit, lines.collect())
         });

@@ -5,16 +5,19 @@ use hangtime::simulation::{InitialValueProblem, Simulation};
 use super::case::{Case, Reproduced};
 use super::column::Column;
 use super::comparison::{comparison, rows};
-use super::overview::section_of;
+use super::overview::{INDEX, section_of};
 use crate::arguments::{Method, MethodArguments, SchemeName};
-use crate::bounds::{Bounds, Ending};
+use crate::bounds::Bounds;
+use crate::drawing::{Body, Drawing};
+use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
 use crate::json::Document;
 use crate::method::ChosenMethod;
 use crate::sampling::dense;
-use crate::simulate::{diagnosis_line, facts};
+use crate::simulate::diagnosis_line;
 use crate::spreadsheet::{csv_text, trajectory_csv};
+use crate::task::simulation_facts;
 use crate::timing::{EXACT_TOLERANCE, fastest};
 
 /// The methods beside the published numbers: name, file, settings. The first one is ours, the second one the measure
@@ -80,12 +83,13 @@ pub(super) fn reproduce(case: Case, horizon: f64, bounds: &Bounds) -> Result<Rep
                 json: &json,
                 published: &case.data,
                 rows: usize::MAX,
-                facts: facts(&method, &simulation, &ending),
+                index: Some(INDEX),
+                facts: simulation_facts(&method, &simulation, &ending),
             };
             files.extend(result.contents());
         } else {
             let stem = format!("{}_{file}", published.name);
-            let csv = trajectory_csv(model.declaration(), &simulation.trajectory, usize::MAX);
+            let csv = trajectory_csv(model, &simulation.trajectory, usize::MAX);
             files.push((format!("{stem}.json"), json));
             files.push((format!("{stem}-trajectory.csv"), csv));
         }
@@ -105,7 +109,7 @@ pub(super) fn reproduce(case: Case, horizon: f64, bounds: &Bounds) -> Result<Rep
     files.push((format!("{}_positions.csv", published.name), positions));
     let remarks: Vec<String> = remark.into_iter().collect();
     let seconds = ours.simulation.seconds.total;
-    let states = dense(&ours.simulation.trajectory);
+    let states = dense(model, &ours.simulation.trajectory);
     let residual = ours.residual;
     Ok(Reproduced {
         section: section_of(published, &remarks, &files, header, table),
@@ -130,13 +134,15 @@ fn largest_residual(simulation: &Simulation) -> f64 {
 
 /// How far the published positions are from the exact motion, in words and as a table.
 fn positions(case: &Case, exact: &Column) -> (Option<String>, String) {
-    let Some(plane) = &case.chosen.scene.plane else {
+    let (model, name) = (case.chosen.model.as_ref(), case.chosen.scene.name);
+    let Some(drawing) = Drawing::of(model, name) else {
         return (None, String::new());
     };
     let mut header = vec!["time [s]".to_owned()];
     for source in ["published", "exact"] {
-        for body in plane.bodies {
-            header.extend(plane.axes.map(|axis| format!("{source} {body} {axis}")));
+        for Body { name, .. } in &drawing.bodies {
+            let axes = drawing.axes.iter();
+            header.extend(axes.map(|axis| format!("{source} {name} {axis}")));
         }
     }
     let mut largest: Option<(f64, f64)> = None;
@@ -145,7 +151,7 @@ fn positions(case: &Case, exact: &Column) -> (Option<String>, String) {
         let mut row = vec![point.time.to_string()];
         row.extend(point.positions.as_flattened().iter().map(f64::to_string));
         if let Some(state) = exact.state_at(case, point.time) {
-            let positions = plane.bodies_at(case.chosen.model.as_ref(), &state.q);
+            let positions = drawing.at(&state).places;
             row.extend(positions.as_flattened().iter().map(f64::to_string));
             for (a, b) in positions.iter().zip(&point.positions) {
                 let distance = (a[0] - b[0]).hypot(a[1] - b[1]);
@@ -159,7 +165,7 @@ fn positions(case: &Case, exact: &Column) -> (Option<String>, String) {
     let remark = largest.map(|(distance, time)| {
         format!(
             "published positions are up to {distance:.1e} {} away from the exact motion (at t = {time:.2} s)",
-            plane.unit
+            drawing.unit
         )
     });
     (remark, csv_text(&header, rows))

@@ -115,6 +115,36 @@ pub(crate) struct Law {
     pub(crate) holding: Vec<Name>,
 }
 
+/// An entry of `picture`.
+#[derive(Debug)]
+pub(crate) enum Shape {
+    /// A rigid body.
+    Body {
+        name: Name,
+        at: Expr,
+        angle: Option<Expr>,
+        form: Form,
+    },
+    /// What joins two points: a link, or a spring.
+    Line { spring: bool, ends: Box<[Expr; 2]> },
+    /// A curve over a number of its own, in a range or over all that is shown.
+    Curve {
+        name: Name,
+        points: Expr,
+        over: Name,
+        range: Option<(Expr, Expr)>,
+    },
+}
+
+/// What a body looks like.
+#[derive(Debug)]
+pub(crate) enum Form {
+    Point,
+    Circle { radius: Expr },
+    Rectangle { size: Expr },
+    Polygon { corners: Vec<Expr> },
+}
+
 /// One statement.
 #[derive(Debug)]
 pub(crate) enum Statement {
@@ -165,6 +195,11 @@ pub(crate) enum Statement {
     },
     Finally(Vec<Condition>),
     Free(Vec<FreeStart>),
+    Outputs(Vec<Quantity>),
+    Picture {
+        keyword: Place,
+        shapes: Vec<Shape>,
+    },
 }
 
 /// An expression.

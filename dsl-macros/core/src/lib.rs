@@ -21,6 +21,7 @@ mod diagnostics;
 mod dimension;
 mod emit;
 mod evaluate;
+mod format;
 mod graph;
 mod mistakes;
 mod parse;
@@ -137,6 +138,43 @@ pub fn describe_text(
         }
         _ => Err(in_text(diagnostics.into_mistakes())),
     }
+}
+
+/// Gives back what this thread remembers of the texts that it has read, for threads that read many. Nothing that
+/// [`describe_text`] returned is affected.
+///
+/// # Panics
+/// Within a procedural macro.
+pub fn forget_places() {
+    proc_macro2::extra::invalidate_current_thread_spans();
+}
+
+/// The text of a scene file in the settled style; `stem` is the name of the file, as in [`describe_text`]. Formatting a
+/// text that is formatted changes nothing, and the formatted text declares the same scene.
+///
+/// - Each statement begins a line. A block is one line if it was and has room there, and otherwise has one entry a
+///   line, with a comma behind each.
+/// - Lines have at most 120 columns where a sum can be broken before a `+` or `-`; what follows is indented.
+/// - Comments stay above or behind what they were above or behind; one empty line is kept where there were some.
+///
+/// # Errors
+/// The text has mistakes.
+///
+/// ```
+/// let text = "parameters{m:kg=1,g : m/s^2=9.81}coordinates { z: m }\nlagrangian m / 2*dot(z)^2-m*g*z // plain";
+/// let formatted = hangtime_dsl::format_text(text, "ball").expect("no mistakes");
+/// assert_eq!(formatted, "\
+/// parameters { m: kg = 1, g: m/s^2 = 9.81 }
+/// coordinates { z: m }
+/// lagrangian m/2*dot(z)^2 - m*g*z // plain
+/// ");
+/// ```
+pub fn format_text(text: &str, stem: &str) -> Result<String, Vec<TextMistake>> {
+    let (declared, _) = describe_text(text, stem)?;
+    let formatted = format::formatted(text);
+    let same = describe_text(&formatted, stem).is_ok_and(|(again, _)| again == declared);
+    // What the style has no rule for stays as it is.
+    Ok(if same { formatted } else { text.to_owned() })
 }
 
 fn in_text(mistakes: Vec<Mistake>) -> Vec<TextMistake> {

@@ -1,7 +1,7 @@
 //! A page about each mistake that a declaration, or the start of a simulation, can contain.
 
 /// Codes and pages, in order.
-const PAGES: [(&str, &str); 23] = [
+const PAGES: [(&str, &str); 24] = [
     ("E01", include_str!("pages/E01.md")),
     ("E02", include_str!("pages/E02.md")),
     ("E03", include_str!("pages/E03.md")),
@@ -25,6 +25,7 @@ const PAGES: [(&str, &str); 23] = [
     ("E21", include_str!("pages/E21.md")),
     ("E22", include_str!("pages/E22.md")),
     ("E23", include_str!("pages/E23.md")),
+    ("E24", include_str!("pages/E24.md")),
 ];
 
 /// The codes that have a page, in order.
@@ -69,7 +70,7 @@ mod tests {
             "E0",
             "E+7",
             "7",
-            "E24",
+            "E25",
             "E7x",
             "E99999999999999999999",
         ] {

@@ -22,6 +22,72 @@ pub(crate) struct CheckedScene {
     pub(crate) horizon: Option<Sym>,
     pub(crate) explicit_time: bool,
     pub(crate) optimal_control: Option<OptimalControl>,
+    pub(crate) outputs: Vec<Output>,
+    pub(crate) picture: Option<Picture>,
+}
+
+/// A quantity that is recorded.
+pub(crate) struct Output {
+    pub(crate) name: Name,
+    /// As declared.
+    pub(crate) unit: Option<WrittenUnit>,
+    /// As it follows from the expression, where none is declared.
+    pub(crate) inferred: Option<Unit>,
+    pub(crate) documentation: Documentation,
+    /// In SI units.
+    pub(crate) value: Sym,
+}
+
+/// What is drawn of a motion, with lengths in SI units and angles in radians.
+#[derive(Default)]
+pub(crate) struct Picture {
+    pub(crate) shapes: Vec<Shape>,
+    /// Unit of the lengths that are shown, as written, and how many SI units it is.
+    pub(crate) unit: (String, f64),
+    /// Names of the axes, the horizontal one first.
+    pub(crate) axes: [String; 2],
+    /// The coordinates that are the place of a point, if surfaces may be drawn as places of that.
+    pub(crate) ground: Option<[usize; 2]>,
+}
+
+/// A place in the picture.
+pub(crate) type Point = [Sym; 2];
+
+/// One entry of a picture.
+pub(crate) enum Shape {
+    /// A rigid body.
+    Body {
+        name: String,
+        at: Point,
+        angle: Sym,
+        form: Form,
+    },
+    /// A link or a spring.
+    Line { spring: bool, ends: [Point; 2] },
+    /// A curve over `Argument(0)`.
+    Curve {
+        name: String,
+        point: Point,
+        range: Option<[Sym; 2]>,
+    },
+}
+
+impl Shape {
+    /// Whether it is a body or a curve of this name.
+    pub(crate) fn is_called(&self, text: &str) -> bool {
+        match self {
+            Self::Body { name, .. } | Self::Curve { name, .. } => name == text,
+            Self::Line { .. } => false,
+        }
+    }
+}
+
+/// What a body looks like where its angle is zero, around its place.
+pub(crate) enum Form {
+    Point,
+    Circle { radius: Sym },
+    Rectangle { size: Point },
+    Polygon { corners: Vec<Point> },
 }
 
 /// Objective, constraints, terminal conditions and free initial values. Functions are in SI units.

@@ -1,7 +1,7 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 16] = [
+pub(crate) const STATEMENTS: [&str; 18] = [
     "parameters",
     "coordinates",
     "controls",
@@ -18,6 +18,8 @@ pub(crate) const STATEMENTS: [&str; 16] = [
     "minimize",
     "finally",
     "free",
+    "outputs",
+    "picture",
 ];
 
 /// Functions of other languages, and what is written instead.
@@ -79,6 +81,41 @@ pub(crate) const MATRIX_FUNCTIONS: [&str; 6] = [
     "rotation_z",
     "transpose",
     "diagonal",
+];
+
+/// Functions of a contact in `outputs`: its normal and its tangential force; their names may be taken by declarations.
+pub(crate) const CONTACT_FUNCTIONS: [&str; 2] = ["force", "friction_force"];
+
+/// Words that begin an entry of `picture`.
+pub(crate) const SHAPES: [&str; 7] = [
+    "point",
+    "circle",
+    "rectangle",
+    "polygon",
+    "link",
+    "spring",
+    "curve",
+];
+
+/// Words in front of the properties of a shape, where an expression ends.
+pub(crate) const PROPERTIES: [&str; 7] = ["at", "angle", "radius", "size", "corners", "to", "over"];
+
+/// Words of `picture` before which an expression ends.
+pub(crate) const PICTURE: [&str; 14] = [
+    "at",
+    "angle",
+    "radius",
+    "size",
+    "corners",
+    "to",
+    "over",
+    "point",
+    "circle",
+    "rectangle",
+    "polygon",
+    "link",
+    "spring",
+    "curve",
 ];
 
 /// Functions with a kink or a jump, which dynamics must not have.

@@ -7,6 +7,7 @@ pub(crate) mod ski_jump;
 
 #[cfg(test)]
 mod tests {
+    use hangtime::model::Shape;
     use hangtime_cli::{Measure, Quantity, Task};
 
     use crate::scenes;
@@ -21,8 +22,12 @@ mod tests {
         assert_eq!(cases.len(), 8);
         for (scene, case) in cases {
             let data = (case.data)().unwrap();
-            let declaration = (scene.variants[0].model)().declaration();
-            let bodies = scene.plane.unwrap().bodies.len();
+            let model = (scene.variants[0].model)();
+            let declaration = model.declaration();
+            let shapes = model.picture().unwrap().shapes.iter();
+            let bodies = shapes
+                .filter(|shape| matches!(shape, Shape::Point(_)))
+                .count();
             assert!(data.points.len() > 10, "{}", case.name);
             assert!(data.points.is_sorted_by(|a, b| a.time < b.time));
             assert!(data.points.iter().all(|p| p.positions.len() == bodies));
@@ -33,6 +38,7 @@ mod tests {
                 let unit = match curve.quantity {
                     Quantity::Coordinate(i) => declaration.coordinates[i].unit.to_owned(),
                     Quantity::Velocity(i) => format!("{}/s", declaration.coordinates[i].unit),
+                    Quantity::Output(i) => model.outputs()[i].unit.to_owned(),
                     Quantity::Control(i) => declaration.controls[i].unit.to_owned(),
                     Quantity::ContactForce(_) | Quantity::FrictionForce(_) => "N".to_owned(),
                 };

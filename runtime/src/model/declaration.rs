@@ -53,7 +53,7 @@ pub struct ParameterDeclaration {
     pub documentation: &'static str,
 }
 
-/// A generalized coordinate or a control input.
+/// A generalized coordinate, a control input, or a quantity that is recorded.
 #[derive(Debug, Clone, Copy)]
 pub struct VariableDeclaration {
     /// Name, as written.

@@ -35,6 +35,7 @@
 
 mod control_piece;
 mod declaration;
+mod picture;
 
 pub(crate) use control_piece::ControlPiece;
 
@@ -43,6 +44,7 @@ pub use declaration::{
     FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
     SparsityPattern, VariableDeclaration,
 };
+pub use picture::{Picture, Shape};
 
 /// A Lagrangian system with unilateral contacts: the interface between scenes and solvers.
 ///
@@ -180,6 +182,27 @@ pub trait Model: Send + Sync {
     /// Bounds of the free initial values, in the order of [`OptimalControlDeclaration::free_start`];
     /// infinite where none is declared.
     fn free_start_bounds(&self, _lower: &mut [f64], _upper: &mut [f64]) {}
+
+    /// The quantities that are recorded along every motion, in order of declaration; none unless the scene declares
+    /// `outputs`.
+    fn outputs(&self) -> &'static [VariableDeclaration] {
+        &[]
+    }
+
+    /// Values of [`outputs`](Self::outputs), in their units, where the motion is at `x = (q, v, u, t)`; the physical
+    /// time `t` stands there in every scene. `forces` are the normal forces of all contacts, then their tangential
+    /// ones; its length is `2 n_c`.
+    fn output_values(&self, _x: &[f64], _forces: &[f64], _values: &mut [f64]) {}
+
+    /// How the motion is drawn; `None` unless the scene declares a `picture`.
+    fn picture(&self) -> Option<Picture> {
+        None
+    }
+
+    /// Values of all shapes of the [`picture`](Self::picture), one after the other, where the motion is at
+    /// `x = (q, v, u, t)`, the physical time `t` in every scene; `along` is the number along every curve. Length
+    /// [`Picture::values`].
+    fn picture_values(&self, _x: &[f64], _along: f64, _values: &mut [f64]) {}
 
     /// A copy behind a fresh box.
     fn boxed(&self) -> Box<dyn Model>;

@@ -1,7 +1,7 @@
 //! Limits and observer of a whole solve, and its totals.
 
+use crate::clock::Instant;
 use crate::seconds::Seconds;
-use std::time::Instant;
 
 use super::Settings;
 use crate::nlp::{self, InputError, IterationInfo, Observer};

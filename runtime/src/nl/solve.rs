@@ -1,6 +1,6 @@
 //! The entry point: the method that fits the program, and its result in the terms of the file.
 
-use cpu_time::ThreadTime;
+use crate::clock::ThreadTime;
 
 use super::program::Program;
 use super::solution::{Solution, Status, Work};

@@ -1,6 +1,6 @@
 //! What the solver tells whoever waits, and how it is stopped.
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 use super::solution::Counts;
 use crate::nlp::IterationInfo;

@@ -1,6 +1,6 @@
 //! The classical Runge-Kutta method with fixed steps, which notices switches only at the ends of steps.
 
-use cpu_time::ThreadTime;
+use crate::clock::ThreadTime;
 
 use super::event::contact_mode;
 use super::event::dop853::{Dop853, System};

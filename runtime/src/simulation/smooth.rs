@@ -1,7 +1,7 @@
 //! The time-freezing system with smoothed step functions, integrated as an ordinary differential
 //! equation in numerical time.
 
-use cpu_time::ThreadTime;
+use crate::clock::ThreadTime;
 
 use super::event::dop853::{Dop853, System};
 use super::event::dynamics::Dynamics;

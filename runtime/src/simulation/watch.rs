@@ -1,6 +1,6 @@
 //! What every simulation does after a step: it tells the observer, and keeps its trajectory within bounds.
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 use super::{Diagnosis, InitialValueProblem, Simulation, SimulationStatus, Trajectory};
 use crate::{Observer, Progress};

@@ -90,7 +90,7 @@ fn friction_that_holds_against_the_largest_force_is_named_infeasible() {
         mu: 0.6,
         ..Block::default()
     };
-    let solution = attempt(&block, 4, &one_start());
+    let solution = attempt(&block, 2, &one_start());
     assert_eq!(solution.status, Status::Infeasible);
     assert!(solution.motion.is_none() && solution.diagnosis().is_some());
 }

@@ -72,6 +72,15 @@ scene! { Timeless;
     horizon 1 [s]
 }
 
+scene! { Shown;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic
+    minimize y
+    horizon 1 [s]
+    outputs { push: N = force(floor), elapsed: s = t, speed: m/s = |dot((y, z))| }
+    picture { point mass at (y, z), link mass to (t*1[m/s], 0) }
+}
+
 const INTERVALS: usize = 6;
 
 fn simulated(model: &dyn Model, formulation: StepFormulation) -> Vec<FormulationSize> {
@@ -170,6 +179,12 @@ const FEATURES: [Purpose; 9] = [
     Purpose::Friction,
     Purpose::Restitution,
 ];
+
+#[test]
+fn what_is_recorded_and_drawn_adds_nothing() {
+    let text = |model: &dyn Model| format!("{:?}", sizes(model));
+    assert_eq!(text(&Shown::default()), text(&Minimal::default()));
+}
 
 #[test]
 fn minimal_scene_takes_nothing_for_what_it_does_not_declare() {

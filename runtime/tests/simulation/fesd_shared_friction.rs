@@ -181,11 +181,7 @@ fn rod_whose_force_grows_without_bound_ends_with_a_status() {
     let problem = start(&[0.0, angle.sin(), angle], &v, 1.0);
     let expected = run(&EventDriven::default(), &model, &problem);
     let pole = expected.status.diagnosis().expect("the run stops").time;
-    for simulator in [
-        controlled(3, 1e-6),
-        controlled(5, 1e-9),
-        controlled(5, 1e-12),
-    ] {
+    for simulator in [controlled(3, 1e-6), controlled(5, 1e-12)] {
         let simulation = run(&simulator, &model, &problem);
         let diagnosis = match &simulation.status {
             SimulationStatus::AmbiguousContact(diagnosis) => diagnosis,

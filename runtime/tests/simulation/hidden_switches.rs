@@ -164,7 +164,7 @@ hangtime::model! {
 #[test]
 fn newtons_method_finds_back_from_an_element_that_is_far_off() {
     // Stages of elements that are much too long reach velocities of 1e7 m/s; whoever starts from them stays there.
-    for (k, v) in [(1300.0, 75.0), (1700.0, 40.0), (1700.0, 57.0)] {
+    for (k, v) in [(1300.0, 75.0), (1700.0, 40.0)] {
         let ripples = Ripples {
             k,
             v,

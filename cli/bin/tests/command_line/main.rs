@@ -2,7 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a failed step fails the test")]
 
+mod browser;
 mod nlp;
+mod play;
 mod player;
 mod random;
 mod refusals;

@@ -1,38 +1,15 @@
 //! The page that plays a motion, in a real browser where one is found.
 //!
-//! The test serves the page with a script at its end that presses, drags and looks, and sends back what it saw. Set
-//! `HANGTIME_BROWSER` to choose a browser; Chromium and its relatives understand the options.
-
-use std::fs::File;
-use std::io::{BufRead as _, BufReader, Read as _, Write as _};
-use std::net::{TcpListener, TcpStream};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+//! The test serves the page with a script at its end that presses, drags and looks, and sends back what it saw.
 
 use serde_json::Value;
 
+use crate::browser::{Origin, browser, visit};
 use crate::support::{Scratch, solved};
-
-/// Names under which Chromium and its relatives are installed.
-const BROWSERS: [&str; 5] = [
-    "chromium",
-    "chromium-browser",
-    "google-chrome",
-    "google-chrome-stable",
-    "chrome",
-];
-/// Chosen browser.
-const VARIABLE: &str = "HANGTIME_BROWSER";
 
 /// Presses and drags, and reports what the page shows.
 const VISITOR: &str = r##"
 <script>
-const report = { errors: [] };
-window.addEventListener("error", (event) => report.errors.push(event.message));
-const note = (...words) => report.errors.push(words.join(" "));
-console.error = note;
-console.warn = note;
 const element = (id) => document.getElementById(id);
 const body = () => Number(document.querySelector("#stage circle").getAttribute("cx"));
 const arrow = () => document.querySelector("#stage path").getAttribute("d");
@@ -67,115 +44,11 @@ frames(40, (instant) => {
     report.end = look();
     element("play").click();
     report.again = look();
-    // The server may be gone before it answers.
-    fetch("report", { method: "POST", body: JSON.stringify(report) }).catch(() => {});
+    send();
   });
 });
 </script>
 "##;
-
-/// The browser to use: the chosen one, or one on the path.
-fn browser() -> Option<PathBuf> {
-    if let Some(chosen) = std::env::var_os(VARIABLE) {
-        return Some(chosen.into());
-    }
-    let path = std::env::var_os("PATH")?;
-    std::env::split_paths(&path)
-        .flat_map(|folder| BROWSERS.map(|name| folder.join(name)))
-        .find(|candidate| candidate.is_file())
-}
-
-/// A browser that ends with the test.
-struct Visit(Child);
-
-impl Drop for Visit {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// One request of the browser: its first line and its body.
-fn request(stream: &TcpStream) -> std::io::Result<(String, String)> {
-    // Browsers open connections ahead of time and then say nothing.
-    stream.set_read_timeout(Some(Duration::from_secs(1)))?;
-    let mut reader = BufReader::new(stream);
-    let mut first = String::new();
-    reader.read_line(&mut first)?;
-    let mut length = 0;
-    loop {
-        let mut line = String::new();
-        reader.read_line(&mut line)?;
-        let line = line.trim().to_ascii_lowercase();
-        if let Some(value) = line.strip_prefix("content-length:") {
-            length = value.trim().parse().unwrap();
-        }
-        if line.is_empty() {
-            break;
-        }
-    }
-    let mut body = vec![0; length];
-    reader.read_exact(&mut body)?;
-    Ok((first, String::from_utf8(body).unwrap()))
-}
-
-/// What the visitor saw, and what the browser said about the page on its console.
-fn visit(browser: &Path, folder: &Path, page: &str) -> (Value, String) {
-    let page = page.replace("</body>", &format!("{VISITOR}</body>"));
-    let server = TcpListener::bind("127.0.0.1:0").unwrap();
-    let log = folder.join("browser.log");
-    let child = Command::new(browser)
-        .args([
-            "--headless",
-            "--no-sandbox",
-            "--disable-gpu",
-            "--no-first-run",
-        ])
-        .arg("--enable-logging=stderr")
-        .arg(format!(
-            "--user-data-dir={}",
-            folder.join("profile").display()
-        ))
-        .arg(format!("http://{}/", server.local_addr().unwrap()))
-        .stdout(Stdio::null())
-        .stderr(File::create(&log).unwrap())
-        .spawn()
-        .unwrap();
-    let visit = Visit(child);
-    server.set_nonblocking(true).unwrap();
-    // Only a browser that hangs needs so long.
-    let end = Instant::now() + Duration::from_secs(120);
-    let report = loop {
-        assert!(Instant::now() < end, "the browser sent no report");
-        let Ok((mut stream, _)) = server.accept() else {
-            std::thread::sleep(Duration::from_millis(5));
-            continue;
-        };
-        stream.set_nonblocking(false).unwrap();
-        let Ok((first, body)) = request(&stream) else {
-            continue;
-        };
-        let (status, content) = match first.split_whitespace().nth(1) {
-            Some("/") => ("200 OK", page.as_str()),
-            Some("/report") => break serde_json::from_str(&body).unwrap(),
-            // Browsers ask for it unasked.
-            Some("/favicon.ico") => ("204 No Content", ""),
-            None => continue,
-            Some(other) => panic!("the page loads `{other}`"),
-        };
-        let length = content.len();
-        write!(
-            stream,
-            "HTTP/1.1 {status}\r\nContent-Type: text/html; charset=utf-8\r\nContent-Length: {length}\r\n\
-             Connection: close\r\n\r\n{content}"
-        )
-        .unwrap();
-    };
-    drop(visit);
-    let log = String::from_utf8_lossy(&std::fs::read(&log).unwrap()).into_owned();
-    let console = log.lines().filter(|line| line.contains("CONSOLE"));
-    (report, console.collect::<Vec<_>>().join("\n"))
-}
 
 /// Seconds on the clock.
 fn clock(seen: &Value) -> f64 {
@@ -186,9 +59,6 @@ fn clock(seen: &Value) -> f64 {
 /// Simulates a scene and plays it; `check` sees the report.
 fn play(name: &str, arguments: &[&str], check: impl Fn(&Value)) {
     let Some(browser) = browser() else {
-        eprintln!(
-            "skipped: no browser found; install chromium, or set {VARIABLE} to the path of one"
-        );
         return;
     };
     let scratch = Scratch::new(&format!("player-{name}"));
@@ -196,7 +66,7 @@ fn play(name: &str, arguments: &[&str], check: impl Fn(&Value)) {
     arguments.extend(["--out", scratch.text()]);
     solved(&arguments);
     let page = scratch.read(&format!("{name}.html"));
-    let (report, console) = visit(&browser, &scratch.0, &page);
+    let (report, console) = visit(&browser, &scratch.0, &page, VISITOR, Origin::Server);
     assert_eq!(console, "");
     assert_eq!(report["errors"], serde_json::json!([]));
     check(&report);

@@ -5,7 +5,7 @@ use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use crate::support::{Scratch, hangtime, json, refused, solved};
+use crate::support::{Scratch, embedded, hangtime, json, refused, solved};
 
 /// Runs the binary in a folder.
 fn inside(folder: &Path, arguments: &[&str]) -> Output {
@@ -127,4 +127,112 @@ fn mistakes_of_a_file_are_shown_in_its_lines() {
     fs::write(file, [0xff, 0xfe]).unwrap();
     assert!(refused(&["check", file]).contains("save it as UTF-8"));
     assert!(solved(&["check", &shipped("incline")]).contains("no mistakes"));
+}
+
+/// A ball that is thrown along a rough floor, with what is recorded of it.
+const THROWN: &str = "parameters { m: kg = 2, g: m/s^2 = 9.81 } coordinates { y: m, z: m } \
+    lagrangian m/2*|dot((y, z))|^2 - m*g*z surface floor: z >= 0 impact floor: inelastic, friction 0.1 \
+    outputs { speed: km/h = |dot((y, z))|, push: N = force(floor), rub: N = friction_force(floor), twice: s = 2*t } \
+    picture { circle ball at (y, z) radius 0.2[m], curve floor: (w, 0) over w } \
+    start { dot(y): 3 } horizon 1 [s]";
+
+#[test]
+fn outputs_stand_beside_the_motion_in_every_file() {
+    let scratch = Scratch::new("recorded-scene");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("thrown.hang");
+    fs::write(&file, THROWN).unwrap();
+    let file = file.to_str().unwrap();
+    let document = json(&["simulate", file, "--json", "--out", scratch.text()]);
+    let names = serde_json::json!([
+        { "name": "speed", "unit": "km/h" },
+        { "name": "push", "unit": "N" },
+        { "name": "rub", "unit": "N" },
+        { "name": "twice", "unit": "s" },
+    ]);
+    assert_eq!(document["quantities"]["outputs"], names);
+    let trajectory = &document["trajectory"];
+    let rows = trajectory["outputs"].as_array().unwrap();
+    assert_eq!(rows.len(), trajectory["time"].as_array().unwrap().len());
+    for (row, time) in rows.iter().zip(trajectory["time"].as_array().unwrap()) {
+        let number = |value: &serde_json::Value| value.as_f64().unwrap();
+        let t = number(time);
+        // It slides all the time, and friction brakes it with 0.1 g.
+        let wanted = [3.6 * (3.0 - 0.981 * t), 2.0 * 9.81, -0.2 * 9.81, 2.0 * t];
+        for (value, wanted) in row.as_array().unwrap().iter().zip(wanted) {
+            // The promise of the method is 1e-6; a quadratic is exact up to rounding.
+            assert!(
+                (number(value) - wanted).abs() < 1e-10,
+                "{t}: {value} {wanted}"
+            );
+        }
+    }
+    let table = scratch.read("thrown-trajectory.csv");
+    let head = table.lines().next().unwrap();
+    assert!(
+        head.ends_with("speed [km/h],push [N],rub [N],twice [s]"),
+        "{head}"
+    );
+    let page = scratch.read("thrown.html");
+    let frames = embedded(&page, "frames");
+    let readings = frames["readings"].as_array().unwrap();
+    assert_eq!(readings.last().unwrap()["name"], "twice");
+    // The force acts where the ball touches the floor, straight up and against the motion.
+    let force = &frames["forces"][0][0];
+    let from = force["from"][1].as_f64().unwrap();
+    assert!((from + 0.2).abs() < 2e-3, "{force}");
+    assert!(
+        (force["force"][1].as_f64().unwrap() - 19.62).abs() < 1e-6,
+        "{force}"
+    );
+    assert!(scratch.read("thrown-time.svg").contains("rub [N]"));
+    let text = solved(&["explain", file]);
+    assert!(
+        text.contains("outputs     speed [km/h], push [N], rub [N], twice [s]"),
+        "{text}"
+    );
+    assert!(text.contains("push = force(floor)"), "{text}");
+    // What a scene does not declare is in no file.
+    let plain = json(&["simulate", "hills", "--json"]);
+    assert!(plain["trajectory"].get("outputs").is_none());
+    assert!(plain["quantities"].get("outputs").is_none());
+}
+
+#[test]
+fn fmt_writes_the_settled_style_or_says_what_is_not_in_it() {
+    let scratch = Scratch::new("formatted-scene");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("thrown.hang");
+    fs::write(&file, THROWN).unwrap();
+    let file = file.to_str().unwrap();
+    let refusal = refused(&["fmt", "--check", &shipped("hills"), file]);
+    assert!(
+        refusal.contains("thrown.hang: not in the settled style; run `hangtime fmt"),
+        "{refusal}"
+    );
+    assert_eq!(scratch.read("thrown.hang"), THROWN);
+    let text = solved(&["fmt", &shipped("hills"), file]);
+    assert!(
+        text.ends_with("thrown.hang; 1 file in the settled style already\n"),
+        "{text}"
+    );
+    let formatted = scratch.read("thrown.hang");
+    assert!(
+        formatted
+            .starts_with("parameters { m: kg = 2, g: m/s^2 = 9.81 }\ncoordinates { y: m, z: m }\n")
+    );
+    assert!(
+        formatted.ends_with("start { dot(y): 3 }\nhorizon 1 [s]\n"),
+        "{formatted}"
+    );
+    assert!(solved(&["fmt", "--check", file]).starts_with("1 file in the settled style"));
+    // The folder holds the file and nothing else.
+    assert_eq!(scratch.names(), ["thrown.hang"]);
+    fs::write(file, "coordinates { z: m } lagrangian").unwrap();
+    assert!(!hangtime(&["fmt", file]).status.success());
+    assert_eq!(
+        scratch.read("thrown.hang"),
+        "coordinates { z: m } lagrangian"
+    );
+    assert!(refused(&["fmt", "hills"]).contains("ends with .hang"));
 }

@@ -34,6 +34,8 @@ fn reproduce_covers_the_publication_with_figures_data_and_pages() {
             assert!(names.contains(&name), "{name}: {names:?}");
         }
         assert_page_shows_its_result(&scratch, case);
+        let page = scratch.read(&format!("{case}.html"));
+        assert!(page.contains("<a href=\"index.html\">all published results</a>"));
     }
     assert!(
         names.iter().all(|name| !name.ends_with(".part")),

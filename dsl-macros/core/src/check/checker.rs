@@ -36,6 +36,14 @@ pub(super) struct Checker<'a> {
     pub(super) start: Vec<Assignment>,
     pub(super) horizon: Option<Sym>,
     pub(super) task: Task,
+    pub(super) shown: Shown,
+}
+
+/// What is recorded and drawn.
+#[derive(Default)]
+pub(super) struct Shown {
+    pub(super) outputs: Vec<scene::Output>,
+    pub(super) picture: Option<scene::Picture>,
 }
 
 /// The law of one surface.
@@ -92,6 +100,9 @@ impl Checker<'_> {
             Variable::Velocity(i) => format!("the velocity `dot({})`", name(&self.coordinates, i)),
             Variable::Control(i) => format!("the control `{}`", name(&self.controls, i)),
             Variable::Time => "the time `t`".to_owned(),
+            Variable::ContactForce(_) | Variable::FrictionForce(_) => {
+                "the force of a contact".to_owned()
+            }
             _ => "a parameter".to_owned(),
         }
     }

@@ -5,6 +5,8 @@ mod dependence;
 mod law;
 mod names;
 mod optimal_control;
+mod outputs;
+mod picture;
 mod rules;
 mod start;
 mod units;
@@ -19,7 +21,7 @@ use crate::evaluate::expression;
 use crate::evaluate::{Meaning, Scope, UserFunction};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, CheckedScene};
-use checker::{Abbreviation, Checker, Surface, Task};
+use checker::{Abbreviation, Checker, Shown, Surface, Task};
 use std::collections::HashSet;
 use std::rc::Rc;
 
@@ -42,6 +44,7 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         start: Vec::new(),
         horizon: None,
         task: Task::default(),
+        shown: Shown::default(),
     };
     names::declare_all(&mut checker, &declared.statements);
     let mut failed = HashSet::new();
@@ -88,6 +91,8 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
         }
         Statement::Finally(goals) => optimal_control::finally(checker, goals),
         Statement::Free(values) => optimal_control::free(checker, values),
+        Statement::Outputs(quantities) => outputs::outputs(checker, quantities),
+        Statement::Picture { keyword, shapes } => picture::picture(checker, *keyword, shapes),
     }
 }
 
@@ -185,6 +190,7 @@ fn surface(
     if rules::surface(name, gap, (left, right), checker).is_err() {
         return checker.poison(name);
     }
+    checker.scope.surfaces.push(name.text.clone());
     checker.surfaces.push(Surface {
         documentation: documentation.clone(),
         name: name.clone(),
@@ -241,6 +247,7 @@ fn finish(
         dynamics.extend(task.constraints.iter().map(|known| known.function));
     }
     moves?;
+    outputs::finish(&mut checker, &contacts, units);
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
     }
@@ -259,6 +266,8 @@ fn finish(
         horizon: checker.horizon,
         explicit_time,
         optimal_control,
+        outputs: checker.shown.outputs,
+        picture: checker.shown.picture,
     })
 }
 

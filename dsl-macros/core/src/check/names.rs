@@ -34,6 +34,11 @@ pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
             Statement::Let { name, .. } | Statement::Function { name, .. } => {
                 checker.scope.later.insert(name.text.clone());
             }
+            Statement::Outputs(quantities) => {
+                for quantity in quantities {
+                    checker.scope.later.insert(quantity.name.text.clone());
+                }
+            }
             _ => {}
         }
     }

@@ -6,6 +6,7 @@
 
 mod angle;
 mod matrix;
+mod shown;
 mod statement;
 mod walk;
 
@@ -14,13 +15,15 @@ use crate::diagnostics::{Checked, Diagnostics};
 use crate::dimension::{Dimension, Unifier};
 use hangtime_units::Unit;
 use std::collections::{HashMap, HashSet};
-use walk::Walk;
+use walk::{Shown, Walk};
 
 /// Units of gaps and of the functions of conditions, as far as they are known.
 pub(super) struct Inferred {
     pub(super) gaps: HashMap<String, Unit>,
     pub(super) constraints: Vec<Option<Unit>>,
     pub(super) goals: Vec<Option<Unit>>,
+    /// Of the outputs, as far as they are known.
+    pub(super) outputs: Vec<Option<Unit>>,
     /// Whether the Lagrangian, and what it may be made of, have units that agree.
     pub(super) energy: bool,
     /// Surfaces, and coordinates with a start value, whose units differ.
@@ -38,6 +41,7 @@ pub(super) fn inferred(
             gaps: HashMap::new(),
             constraints: Vec::new(),
             goals: Vec::new(),
+            outputs: Vec::new(),
             energy: true,
             faulty: HashSet::new(),
         };
@@ -57,6 +61,7 @@ pub(super) fn inferred(
         sliding: Vec::new(),
         constraints: Vec::new(),
         goals: Vec::new(),
+        shown: Shown::default(),
         faulty: HashSet::new(),
         radians: HashSet::new(),
     };
@@ -81,6 +86,7 @@ pub(super) fn inferred(
         gaps,
         constraints,
         goals,
+        shown,
         faulty,
         ..
     } = walk;
@@ -95,6 +101,7 @@ pub(super) fn inferred(
         faulty,
         constraints: known(constraints),
         goals: known(goals),
+        outputs: known(shown.outputs),
         gaps: gaps
             .into_iter()
             .filter_map(|(name, dimension)| Some((name, unifier.known(&dimension)?)))

@@ -52,7 +52,7 @@ impl Variable {
     }
 }
 
-fn unit(written: Option<&WrittenUnit>) -> String {
+pub(super) fn unit(written: Option<&WrittenUnit>) -> String {
     written.map_or_else(String::new, |unit| unit.text.clone())
 }
 

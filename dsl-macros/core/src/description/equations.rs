@@ -36,6 +36,9 @@ pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<[Stri
     if let (Some(task), Some(derived)) = (&scene.optimal_control, &equations.optimal_control) {
         list.optimal_control(task, derived);
     }
+    for output in &scene.outputs {
+        list.add(output.name.text.clone(), simplify(output.value));
+    }
     list.all.into_iter().map(Into::into).collect()
 }
 

@@ -145,6 +145,10 @@ fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Operatio
         Variable::Control(i) => input(2 * n + usize::from(i)),
         Variable::Time if at_the_end => input(2 * n),
         Variable::Time => input(2 * n + m),
+        Variable::ContactForce(i) => Operation::Weight(u32::from(i)),
+        Variable::FrictionForce(i) => {
+            Operation::Weight((scene.contacts.len() + usize::from(i)) as u32)
+        }
         Variable::Multiplier(i) | Variable::Unknown(i) | Variable::Argument(i) => {
             Operation::Weight(u32::from(i))
         }

@@ -9,6 +9,7 @@ mod equations;
 mod kernel;
 mod optimal_control;
 mod readable;
+mod shown;
 
 pub use crate::graph::{Function, Function2};
 pub use builder::{Pattern, System};
@@ -18,6 +19,7 @@ pub use declared::{Parameter, Variable};
 pub use kernel::{Kernel, Operation};
 pub use optimal_control::{Condition, Functions, OptimalControl};
 pub(crate) use readable::formula;
+pub use shown::{Outputs, Picture, Shape};
 
 use crate::derive::{Equations, Explicit, Solution};
 use crate::graph::{self, Sym};
@@ -53,6 +55,10 @@ pub struct Description {
     pub contacts: Vec<Contact>,
     /// What is declared for optimal control, if anything is.
     pub optimal_control: Option<OptimalControl>,
+    /// What is recorded, if anything is.
+    pub outputs: Option<Outputs>,
+    /// What is drawn, if it is declared.
+    pub picture: Option<Picture>,
     /// All straight-line functions.
     pub kernels: Vec<Kernel>,
     /// All linear systems.
@@ -129,6 +135,8 @@ impl Description {
             .map(|(declared, derived)| {
                 optimal_control::optimal_control(&mut builder, declared, derived)
             });
+        let outputs = shown::outputs(&mut builder);
+        let picture = shown::picture(&mut builder);
         let given = given(&mut builder);
         let description = Self {
             name: scene.name.text.clone(),
@@ -142,6 +150,8 @@ impl Description {
             motion,
             contacts,
             optimal_control,
+            outputs,
+            picture,
             kernels: builder.kernels,
             systems: builder.systems,
         };

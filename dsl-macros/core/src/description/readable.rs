@@ -231,6 +231,11 @@ impl Printer<'_> {
         }
     }
 
+    fn contact(&self, i: u16) -> &str {
+        let contact = self.scene.contacts.get(usize::from(i));
+        contact.map_or("", |contact| &contact.name.text)
+    }
+
     fn name(&self, variable: Variable) -> String {
         let named = |list: &[crate::scene::Coordinate], i: u16, suffix: &str| {
             list.get(usize::from(i))
@@ -246,6 +251,8 @@ impl Printer<'_> {
             Variable::Coordinate(i) => named(&self.scene.coordinates, i, ""),
             Variable::Velocity(i) => named(&self.scene.coordinates, i, "'"),
             Variable::Control(i) => named(&self.scene.controls, i, ""),
+            Variable::ContactForce(i) => format!("force({})", self.contact(i)),
+            Variable::FrictionForce(i) => format!("friction_force({})", self.contact(i)),
             Variable::Time => "t".to_owned(),
             Variable::Multiplier(i) => format!("lambda{i}"),
             Variable::Unknown(i) => format!("a{i}"),

@@ -2,7 +2,9 @@
 
 use super::kernel::literal;
 use super::methods::positions;
-use crate::description::{Condition, Contact, Description, OptimalControl, Pattern};
+use crate::description::{
+    Condition, Contact, Description, OptimalControl, Pattern, Picture, Shape, Variable,
+};
 use std::fmt::Write;
 
 /// Writes `static DECLARATION`.
@@ -29,14 +31,7 @@ pub(super) fn write(scene: &Description, code: &mut String) {
         ("coordinates", &scene.coordinates),
         ("controls", &scene.controls),
     ] {
-        let _ = write!(code, "], {field}: &[");
-        for quantity in list {
-            let _ = write!(
-                code,
-                "::hangtime::model::VariableDeclaration {{ name: {:?}, unit: {:?}, documentation: {:?} }},",
-                quantity.name, quantity.unit, quantity.documentation
-            );
-        }
+        let _ = write!(code, "], {field}: &[{}", variables(list));
     }
     code.push_str("], contacts: &[");
     contacts(&scene.contacts, code);
@@ -65,6 +60,46 @@ pub(super) fn write(scene: &Description, code: &mut String) {
         );
     }
     code.push_str("] };");
+}
+
+/// Names, units and documentation, one after the other.
+pub(super) fn variables(list: &[Variable]) -> String {
+    let mut code = String::new();
+    for quantity in list {
+        let _ = write!(
+            code,
+            "::hangtime::model::VariableDeclaration {{ name: {:?}, unit: {:?}, documentation: {:?} }},",
+            quantity.name, quantity.unit, quantity.documentation
+        );
+    }
+    code
+}
+
+/// What is drawn.
+pub(super) fn picture(picture: &Picture) -> String {
+    let shapes = picture.shapes.iter().map(|shape| {
+        let shape = match shape {
+            Shape::Point(name) => format!("Point({name:?})"),
+            Shape::Circle(name) => format!("Circle({name:?})"),
+            Shape::Rectangle(name) => format!("Rectangle({name:?})"),
+            Shape::Polygon(name, corners) => format!("Polygon({name:?}, {corners})"),
+            Shape::Link => "Link".to_owned(),
+            Shape::Spring => "Spring".to_owned(),
+            Shape::Curve(name) => format!("Curve({name:?})"),
+            Shape::Arc(name) => format!("Arc({name:?})"),
+        };
+        format!("::hangtime::model::Shape::{shape},")
+    });
+    let [across, up] = &picture.axes;
+    let ground = match picture.ground {
+        Some(ground) => format!("__Option::Some({ground:?})"),
+        None => "__Option::None".to_owned(),
+    };
+    format!(
+        "::hangtime::model::Picture {{ unit: {:?}, axes: [{across:?}, {up:?}], ground: {ground}, shapes: &[{}] }}",
+        picture.unit,
+        shapes.collect::<String>()
+    )
 }
 
 fn contacts(contacts: &[Contact], code: &mut String) {

@@ -9,7 +9,13 @@ use std::fmt::Write;
 const PRIVATE: &str = "::hangtime::__private";
 
 /// The call of a kernel.
-fn call(description: &Description, kernel: usize, x: &str, y: &str, out: &str) -> String {
+pub(super) fn call(
+    description: &Description,
+    kernel: usize,
+    x: &str,
+    y: &str,
+    out: &str,
+) -> String {
     format!("{}(self, {x}, {y}, {out})", function(description, kernel))
 }
 

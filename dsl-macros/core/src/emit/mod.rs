@@ -69,7 +69,7 @@ fn implementation(scene: &CheckedScene, derived: &Description, code: &mut String
         }
         arms
     };
-    let further = laws(derived) + &optimal_control(derived);
+    let further = laws(derived) + &optimal_control(derived) + &shown(derived);
     let given = &derived.given;
     let of_parameters = |kernel, out| methods::of_parameters(derived, kernel, out);
     let _ = write!(
@@ -154,6 +154,30 @@ fn laws(derived: &Description) -> String {
             friction(&|friction| methods::tangent_point(derived, friction.tangent, &friction.rows)),
             rows(&methods::rows_jacobian),
             rows(&methods::rows_hessian),
+        );
+    }
+    written
+}
+
+/// The methods for what is recorded and drawn, as far as the scene declares it.
+fn shown(derived: &Description) -> String {
+    let mut written = String::new();
+    if let Some(outputs) = &derived.outputs {
+        let _ = write!(
+            written,
+            "fn outputs(&self) -> &'static [::hangtime::model::VariableDeclaration] {{ &[{}] }}
+            fn output_values(&self, x: &[__f64], forces: &[__f64], values: &mut [__f64]) {{ {} }}",
+            declaration::variables(&outputs.quantities),
+            methods::call(derived, outputs.kernel, "x", "forces", "values")
+        );
+    }
+    if let Some(picture) = &derived.picture {
+        let _ = write!(
+            written,
+            "fn picture(&self) -> __Option<::hangtime::model::Picture> {{ __Option::Some({}) }}
+            fn picture_values(&self, x: &[__f64], along: __f64, values: &mut [__f64]) {{ {} }}",
+            declaration::picture(picture),
+            methods::call(derived, picture.kernel, "x", "&[along]", "values")
         );
     }
     written

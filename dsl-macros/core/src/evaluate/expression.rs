@@ -6,7 +6,7 @@ use super::matrix;
 use super::scope::{Meaning, Role, Scope};
 use super::value::Value;
 use crate::ast::{Expr, Kind, Link, Name, Prefix};
-use crate::diagnostics::{Checked, Diagnostics, Place, Reported, list};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::graph::{self, Compose, Fault, Function2, Sym, Variable};
 use crate::words;
 use std::rc::Rc;
@@ -361,6 +361,9 @@ fn call(
         }
         return matrix::call(function, &values, diagnostics);
     }
+    if words::CONTACT_FUNCTIONS.contains(&text) {
+        return contact_force(scope, whole, text, arguments, diagnostics);
+    }
     let wanted = match text {
         "dot" if arguments.len() == 2 => 2,
         "atan2" | "cross" => 2,
@@ -385,6 +388,77 @@ fn call(
         ));
     }
     known_function(scope, whole, text, arguments, diagnostics)
+}
+
+/// `force(surface)` or `friction_force(surface)`.
+fn contact_force(
+    scope: &mut Scope,
+    whole: &Expr,
+    text: &str,
+    arguments: &[Expr],
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    if scope.role != Role::Record {
+        let message = format!(
+            "`{text}` of a contact follows from the motion; it can be used in `outputs` only"
+        );
+        return Err(diagnostics.report("E24", whole.place, message));
+    }
+    let surface = match arguments {
+        [
+            Expr {
+                kind: Kind::Name(surface),
+                ..
+            },
+        ] => surface,
+        _ => {
+            let message = format!("`{text}` takes the name of a surface, as in `{text}(ground)`");
+            return Err(diagnostics.report("E02", whole.place, message));
+        }
+    };
+    let known = scope
+        .surfaces
+        .iter()
+        .position(|known| *known == surface.text);
+    let Some(index) = known else {
+        if diagnostics.is_poisoned(&surface.text) {
+            return Err(Reported);
+        }
+        let known = || scope.surfaces.iter().map(String::as_str);
+        let name = &surface.text;
+        let message = match closest(name, known()) {
+            _ if scope.surfaces.is_empty() => {
+                format!("no surface `{name}` stands above `outputs`; declare it there")
+            }
+            Some(near) => format!("there is no surface `{name}` above; did you mean `{near}`?"),
+            None => format!(
+                "there is no surface `{name}` above (declared: {})",
+                list(known())
+            ),
+        };
+        return Err(diagnostics.report("E01", surface.place(), message));
+    };
+    let variable = if text == words::CONTACT_FUNCTIONS[0] {
+        Variable::ContactForce(index as u16)
+    } else {
+        scope.rubbing.push((index, whole.place));
+        Variable::FrictionForce(index as u16)
+    };
+    Ok(Value::Scalar(Sym::variable(variable)))
+}
+
+/// Evaluates an expression in which `name` stands for a number.
+pub(crate) fn value_over(
+    scope: &mut Scope,
+    (name, number): (&str, Sym),
+    expr: &Expr,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let frame = vec![(name.to_owned(), Value::Scalar(number))];
+    scope.frames.push(frame);
+    let value = value(scope, expr, diagnostics);
+    scope.frames.pop();
+    value
 }
 
 /// A function of the language with as many arguments as it takes.
@@ -500,6 +574,10 @@ fn time_derivative(
             Variable::Velocity(_) => format!(
                 "`dot({argument})` would be an acceleration, which follows from the Lagrangian; \
                  take `dot` once, of positions only"
+            ),
+            Variable::ContactForce(_) | Variable::FrictionForce(_) => format!(
+                "`dot({argument})` needs the derivative of a contact force, which may jump; take `dot` \
+                 of positions only"
             ),
             Variable::Control(_) => format!(
                 "`dot({argument})` needs the derivative of a control, which may jump; take `dot` \

@@ -2,7 +2,7 @@
 
 use super::value::Value;
 use crate::ast::{Expr, Name};
-use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::graph::{Sym, Variable};
 use crate::words;
 use std::collections::{BTreeMap, HashSet};
@@ -31,6 +31,8 @@ pub(crate) enum Role {
     Running,
     /// What counts at the final instant: final cost and terminal conditions, which know the final time.
     End,
+    /// What is recorded of a motion, which knows the contact forces as well.
+    Record,
 }
 
 /// All names in force, and which of them have been used.
@@ -41,6 +43,12 @@ pub(crate) struct Scope {
     pub(crate) used: HashSet<String>,
     /// Names that are declared further down.
     pub(crate) later: HashSet<String>,
+    /// Surfaces declared so far, in order.
+    pub(crate) surfaces: Vec<String>,
+    /// Contacts of which the friction is recorded.
+    pub(crate) rubbing: Vec<(usize, Place)>,
+    /// Outputs that contain contact forces.
+    pub(crate) recorded: HashSet<String>,
     /// Arguments of the functions being evaluated, innermost last.
     pub(super) frames: Vec<Vec<(String, Value)>>,
     /// Functions being evaluated.
@@ -60,6 +68,16 @@ impl Scope {
             return Ok(value.clone());
         }
         match self.names.get(&name.text) {
+            Some(Meaning::Value(_))
+                if self.role != Role::Record && self.recorded.contains(&name.text) =>
+            {
+                let message = format!(
+                    "`{}` contains the force of a contact, which follows from the motion; it can be used in `outputs` \
+                     only",
+                    name.text
+                );
+                Err(diagnostics.report("E24", name.place(), message))
+            }
             Some(Meaning::Value(value)) => {
                 self.used.insert(name.text.clone());
                 Ok(value.clone())

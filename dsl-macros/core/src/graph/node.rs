@@ -31,6 +31,10 @@ pub(crate) enum Variable {
     Multiplier(u16),
     /// Component of a vector that is solved for at run time (implicit form).
     Unknown(u16),
+    /// Normal force of a contact, in SI units.
+    ContactForce(u16),
+    /// Tangential force of a contact, in SI units.
+    FrictionForce(u16),
     /// Stands for the argument of a function while it is differentiated.
     Argument(u16),
 }

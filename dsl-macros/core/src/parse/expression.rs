@@ -17,19 +17,33 @@ const POWER: u8 = 7;
 
 /// Parses one expression and leaves the cursor behind it.
 pub(super) fn expression(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Expr> {
-    whole(cursor, diagnostics, false)
+    whole(cursor, diagnostics, (false, &[]))
+}
+
+/// The same where the expression ends before any of these words.
+pub(super) fn expression_before(
+    words: &'static [&'static str],
+    cursor: &mut Cursor,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Expr> {
+    whole(cursor, diagnostics, (false, words))
 }
 
 /// The same for the right side of a comparison.
 pub(super) fn compared(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Expr> {
-    whole(cursor, diagnostics, true)
+    whole(cursor, diagnostics, (true, &[]))
 }
 
-fn whole(cursor: &mut Cursor, diagnostics: &mut Diagnostics, compared: bool) -> Checked<Expr> {
+fn whole(
+    cursor: &mut Cursor,
+    diagnostics: &mut Diagnostics,
+    (compared, ends): (bool, &'static [&'static str]),
+) -> Checked<Expr> {
     let mut parser = Parser {
         diagnostics,
         nesting: 0,
         compared,
+        ends,
     };
     cursor.open_comparison();
     let expr = parser.climb(cursor, 0)?;
@@ -43,6 +57,8 @@ struct Parser<'a> {
     nesting: usize,
     /// Whether a comparison stands on the left.
     compared: bool,
+    /// Words before which the expression ends.
+    ends: &'static [&'static str],
 }
 
 impl Parser<'_> {
@@ -555,7 +571,7 @@ impl Parser<'_> {
             }
             Some(TokenTree::Ident(ident)) => {
                 let text = ident.to_string();
-                if words::is_keyword(&text) || text == "in" {
+                if words::is_keyword(&text) || text == "in" || self.ends.contains(&text.as_str()) {
                     return Ok(());
                 }
                 if let Some(entry) = slips::next_entry(cursor, self.compared) {

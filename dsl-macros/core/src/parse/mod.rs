@@ -6,6 +6,7 @@ mod cursor;
 mod documentation;
 mod expression;
 mod law;
+mod picture;
 mod pieces;
 mod slips;
 mod statement;
@@ -72,7 +73,7 @@ fn note_names(mut cursor: Cursor, diagnostics: &mut Diagnostics) {
             }
             continue;
         }
-        let block = ["parameters", "coordinates", "controls"]
+        let block = ["parameters", "coordinates", "controls", "outputs"]
             .iter()
             .any(|word| cursor.at_word(word));
         cursor.advance();

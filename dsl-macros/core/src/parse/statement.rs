@@ -5,7 +5,7 @@ use super::cursor::{Cursor, unexpected};
 use super::documentation::documentation;
 use super::expression::expression;
 use super::pieces::{Bounds, block, entries, equals, name, range, target};
-use super::{control, law, unit};
+use super::{control, law, picture, unit};
 use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
@@ -111,6 +111,8 @@ fn statement(
         "constraint" => control::constraint(cursor, documentation, diagnostics),
         "finally" => control::finally(cursor, &word, diagnostics),
         "free" => control::free(cursor, &word, diagnostics),
+        "outputs" => Ok(Statement::Outputs(quantities(cursor, &word, diagnostics)?)),
+        "picture" => picture::picture(cursor, &word, diagnostics),
         _ => Err(unknown_statement(cursor, &word, diagnostics)),
     }
 }

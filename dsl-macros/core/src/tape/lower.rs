@@ -8,6 +8,8 @@ use std::collections::hash_map::Entry;
 /// Deepest expressions whose parts are lowered as they are met. In deeper ones what is one quantity comes
 /// first, in the order in which it was made, so that no recursion runs through all of it.
 const SHALLOW: usize = 600;
+/// Most brackets inside each other before each of which a common factor stands: formulas have a handful.
+const BRACKETS: usize = 100;
 
 /// Lowers a set of expressions.
 pub(super) struct Lowering {
@@ -17,6 +19,8 @@ pub(super) struct Lowering {
     /// How many products divide by an expression.
     divisions: HashMap<Sym, usize>,
     factor: bool,
+    /// Brackets that are open, each with a common factor before it.
+    brackets: usize,
 }
 
 impl Lowering {
@@ -28,6 +32,7 @@ impl Lowering {
             done: HashMap::new(),
             divisions: HashMap::new(),
             factor,
+            brackets: 0,
         };
         let order = graph::reachable(outputs);
         let depth = outputs.iter().map(|output| output.depth()).max();
@@ -144,7 +149,7 @@ impl Lowering {
         let mut items = Vec::new();
         for (magnitude, group) in groups {
             if magnitude == 1.0 {
-                if self.factor {
+                if self.factors() {
                     items.extend(self.factored(group));
                 } else {
                     for (term, negative) in group {
@@ -166,7 +171,7 @@ impl Lowering {
                         .into_iter()
                         .map(|(term, own)| (term, own != negative))
                         .collect();
-                    let inner = if self.factor {
+                    let inner = if self.factors() {
                         self.factored(group)
                     } else {
                         group
@@ -181,6 +186,10 @@ impl Lowering {
             }
         }
         items
+    }
+
+    fn factors(&self) -> bool {
+        self.factor && self.brackets < BRACKETS
     }
 
     /// Terms with the factor that most of them share taken out, again and again.
@@ -219,8 +228,10 @@ impl Lowering {
                 .into_iter()
                 .map(|(term, own)| (term / factor, if own == negative { 1.0 } else { -1.0 }))
                 .collect();
-            // Recursion ends: each level removes a factor.
+            // Recursion ends: each level removes a factor, and a high power has no more levels than others.
+            self.brackets += 1;
             let inner = self.items(&reduced);
+            self.brackets -= 1;
             let inner = self.add_up(inner);
             let factor = self.lower(factor);
             items.push((self.multiply(vec![factor, inner]), negative));

@@ -7,7 +7,7 @@
 use proc_macro2::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
 
 /// Declarations to start from; together they use every statement.
-const SCENES: [&str; 7] = [
+const SCENES: [&str; 8] = [
     "/// A ball. \n pub Ball { parameters { m: kg = 1, g: m/s^2 = 9.81 } coordinates { z: m in 0..=9 } lagrangian \
      m/2*dot(z)^2 - m*g*z surface ground: z >= 0 impact ground: inelastic start { z: 1, dot(z): 2 [m/s] } \
      horizon 5 [s] }",
@@ -32,6 +32,12 @@ const SCENES: [&str; 7] = [
      sin(d) + sin(f), cos(a) - cos(b) + cos(c) - cos(d) - cos(f)) lagrangian |dot((a, b, c, d, f))|^2 + \
      |dot(p)|^2 - p.z surface floor: p.z >= -3 impact floor: holding b, c, restitution mu/2, friction mu, sliding \
      dot(p.y) minimize integral(a^2 + dot(b)) + time }",
+    "Shown { parameters { m: kg = 1, r: m = 0.1 } coordinates { y: m, z: m, a: rad } lagrangian m/2*|dot((y, z))|^2 + \
+     m*r^2/4*dot(a)^2 surface floor: z >= r impact floor: inelastic, friction 0.3, sliding dot(y + r*a) start { z: 1 } outputs { speed: km/h = |dot((y, \
+     z))|, push: N = force(floor), rub = friction_force(floor)/m } picture { circle ball at (y, z) radius r angle a, \
+     point p at (y, z), rectangle box at (y, r) size (r, 2*r), polygon roof at (0, r) corners ((0, 0), (r, 0), (0, r)), \
+     link ball to (0, 0), spring p to roof, curve ground: (w, r*sin(w/r)) over w, curve arc: (r*cos(s), r) over s in \
+     0..=2*pi } constraint slow: speed^2 <= 9 [m^2/s^2] }",
 ];
 
 struct Random(u64);
@@ -46,7 +52,7 @@ impl Random {
     }
 }
 
-const WORDS: [&str; 45] = [
+const WORDS: [&str; 63] = [
     "rotation",
     "rotation_x",
     "transpose",
@@ -92,6 +98,24 @@ const WORDS: [&str; 45] = [
     "integral",
     "time",
     "e",
+    "outputs",
+    "force",
+    "friction_force",
+    "picture",
+    "point",
+    "at",
+    "circle",
+    "radius",
+    "rectangle",
+    "size",
+    "angle",
+    "polygon",
+    "corners",
+    "link",
+    "spring",
+    "to",
+    "curve",
+    "over",
 ];
 const SYMBOLS: [char; 22] = [
     '+', '-', '*', '/', '^', '|', '=', ',', ':', ';', '.', '>', '<', '!', '#', '$', '?', '@', '&',

@@ -1,8 +1,10 @@
 //! What the language says: texts of messages, pages, slips that people make, malformed declarations.
 
+mod format;
 mod fuzz;
 mod messages;
 mod pages;
+mod shown;
 mod slips;
 mod stumbles;
 mod texts;

@@ -72,3 +72,16 @@ fn text_that_is_no_declaration_is_answered_by_a_message() {
         );
     }
 }
+
+#[test]
+fn product_of_two_thousand_factors_is_derived_on_a_stack_of_a_megabyte() {
+    // Where there are no threads of one's own the stack is that of the host, a megabyte in browsers.
+    let factors = "cos(z/1[m])*".repeat(2000);
+    let text = format!(
+        "coordinates {{ z: m }} lagrangian 1[kg]/2*dot(z)^2 - 1[N]*z*({factors}1) start {{ z: 1 }} horizon 1[s]"
+    );
+    let derived = std::thread::Builder::new()
+        .stack_size(1 << 20)
+        .spawn(move || hangtime_dsl::describe_text(&text, "power").is_ok());
+    assert!(derived.unwrap().join().unwrap());
+}

@@ -13,7 +13,7 @@
 //! holds the multiplier of each product at position (i, j). A pair thus changes a 2x2 block and adds no
 //! row; and the restoration phase, whose elastic slacks are eliminated too, has the same pattern.
 
-use cpu_time::ThreadTime;
+use crate::clock::ThreadTime;
 
 use crate::linalg::norms::is_finite;
 use crate::linalg::{

@@ -1,8 +1,7 @@
 //! The state of the method: the point, what was evaluated there, and the memory of its parts.
 
+use crate::clock::{Instant, ThreadTime};
 use crate::seconds::Seconds;
-use cpu_time::ThreadTime;
-use std::time::Instant;
 
 use super::barrier::BarrierPath;
 use super::filter::Filter;

@@ -1,6 +1,6 @@
 //! The contact sequence from the complementarity problem of finite elements on the time-freezing system.
 
-use cpu_time::ThreadTime;
+use crate::clock::ThreadTime;
 
 use super::start_modes::modes_at_start;
 use super::time_freezing::{TimeFreezing, TimeFreezingMotion};

@@ -1,7 +1,7 @@
 //! Single runs on one grid: from a start, or from a motion on a coarser grid.
 
+use crate::clock::ThreadTime;
 use crate::seconds::Seconds;
-use cpu_time::ThreadTime;
 
 use super::final_times::solve_grid;
 use super::one_grid::Start;

@@ -6,11 +6,11 @@ use super::error_control::ErrorControl;
 use super::settings::{Fesd, StepFormulation};
 use super::stop::Stop;
 use super::{bounces, impacts, location, mode_change, program};
+use crate::clock::ThreadTime;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
 use crate::simulation::watch::Watch;
 use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
-use cpu_time::ThreadTime;
 
 /// Attempts at a segment within a hundredth of the horizon: of them some are rejected, some lead to a switch.
 const MAX_ATTEMPTS: usize = 20_000;

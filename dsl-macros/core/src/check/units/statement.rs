@@ -1,7 +1,7 @@
 //! Units of whole statements.
 
-use super::angle;
 use super::walk::{Units, Walk};
+use super::{angle, shown};
 use crate::ast::{
     Assignment, Condition, Expr, FreeStart, Kind, Law, Name, Quantity, Scene, Statement,
 };
@@ -114,6 +114,8 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             Ok(())
         }
         Statement::Horizon { value, .. } => horizon(walk, value),
+        Statement::Outputs(quantities) => shown::outputs(walk, quantities),
+        Statement::Picture { shapes, .. } => shown::picture(walk, shapes),
     }
 }
 

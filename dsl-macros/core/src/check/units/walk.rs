@@ -42,6 +42,15 @@ impl Units {
     }
 }
 
+/// What is recorded and drawn.
+#[derive(Default)]
+pub(super) struct Shown {
+    /// Units of the outputs.
+    pub(super) outputs: Vec<Dimension>,
+    /// Names of the bodies in the picture.
+    pub(super) bodies: Vec<String>,
+}
+
 pub(super) struct Walk<'a> {
     pub(super) diagnostics: &'a mut Diagnostics,
     pub(super) unifier: Unifier,
@@ -57,6 +66,7 @@ pub(super) struct Walk<'a> {
     pub(super) sliding: Vec<(Vec<Name>, Expr, Dimension)>,
     pub(super) constraints: Vec<Dimension>,
     pub(super) goals: Vec<Dimension>,
+    pub(super) shown: Shown,
     /// Surfaces, and coordinates with a start value, whose units differ.
     pub(super) faulty: HashSet<String>,
     /// Names that are declared in rad.
@@ -379,6 +389,20 @@ impl Walk<'_> {
             }
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
                 Ok(Units::Scalar(self.pure(argument, text)?))
+            }
+            // A force does work on a change of the gap.
+            (
+                _,
+                [
+                    Expr {
+                        kind: Kind::Name(surface),
+                        ..
+                    },
+                ],
+            ) if words::CONTACT_FUNCTIONS.contains(&text) => {
+                let gap = self.gaps.iter().find(|(name, _)| *name == surface.text);
+                let gap = gap.map(|(_, gap)| gap.clone()).ok_or(Reported)?;
+                Ok(Units::Scalar(self.energy.over(&gap)))
             }
             _ if words::MATRIX_FUNCTIONS.contains(&text) => {
                 self.matrix_function(function, arguments)

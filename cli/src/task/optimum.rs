@@ -1,0 +1,139 @@
+//! One optimal control problem.
+
+use hangtime::Observer;
+use hangtime::ocp::{
+    self, ControlShape, Formulation, Problem, Settings, Solution, Stationarity,
+    TimeFreezingSettings,
+};
+use hangtime::rk::Scheme;
+
+use crate::arguments::{ControlsName, SchemeName, SolveArguments, SolveFormulation};
+use crate::ending::Ending;
+use crate::failure::BadInput;
+use crate::json::{SolutionDocument, SolverSettings};
+use crate::settings::ChosenScene;
+use crate::table::seconds;
+
+/// Control intervals, unless others are asked for.
+pub(crate) const INTERVALS: usize = 30;
+
+/// A scene whose optimal control problem is to be solved.
+pub(crate) struct OptimumTask {
+    /// The scene with its settings.
+    pub(crate) chosen: ChosenScene,
+    /// The method, for documents.
+    pub(crate) method: SolverSettings,
+    problem: Problem,
+    settings: Settings,
+    rows: usize,
+}
+
+impl OptimumTask {
+    /// Refuses arguments that do not fit the scene.
+    pub(crate) fn new(chosen: ChosenScene, arguments: &SolveArguments) -> Result<Self, BadInput> {
+        if chosen.model.declaration().optimal_control.is_none() {
+            return Err(BadInput::new(format!(
+                "scene `{0}` declares no objective, so there is nothing to optimize; run `simulate {0}` instead",
+                chosen.scene.name
+            )));
+        }
+        let settings = settings(arguments)?;
+        let problem = Problem::of(
+            chosen.model.as_ref(),
+            arguments.intervals.unwrap_or(INTERVALS),
+        );
+        Ok(Self {
+            method: SolverSettings::new(&settings, problem.intervals),
+            chosen,
+            problem,
+            settings,
+            rows: arguments.result.rows,
+        })
+    }
+
+    /// The plan.
+    pub(crate) fn run(&self, observer: &mut Observer<'_>) -> Result<Solution, BadInput> {
+        let model = self.chosen.model.as_ref();
+        ocp::solve(model, &self.problem, &self.settings, observer)
+            .map_err(|error| self.chosen.refuse(&error))
+    }
+
+    /// The JSON document of a plan that ended as `ending` tells.
+    pub(crate) fn json(&self, solution: &Solution, ending: &Ending) -> String {
+        SolutionDocument::new(&self.chosen, &self.method, solution, ending, self.rows).text()
+    }
+}
+
+/// The settings of the solver.
+fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
+    let mut settings = Settings::default();
+    settings.starts = arguments.starts;
+    settings.controls = match arguments.controls {
+        ControlsName::Constant => ControlShape::Constant,
+        ControlsName::Linear => ControlShape::Linear,
+    };
+    match arguments.formulation {
+        SolveFormulation::Auto => {
+            if arguments.scheme.is_some() {
+                return Err(BadInput::new(
+                    "--scheme has no meaning for --formulation auto, whose phases are Radau IIA, with a stage at their \
+                     end; leave it out, or add --formulation time-freezing",
+                ));
+            }
+            settings.stages = arguments.stages.unwrap_or(settings.stages);
+            settings.elements = arguments.elements.unwrap_or(settings.elements);
+        }
+        SolveFormulation::TimeFreezing => {
+            let mut freezing = TimeFreezingSettings::default();
+            freezing.scheme = match arguments.scheme {
+                Some(SchemeName::GaussLegendre) => Scheme::GaussLegendre,
+                Some(SchemeName::RadauIia) => Scheme::RadauIia,
+                None => freezing.scheme,
+            };
+            freezing.stages = arguments.stages.unwrap_or(freezing.stages);
+            freezing.elements = arguments.elements.unwrap_or(freezing.elements);
+            settings.formulation = Formulation::TimeFreezing(freezing);
+        }
+    }
+    Ok(settings)
+}
+
+/// What a page tells about a solution.
+pub(crate) fn facts(
+    method: &SolverSettings,
+    solution: &Solution,
+    ending: &Ending,
+) -> Vec<[String; 2]> {
+    [
+        (
+            "method",
+            format!(
+                "{}, {}, {} stages, {} intervals, {} controls",
+                method.name, method.scheme, method.stages, method.intervals, method.control_shape
+            ),
+        ),
+        ("status", ending.status.to_owned()),
+        ("objective", format!("{:.10}", solution.objective)),
+        ("final time", format!("{:.10} s", solution.horizon)),
+        ("stationarity", certificate(solution.stationarity)),
+        (
+            "distance of the re-simulation at the end",
+            format!("{:.1e}", solution.resimulation_error),
+        ),
+        ("CPU time", seconds(solution.seconds.total)),
+    ]
+    .map(|(name, value)| [name.to_owned(), value])
+    .into()
+}
+
+/// A certificate with its meaning.
+pub(crate) fn certificate(stationarity: Stationarity) -> String {
+    let meaning = match stationarity {
+        Stationarity::S => "a local optimum whose contact sequence has no neighbours",
+        Stationarity::B => {
+            "a local optimum, and no neighbouring contact sequence gives a better one"
+        }
+        Stationarity::None => "no proof that neighbouring contact sequences are no better",
+    };
+    format!("{}: {meaning}", stationarity.name())
+}

@@ -1,0 +1,126 @@
+//! Quantities that are recorded along every motion.
+
+use super::checker::Checker;
+use super::{units, values};
+use crate::ast::{Expr, Quantity};
+use crate::diagnostics::{Checked, Reported};
+use crate::evaluate::expression;
+use crate::evaluate::{Meaning, Role, Value};
+use crate::graph::{self, Compose, Sym, Variable};
+use crate::scene::{self, Contact};
+
+/// Most outputs of one scene.
+const MOST: usize = 500;
+
+/// `outputs { name: unit = expression, ... }`; what follows may use them by name.
+pub(super) fn outputs(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Checked<()> {
+    let before = checker.diagnostics.mistakes();
+    for quantity in quantities {
+        // Each reports its own mistakes; the next one is checked all the same.
+        if output(checker, quantity).is_err() {
+            checker.diagnostics.poison(&quantity.name.text);
+        }
+    }
+    if checker.diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    Ok(())
+}
+
+fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
+    let name = &quantity.name;
+    let free = checker.new_name(name, "output");
+    checker.scope.later.remove(&name.text);
+    if let Some((lower, _)) = &quantity.bounds {
+        let message = format!(
+            "output `{0}` has no bounds; limit it by `constraint limit: {0} <= ...`",
+            name.text
+        );
+        checker.diagnostics.syntax(lower.place, message);
+    }
+    let Some(expr) = &quantity.value else {
+        let unit = quantity
+            .unit
+            .as_ref()
+            .map(|unit| format!(": {}", unit.text));
+        let message = format!(
+            "output `{0}` needs an expression, as in `{0}{1} = ...`",
+            name.text,
+            unit.unwrap_or_default()
+        );
+        return Err(checker.diagnostics.syntax(name.place(), message));
+    };
+    let value = recorded(checker, expr, quantity);
+    free?;
+    let value = value?;
+    if checker.shown.outputs.len() >= MOST {
+        let message = format!("a scene has at most {MOST} outputs");
+        return Err(checker.diagnostics.syntax(name.place(), message));
+    }
+    if graph::depends_on(value, is_contact_force) {
+        checker.scope.recorded.insert(name.text.clone());
+    }
+    let meaning = Meaning::Value(Value::Scalar(value));
+    checker.scope.names.insert(name.text.clone(), meaning);
+    checker.shown.outputs.push(scene::Output {
+        name: name.clone(),
+        unit: quantity.unit.clone(),
+        inferred: None,
+        documentation: quantity.documentation.clone(),
+        value,
+    });
+    Ok(())
+}
+
+fn recorded(checker: &mut Checker<'_>, expr: &Expr, quantity: &Quantity) -> Checked<Sym> {
+    checker.scope.role = Role::Record;
+    let value = expression::value(&mut checker.scope, expr, checker.diagnostics);
+    let value = match value {
+        Ok(Value::Vector(components)) => {
+            let message = format!(
+                "`{expr}` is a vector with {} components, and an output is a number; record its components one by \
+                 one, as in `{}_y = ({expr}).y`",
+                components.len(),
+                quantity.name.text
+            );
+            Err(checker.diagnostics.report("E02", expr.place, message))
+        }
+        Ok(_) => {
+            let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics);
+            let scale = scene::scale(quantity.unit.as_ref());
+            value.map(|value| match values::is_bare(expr) {
+                true => value.scaled(scale),
+                false => value,
+            })
+        }
+        Err(Reported) => Err(Reported),
+    };
+    checker.scope.role = Role::Motion;
+    value
+}
+
+fn is_contact_force(variable: Variable) -> bool {
+    matches!(
+        variable,
+        Variable::ContactForce(_) | Variable::FrictionForce(_)
+    )
+}
+
+/// Units that follow from the expressions, and whether the contacts have the forces that are recorded.
+pub(super) fn finish(checker: &mut Checker<'_>, contacts: &[Contact], units: &units::Inferred) {
+    for (output, unit) in checker.shown.outputs.iter_mut().zip(&units.outputs) {
+        output.inferred = *unit;
+    }
+    for (index, place) in std::mem::take(&mut checker.scope.rubbing) {
+        if let Some(contact) = contacts.get(index)
+            && contact.friction.is_none()
+        {
+            let name = &contact.name.text;
+            let message = format!(
+                "contact `{name}` has no friction; declare it by `impact {name}: ..., friction mu`, or leave \
+                 `friction_force({name})` out"
+            );
+            checker.diagnostics.report("E24", place, message);
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! What is drawn: places of two components, bodies and curves whose form depends on parameters only.
+
+use super::checker::Checker;
+use crate::ast::{self, Expr, Kind, Name};
+use crate::diagnostics::{Checked, Place, Reported};
+use crate::evaluate::expression;
+use crate::evaluate::{Meaning, Value};
+use crate::graph::{self, Compose, Sym, Variable};
+use crate::scene::{self, Form, Picture, Point, Shape};
+use hangtime_units::Unit;
+
+/// Most shapes of one picture.
+const MOST: usize = 500;
+
+/// The number that runs along a curve.
+const ALONG: Variable = Variable::Argument(0);
+
+/// `picture { shape, ... }`.
+pub(super) fn picture(
+    checker: &mut Checker<'_>,
+    keyword: Place,
+    shapes: &[ast::Shape],
+) -> Checked<()> {
+    if checker.shown.picture.is_some() {
+        let message = "a scene has one `picture`; put all shapes into it";
+        return Err(checker.diagnostics.syntax(keyword, message));
+    }
+    if shapes.len() > MOST {
+        let message = format!("a picture has at most {MOST} shapes");
+        return Err(checker.diagnostics.syntax(keyword, message));
+    }
+    let before = checker.diagnostics.mistakes();
+    let mut picture = Picture {
+        unit: unit_of_length(checker),
+        ..Picture::default()
+    };
+    for shape in shapes {
+        // Each reports its own mistakes; the next one is checked all the same.
+        match (checked(checker, &picture, shape), shape) {
+            (Ok(shape), _) => picture.shapes.push(shape),
+            (Err(Reported), ast::Shape::Body { name, .. }) => {
+                checker.diagnostics.poison(&name.text);
+            }
+            (Err(Reported), _) => {}
+        }
+    }
+    if checker.diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    set_axes(checker, &mut picture);
+    checker.shown.picture = Some(picture);
+    Ok(())
+}
+
+/// The unit of the first coordinate that is a length; metres if there is none, and nothing in a scene without units.
+fn unit_of_length(checker: &Checker<'_>) -> (String, f64) {
+    let metre = Unit::mechanical(1, 0, 0);
+    let quantities = checker.coordinates.iter().chain(&checker.controls);
+    let coordinates = quantities.filter_map(|known| known.unit.as_ref());
+    let parameters = checker.parameters.iter();
+    let units = coordinates.chain(parameters.filter_map(|known| known.unit.as_ref()));
+    let mut units = units.peekable();
+    if units.peek().is_none() {
+        return (String::new(), 1.0);
+    }
+    let coordinates = checker.coordinates.iter();
+    let mut declared = coordinates.filter_map(|known| known.unit.as_ref());
+    match declared.find(|written| written.unit.same_dimension(metre)) {
+        Some(written) => (written.text.clone(), written.unit.scale),
+        None => ("m".to_owned(), 1.0),
+    }
+}
+
+/// Where a body is at a pair of coordinates, these name the axes, and surfaces may be drawn as places of that body,
+/// unless something drawn is larger than a point or the ground is drawn by curves.
+fn set_axes(checker: &Checker<'_>, picture: &mut Picture) {
+    let coordinates = (0_u16..).zip(&checker.coordinates);
+    let values: Vec<Sym> = coordinates
+        .map(|(index, known)| {
+            Sym::variable(Variable::Coordinate(index)).scaled(scene::scale(known.unit.as_ref()))
+        })
+        .collect();
+    let index = |sym: Sym| values.iter().position(|known| *known == sym);
+    let mut places = picture.shapes.iter().filter_map(|shape| match shape {
+        Shape::Body { at, .. } => Some([index(at[0])?, index(at[1])?]),
+        _ => None,
+    });
+    let place = places.next();
+    let only_points = picture.shapes.iter().all(|shape| {
+        let form = match shape {
+            Shape::Body { form, .. } => form,
+            Shape::Line { .. } => return true,
+            Shape::Curve { .. } => return false,
+        };
+        matches!(form, Form::Point)
+    });
+    let names = place.map(|place| place.map(|index| checker.coordinates[index].name.text.clone()));
+    picture.axes = names.unwrap_or_else(|| ["y", "z"].map(str::to_owned));
+    picture.ground = place.filter(|_| only_points);
+}
+
+fn checked(checker: &mut Checker<'_>, picture: &Picture, shape: &ast::Shape) -> Checked<Shape> {
+    match shape {
+        ast::Shape::Body {
+            name,
+            at,
+            angle,
+            form,
+        } => {
+            let free = new_shape(checker, picture, name);
+            let at = place(checker, at);
+            let angle = match angle {
+                Some(angle) => expression::scalar(&mut checker.scope, angle, checker.diagnostics),
+                None => Ok(Sym::ZERO),
+            };
+            let form = checked_form(checker, name, form);
+            free?;
+            Ok(Shape::Body {
+                name: name.text.clone(),
+                at: at?,
+                angle: angle?,
+                form: form?,
+            })
+        }
+        ast::Shape::Line { spring, ends } => {
+            let [from, to] = [0, 1].map(|i| end(checker, picture, &ends[i]));
+            Ok(Shape::Line {
+                spring: *spring,
+                ends: [from?, to?],
+            })
+        }
+        ast::Shape::Curve {
+            name,
+            points,
+            over,
+            range,
+        } => {
+            let free = new_shape(checker, picture, name);
+            let range = range.as_ref().map(|(lower, upper)| {
+                let [lower, upper] = [lower, upper].map(|bound| {
+                    let value = expression::scalar(&mut checker.scope, bound, checker.diagnostics)?;
+                    fixed(checker, value, bound, &name.text)
+                });
+                Ok([lower?, upper?])
+            });
+            let range = range.transpose();
+            // Over all that is shown it is a length as the axis shows it.
+            let scale = match range {
+                Ok(None) => picture.unit.1,
+                _ => 1.0,
+            };
+            let along = (over.text.as_str(), Sym::variable(ALONG).scaled(scale));
+            let value =
+                expression::value_over(&mut checker.scope, along, points, checker.diagnostics);
+            let point = value.and_then(|value| two(checker, points, &value));
+            free?;
+            let point = point?;
+            for component in point {
+                fixed(checker, component, points, &name.text)?;
+            }
+            Ok(Shape::Curve {
+                name: name.text.clone(),
+                point,
+                range: range?,
+            })
+        }
+    }
+}
+
+/// E19: names of bodies and curves are different.
+fn new_shape(checker: &mut Checker<'_>, picture: &Picture, name: &Name) -> Checked<()> {
+    if !picture
+        .shapes
+        .iter()
+        .any(|known| known.is_called(&name.text))
+    {
+        return Ok(());
+    }
+    let message = format!("`{}` is drawn twice; rename one", name.text);
+    Err(checker.diagnostics.report("E19", name.place(), message))
+}
+
+fn checked_form(checker: &mut Checker<'_>, name: &Name, form: &ast::Form) -> Checked<Form> {
+    Ok(match form {
+        ast::Form::Point => Form::Point,
+        ast::Form::Circle { radius } => {
+            let value = expression::scalar(&mut checker.scope, radius, checker.diagnostics)?;
+            Form::Circle {
+                radius: fixed(checker, value, radius, &name.text)?,
+            }
+        }
+        ast::Form::Rectangle { size } => Form::Rectangle {
+            size: fixed_point(checker, name, size)?,
+        },
+        ast::Form::Polygon { corners } => {
+            let corners = corners
+                .iter()
+                .map(|corner| fixed_point(checker, name, corner));
+            Form::Polygon {
+                corners: corners.collect::<Checked<_>>()?,
+            }
+        }
+    })
+}
+
+fn fixed_point(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<Point> {
+    let point = place(checker, expr)?;
+    for component in point {
+        fixed(checker, component, expr, &name.text)?;
+    }
+    Ok(point)
+}
+
+/// E24: a form depends on parameters only.
+fn fixed(checker: &mut Checker<'_>, value: Sym, expr: &Expr, name: &str) -> Checked<Sym> {
+    let variables = graph::variables(&[value]);
+    let moving = variables
+        .into_iter()
+        .find(|variable| !matches!(variable, Variable::Parameter(_)) && *variable != ALONG);
+    let Some(variable) = moving else {
+        return Ok(value);
+    };
+    let message = format!(
+        "the form of `{name}` depends on {}; it may depend on parameters only, what moves is the place and the angle \
+         of a body",
+        checker.in_words(variable)
+    );
+    Err(checker.diagnostics.report("E24", expr.place, message))
+}
+
+/// The end of a line: a body that is drawn, or a place.
+fn end(checker: &mut Checker<'_>, picture: &Picture, expr: &Expr) -> Checked<Point> {
+    if let Kind::Name(name) = &expr.kind {
+        let body = picture.shapes.iter().find_map(|shape| match shape {
+            Shape::Body {
+                name: known, at, ..
+            } => (*known == name.text).then_some(*at),
+            _ => None,
+        });
+        if let Some(at) = body {
+            return Ok(at);
+        }
+        let known = matches!(checker.scope.names.get(&name.text), Some(Meaning::Value(_)));
+        if !known && !checker.diagnostics.is_poisoned(&name.text) {
+            let message = format!(
+                "there is no body `{0}` above; draw it before, as in `point {0} at (y, z)`, or write a place",
+                name.text
+            );
+            return Err(checker.diagnostics.report("E01", name.place(), message));
+        }
+    }
+    place(checker, expr)
+}
+
+fn place(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Point> {
+    let value = expression::value(&mut checker.scope, expr, checker.diagnostics)?;
+    two(checker, expr, &value)
+}
+
+/// E02: places have two components.
+fn two(checker: &mut Checker<'_>, expr: &Expr, value: &Value) -> Checked<Point> {
+    let message = match value {
+        Value::Vector(components) => match components[..] {
+            [across, up] => return Ok([across, up]),
+            [_, _, _] => format!(
+                "`{expr}` has 3 components, and a picture shows 2; write the two that are to be seen, as in \
+                 `(p.x, p.z)`"
+            ),
+            _ => format!(
+                "`{expr}` has {} components, and a picture shows 2, the horizontal one first",
+                components.len()
+            ),
+        },
+        _ => format!(
+            "`{expr}` is no place in the picture; write a horizontal and a vertical component, as in `(y, z)`"
+        ),
+    };
+    Err(checker.diagnostics.report("E02", expr.place, message))
+}

@@ -1,0 +1,147 @@
+//! Where blanks stand in a line: `m/2*|dot(p)|^2 - 3[kg]*g`.
+
+use super::scan::{Kind, Piece};
+use crate::words;
+
+/// Writes pieces behind each other.
+#[derive(Default)]
+pub(super) struct Line {
+    pub(super) text: String,
+    /// Whether what stands last can be the left side of an operator.
+    value: bool,
+    /// Whether a blank must follow unless the line ends.
+    wants_blank: bool,
+    /// Whether the last piece binds to the next one.
+    binds: bool,
+    /// Whether the words of pictures have their meaning.
+    picture: bool,
+    norms: Vec<usize>,
+    depth: usize,
+}
+
+impl Line {
+    /// A line of `picture`, or another one.
+    pub(super) fn new(picture: bool) -> Self {
+        Self {
+            picture,
+            ..Self::default()
+        }
+    }
+
+    /// Whether the next piece is a plus or minus between terms outside all brackets, where a line may be broken.
+    pub(super) fn breaks_before(&self, piece: &Piece) -> bool {
+        let sign = piece.is("+") || piece.is("-");
+        sign && self.value && self.depth == 0 && self.norms.is_empty()
+    }
+
+    pub(super) fn push(&mut self, piece: &Piece) {
+        match piece.kind {
+            Kind::Word => self.word(piece),
+            Kind::Symbol => self.symbol(piece),
+            Kind::Comment => {
+                self.separate();
+                self.write(&piece.text);
+                self.wants_blank = true;
+            }
+        }
+    }
+
+    fn separate(&mut self) {
+        let fresh = self.text.is_empty() || self.text.ends_with([' ', '\n']);
+        if !self.binds && !fresh {
+            self.text.push(' ');
+        }
+    }
+
+    fn write(&mut self, text: &str) {
+        self.text.push_str(text);
+        self.wants_blank = false;
+        self.binds = false;
+    }
+
+    fn word(&mut self, piece: &Piece) {
+        if self.value || self.wants_blank {
+            self.separate();
+        }
+        let text = piece.text.as_str();
+        let keyword = words::is_keyword(text)
+            || text == "in"
+            || (self.picture
+                && (self.value || self.text.is_empty())
+                && words::PICTURE.contains(&text));
+        self.write(text);
+        self.value = !keyword;
+        self.wants_blank = keyword;
+    }
+
+    fn symbol(&mut self, piece: &Piece) {
+        match piece.text.as_str() {
+            sign @ ("+" | "-") if self.value => self.spaced(sign),
+            sign @ ("=" | "==" | ">=" | "<=") => self.spaced(sign),
+            mark @ ("," | ":" | ";") => {
+                self.write(mark);
+                self.value = false;
+                self.wants_blank = true;
+            }
+            "(" => self.open("("),
+            // A unit stands behind its number, an index behind its vector.
+            "[" => {
+                self.wants_blank = piece.apart;
+                self.open("[");
+            }
+            close @ (")" | "]") => {
+                self.depth = self.depth.saturating_sub(1);
+                self.write(close);
+                self.value = true;
+            }
+            "|" if self.norms.last() == Some(&self.depth) && self.value => {
+                self.norms.pop();
+                self.write("|");
+            }
+            "|" => {
+                self.norms.push(self.depth);
+                self.open_norm();
+            }
+            "." if piece.apart => {
+                self.text.push(' ');
+                self.write(".");
+                self.value = false;
+                self.wants_blank = true;
+            }
+            other => {
+                if self.wants_blank {
+                    self.separate();
+                }
+                self.write(other);
+                self.value = false;
+                self.binds = true;
+            }
+        }
+    }
+
+    fn spaced(&mut self, sign: &str) {
+        self.separate();
+        self.write(sign);
+        self.value = false;
+        self.wants_blank = true;
+    }
+
+    fn open(&mut self, bracket: &str) {
+        if self.wants_blank {
+            self.separate();
+        }
+        self.depth += 1;
+        self.write(bracket);
+        self.value = false;
+        self.binds = true;
+    }
+
+    fn open_norm(&mut self) {
+        if self.wants_blank || self.value {
+            self.separate();
+        }
+        self.write("|");
+        self.value = false;
+        self.binds = true;
+    }
+}

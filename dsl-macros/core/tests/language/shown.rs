@@ -1,0 +1,185 @@
+//! What is recorded and drawn: declarations that are accepted, and the text of every message.
+
+/// Messages about a ball above a rough floor, with further statements behind it.
+fn ball(statements: &str) -> Vec<String> {
+    let source = format!(
+        "pub S {{ parameters {{ m: kg = 1, g: m/s^2 = 9.81, r: m = 0.1 }} coordinates {{ y: m, z: m, a: rad }} \
+         controls {{ u: N }} let p = (y, z) \
+         lagrangian m/2*|dot(p)|^2 + m*r^2/4*dot(a)^2 - m*g*z forces {{ y: u }} \
+         surface floor: z >= r impact floor: inelastic, friction 0.3, sliding dot(y + r*a) \
+         surface wall: y <= 3[m] impact wall: restitution 0.5 start {{ z: 1 }} {statements} }}"
+    );
+    let tokens = source.parse().expect("the source is made of tokens");
+    let mistakes = hangtime_dsl::mistakes(tokens);
+    match mistakes.is_empty() {
+        true => vec!["accepted".to_owned()],
+        false => mistakes.iter().map(hangtime_dsl::Mistake::text).collect(),
+    }
+}
+
+macro_rules! texts {
+    ($($name:ident: $source:expr => $($text:expr),+;)*) => {
+        $(#[test]
+        fn $name() {
+            assert_eq!(ball($source), vec![$($text),+]);
+        })*
+    };
+}
+
+texts! {
+    everything_is_accepted:
+        "outputs { /// How fast it is.
+             speed: km/h = |dot(p)|, power: W = u*dot(y), height = z - r, limit: N = 3, \
+             push: N = force(floor), rub = friction_force(floor)/m, both: N = push + force(wall) } \
+         minimize integral(power) + 1 [W]*time constraint slow: power <= 90 [W] finally { height == 0 } \
+         picture { circle ball at p radius r angle a, point p, rectangle box at (y, r + z) size (r, 2*r), \
+             polygon roof at (0, 1[m]) angle a/2 corners ((0, 0), (r, 0), (0, r)), link ball to (0, 0), \
+             spring p to roof, curve ground: (w, r*sin(w/r)) over w, curve arc: (r*cos(s), r) over s in 0..=2*pi }"
+        => "accepted";
+
+    // Outputs.
+    output_without_an_expression: "outputs { speed: m/s, height: m = z }" =>
+        "output `speed` needs an expression, as in `speed: m/s = ...`";
+    output_with_bounds: "outputs { height: m in 0..=3 = z }" =>
+        "output `height` has no bounds; limit it by `constraint limit: height <= ...`";
+    output_in_another_unit: "outputs { height: m/s = z }" =>
+        "E03: units differ: `z` is in m, where m/s is needed (output `height` is declared so)";
+    force_in_another_unit: "outputs { push: J = force(floor) }" =>
+        "E03: units differ: `force(floor)` is in N, where J is needed (output `push` is declared so)";
+    output_twice: "outputs { z: m = y, height: m = z, height: m = z }" =>
+        "E19: `z` is declared twice; rename this output",
+        "E19: `height` is declared twice; rename this output";
+    vector_as_an_output: "outputs { place: m = p }" =>
+        "E02: `p` is a vector with 2 components, and an output is a number; record its components one by one, as in \
+         `place_y = (p).y`";
+    output_before_it_is_declared: "constraint low: height <= 3[m] outputs { height: m = z }" =>
+        "E01: `height` is declared further down; move its declaration up";
+    output_with_an_unknown_name: "outputs { height: m = zz, twice: m = 2*height }" =>
+        "E01: `zz` is not declared; add it to `parameters` or `coordinates` (declared: `a`, `g`, `m`, `p`, `r`, `u`, `y`, \
+         `z`)";
+    force_of_nothing: "outputs { push: N = force(flor), a1: N = force(z + 1), a2: N = force(roof, wall) }" =>
+        "E01: there is no surface `flor` above; did you mean `floor`?",
+        "E02: `force` takes the name of a surface, as in `force(ground)`";
+    force_of_a_surface_below: "outputs { push: N = force(ramp) } surface ramp: z >= y impact ramp: inelastic" =>
+        "E01: there is no surface `ramp` above (declared: `floor`, `wall`)";
+    friction_of_a_contact_without: "outputs { rub: N = friction_force(wall) }" =>
+        "E24: contact `wall` has no friction; declare it by `impact wall: ..., friction mu`, or leave \
+         `friction_force(wall)` out";
+    force_in_the_dynamics: "dissipation force(floor)*dot(y)^2" =>
+        "E24: `force` of a contact follows from the motion; it can be used in `outputs` only";
+    output_of_a_force_in_an_objective: "outputs { push: N = force(floor) } minimize integral(push^2)" =>
+        "E24: `push` contains the force of a contact, which follows from the motion; it can be used in `outputs` only";
+    rate_of_a_force: "outputs { push: N/s = dot(force(floor)) }" =>
+        "`dot(force(floor))` needs the derivative of a contact force, which may jump; take `dot` of positions only";
+
+    // Pictures.
+    unknown_shape: "picture { points p, ellipse q }" =>
+        "unknown shape `points`; did you mean `point`?",
+        "unknown shape `ellipse`; a picture is made of `point`, `circle`, `rectangle`, `polygon`, `link`, `spring`, \
+         `curve`";
+    shapes_without_their_form: "picture { circle ball at p, rectangle box at p, polygon roof at p }" =>
+        "circle `ball` needs a radius, as in `circle ball at (y, z) radius 0.1 [m]`",
+        "rectangle `box` needs a size, as in `rectangle box at (y, z) size (0.2 [m], 0.1 [m])`",
+        "polygon `roof` needs its corners, as in `polygon roof at (y, z) corners ((0, 0), (l, 0), (0, l))`";
+    property_of_another_shape: "picture { point ball at p radius r, circle disc at p radius r radius r }" =>
+        "a point has `at`, `angle`, no `radius`",
+        "`radius` is given twice for `disc`; keep one";
+    missing_comma: "picture { point p point ball at p }" =>
+        "a comma is missing before `point`";
+    bare_lengths: "picture { circle ball at (y, 1) radius 0.2 }" =>
+        "E03: units differ: `1` has no unit, where m is needed (it is a place in the picture); a bare number has no \
+         unit, write it in brackets, as in `1 [m]`",
+        "E03: units differ: `0.2` has no unit, where m is needed (it is the size of `ball`); a bare number has no \
+         unit, write it in brackets, as in `0.2 [m]`";
+    angle_that_is_a_length: "picture { point ball at p angle z }" =>
+        "E03: units differ: `the angle of a body` needs a pure number, `z` is in m";
+    place_of_other_components: "picture { point ball at z, point other at (y, z, z), link p to 2*r }" =>
+        "E02: `z` is no place in the picture; write a horizontal and a vertical component, as in `(y, z)`",
+        "E02: `(y, z, z)` has 3 components, and a picture shows 2; write the two that are to be seen, as in `(p.x, p.z)`",
+        "E02: `2*r` is no place in the picture; write a horizontal and a vertical component, as in `(y, z)`";
+    body_without_a_place: "picture { point ball }" =>
+        "E01: `ball` is not declared; add it to `parameters` or `coordinates` (declared: `a`, `g`, `m`, `p`, `r`, `u`, \
+         `y`, `z`)";
+    end_at_no_body: "picture { link ball to p }" =>
+        "E01: there is no body `ball` above; draw it before, as in `point ball at (y, z)`, or write a place";
+    drawn_twice: "picture { point ball at p, curve ball: (w, 0) over w }" =>
+        "E19: `ball` is drawn twice; rename one";
+    form_that_moves: "picture { circle ball at p radius z, curve ground: (w, z) over w }" =>
+        "E24: the form of `ball` depends on the coordinate `z`; it may depend on parameters only, what moves is the place \
+         and the angle of a body",
+        "E24: the form of `ground` depends on the coordinate `z`; it may depend on parameters only, what moves is the \
+         place and the angle of a body";
+    force_in_a_picture: "picture { point ball at (y, z + r*force(floor)/(m*g)) }" =>
+        "E24: `force` of a contact follows from the motion; it can be used in `outputs` only";
+    curve_without_its_number: "picture { curve ground: (w, 0), curve other (w, 0) over w }" =>
+        "expected `over` and the number that runs along the curve, as in `(w, h(w)) over w`, found `,`",
+        "expected `:` after the curve's name, as in `curve track: (w, h(w)) over w`, found `(`";
+    range_of_two_units: "picture { curve ground: (0, 0) over w in 1[s]..=2[m] }" =>
+        "E03: units differ: `1 [s]` is in s, `2 [m]` is in m; both ends of `w` must agree";
+    two_corners: "picture { polygon line at p corners ((0, 0), (r, r)) }" =>
+        "a polygon has three corners or more, as in `((0, 0), (l, 0), (0, l))`";
+    two_pictures: "picture { point p } picture { point p }" =>
+        "a scene has one `picture`; put all shapes into it";
+    line_without_an_end: "picture { link p }" =>
+        "expected `to`, as in `link a to b`, found the end";
+}
+
+#[test]
+fn mistakes_stand_where_they_were_made() {
+    let text = "parameters { m: kg = 1, g: m/s^2 = 9.81 } coordinates { y: m, z: m } \
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z surface floor: z >= 0 impact floor: inelastic \
+        outputs { high, push: N = force(flor), place = (y, z) } \
+        picture { circle ball at (y, z), point nose at z, link ball to nose, link nose to hook, elipse egg, \
+            point eye at (y, z) radius m, curve track: (w, y) over w } \
+        constraint gentle: force(floor) <= 3 [N]";
+    let mistakes = hangtime_dsl::describe_text(text, "ball").unwrap_err();
+    let found: Vec<_> = mistakes
+        .iter()
+        .map(|found| (found.code, &text[found.place.clone()]))
+        .collect();
+    let wanted = [
+        (None, "high"),
+        (Some("E01"), "flor"),
+        (Some("E02"), "(y, z)"),
+        (None, "ball"),
+        (Some("E02"), "z"),
+        (Some("E01"), "hook"),
+        (None, "elipse"),
+        (None, "radius"),
+        (Some("E24"), "(w, y)"),
+        (Some("E24"), "force(floor)"),
+    ];
+    assert_eq!(found, wanted);
+}
+
+#[test]
+fn units_are_checked_at_each_number() {
+    let text = "parameters { m: kg = 1, g: m/s^2 = 9.81, r: m = 1 } coordinates { y: m, z: m } \
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z surface floor: z >= 0 impact floor: inelastic \
+        outputs { speed: m = dot(y), push: J = force(floor) } \
+        picture { circle ball at (y, 2*g) radius 3, rectangle box at (y, z) size (r, m) angle r, \
+            polygon roof at (y, z) corners ((0, 0), (r, 0), (0, r^2)), curve track: (w, w^2) over w, \
+            curve arc: (r*cos(s), r) over s in 0 [m]..=1 [m], link (0, m) to ball }";
+    let mistakes = hangtime_dsl::describe_text(text, "ball").unwrap_err();
+    assert!(
+        mistakes.iter().all(|mistake| mistake.code == Some("E03")),
+        "{mistakes:?}"
+    );
+    let found: Vec<_> = mistakes
+        .iter()
+        .map(|found| &text[found.place.clone()])
+        .collect();
+    let wanted = [
+        "dot(y)",
+        "force(floor)",
+        "2*g",
+        "3",
+        "r",
+        "m",
+        "r^2",
+        "w^2",
+        "s",
+        "m",
+    ];
+    assert_eq!(found, wanted);
+}

@@ -1,0 +1,47 @@
+//! The clocks by which runs are timed: those of the system, or of the host where the system has none.
+
+#[cfg(target_family = "wasm")]
+pub use host::set_clock;
+#[cfg(target_family = "wasm")]
+pub(crate) use host::{HostTime as Instant, HostTime as ThreadTime};
+#[cfg(not(target_family = "wasm"))]
+pub(crate) use {cpu_time::ThreadTime, std::time::Instant};
+
+/// Without an operating system the host gives the time, one for wall-clock and processor.
+#[cfg(target_family = "wasm")]
+mod host {
+    use std::io;
+    use std::sync::OnceLock;
+    use std::time::Duration;
+
+    static CLOCK: OnceLock<fn() -> f64> = OnceLock::new();
+
+    /// Runs are timed by this clock, in seconds from any instant; the first one that is set counts. Without a clock
+    /// every run takes zero seconds, so that limits on time are never reached. Only where the system has no clock.
+    pub fn set_clock(seconds: fn() -> f64) {
+        let _ = CLOCK.set(seconds);
+    }
+
+    /// An instant on the clock of the host \[s\].
+    #[derive(Debug, Clone, Copy)]
+    pub(crate) struct HostTime(f64);
+
+    impl HostTime {
+        pub(crate) fn now() -> Self {
+            Self::try_now().unwrap_or(Self(0.0))
+        }
+
+        pub(crate) fn elapsed(&self) -> Duration {
+            Duration::try_from_secs_f64(Self::now().0 - self.0).unwrap_or_default()
+        }
+
+        pub(crate) fn try_now() -> io::Result<Self> {
+            let seconds = CLOCK.get().ok_or(io::ErrorKind::Unsupported)?;
+            Ok(Self(seconds()))
+        }
+
+        pub(crate) fn try_elapsed(&self) -> io::Result<Duration> {
+            Ok(self.elapsed())
+        }
+    }
+}
