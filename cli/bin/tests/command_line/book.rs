@@ -39,23 +39,20 @@ fn write(folder: &Path, scene: &SceneText) -> Option<String> {
         Kind::Whole | Kind::Mistaken => String::new(),
     };
     fs::write(&path, before + &scene.text).unwrap();
-    let (check, style): (_, &[&str]) = match scene.kind {
-        Kind::Mistaken => (2, &[]),
-        // Wherever statements are added, they stand at the end.
-        Kind::More => (0, &[]),
-        Kind::Whole => (0, &["fmt", "--check"]),
-    };
-    let named = |words: &[&str]| -> Vec<String> {
+    let command = |words: &[&str]| -> (Option<i32>, String) {
         let words = words.iter().copied().chain([scene.file.as_str()]);
-        words.map(str::to_owned).collect()
+        run(folder, &words.map(str::to_owned).collect::<Vec<_>>())
     };
-    let (status, printed) = run(folder, &named(&["check"]));
-    if status != Some(check) {
+    let expected = if scene.kind == Kind::Mistaken { 2 } else { 0 };
+    let (status, printed) = command(&["check"]);
+    if status != Some(expected) {
         return Some(format!("{}: {printed}", scene.file));
     }
-    let (status, printed) = (!style.is_empty())
-        .then(|| run(folder, &named(style)))
-        .unwrap_or((Some(0), String::new()));
+    // Added statements stand at the end, wherever the style would have them.
+    if scene.kind != Kind::Whole {
+        return None;
+    }
+    let (status, printed) = command(&["fmt", "--check"]);
     (status != Some(0)).then_some(printed)
 }
 
