@@ -8,10 +8,11 @@ use std::process::ExitCode;
 use clap::{CommandFactory as _, FromArgMatches as _};
 
 use crate::arguments::{Arguments, Command, ListArguments, ReproduceArguments};
+use crate::chart::Listed;
 use crate::failure::{BadInput, visible};
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, refuse};
 use crate::scene_file::is_path;
-use crate::{HardScene, PlayPage, Scene};
+use crate::{ControlScene, HardScene, PlayPage, Scene};
 use crate::{
     authoring, chart, explain, list, play, program, reproduce, scene, shell, simulate, solve, watch,
 };
@@ -54,6 +55,8 @@ pub struct CommandLine {
     scenes: &'static [Scene],
     hard: &'static [HardScene],
     page: Option<PlayPage>,
+    peers: &'static str,
+    controlled: &'static [ControlScene],
 }
 
 impl CommandLine {
@@ -64,6 +67,8 @@ impl CommandLine {
             scenes,
             hard: &[],
             page: None,
+            peers: "",
+            controlled: &[],
         }
     }
 
@@ -80,6 +85,20 @@ impl CommandLine {
             page: Some(page),
             ..self
         }
+    }
+
+    /// The same, whose charts show runs of other programs on its scenes beside its own: a table in CSV with the columns `date`,
+    /// `machine`, `study` (the title of a chart's section), `curve`, `settings`, `CPU time [s]` and
+    /// `coordinates at the end` (apart by spaces). A file `peers.csv` in the output directory goes before it.
+    #[must_use]
+    pub const fn with_peers(self, peers: &'static str) -> Self {
+        Self { peers, ..self }
+    }
+
+    /// The same, whose charts of all scenes show how good the optima of these scenes are as well.
+    #[must_use]
+    pub const fn with_controlled(self, controlled: &'static [ControlScene]) -> Self {
+        Self { controlled, ..self }
     }
 
     /// Runs one command; `arguments` begin with the name of the program. Prints the report, or one line that says what
@@ -160,6 +179,15 @@ impl CommandLine {
             .after_help(format!("Without a command, `{default}` runs.\n{after}"))
     }
 
+    fn charted(&self) -> Listed {
+        Listed {
+            scenes: self.scenes,
+            hard: self.hard,
+            controlled: self.controlled,
+            peers: self.peers,
+        }
+    }
+
     fn has_published(&self) -> bool {
         self.scenes.iter().any(|scene| !scene.published.is_empty())
     }
@@ -175,7 +203,7 @@ impl CommandLine {
             Some(Command::Simulate(arguments)) => simulate::run(scenes, &arguments),
             Some(Command::Solve(arguments)) => solve::run(scenes, &arguments),
             Some(Command::Nlp(arguments)) => program::run(&arguments),
-            Some(Command::Chart(arguments)) => chart::run(scenes, self.hard, &arguments),
+            Some(Command::Chart(arguments)) => chart::run(&self.charted(), &arguments),
             Some(Command::Explain(arguments)) => explain::run(scenes, &arguments).map(Report::of),
             Some(Command::Check(arguments)) => authoring::check(&arguments),
             Some(Command::Fmt(arguments)) => authoring::format(&arguments),

@@ -95,6 +95,7 @@ impl ResultFiles<'_> {
                     .chain(files.iter().map(|(name, _)| (name.clone(), name.clone())))
                     .collect(),
             }],
+            ..Page::default()
         };
         files.extend(figures);
         files.push((format!("{stem}.html"), page.html()));

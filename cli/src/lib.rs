@@ -86,4 +86,4 @@ pub use published::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
     PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
-pub use scene::{Charted, ClosedForm, HardScene, Right, Scene, Variant, parameter};
+pub use scene::{Charted, ClosedForm, ControlScene, HardScene, Right, Scene, Variant, parameter};

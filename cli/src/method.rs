@@ -8,7 +8,7 @@ use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
     EventDriven, Fesd, FixedStep, InitialValueProblem, InputError, Moreau, Simulation, Simulator,
-    Smooth, StepFormulation, estimate_error,
+    Smooth, StepFormulation,
 };
 use serde::Serialize;
 
@@ -125,19 +125,6 @@ pub(crate) struct ChosenMethod {
     /// Its settings.
     pub(crate) settings: MethodSettings,
     simulator: Box<dyn Simulator>,
-    /// The same method on another grid, and in words, where the method itself does not know its error.
-    other: Option<(Box<dyn Simulator>, &'static str)>,
-}
-
-/// Estimated error from which on a run says what to do about it.
-const SUSPECT: f64 = 1e-3;
-
-/// Steps of the run that measures the error of another one with `steps` steps, and in words.
-fn other_steps(steps: usize) -> (usize, &'static str) {
-    match steps {
-        0 | 1 => (2, "twice the steps"),
-        _ => (steps.div_ceil(2), "half the steps"),
-    }
 }
 
 impl ChosenMethod {
@@ -158,12 +145,7 @@ impl ChosenMethod {
             Method::Moreau => {
                 let mut moreau = Moreau::default();
                 moreau.steps = arguments.steps.unwrap_or(moreau.steps);
-                let (steps, words) = other_steps(moreau.steps);
-                let other = Moreau {
-                    steps,
-                    ..moreau.clone()
-                };
-                Self::new(stepping(moreau.steps), moreau).beside(other, words)
+                Self::new(stepping(moreau.steps), moreau)
             }
             Method::Smooth => {
                 let mut smooth = Smooth::default();
@@ -174,19 +156,12 @@ impl ChosenMethod {
                     width: Some(smooth.width),
                     ..MethodSettings::default()
                 };
-                let mut other = smooth.clone();
-                other.width = 2.0 * smooth.width;
-                Self::new(settings, smooth).beside(other, "twice the width")
+                Self::new(settings, smooth)
             }
             Method::Fixed => {
                 let mut fixed = FixedStep::default();
                 fixed.steps = arguments.steps.unwrap_or(fixed.steps);
-                let (steps, words) = other_steps(fixed.steps);
-                let other = FixedStep {
-                    steps,
-                    ..fixed.clone()
-                };
-                Self::new(stepping(fixed.steps), fixed).beside(other, words)
+                Self::new(stepping(fixed.steps), fixed)
             }
         };
         chosen.settings.refuse_too_many_elements()?;
@@ -200,50 +175,7 @@ impl ChosenMethod {
                 ..settings
             },
             simulator: Box::new(simulator),
-            other: None,
         }
-    }
-
-    fn beside(mut self, other: impl Simulator + 'static, words: &'static str) -> Self {
-        self.other = Some((Box::new(other), words));
-        self
-    }
-
-    /// Simulates; where the method does not know its error a run on another grid measures it, and the CPU time is
-    /// that of both.
-    pub(crate) fn simulate_with_estimate(
-        &self,
-        model: &dyn Model,
-        problem: &InitialValueProblem,
-        observer: &mut Observer<'_>,
-    ) -> Result<Simulation, InputError> {
-        let mut simulation = self.simulate(model, problem, observer)?;
-        let Some((method, words)) = &self.other else {
-            return Ok(simulation);
-        };
-        if !simulation.status.is_solved() {
-            return Ok(simulation);
-        }
-        let start = processor_seconds();
-        let other = method.simulate(model, problem, observer)?;
-        let note = if other.status.is_solved() {
-            let error = estimate_error(&mut simulation, &other, model, problem);
-            let note = format!(
-                "{words} lead {error:.0e} of the largest values away: the error may be as large"
-            );
-            (error > SUSPECT).then_some(note)
-        } else {
-            let end = other.status.name();
-            Some(format!(
-                "nothing is known of the error: with {words} the run ends `{end}`"
-            ))
-        };
-        simulation.notes.extend(note);
-        simulation.seconds.total += match (start, processor_seconds()) {
-            (Some(start), Some(end)) => end - start,
-            _ => other.seconds.total,
-        };
-        Ok(simulation)
     }
 
     /// Simulates, and measures the CPU time of the whole process from the first to the last step.

@@ -16,6 +16,8 @@ use tempfile::TempDir;
 
 use crate::failure::BadInput;
 
+/// Most pages that are linked.
+const MOST_PAGES: usize = 50;
 /// Beginning and end of the name of a folder of a run.
 const NAME: [&str; 2] = [".hangtime-", ".part"];
 /// Random characters between them.
@@ -54,6 +56,17 @@ impl OutputDirectory {
     /// killed runs left there.
     pub(crate) fn open(path: &Path) -> Result<Self, BadInput> {
         Self::open_for("--out", path)
+    }
+
+    /// The pages that stand in it, by name; of many the first ones.
+    pub(crate) fn pages(&self) -> Vec<String> {
+        let entries = fs::read_dir(&self.path).into_iter().flatten().flatten();
+        let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+        let is_page = |name: &String| Path::new(name).extension().is_some_and(|end| end == "html");
+        let mut pages: Vec<String> = names.filter(is_page).collect();
+        pages.sort();
+        pages.truncate(MOST_PAGES);
+        pages
     }
 
     /// As [`open`](Self::open), for what another option named.

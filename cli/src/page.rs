@@ -6,6 +6,7 @@ use crate::animation::{self, Animation};
 use crate::markup::escape;
 
 /// A page of figures and tables.
+#[derive(Default)]
 pub(crate) struct Page {
     /// Title.
     pub(crate) title: String,
@@ -13,6 +14,8 @@ pub(crate) struct Page {
     pub(crate) introduction: String,
     /// Its sections.
     pub(crate) sections: Vec<Section>,
+    /// Other pages in the same directory.
+    pub(crate) links: Vec<String>,
 }
 
 /// One section of a page.
@@ -67,7 +70,7 @@ th,td{padding:.3rem .7rem;text-align:right;border-bottom:1px solid #8a919e66;whi
 th:first-child,td:first-child{text-align:left;white-space:pre}
 th:first-child,td:first-child{position:sticky;left:0;background:#ffffff}
 td.prose{text-align:left;white-space:normal;min-width:22rem}
-nav a{display:inline-block;margin:0 1rem .3rem 0}
+nav a,.pages a{display:inline-block;margin:0 1rem .3rem 0}
 summary{cursor:pointer;margin:.5rem 0;font-weight:600}
 a{color:inherit}
 @media (prefers-color-scheme:dark){body,th:first-child,td:first-child{color:#dfe3ea;background:#14171c}}
@@ -91,6 +94,14 @@ impl Page {
                 format!("<a href=\"#s{index}\">{}</a>", escape(&section.heading))
             });
             let _ = writeln!(html, "<nav>{}</nav>", links.collect::<Vec<_>>().join(" "));
+        }
+        if !self.links.is_empty() {
+            let links = self.links.iter().map(|page| {
+                let name = page.trim_end_matches(".html");
+                format!("<a href=\"{}\">{}</a>", escape(page), escape(name))
+            });
+            let links = links.collect::<Vec<_>>().join(" ");
+            let _ = writeln!(html, "<p class=\"pages\">Other pages: {links}</p>");
         }
         for (index, section) in self.sections.iter().enumerate() {
             let _ = write!(html, "<section id=\"s{index}\">");
@@ -170,7 +181,7 @@ mod tests {
         let page = Page {
             title: "a < b & \"c\"".to_owned(),
             introduction: String::new(),
-            sections: Vec::new(),
+            ..Page::default()
         };
         assert!(
             page.html()

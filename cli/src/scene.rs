@@ -26,6 +26,8 @@ pub struct Scene {
     /// Its motion as a formula, if there is one: the coordinates at a time, `None` where the formula does not hold.
     /// Charts measure errors against it.
     pub closed_form: Option<ClosedForm>,
+    /// The least objective seen on any grid with the default parameters, if the scene has one. Charts measure from it.
+    pub best_known: Option<f64>,
 }
 
 /// The coordinates at a time, where a formula gives them.
@@ -63,6 +65,17 @@ pub struct HardScene {
     pub right: Right,
     /// Why that is right: a derivation, or a source.
     pub why: &'static str,
+}
+
+/// A scene with an optimum, for charts of how good the solver's optima are.
+#[derive(Debug, Clone, Copy)]
+pub struct ControlScene {
+    /// Its name, in kebab case.
+    pub name: &'static str,
+    /// Makes the model with default parameters.
+    pub model: fn() -> Box<dyn Model>,
+    /// The best objective known of a scene, by its name, on a grid with that many control intervals.
+    pub best: fn(name: &str, intervals: usize) -> Option<f64>,
 }
 
 /// What a method has to say about a scene.
@@ -104,6 +117,7 @@ impl Scene {
             published_sizes: &[],
             charted: &[],
             closed_form: None,
+            best_known: None,
         }
     }
 }

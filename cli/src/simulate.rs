@@ -178,7 +178,12 @@ fn work(simulation: &Simulation) -> String {
     let counts = simulation.counts;
     let mut text = String::new();
     if let Some(error) = simulation.error_estimate {
-        let _ = writeln!(text, "error       about {error:.1e} of the largest values");
+        let about = if error.is_finite() {
+            format!("about {error:.1e} of the largest values")
+        } else {
+            "unknown".to_owned()
+        };
+        let _ = writeln!(text, "error       {about}");
     }
     let _ = writeln!(text, "residuals   {}", residual_line(simulation.residuals));
     let _ = writeln!(

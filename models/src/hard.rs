@@ -20,11 +20,21 @@ pub fn hard_scenes() -> &'static [HardScene] {
     &SCENES
 }
 
-static SCENES: [HardScene; 49] = [
+static SCENES: [HardScene; 58] = [
     hard!(
         "almost-flat-rod",
         Right::Agreed,
         "As `flat-rod` with an angle of 1e-12: the tips hit one after the other, within rounding error."
+    ),
+    hard!(
+        "balanced",
+        Right::Formula(|_, _| vec![0.0, 1.0]),
+        "It stands on the top, where nothing pushes it to either side. Every disturbance would make it slide off; a method must not begin to slide by itself."
+    ),
+    hard!(
+        "below-painleve",
+        Right::Agreed,
+        "A uniform rod at an angle of tangent 2: the tip moves by (1 + 3 cos (cos - mu sin)) / m for the force on it, which is above zero up to mu = 4/3. Here the force is 40 times the weight, and stops the slip within a millisecond."
     ),
     hard!(
         "blunt-corner",
@@ -109,9 +119,27 @@ static SCENES: [HardScene; 49] = [
         "With g = 8 m/s^2 it falls 1 m in half a second."
     ),
     hard!(
+        "impact-at-stage",
+        Right::Formula(|_, t| {
+            let (fall, down) = (0.500_861_394_587_342_7, 8.0 * 0.500_861_394_587_342_7);
+            let up = t - fall;
+            vec![t, down / 2.0 * up - 4.0 * up * up]
+        }),
+        "A fall of 90 elements and (4 - sqrt 6)/10 of the next one, and one bounce with half of the velocity."
+    ),
+    hard!(
         "impact-at-step-end",
         Right::Formula(|_, t| vec![t, 2.0 * (t - 0.5) - 4.0 * (t - 0.5) * (t - 0.5)]),
         "With g = 8 m/s^2 it falls 1 m in half a second, where a step of any even number ends, with 4 m/s; it goes up with 2 m/s."
+    ),
+    hard!(
+        "impact-ends-stick",
+        Right::Formula(|_, t| {
+            let since = t - 0.25;
+            let way = 20.0 / 6.0 * since.max(0.0).powi(3);
+            vec![way, 0.0, 1.25 * since - 5.0 * since * since]
+        }),
+        "The block slips from mu m g = 5 N on, after a quarter of a second, when the ball from 0.3125 m arrives with 2.5 m/s; each of them moves as if it were alone."
     ),
     hard!(
         "infinite-start",
@@ -126,6 +154,14 @@ static SCENES: [HardScene; 49] = [
             vec![t, down / 2.0 * up - 9.81 / 2.0 * up * up]
         }),
         "The surface is where the gap vanishes, whatever the gap is elsewhere: one bounce with half of the velocity."
+    ),
+    hard!(
+        "leaning-ladder",
+        Right::Formula(|_, _| {
+            let angle = 1.0_f64;
+            vec![angle.cos(), angle.sin(), angle]
+        }),
+        "Friction jams it where the tangent of its angle is at least (1 - mu^2)/(2 mu) = 0.75: it stays at 1 rad. The four forces are not determined, the motion is."
     ),
     hard!(
         "leaving-at-once",
@@ -191,6 +227,11 @@ static SCENES: [HardScene; 49] = [
         "The walls fold the line along which the body moves: 10,000 impacts in a second, several in any step."
     ),
     hard!(
+        "near-corner",
+        Right::Formula(|_, t| vec![(t - 1.0).abs(), (t - 1.0 - 1e-6).abs()]),
+        "Without gravity the wall turns the velocity along y, and the floor that along z: two impacts in one step."
+    ),
+    hard!(
         "newtons-cradle",
         Right::Agreed,
         "Three equal elastic balls that touch: Moreau's law, all contacts at once, and not a sequence of impacts."
@@ -199,6 +240,11 @@ static SCENES: [HardScene; 49] = [
         "not-a-number",
         Right::Stop,
         "The force is the root of 1 m - y, which has no value after the body has passed 1 m."
+    ),
+    hard!(
+        "painleve",
+        Right::Stop,
+        "Above mu = 4/3 at an angle of tangent 2 the force on the tip of a uniform rod presses it into the floor by friction more than it lifts it, so neither slip nor stick has a force (Painleve 1895; Genot and Brogliato 1999). Time stepping goes on with an impulse that stops the slip."
     ),
     hard!(
         "pole",
@@ -234,6 +280,11 @@ static SCENES: [HardScene; 49] = [
         "slack-string",
         Right::Agreed,
         "The string is slack at first; where it becomes tight it takes the radial velocity, and the body swings."
+    ),
+    hard!(
+        "sliding-ladder",
+        Right::Agreed,
+        "Two contacts slide at once. The head leaves the wall at two thirds of its height at the start, a result of textbooks; the foot slides on."
     ),
     hard!(
         "sliding-threshold",
@@ -310,4 +361,5 @@ static SCENES: [HardScene; 49] = [
         Right::Formula(|_, t| vec![t / 2.0, 0.0]),
         "Impacts at 2 t0 (e + e^2 + ...) after the first at t0 = sqrt(2 h / g) = 0.45 s, so it rests on the floor after 4.06 s."
     ),
+    hard!("zero-parameter", Right::Stop, "The force c/0 is infinite."),
 ];

@@ -31,6 +31,13 @@ pub use ski_jump::SkiJump;
 pub use stick_slip::StickSlip;
 pub use three_blocks::ThreeBlocks;
 
+/// Runs of other programs on the ski jump and the pump track, as `tools/peers/measure.py` wrote them: CSV for
+/// [`hangtime_cli::CommandLine::with_peers`].
+#[must_use]
+pub const fn peers() -> &'static str {
+    include_str!("published/peers.csv")
+}
+
 /// All shipped scenes, in the order in which they are listed.
 #[must_use]
 pub fn scenes() -> &'static [Scene] {

@@ -1,7 +1,8 @@
 //! The best values that are known.
 
 /// The best value known of a scene on a grid of the controls, whichever way it was found.
-pub(crate) fn best(name: &str, intervals: usize) -> Option<f64> {
+#[must_use]
+pub fn best(name: &str, intervals: usize) -> Option<f64> {
     let row = BEST
         .iter()
         .find(|row| (row.0, row.1) == (name, intervals))?;

@@ -13,6 +13,8 @@ mod throws;
 
 use hangtime::model::Model;
 
+pub use known::best;
+
 /// Which half of the set a scene belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Half {

@@ -7,10 +7,12 @@ use hangtime_cli::CommandLine;
 use hangtime_cli::PlayPage;
 #[cfg(feature = "play")]
 use hangtime_models::scene_texts;
-use hangtime_models::{hard_scenes, scenes};
+use hangtime_models::{hard_scenes, peers, scenes};
 
 fn main() -> ExitCode {
-    let command_line = CommandLine::new(scenes()).with_hard(hard_scenes());
+    let command_line = CommandLine::new(scenes())
+        .with_hard(hard_scenes())
+        .with_peers(peers());
     #[cfg(feature = "play")]
     let command_line = command_line.with_page(PlayPage {
         module: include_bytes!(concat!(env!("OUT_DIR"), "/module.gz")),

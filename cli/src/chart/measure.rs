@@ -26,21 +26,25 @@ pub(super) struct Point {
     pub(super) grain: f64,
     pub(super) error: f64,
     pub(super) seconds: f64,
-    pub(super) counts: Counts,
+    /// What it took, where that is known.
+    pub(super) counts: Option<Counts>,
     pub(super) status: &'static str,
 }
 
 impl Point {
     /// What a pointer over it tells.
     pub(super) fn note(&self) -> String {
+        let counts = self.counts.map_or_else(String::new, |counts| {
+            format!(
+                ", {} steps, {} Newton iterations, {} evaluations",
+                counts.elements, counts.newton, counts.evaluations
+            )
+        });
         format!(
-            "{}: error {:.1e}, {}, {} steps, {} Newton iterations, {} evaluations",
+            "{}: error {:.1e}, {}{counts}",
             self.arguments,
             self.error,
-            seconds(self.seconds),
-            self.counts.elements,
-            self.counts.newton,
-            self.counts.evaluations
+            seconds(self.seconds)
         )
     }
 }
@@ -117,6 +121,12 @@ impl Measured {
         self.points.iter().filter(|point| point.error.is_finite())
     }
 
+    /// How many of its settings led to no error: runs that stopped, or were not begun after one that was given up.
+    pub(super) fn unsolved(&self) -> usize {
+        let asked = self.sweep.settings.len().max(self.points.len());
+        asked - self.solved().count()
+    }
+
     /// The cheapest run with an error of at most `target`.
     pub(super) fn cheapest(&self, target: f64) -> Option<&Point> {
         self.solved()
@@ -164,12 +174,7 @@ fn measure(
         Ok(simulation) => simulation,
         // A method that does not know restitution or friction is left out, not a mistake of the user.
         Err(error) if error.is_unsupported() => {
-            return Ok(point(
-                f64::NAN,
-                f64::NAN,
-                Counts::default(),
-                "not_applicable",
-            ));
+            return Ok(point(f64::NAN, f64::NAN, None, "not_applicable"));
         }
         Err(error) => return Err(chosen.refuse(&error)),
     };
@@ -183,7 +188,7 @@ fn measure(
     Ok(point(
         error,
         simulation.seconds.total,
-        simulation.counts,
+        Some(simulation.counts),
         status,
     ))
 }
@@ -216,8 +221,6 @@ fn order(points: &[Point], floor: f64) -> Order {
 
 #[cfg(test)]
 mod tests {
-    use hangtime::simulation::Counts;
-
     use super::{Order, Point, order};
 
     fn point(grain: f64, error: f64) -> Point {
@@ -226,7 +229,7 @@ mod tests {
             grain,
             error,
             seconds: 1.0,
-            counts: Counts::default(),
+            counts: None,
             status: "solved",
         }
     }

@@ -1,9 +1,11 @@
 //! `hangtime chart`: accuracy against CPU time and step size, of every simulation method and of the solver, for one
 //! scene or for all of them on one page.
 
+mod controlled;
 mod drawn;
 mod measure;
 mod optimum;
+mod peers;
 mod simulation;
 mod stability;
 mod study;
@@ -17,18 +19,26 @@ use crate::page::{Page, Section};
 use crate::report::Report;
 use crate::settings::ChosenScene;
 use crate::table::table;
-use crate::{HardScene, Scene};
+
+use crate::{ControlScene, HardScene, Scene};
+use peers::Peers;
 use study::{Charted, charted};
 
-pub(crate) fn run(
-    scenes: &'static [Scene],
-    hard: &'static [HardScene],
-    arguments: &ChartArguments,
-) -> Result<Report, BadInput> {
+/// What the program knows that can be charted.
+pub(crate) struct Listed {
+    pub(crate) scenes: &'static [Scene],
+    pub(crate) hard: &'static [HardScene],
+    pub(crate) controlled: &'static [ControlScene],
+    /// Runs of other programs, as CSV.
+    pub(crate) peers: &'static str,
+}
+
+pub(crate) fn run(listed: &Listed, arguments: &ChartArguments) -> Result<Report, BadInput> {
     if arguments.stability {
-        return stability::run(scenes, hard, arguments);
+        return stability::run(listed.scenes, listed.hard, arguments);
     }
-    let charted = charted(scenes, arguments)?;
+    let charted = charted(listed.scenes, arguments)?;
+    let peers = Peers::of(listed.peers, &arguments.out)?;
     let directory = OutputDirectory::open(&arguments.out)?;
     let bounds = Bounds::watch("chart", &arguments.limits);
     let mut drawn = Drawn::default();
@@ -43,14 +53,18 @@ pub(crate) fn run(
                 } else {
                     String::new()
                 };
-                drawn.add(simulation::chart(study, &bounds, &of_many)?);
+                drawn.add(simulation::chart(study, &peers, &bounds, &of_many)?);
             }
         }
         if bounds.asked().is_none() {
             let chosen = ChosenScene::new(scene, &arguments.settings)?;
-            let optimum = optimum::chart(&chosen, &optimum::GRIDS, &bounds)?;
+            let known = scene.best_known.filter(|_| arguments.settings.is_empty());
+            let optimum = optimum::chart(&chosen, &optimum::GRIDS, known, &bounds)?;
             optimum.into_iter().for_each(|chart| drawn.add(chart));
         }
+    }
+    if arguments.scenes.is_empty() && !listed.controlled.is_empty() && bounds.asked().is_none() {
+        drawn.add(controlled::chart(listed.controlled, &bounds)?);
     }
     let mut report = Report {
         text: drawn.text(charted.len() > 1),
@@ -59,7 +73,8 @@ pub(crate) fn run(
     };
     let mut files = drawn.files;
     if !drawn.sections.is_empty() {
-        files.push(page(&charted, drawn.sections, drawn.overview));
+        let links = directory.pages();
+        files.push(page(&charted, links, drawn.sections, drawn.overview));
     }
     report.diagnoses.extend(
         bounds
@@ -77,6 +92,8 @@ pub(crate) fn run(
 #[derive(Default)]
 struct Drawn {
     texts: Vec<String>,
+    /// The texts of what the overview does not show.
+    solved: String,
     sections: Vec<Section>,
     overview: Vec<Vec<String>>,
     files: Vec<(String, String)>,
@@ -85,6 +102,9 @@ struct Drawn {
 
 impl Drawn {
     fn add(&mut self, chart: drawn::Chart) {
+        if chart.overview.is_none() {
+            self.solved.push_str(&chart.text);
+        }
         self.texts.push(chart.text);
         self.sections.extend(chart.section);
         self.overview.extend(chart.overview);
@@ -92,13 +112,14 @@ impl Drawn {
         self.diagnoses.extend(chart.diagnoses);
     }
 
-    /// For the standard output stream: all tables of one scene, the overview of several.
+    /// For the standard output stream: all tables of one scene; of several the overview and the tables of optima.
     fn text(&self, several: bool) -> String {
         if several {
             let overview = table(simulation::overview_header(), self.overview.clone());
             format!(
-                "{}\n\n{overview}\n",
-                simulation::overview_text(self.overview.len())
+                "{}\n\n{overview}\n{}",
+                simulation::overview_text(self.overview.len()),
+                self.solved
             )
         } else {
             self.texts.concat()
@@ -109,6 +130,7 @@ impl Drawn {
 /// The page: of one scene, or of all with an overview.
 fn page(
     charted: &[Charted],
+    links: Vec<String>,
     mut sections: Vec<Section>,
     overview: Vec<Vec<String>>,
 ) -> (String, String) {
@@ -133,6 +155,8 @@ fn page(
         title,
         introduction: simulation::LEGEND.to_owned(),
         sections,
+        links: links.into_iter().filter(|link| *link != name).collect(),
     };
-    (name, page.html())
+    let html = page.html();
+    (name, html)
 }

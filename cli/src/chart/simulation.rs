@@ -1,9 +1,12 @@
 //! The error of every simulation method against its step size and its CPU time.
 
+use hangtime::simulation::Counts;
+
 use super::drawn::Chart;
 use super::measure::{Measured, Order, Point};
+use super::peers::Peers;
 use super::study::{Reference, Study};
-use super::sweep::{CONTROLLED, Group, SHOWN, sweeps};
+use super::sweep::{CONTROLLED, EVENT_DRIVEN, Group, SHOWN, sweeps};
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::figure::{Curve, Dot, LogLog};
@@ -18,7 +21,12 @@ const TARGETS: [f64; 3] = [1e-3, 1e-6, 1e-9];
 const UNCERTAIN: &str = "below the uncertainty of the reference";
 
 /// Measures every method on one simulation.
-pub(super) fn chart(study: &Study, bounds: &Bounds, of_many: &str) -> Result<Chart, BadInput> {
+pub(super) fn chart(
+    study: &Study,
+    peers: &Peers,
+    bounds: &Bounds,
+    of_many: &str,
+) -> Result<Chart, BadInput> {
     let reference = match Reference::of(study, bounds)? {
         Ok(reference) => reference,
         Err(diagnosis) => {
@@ -28,20 +36,27 @@ pub(super) fn chart(study: &Study, bounds: &Bounds, of_many: &str) -> Result<Cha
             });
         }
     };
-    let measured = measure_all(study, &reference, bounds, of_many)?;
+    let mut measured = measure_all(study, &reference, bounds, of_many)?;
     let title = study.title();
+    measured.extend(peers.measured(&title, &reference));
     let error = format!(
         "largest error of a coordinate at {} s",
         study.problem.horizon
     );
-    let rows: Vec<Vec<String>> = measured.iter().map(Measured::row).collect();
     let against = format!(
         "measured against {}, known to {:.0e}",
         reference.what, reference.uncertainty
     );
+    let beside = beside_peers(&measured, &peers.origin(&title));
     let text = format!(
-        "{title}: {error}, {against}\n\n{}\n",
-        table(header(), rows.clone())
+        "{title}: {error}, {against}\n\n{}{beside}\n",
+        table(header(), measured.iter().map(Measured::row))
+    );
+    let about = format!(
+        "{}. The {error}, {against}. Parameters: {}.{}{beside}",
+        study.chosen.scene.title,
+        study.chosen.parameters().join(", "),
+        absent(&measured)
     );
     let drawings = Drawings {
         title: &title,
@@ -49,41 +64,7 @@ pub(super) fn chart(study: &Study, bounds: &Bounds, of_many: &str) -> Result<Cha
         uncertainty: reference.uncertainty,
         measured: &measured,
     };
-    let stem = study.stem();
-    let [sizes, times] = drawings.compared();
-    let schemes = drawings.schemes();
-    let data = format!("chart-{stem}.csv");
-    let mut files = vec![(data.clone(), csv(&error, &measured))];
-    let figures = [("step-size", &sizes), ("cpu-time", &times)].into_iter();
-    let figures = figures.chain(schemes.iter().map(|(kind, svg)| (*kind, svg)));
-    files.extend(figures.map(|(kind, svg)| (format!("chart-{stem}-{kind}.svg"), svg.clone())));
-    let section = Section {
-        heading: title.clone(),
-        text: format!(
-            "{}. The {error}, {against}. Parameters: {}.{}",
-            study.chosen.scene.title,
-            study.chosen.parameters().join(", "),
-            absent(&measured)
-        ),
-        header: header(),
-        rows,
-        figures: vec![sizes, times],
-        folds: vec![
-            Fold {
-                title: "The schemes, one by one".to_owned(),
-                figures: schemes.into_iter().map(|(_, svg)| svg).collect(),
-                ..Fold::default()
-            },
-            Fold {
-                title: "Every run".to_owned(),
-                header: RUNS.map(str::to_owned).into(),
-                rows: measured.iter().flat_map(Measured::runs).collect(),
-                ..Fold::default()
-            },
-        ],
-        files: vec![(data, "all runs".to_owned())],
-        animation: None,
-    };
+    let (section, files) = drawings.section(about, &study.stem());
     Ok(Chart {
         text,
         section: Some(section),
@@ -91,6 +72,49 @@ pub(super) fn chart(study: &Study, bounds: &Bounds, of_many: &str) -> Result<Cha
         diagnoses: Vec::new(),
         overview: Some(overview_row(&title, &reference, &measured)),
     })
+}
+
+/// The methods that are drawn beside other programs.
+const BESIDE_PEERS: [&str; 2] = [CONTROLLED, EVENT_DRIVEN];
+/// The error for which they are compared in words.
+const EQUAL: f64 = 1e-8;
+
+/// What other programs take for the same error as the default simulation; empty without `origin`.
+fn beside_peers(measured: &[Measured], origin: &str) -> String {
+    if origin.is_empty() {
+        return String::new();
+    }
+    let default = measured.iter().find(|line| line.sweep.name == CONTROLLED);
+    let own = default.and_then(|line| line.cheapest(EQUAL));
+    let others = measured
+        .iter()
+        .filter(|line| line.sweep.group == Group::Peers);
+    let words = others.map(|line| {
+        let price = line.cheapest(EQUAL);
+        let times = price
+            .zip(own)
+            .map(|(other, own)| other.seconds / own.seconds)
+            .map(|ratio| format!(", {ratio:.*} times as long", usize::from(ratio < 100.0)));
+        let name = &line.sweep.name;
+        price.map_or_else(
+            || format!("{name}: does not get there"),
+            |point| {
+                format!(
+                    "{name}: {}{}",
+                    seconds(point.seconds),
+                    times.unwrap_or_default()
+                )
+            },
+        )
+    });
+    let own = own.map_or_else(
+        || "does not get there".to_owned(),
+        |own| seconds(own.seconds),
+    );
+    format!(
+        " For an error of {EQUAL:.0e}, {CONTROLLED}: {own}; {}. Other programs: {origin}.",
+        words.collect::<Vec<_>>().join("; ")
+    )
 }
 
 /// Which methods have no line in the figures, and why.
@@ -222,22 +246,22 @@ impl Shown for Measured {
             self.cheapest(target)
                 .map_or_else(none, |point| seconds(point.seconds))
         };
-        let middle = self.cheapest(TARGETS[1]);
-        let count = |count: &dyn Fn(&Point) -> usize| {
-            middle.map_or_else(none, |point| count(point).to_string())
+        let counts = self.cheapest(TARGETS[1]).and_then(|point| point.counts);
+        let count = |count: &dyn Fn(Counts) -> usize| {
+            counts.map_or_else(none, |counts| count(counts).to_string())
         };
         vec![
             self.sweep.name.clone(),
             self.order.cell(),
             self.sweep.theory.clone(),
             best.map_or_else(none, |point| format!("{:.1e}", point.error)),
-            count(&|point| point.counts.elements),
-            count(&|point| point.counts.newton),
-            count(&|point| point.counts.evaluations),
+            count(&|counts| counts.elements),
+            count(&|counts| counts.newton),
+            count(&|counts| counts.evaluations),
             price(TARGETS[1]),
             price(TARGETS[0]),
             price(TARGETS[2]),
-            (self.sweep.settings.len() - self.solved().count()).to_string(),
+            self.unsolved().to_string(),
         ]
     }
 
@@ -250,14 +274,18 @@ impl Shown for Measured {
                     String::new()
                 }
             };
+            let count = |count: &dyn Fn(Counts) -> usize| {
+                let counts = point.counts;
+                counts.map_or_else(String::new, |counts| count(counts).to_string())
+            };
             vec![
                 self.sweep.name.clone(),
                 point.arguments.clone(),
                 known(point.grain, point.grain.to_string()),
                 known(point.error, format!("{:e}", point.error)),
-                point.counts.elements.to_string(),
-                point.counts.newton.to_string(),
-                point.counts.evaluations.to_string(),
+                count(&|counts| counts.elements),
+                count(&|counts| counts.newton),
+                count(&|counts| counts.evaluations),
                 known(point.seconds, point.seconds.to_string()),
                 point.status.to_owned(),
             ]
@@ -331,23 +359,69 @@ impl Drawings<'_> {
         .svg()
     }
 
+    /// All figures and tables, and the files that hold them; `stem` begins the names of the files.
+    fn section(&self, text: String, stem: &str) -> (Section, Vec<(String, String)>) {
+        let mut figures = Vec::from(self.compared());
+        let of_peers = |measured: &Measured| measured.sweep.group == Group::Peers;
+        if self.measured.iter().any(of_peers) {
+            figures.push(("peers", self.peers()));
+        }
+        let schemes = self.schemes();
+        let data = format!("chart-{stem}.csv");
+        let mut files = vec![(data.clone(), csv(self.error, self.measured))];
+        let drawn = figures.iter().chain(&schemes);
+        files.extend(drawn.map(|(kind, svg)| (format!("chart-{stem}-{kind}.svg"), svg.clone())));
+        let folds = vec![
+            Fold {
+                title: "The schemes, one by one".to_owned(),
+                figures: schemes.into_iter().map(|(_, svg)| svg).collect(),
+                ..Fold::default()
+            },
+            Fold {
+                title: "Every run".to_owned(),
+                header: RUNS.map(str::to_owned).into(),
+                rows: self.measured.iter().flat_map(Measured::runs).collect(),
+                ..Fold::default()
+            },
+        ];
+        let section = Section {
+            heading: self.title.to_owned(),
+            text,
+            header: header(),
+            rows: self.measured.iter().map(Measured::row).collect(),
+            figures: figures.into_iter().map(|(_, svg)| svg).collect(),
+            folds,
+            files: vec![(data, "all runs".to_owned())],
+            animation: None,
+        };
+        (section, files)
+    }
+
     /// The families of methods, over step size and over CPU time.
-    fn compared(&self) -> [String; 2] {
+    fn compared(&self) -> [(&'static str, String); 2] {
         let compared = |measured: &Measured| measured.sweep.compared;
         let priced = |measured: &Measured| {
             let sweep = &measured.sweep;
             // The controlled elements stand for those of two stages, whose colour they have.
             sweep.compared && (sweep.group != Group::Radau || sweep.name == SHOWN[0])
         };
-        [
-            self.draw(
-                "error against step size",
-                false,
-                &|measured| compared(measured) && measured.sweep.stepped(),
-                None,
-            ),
-            self.draw("error against CPU time", true, &priced, None),
-        ]
+        let stepped = |measured: &Measured| compared(measured) && measured.sweep.stepped();
+        let sizes = self.draw("error against step size", false, &stepped, None);
+        let times = self.draw("error against CPU time", true, &priced, None);
+        [("step-size", sizes), ("cpu-time", times)]
+    }
+
+    /// The default simulation and its judge beside other programs, over CPU time.
+    fn peers(&self) -> String {
+        let kept = |measured: &Measured| {
+            measured.sweep.group == Group::Peers || BESIDE_PEERS.contains(&&*measured.sweep.name)
+        };
+        let colour = |measured: &Measured| match measured.sweep.group {
+            // Blue and grey are taken.
+            Group::Peers => 1 + measured.sweep.colour,
+            _ => measured.sweep.colour,
+        };
+        self.draw("beside other programs", true, &kept, Some(&colour))
     }
 
     /// The schemes one by one, as (kind, SVG).

@@ -40,6 +40,8 @@ enum Verdict {
     Stopped(&'static str),
     /// Stopped with this status, as is right.
     RightlyStopped(&'static str),
+    /// Solved where there is no solution, with an error that it estimates to be as large as the motion.
+    Disclaimed(f64),
     /// Still running after [`PATIENCE`].
     NoEnd,
     /// The method does not know a feature of the scene.
@@ -56,6 +58,7 @@ impl Verdict {
             Self::Wrong(None) => "WRONG solved".to_owned(),
             Self::Stopped(status) => format!("stopped {status}"),
             Self::RightlyStopped(status) => format!("right {status}"),
+            Self::Disclaimed(estimate) => format!("disclaimed {estimate:.0e}"),
             Self::NoEnd => "no end".to_owned(),
             Self::NotApplicable => "not applicable".to_owned(),
             Self::Unknown => "-".to_owned(),
@@ -145,15 +148,16 @@ pub(super) fn run(
             .map(|stop| stop.line("chart", &arguments.limits)),
     );
     drop(bounds);
-    let written = report.deliver(directory, &files(&rows));
+    let files = files(&rows, directory.pages());
+    let written = report.deliver(directory, &files);
     report.text += &written;
     Ok(report)
 }
 
 const INTRODUCTION: &str = "\
     What every method makes of scenes on which methods fail, each run without settings. Right: as close to the right end as ten \
-    times the estimated error, which a run on another grid measures where the method does not know it; the number is the error \
-    relative to the largest coordinate. WRONG: solved, and farther off. Stopped: with a name for what happened. No end: not within 2 s of CPU time.";
+    times the estimated error; the number is the error relative to the largest coordinate. WRONG: solved, and farther off. \
+    Disclaimed: solved where there is no motion, with an estimated error as large as the motion. Stopped: with a name for what happened. No end: not within 2 s of CPU time.";
 
 fn header() -> Vec<String> {
     let mut header = vec!["scene".to_owned()];
@@ -169,10 +173,11 @@ impl Row {
     }
 }
 
-fn sums_header() -> [&'static str; 6] {
+fn sums_header() -> [&'static str; 7] {
     [
         "method",
         "right",
+        "disclaimed",
         "wrong silently",
         "stopped",
         "no end",
@@ -191,6 +196,7 @@ fn sums(rows: &[Row]) -> Vec<Vec<String>> {
         vec![
             name.to_owned(),
             count(&|verdict| matches!(verdict, Verdict::Right(_) | Verdict::RightlyStopped(_))),
+            count(&|verdict| matches!(verdict, Verdict::Disclaimed(_))),
             count(&|verdict| matches!(verdict, Verdict::Wrong(_))),
             count(&|verdict| matches!(verdict, Verdict::Stopped(_))),
             count(&|verdict| matches!(verdict, Verdict::NoEnd)),
@@ -200,7 +206,7 @@ fn sums(rows: &[Row]) -> Vec<Vec<String>> {
     sums.collect()
 }
 
-fn files(rows: &[Row]) -> Vec<(String, String)> {
+fn files(rows: &[Row], pages: Vec<String>) -> Vec<(String, String)> {
     let (csv, html) = ("stability.csv", "stability.html");
     let data = csv_text(&header(), rows.iter().map(Row::cells));
     let reasons = rows
@@ -209,6 +215,7 @@ fn files(rows: &[Row]) -> Vec<(String, String)> {
     let page = Page {
         title: "What methods do where methods fail".to_owned(),
         introduction: INTRODUCTION.to_owned(),
+        links: pages.into_iter().filter(|page| page != html).collect(),
         sections: vec![
             Section {
                 heading: "Sums".to_owned(),
@@ -348,7 +355,7 @@ impl Tried {
         let chosen = self.chosen();
         let method = ChosenMethod::from_arguments(arguments)?;
         let start = ProcessTime::try_now();
-        let run = method.simulate_with_estimate(chosen.model.as_ref(), problem, &mut |_| {
+        let run = method.simulate(chosen.model.as_ref(), problem, &mut |_| {
             let spent = start
                 .as_ref()
                 .ok()
@@ -361,7 +368,10 @@ impl Tried {
             Err(_) => Verdict::Stopped("refused"),
             Ok(run) => match &run.status {
                 SimulationStatus::Interrupted(_) => Verdict::NoEnd,
-                SimulationStatus::Solved if is_stop => Verdict::Wrong(None),
+                SimulationStatus::Solved if is_stop => match run.error_estimate {
+                    Some(estimate) if ESTIMATED * estimate >= 1.0 => Verdict::Disclaimed(estimate),
+                    _ => Verdict::Wrong(None),
+                },
                 SimulationStatus::Solved => reference.map_or(Verdict::Unknown, |reference| {
                     judged(&run, problem.horizon, reference, uncertainty)
                 }),

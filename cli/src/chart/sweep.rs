@@ -35,7 +35,7 @@ impl Sweep {
     /// Whether the runs differ in their step size, and not in a tolerance.
     pub(super) fn stepped(&self) -> bool {
         let tolerance = |settings: &MethodArguments| settings.tolerance.is_some();
-        !self.settings.iter().any(tolerance)
+        self.group != Group::Peers && !self.settings.iter().any(tolerance)
     }
 
     /// Whether the error is expected to follow a power of what the runs differ in.
@@ -61,10 +61,14 @@ pub(super) enum Group {
     Gauss,
     TimeFreezing,
     Others,
+    /// Other programs.
+    Peers,
 }
 
 /// The name under which the finite elements with error control are compared.
 pub(super) const CONTROLLED: &str = "controlled Radau-6";
+/// The name of the event-driven runs.
+pub(super) const EVENT_DRIVEN: &str = "event-driven";
 /// The names of the scheme whose order every scene shows, in both formulations.
 pub(super) const SHOWN: [&str; 2] = ["Radau-3", "time-freezing Radau-3"];
 
@@ -182,7 +186,7 @@ fn controlled() -> Vec<Sweep> {
             finite_elements(FormulationName::TimeFreezing),
         ),
         (
-            "event-driven",
+            EVENT_DRIVEN,
             6,
             false,
             MethodArguments {

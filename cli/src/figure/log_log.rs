@@ -24,13 +24,13 @@ const LARGEST: f64 = 1e3;
 /// Colours on light and on dark pages: those of Okabe and Ito, moved apart until any two differ for normal and for
 /// colour-blind eyes.
 pub(super) const LINES: [(&str, &str); 7] = [
-    ("#0088c2", "#6699ff"),
+    ("#009bdc", "#4e7cff"),
     ("#e86b00", "#ec713b"),
-    ("#008045", "#0cdea4"),
-    ("#9a4282", "#e691dd"),
-    ("#1f2430", "#dfe3ea"),
-    ("#803610", "#d9ff3b"),
-    ("#8c9490", "#909091"),
+    ("#007b42", "#06f99c"),
+    ("#952788", "#c873c2"),
+    ("#1f2430", "#ffdbf6"),
+    ("#8a0000", "#b3f81b"),
+    ("#8f9495", "#7d7b6c"),
 ];
 
 /// A point of a line.
@@ -446,7 +446,7 @@ mod tests {
 
     #[test]
     fn colours_stay_apart_for_colour_blind_eyes_and_from_the_page() {
-        // Machado, Oliveira, Fernandes (2009), severity 1: protanopia, deuteranopia; and normal sight.
+        // Machado, Oliveira, Fernandes (2009), severity 1: protanopia, deuteranopia, tritanopia; and normal sight.
         let eyes = [
             [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             [
@@ -458,6 +458,11 @@ mod tests {
                 [0.367_322, 0.860_646, -0.227_968],
                 [0.280_085, 0.672_501, 0.047_413],
                 [-0.011_820, 0.042_940, 0.968_881],
+            ],
+            [
+                [1.255_528, -0.076_749, -0.178_779],
+                [-0.078_411, 0.930_809, 0.147_602],
+                [0.004_733, 0.691_367, 0.303_900],
             ],
         ];
         let luminance = |colour: &str| {
@@ -485,8 +490,8 @@ mod tests {
                             .map(|(a, b)| (a - b).powi(2))
                             .sum::<f64>()
                             .sqrt();
-                        // About eight just noticeable differences; marks differ as well.
-                        assert!(distance > 18.0, "{one} and {other}: {distance}");
+                        // More than ten just noticeable differences of 2.3; marks differ as well.
+                        assert!(distance > 25.0, "{one} and {other}: {distance}");
                     }
                 }
             }

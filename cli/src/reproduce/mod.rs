@@ -64,6 +64,11 @@ pub(crate) fn run(
         title: "hangtime: published results, reproduced".to_owned(),
         introduction: overview::INTRODUCTION.to_owned(),
         sections,
+        links: directory
+            .pages()
+            .into_iter()
+            .filter(|page| page.starts_with("chart") || page == "stability.html")
+            .collect(),
     };
     files.push((overview::INDEX.0.to_owned(), page.html()));
     if !report.deliver(directory, &files).is_empty() {

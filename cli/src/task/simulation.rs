@@ -43,7 +43,7 @@ impl SimulationTask {
     /// The motion.
     pub(crate) fn run(&self, observer: &mut Observer<'_>) -> Result<Simulation, BadInput> {
         self.method
-            .simulate_with_estimate(self.chosen.model.as_ref(), &self.problem, observer)
+            .simulate(self.chosen.model.as_ref(), &self.problem, observer)
             .map_err(|error| self.chosen.refuse(&error))
     }
 

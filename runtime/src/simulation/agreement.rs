@@ -51,23 +51,6 @@ impl Comparison {
     }
 }
 
-/// Measures the error of a run of a method that knows nothing of it by a `coarser` run from the same start: the largest
-/// difference at their ends and events as a share of the largest values, infinite where the coarser run has another end.
-/// For a method of order `p` and half the steps it is about `2^p - 1` times the error. The run keeps it as its
-/// `error_estimate`.
-pub fn estimate_error(
-    run: &mut Simulation,
-    coarser: &Simulation,
-    model: &dyn Model,
-    problem: &InitialValueProblem,
-) -> f64 {
-    let ended = run.status.is_solved() && coarser.status.is_solved();
-    let error = Comparison::of(coarser, run, (model, problem), f64::INFINITY).error;
-    let error = if ended { error } else { f64::INFINITY };
-    run.error_estimate = Some(error);
-    error
-}
-
 /// What differences between two runs are compared with: the largest way from the start and the largest velocity, among
 /// the coordinates of one unit. So they depend neither on where a scene is nor on its units.
 #[derive(Debug, Clone)]

@@ -53,9 +53,9 @@ pub struct Simulation {
     pub trajectory: Trajectory,
     /// Largest residuals measured over the whole run.
     pub residuals: Residuals,
-    /// Error at the end and at events relative to the largest values of the motion, where the method estimates it: the
-    /// difference to a looser run (under error control, event-driven, or on a grid that nobody has named), else the
-    /// sum of the errors of the elements.
+    /// Error at the end and at events relative to the largest values of the motion: the difference to a looser run, with
+    /// another tolerance, on half the steps or with twice the width; of elements of a named length the sum of their
+    /// errors where that is more. Infinite where no looser run reaches the end. Every solved run has one.
     pub error_estimate: Option<f64>,
     /// Size of the largest system that was solved for one step.
     pub size: ProblemSize,

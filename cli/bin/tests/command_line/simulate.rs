@@ -177,7 +177,7 @@ fn simulate_methods_that_do_not_know_their_error_are_measured_by_another_grid() 
         );
         let said = document["notes"]
             .to_string()
-            .contains("the error may be as large");
+            .contains("the error is estimated at");
         assert_eq!(said, estimate > 1e-3, "{arguments:?}: {estimate:e}");
     }
 }

@@ -20,8 +20,8 @@
 //! Moreau's law for all touching contacts at once, with Newton's restitution and Coulomb friction between
 //! impulses; in the time-freezing system they take numerical time only.
 //!
-//! The formulation `TimeFreezing` does all this with elements in numerical time, and measures the error of a grid by
-//! another one (`estimate`).
+//! A grid that was asked for has its error measured by another one (`estimate`). The formulation `TimeFreezing` does all
+//! this with elements in numerical time.
 
 mod accuracy;
 mod bounces;
@@ -74,13 +74,7 @@ impl Simulator for Fesd {
                 let promise = self.tolerance.unwrap_or(Self::PROMISE);
                 accuracy::compared(self, promise, &tableau, (model, problem), &mut watch)
             }
-            None if self.formulation == StepFormulation::TimeFreezing => {
-                estimate::estimated(self, &tableau, (model, problem), &mut watch)
-            }
-            None => {
-                let driver = driver::Driver::new(self, &tableau, model, problem);
-                stepping::run(driver, &mut watch)
-            }
+            None => estimate::estimated(self, &tableau, (model, problem), &mut watch),
         };
         watch.finish(&mut result);
         Ok(result)

@@ -14,8 +14,7 @@ use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
 
 /// Attempts at a segment within a hundredth of the horizon: of them some are rejected, some lead to a switch.
 const MAX_ATTEMPTS: usize = 20_000;
-/// Error estimate of a run without error control above which it says so: what a curve in a figure shows.
-pub(super) const SUSPECT_ESTIMATE: f64 = 1e-3;
+
 /// How a segment ended.
 enum Segment {
     /// At its planned end.
@@ -38,9 +37,6 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
         driver.record_state();
     }
     let controlled = driver.control.tolerance.is_some();
-    if !controlled && driver.control.estimate > SUSPECT_ESTIMATE {
-        driver.note(&suspicion(driver.control.estimate));
-    }
     bounces::note_cascades(&mut driver);
     impacts::note_energy_gains(&mut driver);
     let newton = driver.element.counts;
@@ -65,14 +61,6 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
         },
         notes: driver.record.notes,
     }
-}
-
-/// What is said of a run with a large error estimate.
-pub(super) fn suspicion(estimate: f64) -> String {
-    format!(
-        "the error is estimated at {estimate:.0e} of the largest values: take more steps, or leave the number of steps \
-         to the error control"
-    )
 }
 
 /// Steps over the horizon.

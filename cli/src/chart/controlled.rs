@@ -1,0 +1,310 @@
+//! How good the optima of many control scenes are, and what they cost, for some ways to solve them.
+
+use std::time::Instant;
+
+use hangtime::ocp::{self, Formulation, Problem, Settings, TimeFreezingSettings};
+
+use super::drawn::Chart;
+use crate::ControlScene;
+use crate::bounds::Bounds;
+use crate::failure::BadInput;
+use crate::figure::{Curve, Dot, LogLog};
+use crate::page::{Fold, Section};
+use crate::progress::Progress;
+use crate::spreadsheet::csv_text;
+use crate::table::{seconds, table};
+
+/// Control intervals.
+const GRIDS: [usize; 2] = [10, 20];
+/// Relative distances from the best known objective that are counted.
+const WITHIN: [f64; 3] = [1e-2, 1e-3, 1e-5];
+/// The distance that is drawn, and in words.
+const DRAWN: (f64, &str) = (1e-3, "0.1 %");
+/// Time after which a solve is stopped [s].
+const PATIENCE: f64 = 20.0;
+
+/// A way to solve a scene: its name, and its settings.
+type Way = (&'static str, fn() -> Settings);
+
+const WAYS: [Way; 3] = [
+    ("phases, up to 12 starts", Settings::default),
+    ("phases, one start", || {
+        let mut settings = Settings::default();
+        settings.starts = Some(1);
+        settings
+    }),
+    ("time-freezing", || {
+        let mut settings = Settings::default();
+        settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
+        settings
+    }),
+];
+
+/// One solve.
+struct Run {
+    scene: &'static str,
+    way: usize,
+    intervals: usize,
+    /// Relative excess over the best known objective; infinite without a motion.
+    gap: f64,
+    objective: f64,
+    distance: f64,
+    certificate: &'static str,
+    seconds: f64,
+    status: &'static str,
+}
+
+/// Solves all `scenes` in every way, on every grid for which an objective is known.
+pub(super) fn chart(scenes: &[ControlScene], bounds: &Bounds) -> Result<Chart, BadInput> {
+    let known = |scene: &ControlScene, intervals| (scene.best)(scene.name, intervals);
+    let asked: Vec<(&ControlScene, usize, f64)> = scenes
+        .iter()
+        .flat_map(|scene| {
+            GRIDS.map(|intervals| known(scene, intervals).map(|best| (scene, intervals, best)))
+        })
+        .flatten()
+        .collect();
+    let mut progress = Progress::new("control scenes", (asked.len() * WAYS.len()) as f64);
+    let mut runs = Vec::new();
+    for (scene, intervals, best) in asked {
+        for (way, (name, _)) in WAYS.iter().enumerate() {
+            if bounds.asked().is_some() {
+                break;
+            }
+            progress.say(&format!("{}: {name}, {intervals} intervals", scene.name));
+            runs.push(solve(scene, way, (intervals, best), bounds)?);
+            progress.reach(runs.len() as f64);
+        }
+    }
+    drop(progress);
+    Ok(report(&runs))
+}
+
+fn solve(
+    scene: &ControlScene,
+    way: usize,
+    (intervals, best): (usize, f64),
+    bounds: &Bounds,
+) -> Result<Run, BadInput> {
+    let model = (scene.model)();
+    let clock = Instant::now();
+    let solution = ocp::solve(
+        model.as_ref(),
+        &Problem::of(model.as_ref(), intervals),
+        &WAYS[way].1(),
+        &mut |_| bounds.asked().is_none() && clock.elapsed().as_secs_f64() < PATIENCE,
+    );
+    let mut run = Run {
+        scene: scene.name,
+        way,
+        intervals,
+        gap: f64::INFINITY,
+        objective: f64::NAN,
+        distance: f64::NAN,
+        certificate: "none",
+        seconds: f64::NAN,
+        status: "not_applicable",
+    };
+    match solution {
+        Ok(solution) => {
+            run.objective = solution.objective;
+            if solution.objective.is_finite() {
+                run.gap = (solution.objective - best) / best.abs().max(f64::MIN_POSITIVE);
+            }
+            run.distance = solution.resimulation_error;
+            run.certificate = solution.stationarity.name();
+            run.seconds = solution.seconds.total;
+            run.status = solution.status.name();
+        }
+        Err(error) if error.is_unsupported() => {}
+        Err(error) => return Err(BadInput::new(format!("{}: {error}", scene.name))),
+    }
+    Ok(run)
+}
+
+const HEADER: [&str; 9] = [
+    "scene",
+    "solved by",
+    "intervals",
+    "objective",
+    "above the best",
+    "re-simulation",
+    "certificate",
+    "CPU time [s]",
+    "status",
+];
+
+impl Run {
+    fn cells(&self) -> Vec<String> {
+        let known = |value: f64, text: String| {
+            if value.is_finite() {
+                text
+            } else {
+                "-".to_owned()
+            }
+        };
+        vec![
+            self.scene.to_owned(),
+            WAYS[self.way].0.to_owned(),
+            self.intervals.to_string(),
+            known(self.objective, format!("{:.9}", self.objective)),
+            known(self.gap, format!("{:.1e}", self.gap)),
+            known(self.distance, format!("{:.1e}", self.distance)),
+            self.certificate.to_owned(),
+            known(self.seconds, format!("{:.3}", self.seconds)),
+            self.status.to_owned(),
+        ]
+    }
+}
+
+/// The runs of a way.
+fn of_way(runs: &[Run], way: usize) -> Vec<&Run> {
+    runs.iter().filter(|run| run.way == way).collect()
+}
+
+fn sums_header() -> Vec<String> {
+    let mut header: Vec<String> = ["solved by", "runs"].map(str::to_owned).into();
+    header.extend(WITHIN.map(|gap| format!("within {gap:.0e}")));
+    header.extend(["certified", "no motion", "CPU, median", "CPU, most"].map(str::to_owned));
+    header
+}
+
+/// A line for each way: how many of its runs come near the best objective.
+fn sums(runs: &[Run]) -> Vec<Vec<String>> {
+    let ways = WAYS.iter().enumerate();
+    let lines = ways.map(|(way, (name, _))| {
+        let own = of_way(runs, way);
+        let count = |is: &dyn Fn(&Run) -> bool| own.iter().filter(|run| is(run)).count();
+        let mut times: Vec<f64> = own.iter().map(|run| run.seconds).collect();
+        times.retain(|seconds| seconds.is_finite());
+        times.sort_by(f64::total_cmp);
+        let time = |index: usize| {
+            let time = times.get(index);
+            time.map_or_else(|| "-".to_owned(), |&time| seconds(time))
+        };
+        let mut line = vec![(*name).to_owned(), own.len().to_string()];
+        line.extend(WITHIN.map(|gap| count(&|run| run.gap <= gap).to_string()));
+        line.push(count(&|run| run.status == "solved").to_string());
+        line.push(count(&|run| run.gap == f64::INFINITY).to_string());
+        line.push(time(times.len() / 2));
+        line.push(time(times.len().saturating_sub(1)));
+        line
+    });
+    lines.collect()
+}
+
+/// For each way the share of runs that are not yet near the best objective, over CPU time.
+fn figure(runs: &[Run]) -> String {
+    let curves = WAYS.iter().enumerate().map(|(way, (name, _))| {
+        let own = of_way(runs, way);
+        let mut near: Vec<&&Run> = own.iter().filter(|run| run.gap <= DRAWN.0).collect();
+        near.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        let dots = near.iter().enumerate().map(|(index, run)| Dot {
+            x: run.seconds,
+            y: 100.0 * (own.len() - index - 1) as f64 / own.len() as f64,
+            note: format!(
+                "{}, {} intervals, {name}: {}",
+                run.scene,
+                run.intervals,
+                seconds(run.seconds)
+            ),
+        });
+        Curve {
+            name: (*name).to_owned(),
+            colour: way,
+            dashed: false,
+            points: dots.collect(),
+        }
+    });
+    LogLog {
+        title: &format!("Control scenes not yet within {} of the best", DRAWN.1),
+        x: "CPU time [s]",
+        y: "share of the runs [%]",
+        falling: false,
+        floor: None,
+        curves: curves.collect(),
+    }
+    .svg()
+}
+
+fn report(runs: &[Run]) -> Chart {
+    let (data, drawing) = ("chart-control.csv", "chart-control.svg");
+    let cells: Vec<Vec<String>> = runs.iter().map(Run::cells).collect();
+    let text = format!(
+        "control scenes: distance from the best objective known\n\n{}\n",
+        table(sums_header(), sums(runs))
+    );
+    let figure = figure(runs);
+    let files = vec![
+        (
+            data.to_owned(),
+            csv_text(&HEADER.map(str::to_owned), cells.clone()),
+        ),
+        (drawing.to_owned(), figure.clone()),
+    ];
+    let section = Section {
+        heading: "Control scenes".to_owned(),
+        text: format!(
+            "Scenes that the search was not made for, each from nothing, on {} and {} control intervals. Counted is how many \
+             come within a share of the best objective that is known on that grid; a solve is stopped after {PATIENCE} s. \
+             An independent event-driven simulation under the controls measures how far the plan is from the motion.",
+            GRIDS[0], GRIDS[1]
+        ),
+        header: sums_header(),
+        rows: sums(runs),
+        figures: vec![figure],
+        folds: vec![Fold {
+            title: "Every run".to_owned(),
+            header: HEADER.map(str::to_owned).into(),
+            rows: cells,
+            ..Fold::default()
+        }],
+        files: vec![(data.to_owned(), "all runs".to_owned())],
+        animation: None,
+    };
+    Chart {
+        text,
+        section: Some(section),
+        files,
+        ..Chart::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{GRIDS, WAYS, chart};
+    use crate::ControlScene;
+    use crate::arguments::LimitArguments;
+    use crate::bounds::Bounds;
+    use crate::settings::{ChosenScene, find};
+
+    /// A scene that can be solved, with an objective that no motion has.
+    fn scene() -> ControlScene {
+        ControlScene {
+            name: "wave",
+            model: || {
+                let scene = find(crate::testing::SCENES, "wave").unwrap();
+                ChosenScene::new(scene, &[]).unwrap().model
+            },
+            best: |name, intervals| (name == "wave" && intervals == GRIDS[0]).then_some(1e-3),
+        }
+    }
+
+    #[test]
+    fn control_scenes_are_counted_by_their_distance_from_what_is_known() {
+        let bounds = Bounds::watch("test", &LimitArguments::default());
+        let chart = chart(&[scene()], &bounds).unwrap();
+        let section = chart.section.unwrap();
+        assert_eq!(section.rows.len(), WAYS.len());
+        // One run each, none of which is near an objective that is far too small.
+        for row in &section.rows {
+            assert_eq!(row[1..5], ["1", "0", "0", "0"], "{row:?}");
+        }
+        let runs = &section.folds[0].rows;
+        assert_eq!(runs.len(), WAYS.len());
+        let [objective, gap] = [3, 4].map(|column: usize| runs[0][column].parse::<f64>().unwrap());
+        // Two digits are written.
+        assert!((gap / ((objective - 1e-3) / 1e-3) - 1.0).abs() < 0.05);
+        assert_eq!(runs[0][8], "solved");
+    }
+}

@@ -1,0 +1,264 @@
+//! Runs of other programs, as a script measured them: those that are stored, and fresh ones from the output directory.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+use super::measure::{Measured, Order, Point};
+use super::study::{Reference, distance};
+use super::sweep::{Group, Sweep};
+use crate::failure::BadInput;
+
+/// Where fresh ones are looked for.
+const FILE: &str = "peers.csv";
+/// Most bytes of that file.
+const LARGEST: u64 = 1 << 20;
+/// Its columns.
+const HEADER: [&str; 7] = [
+    "date",
+    "machine",
+    "study",
+    "curve",
+    "settings",
+    "CPU time [s]",
+    "coordinates at the end",
+];
+
+/// One run of another program.
+#[derive(Debug, Clone, PartialEq)]
+struct PeerRun {
+    date: String,
+    machine: String,
+    /// The title of the study that it belongs to.
+    study: String,
+    /// The name of its line.
+    curve: String,
+    settings: String,
+    seconds: f64,
+    /// Coordinates at the end; empty where it did not get there.
+    end: Vec<f64>,
+    /// "stored", or "measured" for a fresh one.
+    how: &'static str,
+}
+
+/// All runs of other programs that are known.
+#[derive(Debug, Default)]
+pub(super) struct Peers {
+    runs: Vec<PeerRun>,
+}
+
+impl Peers {
+    /// The runs of the `stored` text, unless the output directory has fresh ones of the same line.
+    pub(super) fn of(stored: &str, directory: &Path) -> Result<Self, BadInput> {
+        let path = directory.join(FILE);
+        let Ok(file) = File::open(&path) else {
+            return Self::read(stored, "stored", "the stored runs");
+        };
+        let name = path.display().to_string();
+        let mut fresh = String::new();
+        let read = file.take(LARGEST).read_to_string(&mut fresh);
+        read.map_err(|error| {
+            BadInput::new(format!(
+                "`{name}`: {error}; remove it, or write it by tools/peers"
+            ))
+        })?;
+        let mut runs = Self::read(&fresh, "measured", &name)?.runs;
+        let known = runs.len();
+        for run in Self::read(stored, "stored", "the stored runs")?.runs {
+            let same = |fresh: &PeerRun| (&fresh.study, &fresh.curve) == (&run.study, &run.curve);
+            if !runs[..known].iter().any(same) {
+                runs.push(run);
+            }
+        }
+        Ok(Self { runs })
+    }
+
+    /// The runs of a text in CSV; an empty one has none.
+    fn read(text: &str, how: &'static str, name: &str) -> Result<Self, BadInput> {
+        let refuse = |line: usize, what: &str| {
+            BadInput::new(format!(
+                "`{name}`, line {line}: {what}; remove the file, or write it by tools/peers"
+            ))
+        };
+        if text.is_empty() {
+            return Ok(Self::default());
+        }
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        if !reader.headers().is_ok_and(|header| *header == HEADER[..]) {
+            return Err(refuse(
+                1,
+                &format!("the columns are not {}", HEADER.join(", ")),
+            ));
+        }
+        let mut runs = Vec::new();
+        for (index, row) in reader.records().enumerate() {
+            let line = index + 2;
+            let row = row.map_err(|_| refuse(line, "not seven columns of text"))?;
+            let number = |text: &str| {
+                let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+                number.ok_or_else(|| refuse(line, &format!("`{text}` is not a number")))
+            };
+            let cell = |column: usize| row[column].to_owned();
+            runs.push(PeerRun {
+                date: cell(0),
+                machine: cell(1),
+                study: cell(2),
+                curve: cell(3),
+                settings: cell(4),
+                seconds: number(&row[5])?,
+                end: row[6]
+                    .split_whitespace()
+                    .map(number)
+                    .collect::<Result<_, _>>()?,
+                how,
+            });
+        }
+        Ok(Self { runs })
+    }
+
+    /// The lines of a study, in the order of their first runs.
+    pub(super) fn measured(&self, study: &str, reference: &Reference) -> Vec<Measured> {
+        let mut lines: Vec<(&str, Measured)> = Vec::new();
+        for run in self.runs.iter().filter(|run| run.study == study) {
+            let point = run.point(&reference.coordinates);
+            match lines.iter_mut().find(|(curve, _)| *curve == run.curve) {
+                Some((_, line)) => line.points.push(point),
+                None => lines.push((&run.curve, run.line(lines.len(), point))),
+            }
+        }
+        lines.into_iter().map(|(_, line)| line).collect()
+    }
+
+    /// When and on what the runs of a study were measured, for people; empty without runs.
+    pub(super) fn origin(&self, study: &str) -> String {
+        let mut origins: Vec<String> = Vec::new();
+        for run in self.runs.iter().filter(|run| run.study == study) {
+            let origin = format!("{} on {} on {}", run.how, run.date, run.machine);
+            if !origins.contains(&origin) {
+                origins.push(origin);
+            }
+        }
+        origins.join("; ")
+    }
+}
+
+impl PeerRun {
+    fn point(&self, reference: &[f64]) -> Point {
+        let comparable = self.end.len() == reference.len();
+        Point {
+            arguments: format!(
+                "{}, {} on {} on {}",
+                self.settings, self.how, self.date, self.machine
+            ),
+            grain: f64::NAN,
+            error: if comparable {
+                distance(&self.end, reference)
+            } else {
+                f64::NAN
+            },
+            seconds: self.seconds,
+            counts: None,
+            status: self.how,
+        }
+    }
+
+    fn line(&self, before: usize, point: Point) -> Measured {
+        Measured {
+            sweep: Sweep {
+                name: format!("{}, {} {}", self.curve, self.how, self.date),
+                colour: before,
+                dashed: true,
+                group: Group::Peers,
+                compared: false,
+                theory: "-".to_owned(),
+                settings: Vec::new(),
+            },
+            points: vec![point],
+            order: Order::Unknown,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::{Peers, Reference};
+
+    const STORED: &str = "date,machine,study,curve,settings,CPU time [s],coordinates at the end\n\
+        2026-01-02,Abacus,drop,one,coarse,2e-3,1.5 2\n\
+        2026-01-02,Abacus,drop,one,fine,4e-3,1 2.25\n\
+        2026-01-02,Abacus,drop,two,,1e-3,\n\
+        2026-01-02,Abacus,ride,one,,1e-3,3\n";
+
+    fn reference() -> Reference {
+        Reference {
+            coordinates: vec![1.0, 2.0],
+            confirming: vec![1.0, 2.0],
+            uncertainty: 0.0,
+            what: String::new(),
+        }
+    }
+
+    #[test]
+    fn stored_runs_are_lines_with_their_errors_and_say_where_they_are_from() {
+        let peers = Peers::read(STORED, "stored", "x").unwrap();
+        let lines = peers.measured("drop", &reference());
+        let names: Vec<&str> = lines.iter().map(|line| line.sweep.name.as_str()).collect();
+        assert_eq!(names, ["one, stored 2026-01-02", "two, stored 2026-01-02"]);
+        let errors: Vec<f64> = lines[0].points.iter().map(|point| point.error).collect();
+        assert_eq!(errors, [0.5, 0.25]);
+        assert_eq!(lines[0].points[1].seconds, 4e-3);
+        // Without an end there is no error.
+        assert!(lines[1].points[0].error.is_nan());
+        assert_eq!(peers.origin("drop"), "stored on 2026-01-02 on Abacus");
+        assert!(peers.measured("jump", &reference()).is_empty());
+        assert!(peers.origin("jump").is_empty());
+    }
+
+    #[test]
+    fn fresh_runs_of_the_output_directory_take_the_place_of_stored_ones() {
+        let directory = tempfile::tempdir().unwrap();
+        assert_eq!(
+            Peers::of(STORED, directory.path()).unwrap().runs,
+            Peers::read(STORED, "stored", "x").unwrap().runs
+        );
+        let fresh = "date,machine,study,curve,settings,CPU time [s],coordinates at the end\n\
+            2026-01-03,Slide rule,drop,one,fine,1e-3,1 2\n";
+        fs::write(directory.path().join("peers.csv"), fresh).unwrap();
+        let peers = Peers::of(STORED, directory.path()).unwrap();
+        let lines = peers.measured("drop", &reference());
+        let names: Vec<&str> = lines.iter().map(|line| line.sweep.name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["one, measured 2026-01-03", "two, stored 2026-01-02"]
+        );
+        assert_eq!(lines[0].points.len(), 1);
+        assert_eq!(lines[0].points[0].error, 0.0);
+    }
+
+    #[test]
+    fn text_that_is_no_table_of_runs_is_refused_with_its_line() {
+        let refusal = |text: &str| {
+            Peers::read(text, "stored", "p.csv")
+                .unwrap_err()
+                .to_string()
+        };
+        let remedy = "remove the file, or write it by tools/peers";
+        assert_eq!(
+            refusal("a,b\n1,2\n"),
+            format!(
+                "`p.csv`, line 1: the columns are not date, machine, study, curve, settings, CPU time [s], coordinates \
+                 at the end; {remedy}"
+            )
+        );
+        assert_eq!(
+            refusal(&STORED.replace("2.25", "NaN")),
+            format!("`p.csv`, line 3: `NaN` is not a number; {remedy}")
+        );
+        assert_eq!(
+            refusal(&format!("{STORED}1,2\n")),
+            format!("`p.csv`, line 6: not seven columns of text; {remedy}")
+        );
+    }
+}
