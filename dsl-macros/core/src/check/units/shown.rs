@@ -66,11 +66,12 @@ fn shape(walk: &mut Walk<'_>, shape: &Shape) -> Checked<()> {
                 Form::Circle { radius: size } | Form::Rectangle { size } => vec![size],
                 Form::Polygon { corners } => corners.iter().collect(),
             };
-            let sizes = sizes
-                .into_iter()
-                .fold(Ok(()), |all, size| all.and(lengths(walk, size, &reason)));
+            let mut result = placed.and(turned);
+            for size in sizes {
+                result = result.and(lengths(walk, size, &reason));
+            }
             walk.shown.bodies.push(name.text.clone());
-            placed.and(turned).and(sizes)
+            result
         }
         Shape::Line { ends, .. } => {
             for end in ends.iter() {
