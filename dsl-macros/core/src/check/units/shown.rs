@@ -57,23 +57,21 @@ fn shape(walk: &mut Walk<'_>, shape: &Shape) -> Checked<()> {
             form,
         } => {
             let placed = lengths(walk, at, "it is a place in the picture");
-            if let Some(angle) = angle {
-                walk.pure(angle, "the angle of a body")?;
-            }
+            let turned = angle.as_ref().map_or(Ok(()), |angle| {
+                walk.pure(angle, "the angle of a body").map(|_| ())
+            });
             let reason = format!("it is the size of `{}`", name.text);
-            match form {
-                Form::Point => {}
-                Form::Circle { radius: size } | Form::Rectangle { size } => {
-                    lengths(walk, size, &reason)?;
-                }
-                Form::Polygon { corners } => {
-                    for corner in corners {
-                        lengths(walk, corner, &reason)?;
-                    }
-                }
+            let sizes: Vec<&Expr> = match form {
+                Form::Point => Vec::new(),
+                Form::Circle { radius: size } | Form::Rectangle { size } => vec![size],
+                Form::Polygon { corners } => corners.iter().collect(),
+            };
+            let mut result = placed.and(turned);
+            for size in sizes {
+                result = result.and(lengths(walk, size, &reason));
             }
             walk.shown.bodies.push(name.text.clone());
-            placed
+            result
         }
         Shape::Line { ends, .. } => {
             for end in ends.iter() {
