@@ -85,10 +85,10 @@ fn draw(book: &Book, figures: &Path) -> Result<()> {
                     };
                     fs::write(file, before + &scene.text)?;
                 }
-                Step::Session(session) if session.arguments.join(" ").contains("--out figures") => {
-                    run(scratch.path(), &session.arguments)?;
+                Step::Run(command) if command.arguments.join(" ").contains("--out figures") => {
+                    run(scratch.path(), &command.arguments)?;
                 }
-                Step::Session(_) | Step::Excerpt(_) => {}
+                Step::Run(_) | Step::Excerpt(_) => {}
             }
         }
         let drawn = scratch.path().join("figures");

@@ -28,14 +28,14 @@ pub struct SceneText {
 
 /// A command, and what the book says that it prints.
 #[derive(Debug, Clone)]
-pub struct Session {
+pub struct Run {
     /// The arguments behind `hangtime`.
     pub arguments: Vec<String>,
     /// Lines of the output; `...` stands for any number of lines.
     pub shown: Vec<String>,
 }
 
-impl Session {
+impl Run {
     /// Where an output differs from what is shown: `None` if it does not.
     ///
     /// Lines are compared word by word, blank ones are left out. Words that are numbers may differ by rounding,
@@ -61,7 +61,7 @@ pub enum Step {
     /// Write a scene.
     Scene(SceneText),
     /// Run a command.
-    Session(Session),
+    Run(Run),
     /// Look at a program.
     Excerpt(Excerpt),
 }
@@ -104,7 +104,7 @@ fn of_block(info: &str, text: String) -> Vec<Step> {
         ["hang", _] => scene(Kind::Whole),
         ["hang", _, "more"] => scene(Kind::More),
         ["hang", _, "mistaken"] => scene(Kind::Mistaken),
-        ["console"] => sessions(&text),
+        ["console"] => runs(&text),
         ["rust", file] => vec![Step::Excerpt(Excerpt {
             file: file.to_owned(),
             text,
@@ -114,17 +114,17 @@ fn of_block(info: &str, text: String) -> Vec<Step> {
 }
 
 /// The commands of one block, each with the lines up to the next one.
-fn sessions(block: &str) -> Vec<Step> {
-    let mut sessions: Vec<Session> = Vec::new();
+fn runs(block: &str) -> Vec<Step> {
+    let mut runs: Vec<Run> = Vec::new();
     for line in block.lines() {
-        match (line.strip_prefix("$ hangtime"), sessions.last_mut()) {
-            (Some(arguments), _) => sessions.push(Session {
+        match (line.strip_prefix("$ hangtime"), runs.last_mut()) {
+            (Some(arguments), _) => runs.push(Run {
                 arguments: arguments.split_whitespace().map(str::to_owned).collect(),
                 shown: Vec::new(),
             }),
-            (None, Some(session)) => session.shown.push(line.to_owned()),
+            (None, Some(command)) => command.shown.push(line.to_owned()),
             (None, None) => {}
         }
     }
-    sessions.into_iter().map(Step::Session).collect()
+    runs.into_iter().map(Step::Run).collect()
 }

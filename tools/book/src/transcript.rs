@@ -1,6 +1,6 @@
 //! What a command printed against what the book shows.
 
-/// Where they differ; see [`crate::Session::difference`].
+/// Where they differ; see [`crate::Run::difference`].
 pub(crate) fn difference(shown: &[String], printed: &str) -> Option<String> {
     let printed: Vec<&str> = printed.lines().filter(|line| !blank(line)).collect();
     let shown: Vec<&str> = shown.iter().map(String::as_str).collect();

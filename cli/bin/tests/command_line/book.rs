@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread;
 
-use hangtime_book::{Book, Chapter, Kind, SceneText, Session, Step, dead_links, pages};
+use hangtime_book::{Book, Chapter, Kind, Run, SceneText, Step, dead_links, pages};
 use serde_json::json;
 
 use crate::browser::{Origin, browser, visit};
@@ -56,12 +56,12 @@ fn write(folder: &Path, scene: &SceneText) -> Option<String> {
     (status != Some(0)).then_some(printed)
 }
 
-fn compare(folder: &Path, session: &Session) -> Option<String> {
-    let (_, printed) = run(folder, &session.arguments);
-    let difference = session.difference(&printed)?;
+fn compare(folder: &Path, command: &Run) -> Option<String> {
+    let (_, printed) = run(folder, &command.arguments);
+    let difference = command.difference(&printed)?;
     Some(format!(
         "`hangtime {}`: {difference}",
-        session.arguments.join(" ")
+        command.arguments.join(" ")
     ))
 }
 
@@ -72,7 +72,7 @@ fn follow(chapter: &Chapter) -> (Vec<String>, Vec<String>) {
     fs::create_dir_all(&scratch.0).unwrap();
     let wrong = |step: &Step| match step {
         Step::Scene(scene) => write(&scratch.0, scene),
-        Step::Session(session) => compare(&scratch.0, session),
+        Step::Run(command) => compare(&scratch.0, command),
         Step::Excerpt(excerpt) => {
             let source = fs::read_to_string(root().join(&excerpt.file)).unwrap();
             let parts = excerpt.text.split("// ...\n");
@@ -254,7 +254,7 @@ fn what_the_book_gets_wrong_is_found() {
     let shown = |block: &str| {
         let text = format!("```console\n$ hangtime list\n{block}\n```\n");
         match chapter("a.md", &text).steps().remove(0) {
-            Step::Session(session) => session,
+            Step::Run(command) => command,
             other => panic!("{other:?} is no command"),
         }
     };
