@@ -258,3 +258,46 @@ fn take_off_from_a_sharp_lip_is_where_the_lip_is() {
         assert!(event.q[0].abs() < 1e-4, "{event:?}");
     }
 }
+
+hangtime::model! {
+    /// A seesaw on the ground, and a block that slips along its plank to a stop.
+    pub Seesaw {
+        parameters { m: kg = 15, i: kg*m^2 = 50, g: m/s^2 = 9.81, half: m = 2, pivot: m = 0.9, mu = 0.3, e = 0.3 }
+        coordinates { phi: rad, s: m, h: m }
+        let block = rotation(phi)*(s, h)
+        lagrangian i/2*dot(phi)^2 + m/2*|dot(block)|^2 - m*g*block.z
+        surface plank: h >= 0
+        surface ground: pivot >= -half*sin(phi)
+        surface stop: s <= half - 0.2[m]
+        impact plank: inelastic, friction mu, sliding dot(s)
+        impact ground: inelastic
+        impact stop: restitution e
+        start { s: 0.6 [m] }
+        horizon 3 [s]
+    }
+}
+
+#[test]
+fn forces_that_hold_all_coordinates_are_those_of_statics_and_residuals_small() {
+    // The states of such elements are known before their forces, whose directions depend on the states.
+    let seesaw = Seesaw::default();
+    let run = hangtime::simulate(&seesaw).run().unwrap();
+    assert!(run.status.is_solved(), "{run}");
+    let rest = run.events.last().unwrap().time;
+    // Lengths of the plank on the ground at the angle `phi`: the block presses across the plank with m g cos(phi).
+    let lean = (seesaw.pivot / seesaw.half).asin();
+    let weight = seesaw.m * seesaw.g;
+    let ground = weight * lean.cos() * (seesaw.half - 0.2) / (seesaw.half * lean.cos());
+    let trajectory = &run.trajectory;
+    let mut seen = 0;
+    for (time, forces) in trajectory.time.iter().zip(&trajectory.contact_force) {
+        if *time > rest {
+            seen += 1;
+            let close = |force: f64, exact: f64| (force - exact).abs() < 1e-8 * weight;
+            assert!(close(forces[0], weight * lean.cos()), "{time}: {forces:?}");
+            assert!(close(forces[1], ground), "{time}: {forces:?}, {ground}");
+        }
+    }
+    assert!(seen > 6, "{seen} instants at rest");
+    assert!(run.residuals.primal < 1e-8, "{:?}", run.residuals);
+}

@@ -15,6 +15,9 @@ const ROUNDING: f64 = 1e-12;
 const HIDDEN: f64 = 10.0 * ROUNDING;
 /// Contraction below which an iteration in numerical time goes on.
 const CONTRACTS: f64 = 0.1;
+/// Relative change of the contact forces above which an iteration goes on: where contacts hold all coordinates, the stage
+/// states are known before the forces are.
+const FORCES: f64 = 1e-9;
 /// Contraction above which the Jacobian is evaluated anew.
 const SLOW: f64 = 0.05;
 /// Most times longer than the previous element that an element may be to be predicted from it.
@@ -127,7 +130,7 @@ fn evaluate_start(element: &mut FiniteElement<'_>) {
 
 /// Simplified Newton iterations: the factors are kept as long as they contract well.
 fn iterate(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
-    let mut last_change = f64::INFINITY;
+    let (mut last_change, mut last_forces) = (f64::INFINITY, f64::INFINITY);
     for iteration in 0..MAX_ITERATIONS {
         evaluate_residual(element).map_err(|error| {
             // Far from its start the iteration diverged; that says nothing of the model.
@@ -158,18 +161,19 @@ fn iterate(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
             return Err(ElementError::NotConverged);
         }
         let contraction = change / last_change;
-        if change <= CONVERGED
+        let states = change <= CONVERGED
             || (iteration > 0 && contraction < 1.0 && change * contraction <= 0.1 * CONVERGED)
             || (change <= ROUNDING && contraction >= 0.3)
-            || (change <= rounding_of_gaps(element) && !still_contracts(element, contraction))
-        {
+            || (change <= rounding_of_gaps(element) && !still_contracts(element, contraction));
+        let forces = relative_change_of_forces(element);
+        if states && (forces <= FORCES || forces >= 0.3 * last_forces) {
             update_stages(element);
             return Ok(());
         }
         if contraction > SLOW {
             element.factorized = false;
         }
-        last_change = change;
+        (last_change, last_forces) = (change, forces);
     }
     Err(ElementError::NotConverged)
 }
@@ -278,6 +282,16 @@ fn rounding_of_gaps(element: &FiniteElement<'_>) -> f64 {
 /// slowly, and they decide whether a sliding contact is at rest.
 fn still_contracts(element: &FiniteElement<'_>, contraction: f64) -> bool {
     element.clock.is_slowed() && contraction < CONTRACTS
+}
+
+/// What the change of the contact forces by the last Newton step (in `residual`) makes of the velocities, relative to them.
+fn relative_change_of_forces(element: &FiniteElement<'_>) -> f64 {
+    let (n, count) = (element.n, element.constraints.count());
+    let steps = element.residual.chunks_exact(element.block());
+    let step = steps.fold(0.0_f64, |step, change| {
+        step.max(largest(&change[n..n + count]))
+    });
+    element.length * step * largest(&element.constraints.directions) / element.speed()
 }
 
 /// Relative change of the stage states by the last Newton step (in `residual`).
