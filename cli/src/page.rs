@@ -65,8 +65,8 @@ figure{margin:1.5rem 0;overflow-x:auto}
 svg{max-width:100%;height:auto}
 svg.chart{min-width:46rem}
 .table{overflow-x:auto}
-table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.9rem}
-th,td{padding:.3rem .7rem;text-align:right;border-bottom:1px solid #8a919e66;white-space:nowrap}
+table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.88rem}
+th,td{padding:.3rem .5rem;text-align:right;border-bottom:1px solid #8a919e66;white-space:nowrap}
 th:first-child,td:first-child{text-align:left;white-space:pre}
 th:first-child,td:first-child{position:sticky;left:0;background:#ffffff}
 td.prose{text-align:left;white-space:normal;min-width:22rem}
