@@ -38,6 +38,7 @@ mod testing;
 pub use diagnostics::Mistake;
 pub use mistakes::{explanation, mistake_codes};
 pub use text::TextMistake;
+pub use words::is_word;
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
 use description::{Description, Unfit};

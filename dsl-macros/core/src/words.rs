@@ -51,6 +51,17 @@ pub(crate) fn is_keyword(text: &str) -> bool {
     STATEMENTS.contains(&text) || LAW_PARTS.contains(&text)
 }
 
+/// Whether a word begins a statement, a part of an impact law, or a shape of a picture: what an editor sets apart.
+///
+/// ```
+/// assert!(hangtime_dsl::is_word("surface") && hangtime_dsl::is_word("spring"));
+/// assert!(!hangtime_dsl::is_word("sin"));
+/// ```
+#[must_use]
+pub fn is_word(text: &str) -> bool {
+    is_keyword(text) || SHAPES.contains(&text)
+}
+
 /// Functions of one number.
 pub(crate) const FUNCTIONS: [&str; 13] = [
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "ln", "sqrt",

@@ -1,43 +1,7 @@
 //! Scenes and programs in colours: words of the language, numbers, units, comments.
 
-/// Words that begin a statement, a part of an impact law, or a shape.
-const WORDS: [&str; 35] = [
-    "parameters",
-    "coordinates",
-    "controls",
-    "let",
-    "fn",
-    "lagrangian",
-    "dissipation",
-    "forces",
-    "surface",
-    "impact",
-    "start",
-    "horizon",
-    "constraint",
-    "minimize",
-    "finally",
-    "free",
-    "outputs",
-    "picture",
-    "inelastic",
-    "restitution",
-    "friction",
-    "sliding",
-    "along",
-    "holding",
-    "point",
-    "circle",
-    "rectangle",
-    "polygon",
-    "link",
-    "spring",
-    "curve",
-    "pub",
-    "use",
-    "impl",
-    "struct",
-];
+/// Words of Rust in the book's programs that are none of the language.
+const RUST: [&str; 4] = ["pub", "use", "impl", "struct"];
 
 /// Text as HTML shows it.
 pub(crate) fn escape(text: &str) -> String {
@@ -74,7 +38,8 @@ fn token(text: &str, first: char) -> (usize, &'static str) {
         (text[..length].find("..").unwrap_or(length), "number")
     } else if first.is_alphabetic() {
         let length = until(|c| !c.is_alphanumeric() && c != '_');
-        let word = WORDS.contains(&&text[..length]);
+        let token = &text[..length];
+        let word = hangtime_dsl::is_word(token) || RUST.contains(&token);
         (length, if word { "word" } else { "" })
     } else if first == '[' {
         let length = text.find(']').map_or(text.len(), |end| end + 1);
