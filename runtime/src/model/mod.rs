@@ -18,7 +18,7 @@
 //! A contact with *restitution* turns its normal velocity round at an impact, `v_n+ = -e v_n-`.
 //!
 //! A contact with *Coulomb friction* carries a tangential force `lambda_t` as well, along
-//! `b_i = d v_t / dv` for the sliding velocity `v_t,i = b_i' v`:
+//! `b_i = d v_t / dv` for the sliding velocity `v_t,i = b_i' v - w_i`, where the ground moves at the speed `w_i(q, t)`:
 //!
 //! ```text
 //! v' = ... + e_i s_i        e_i = M^-1 b_i / D_i        |s_i| <= mu_i r_i,  s_i v_t,i = -mu_i r_i |v_t,i|
@@ -256,7 +256,7 @@ pub(crate) fn contains_ground(velocity: f64, covector: &[f64], v: &[f64]) -> boo
 pub mod tangent_point {
     /// Sliding velocity `v_t = b' v` (plus what the ground moves).
     pub const SLIDING_VELOCITY: usize = 0;
-    /// Velocity-dependent part of the sliding acceleration: `v_t' = b' v' + CURVATURE`.
+    /// Part of the sliding acceleration that no force changes: `v_t' = b' v' + CURVATURE`.
     pub const CURVATURE: usize = 1;
     /// First component of the tangent `b = d v_t / dv`, `n_q` numbers.
     pub const TANGENT: usize = 2;

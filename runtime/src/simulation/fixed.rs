@@ -7,7 +7,7 @@ use super::event::dop853::{Dop853, System};
 use super::event::dynamics::{Dynamics, motion};
 use super::event::impact::{LowestBounce, Undetermined};
 use super::event::velocity_jump;
-use super::other_grid::{self, OtherGrid, other_steps};
+use super::other_grid::{self, OtherGrid};
 use super::watch::Watch;
 use super::{
     Diagnosis, Event, EventKind, InitialValueProblem, InputError, Simulation, SimulationStatus,
@@ -120,14 +120,10 @@ impl Simulator for FixedStep {
         InitialValueProblem::check_inelastic(model, self.name())?;
         let clock = ThreadTime::try_now();
         let mut watch = Watch::new(problem, observer);
-        let (steps, words) = other_steps(self.steps);
-        let other = OtherGrid {
-            method: Self {
-                steps,
-                ..self.clone()
-            },
-            words,
-        };
+        let other = OtherGrid::of_steps(self.steps, |steps| Self {
+            steps,
+            ..self.clone()
+        });
         let mut result = other_grid::estimated(
             self,
             [other],

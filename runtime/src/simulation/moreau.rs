@@ -6,7 +6,7 @@ use super::event::contact_problem::ContactProblem;
 use super::event::coulomb::{CoulombSolution, TangentialLaw};
 use super::event::dynamics::{Dynamics, dot, largest};
 use super::fixed::check_gaps;
-use super::other_grid::{self, OtherGrid, other_steps};
+use super::other_grid::{self, OtherGrid};
 use super::watch::Watch;
 use super::{
     ContactMode, Diagnosis, Direction, InitialValueProblem, InputError, Simulation,
@@ -97,14 +97,10 @@ impl Simulator for Moreau {
         problem.check(model)?;
         let clock = ThreadTime::try_now();
         let mut watch = Watch::new(problem, observer);
-        let (steps, words) = other_steps(self.steps);
-        let other = OtherGrid {
-            method: Self {
-                steps,
-                ..self.clone()
-            },
-            words,
-        };
+        let other = OtherGrid::of_steps(self.steps, |steps| Self {
+            steps,
+            ..self.clone()
+        });
         let mut result = other_grid::estimated(
             self,
             [other],

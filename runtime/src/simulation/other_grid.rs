@@ -19,6 +19,17 @@ pub(super) struct OtherGrid<M> {
     pub(super) words: &'static str,
 }
 
+impl<M> OtherGrid<M> {
+    /// The grid to compare one of `steps` steps with: half of them, or two for one; `method` is the method on so many.
+    pub(super) fn of_steps(steps: usize, method: impl FnOnce(usize) -> M) -> Self {
+        let (steps, words) = other_steps(steps);
+        Self {
+            method: method(steps),
+            words,
+        }
+    }
+}
+
 /// Steps of the run that is compared with one of `steps` steps, and in words.
 pub(super) fn other_steps(steps: usize) -> (usize, &'static str) {
     match steps {
