@@ -12,7 +12,7 @@ use crate::chart::Listed;
 use crate::failure::{BadInput, visible};
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, refuse};
 use crate::scene_file::is_path;
-use crate::{ControlScene, HardScene, PlayPage, Scene};
+use crate::{ControlScene, HardOptimum, HardScene, PlayPage, Scene};
 use crate::{
     authoring, chart, explain, list, play, program, reproduce, scene, shell, simulate, solve, watch,
 };
@@ -54,6 +54,7 @@ use crate::{
 pub struct CommandLine {
     scenes: &'static [Scene],
     hard: &'static [HardScene],
+    hard_optima: &'static [HardOptimum],
     page: Option<PlayPage>,
     peers: &'static str,
     controlled: &'static [ControlScene],
@@ -66,6 +67,7 @@ impl CommandLine {
         Self {
             scenes,
             hard: &[],
+            hard_optima: &[],
             page: None,
             peers: "",
             controlled: &[],
@@ -76,6 +78,15 @@ impl CommandLine {
     #[must_use]
     pub const fn with_hard(self, hard: &'static [HardScene]) -> Self {
         Self { hard, ..self }
+    }
+
+    /// The same, which shows what optimal control makes of these problems by `chart --stability`.
+    #[must_use]
+    pub const fn with_hard_optima(self, hard_optima: &'static [HardOptimum]) -> Self {
+        Self {
+            hard_optima,
+            ..self
+        }
     }
 
     /// The same, which writes this page by `play`.
@@ -183,6 +194,7 @@ impl CommandLine {
         Listed {
             scenes: self.scenes,
             hard: self.hard,
+            hard_optima: self.hard_optima,
             controlled: self.controlled,
             peers: self.peers,
         }

@@ -86,4 +86,7 @@ pub use published::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
     PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
-pub use scene::{Charted, ClosedForm, ControlScene, HardScene, Right, Scene, Variant, parameter};
+pub use scene::{
+    Charted, ClosedForm, ControlScene, HardOptimum, HardScene, Right, RightOptimum, Scene, Variant,
+    parameter,
+};

@@ -67,6 +67,28 @@ pub struct HardScene {
     pub why: &'static str,
 }
 
+/// A problem of optimal control on which a method may fail, in one respect, and what is right there.
+#[derive(Debug, Clone, Copy)]
+pub struct HardOptimum {
+    /// Its name, in kebab case.
+    pub name: &'static str,
+    /// The scene, as it would stand in a file.
+    pub text: &'static str,
+    /// What is right.
+    pub right: RightOptimum,
+    /// Why that is right: a derivation, or a source.
+    pub why: &'static str,
+}
+
+/// What a method has to say about a problem of optimal control.
+#[derive(Debug, Clone, Copy)]
+pub enum RightOptimum {
+    /// The least objective on a grid of 12 control intervals.
+    Least(f64),
+    /// That there is no optimum, by one of these names: a status, or `refused`.
+    None(&'static [&'static str]),
+}
+
 /// A scene with an optimum, for charts of how good the solver's optima are.
 #[derive(Debug, Clone, Copy)]
 pub struct ControlScene {

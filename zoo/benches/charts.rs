@@ -8,7 +8,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use hangtime_cli::{CommandLine, ControlScene};
-use hangtime_models::{hard_scenes, peers, scenes};
+use hangtime_models::{hard_optima, hard_scenes, peers, scenes};
 use hangtime_zoo::{best, exhibits};
 
 fn main() -> ExitCode {
@@ -19,6 +19,7 @@ fn main() -> ExitCode {
     });
     let charts = CommandLine::new(scenes())
         .with_hard(hard_scenes())
+        .with_hard_optima(hard_optima())
         .with_peers(peers())
         .with_controlled(exhibits.collect::<Vec<_>>().leak());
     let given: Vec<OsString> = std::env::args_os().skip(1).collect();

@@ -7,11 +7,12 @@ use hangtime_cli::CommandLine;
 use hangtime_cli::PlayPage;
 #[cfg(feature = "play")]
 use hangtime_models::scene_texts;
-use hangtime_models::{hard_scenes, peers, scenes};
+use hangtime_models::{hard_optima, hard_scenes, peers, scenes};
 
 fn main() -> ExitCode {
     let command_line = CommandLine::new(scenes())
         .with_hard(hard_scenes())
+        .with_hard_optima(hard_optima())
         .with_peers(peers());
     #[cfg(feature = "play")]
     let command_line = command_line.with_page(PlayPage {

@@ -3,6 +3,7 @@
 
 mod controlled;
 mod drawn;
+mod hard_optima;
 mod measure;
 mod optimum;
 mod peers;
@@ -10,6 +11,7 @@ mod simulation;
 mod stability;
 mod study;
 mod sweep;
+mod verdict;
 
 use crate::arguments::ChartArguments;
 use crate::bounds::Bounds;
@@ -20,7 +22,7 @@ use crate::report::Report;
 use crate::settings::ChosenScene;
 use crate::table::table;
 
-use crate::{ControlScene, HardScene, Scene};
+use crate::{ControlScene, HardOptimum, HardScene, Scene};
 use peers::Peers;
 use study::{Charted, charted};
 
@@ -28,6 +30,7 @@ use study::{Charted, charted};
 pub(crate) struct Listed {
     pub(crate) scenes: &'static [Scene],
     pub(crate) hard: &'static [HardScene],
+    pub(crate) hard_optima: &'static [HardOptimum],
     pub(crate) controlled: &'static [ControlScene],
     /// Runs of other programs, as CSV.
     pub(crate) peers: &'static str,
@@ -35,7 +38,7 @@ pub(crate) struct Listed {
 
 pub(crate) fn run(listed: &Listed, arguments: &ChartArguments) -> Result<Report, BadInput> {
     if arguments.stability {
-        return stability::run(listed.scenes, listed.hard, arguments);
+        return stability::run(listed.scenes, listed.hard, listed.hard_optima, arguments);
     }
     let charted = charted(listed.scenes, arguments)?;
     let peers = Peers::of(listed.peers, &arguments.out)?;

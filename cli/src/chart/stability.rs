@@ -3,7 +3,9 @@
 use cpu_time::ProcessTime;
 use hangtime::simulation::{InitialValueProblem, InputError, Simulation, SimulationStatus};
 
+use super::hard_optima;
 use super::study::{Reference, Study, charted, distance};
+use super::verdict::{Row, Verdict, sums, sums_header};
 use crate::arguments::{ChartArguments, FormulationName, Method, MethodArguments};
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
@@ -16,7 +18,7 @@ use crate::scene_file::load_text;
 use crate::settings::ChosenScene;
 use crate::spreadsheet::csv_text;
 use crate::table::table;
-use crate::{HardScene, Right, Scene};
+use crate::{HardOptimum, HardScene, Right, Scene};
 
 /// An error may be this many times its estimate.
 const ESTIMATED: f64 = 10.0;
@@ -28,43 +30,6 @@ const ROUNDING: f64 = 1e-11;
 const FEW: usize = 20;
 /// CPU time after which a run counts as one that does not end [s].
 const PATIENCE: f64 = 2.0;
-
-/// What a method made of a scene.
-#[derive(Debug, Clone, PartialEq)]
-enum Verdict {
-    /// As close as it says, with its relative error.
-    Right(f64),
-    /// Solved, and farther off than it says, or solved where there is no solution.
-    Wrong(Option<f64>),
-    /// Stopped with this status where it should have gone on.
-    Stopped(&'static str),
-    /// Stopped with this status, as is right.
-    RightlyStopped(&'static str),
-    /// Solved where there is no solution, with an error that it estimates to be as large as the motion.
-    Disclaimed(f64),
-    /// Still running after [`PATIENCE`].
-    NoEnd,
-    /// The method does not know a feature of the scene.
-    NotApplicable,
-    /// There is nothing to compare with.
-    Unknown,
-}
-
-impl Verdict {
-    fn cell(&self) -> String {
-        match self {
-            Self::Right(error) => format!("right {error:.0e}"),
-            Self::Wrong(Some(error)) => format!("WRONG {error:.0e}"),
-            Self::Wrong(None) => "WRONG solved".to_owned(),
-            Self::Stopped(status) => format!("stopped {status}"),
-            Self::RightlyStopped(status) => format!("right {status}"),
-            Self::Disclaimed(estimate) => format!("disclaimed {estimate:.0e}"),
-            Self::NoEnd => "no end".to_owned(),
-            Self::NotApplicable => "not applicable".to_owned(),
-            Self::Unknown => "-".to_owned(),
-        }
-    }
-}
 
 /// The methods, as they are without settings; the formulations that are to be compared with on the grid that is
 /// theirs.
@@ -101,17 +66,10 @@ fn methods() -> Vec<(&'static str, MethodArguments)> {
     ]
 }
 
-/// A line of the table.
-struct Row {
-    name: String,
-    phenomenon: String,
-    why: String,
-    verdicts: Vec<Verdict>,
-}
-
 pub(super) fn run(
     scenes: &'static [Scene],
     hard: &'static [HardScene],
+    optima: &'static [HardOptimum],
     arguments: &ChartArguments,
 ) -> Result<Report, BadInput> {
     let tried = tried(scenes, hard, arguments)?;
@@ -123,23 +81,21 @@ pub(super) fn run(
     let directory = OutputDirectory::open(&arguments.out)?;
     let bounds = Bounds::watch("chart", &arguments.limits);
     let mut progress = Progress::new("stability", tried.len() as f64);
-    let mut rows = Vec::with_capacity(tried.len());
+    let mut tables = Tables::default();
     for (done, tried) in tried.iter().enumerate() {
         if bounds.asked().is_some() {
             break;
         }
         progress.say(&tried.name);
-        rows.push(tried.row(&bounds)?);
+        tables.motions.push(tried.row(&bounds)?);
         progress.reach((done + 1) as f64);
     }
     drop(progress);
+    if arguments.scenes.is_empty() {
+        tables.optima = hard_optima::rows(optima, &bounds)?;
+    }
     let mut report = Report {
-        text: format!(
-            "{}\n\n{}\n{}\n",
-            INTRODUCTION,
-            table(header(), rows.iter().map(Row::cells)),
-            table(sums_header(), sums(&rows))
-        ),
+        text: tables.text(),
         ..Report::default()
     };
     report.diagnoses.extend(
@@ -148,10 +104,49 @@ pub(super) fn run(
             .map(|stop| stop.line("chart", &arguments.limits)),
     );
     drop(bounds);
-    let files = files(&rows, directory.pages());
+    let files = files(&tables, directory.pages());
     let written = report.deliver(directory, &files);
     report.text += &written;
     Ok(report)
+}
+
+/// What was tried.
+#[derive(Default)]
+struct Tables {
+    motions: Vec<Row>,
+    optima: Vec<Row>,
+}
+
+impl Tables {
+    fn text(&self) -> String {
+        let of = |introduction, header: Vec<String>, rows: &[Row], sums| {
+            format!(
+                "{introduction}\n\n{}\n{}\n",
+                table(header, rows.iter().map(Row::cells)),
+                table(sums_header(), sums)
+            )
+        };
+        let motions = of(INTRODUCTION, header(), &self.motions, self.motion_sums());
+        if self.optima.is_empty() {
+            return motions;
+        }
+        let header = hard_optima::header();
+        let optima = of(
+            hard_optima::INTRODUCTION,
+            header,
+            &self.optima,
+            self.optimum_sums(),
+        );
+        format!("{motions}\n{optima}")
+    }
+
+    fn motion_sums(&self) -> Vec<Vec<String>> {
+        sums(methods().into_iter().map(|(name, _)| name), &self.motions)
+    }
+
+    fn optimum_sums(&self) -> Vec<Vec<String>> {
+        sums(hard_optima::names(), &self.optima)
+    }
 }
 
 const INTRODUCTION: &str = "\
@@ -165,81 +160,63 @@ fn header() -> Vec<String> {
     header
 }
 
-impl Row {
-    fn cells(&self) -> Vec<String> {
-        let mut cells = vec![self.name.clone()];
-        cells.extend(self.verdicts.iter().map(Verdict::cell));
-        cells
-    }
-}
-
-fn sums_header() -> [&'static str; 7] {
-    [
-        "method",
-        "right",
-        "disclaimed",
-        "wrong silently",
-        "stopped",
-        "no end",
-        "not applicable",
-    ]
-}
-
-/// How often each method comes to each verdict.
-fn sums(rows: &[Row]) -> Vec<Vec<String>> {
-    let methods = methods().into_iter().enumerate();
-    let sums = methods.map(|(index, (name, _))| {
-        let count = |is: &dyn Fn(&Verdict) -> bool| {
-            let all = rows.iter().filter_map(|row| row.verdicts.get(index));
-            all.filter(|verdict| is(verdict)).count().to_string()
-        };
-        vec![
-            name.to_owned(),
-            count(&|verdict| matches!(verdict, Verdict::Right(_) | Verdict::RightlyStopped(_))),
-            count(&|verdict| matches!(verdict, Verdict::Disclaimed(_))),
-            count(&|verdict| matches!(verdict, Verdict::Wrong(_))),
-            count(&|verdict| matches!(verdict, Verdict::Stopped(_))),
-            count(&|verdict| matches!(verdict, Verdict::NoEnd)),
-            count(&|verdict| matches!(verdict, Verdict::NotApplicable)),
-        ]
-    });
-    sums.collect()
-}
-
-fn files(rows: &[Row], pages: Vec<String>) -> Vec<(String, String)> {
+fn files(tables: &Tables, pages: Vec<String>) -> Vec<(String, String)> {
     let (csv, html) = ("stability.csv", "stability.html");
-    let data = csv_text(&header(), rows.iter().map(Row::cells));
-    let reasons = rows
-        .iter()
-        .map(|row| vec![row.name.clone(), row.phenomenon.clone(), row.why.clone()]);
+    let optima_csv = "stability-optima.csv";
+    let optimum_header = hard_optima::header();
+    let mut sections = sections(
+        "Motions",
+        (&header(), &tables.motions),
+        tables.motion_sums(),
+    );
+    sections[1].files = vec![(csv.to_owned(), "the table".to_owned())];
+    let data = csv_text(&header(), tables.motions.iter().map(Row::cells));
+    let mut files = vec![(csv.to_owned(), data)];
+    if !tables.optima.is_empty() {
+        let data = csv_text(&optimum_header, tables.optima.iter().map(Row::cells));
+        files.push((optima_csv.to_owned(), data));
+        let rows = (&optimum_header[..], &tables.optima[..]);
+        let mut own = self::sections("Optima", rows, tables.optimum_sums());
+        hard_optima::INTRODUCTION.clone_into(&mut own[0].text);
+        own[1].files = vec![(optima_csv.to_owned(), "the table".to_owned())];
+        sections.extend(own);
+    }
     let page = Page {
         title: "What methods do where methods fail".to_owned(),
         introduction: INTRODUCTION.to_owned(),
         links: pages.into_iter().filter(|page| page != html).collect(),
-        sections: vec![
-            Section {
-                heading: "Sums".to_owned(),
-                header: sums_header().map(str::to_owned).into(),
-                rows: sums(rows),
-                ..Section::default()
-            },
-            Section {
-                heading: "Scene by scene".to_owned(),
-                header: header(),
-                rows: rows.iter().map(Row::cells).collect(),
-                folds: vec![Fold {
-                    title: "What happens in each scene, and why the right outcome is right"
-                        .to_owned(),
-                    header: ["scene", "what happens", "why"].map(str::to_owned).into(),
-                    rows: reasons.collect(),
-                    ..Fold::default()
-                }],
-                files: vec![(csv.to_owned(), "the table".to_owned())],
-                ..Section::default()
-            },
-        ],
+        sections,
     };
-    vec![(csv.to_owned(), data), (html.to_owned(), page.html())]
+    files.push((html.to_owned(), page.html()));
+    files
+}
+
+/// The sums of a table, and the table.
+fn sections(
+    what: &str,
+    (header, rows): (&[String], &[Row]),
+    sums: Vec<Vec<String>>,
+) -> Vec<Section> {
+    vec![
+        Section {
+            heading: format!("{what}: sums"),
+            header: sums_header().map(str::to_owned).into(),
+            rows: sums,
+            ..Section::default()
+        },
+        Section {
+            heading: format!("{what}, one by one"),
+            header: header.to_vec(),
+            rows: rows.iter().map(Row::cells).collect(),
+            folds: vec![Fold {
+                title: "What happens in each scene, and why the right outcome is right".to_owned(),
+                header: ["scene", "what happens", "why"].map(str::to_owned).into(),
+                rows: rows.iter().map(Row::reason).collect(),
+                ..Fold::default()
+            }],
+            ..Section::default()
+        },
+    ]
 }
 
 /// A scene, and what is right.

@@ -12,7 +12,7 @@ use std::process::{Command, ExitCode};
 
 use hangtime_book::{Book, Kind, Step, dead_links, pages};
 use hangtime_cli::CommandLine;
-use hangtime_models::{hard_scenes, scenes};
+use hangtime_models::{hard_optima, hard_scenes, scenes};
 
 /// The first argument by which this program is the command line, for commands of the book.
 const AS_COMMAND_LINE: &str = "--as-command-line";
@@ -27,6 +27,7 @@ fn main() -> ExitCode {
     {
         return CommandLine::new(scenes())
             .with_hard(hard_scenes())
+            .with_hard_optima(hard_optima())
             .run([program].into_iter().chain(arguments));
     }
     let folder = folder.unwrap_or_else(|| OsString::from("out/book"));

@@ -12,6 +12,9 @@ use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::motion::trajectory::Trajectory;
 
 const THOUSAND: f64 = 1e3;
+/// A control without bounds that is so many times its unit is measured anew: in the unit of the program its stationarity
+/// may be no more than a small number.
+const FAR: f64 = 1e3;
 
 /// Units of the unknowns, from the start of the motion and the bounds.
 #[derive(Debug, Clone)]
@@ -25,7 +28,7 @@ pub(in crate::ocp) struct Units {
     pub(in crate::ocp) force: Vec<f64>,
     /// Gap of each contact: how far that acceleration carries in a tenth of the time, times 10.
     pub(in crate::ocp) gap: Vec<f64>,
-    /// Components of `(q, v)`, powers of a thousand.
+    /// Components of `(q, v)`, powers of a thousand; velocities in those of their coordinates, by one near the time.
     pub(in crate::ocp) states: Vec<f64>,
     /// Rows of gaps and, per second, of normal velocities, powers of a thousand.
     pub(in crate::ocp) gap_rows: Vec<f64>,
@@ -74,6 +77,9 @@ impl Units {
                 values.chain(limits).fold(reach(acceleration), f64::max)
             });
         let coordinates: Vec<f64> = sizes.map(|size| nearest_power(THOUSAND, size)).collect();
+        // Long motions keep theirs: small velocities are no trouble.
+        let rate = nearest_power(THOUSAND, 1.0 / motion.horizon).max(1.0);
+        let velocities: Vec<f64> = coordinates.iter().map(|size| size * rate).collect();
         Self {
             time: motion.horizon,
             controls: control_units.collect(),
@@ -81,7 +87,7 @@ impl Units {
                 .iter()
                 .map(|force| force * motion.horizon * motion.horizon / 200.0)
                 .collect(),
-            states: coordinates.repeat(2),
+            states: [&coordinates[..], &velocities].concat(),
             gap_rows: force
                 .iter()
                 .map(|&force| nearest_power(THOUSAND, reach(force)))
@@ -98,15 +104,30 @@ impl Units {
         controls: &[Vec<f64>],
         bounds: (&[f64], &[f64]),
     ) -> Self {
-        let first = bounds.0.len() - self.controls.len();
-        for (i, unit) in self.controls.iter_mut().enumerate() {
-            let range = bounds.1[first + i] - bounds.0[first + i];
-            let values = controls.iter().map(|u| u[i].abs());
-            if !range.is_finite() {
-                *unit = nearest_power(THOUSAND, values.fold(0.0, f64::max));
-            }
+        for (i, size) in self.unbounded(controls, bounds) {
+            self.controls[i] = nearest_power(THOUSAND, size);
         }
         self
+    }
+
+    /// Whether the controls of a plan are of the size of their units, or small.
+    pub(in crate::ocp) fn fit(&self, controls: &[Vec<f64>], bounds: (&[f64], &[f64])) -> bool {
+        let unbounded = self.unbounded(controls, bounds);
+        unbounded
+            .into_iter()
+            .all(|(i, size)| size <= FAR * self.controls[i])
+    }
+
+    /// The controls without bounds, and the largest size of each.
+    fn unbounded(&self, controls: &[Vec<f64>], bounds: (&[f64], &[f64])) -> Vec<(usize, f64)> {
+        let first = bounds.0.len() - self.controls.len();
+        let unbounded = (0..self.controls.len())
+            .filter(|&i| !(bounds.1[first + i] - bounds.0[first + i]).is_finite());
+        let sizes = unbounded.map(|i| {
+            let values = controls.iter().map(|u| u[i].abs());
+            (i, values.fold(0.0, f64::max))
+        });
+        sizes.collect()
     }
 }
 

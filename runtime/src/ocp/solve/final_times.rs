@@ -2,7 +2,8 @@
 //!
 //! Programs look at final times within a factor of the guess, since a plan that is far from it is of another size than
 //! the units that the program is measured in. That is no bound of the problem: where a plan, or the nearest point of a
-//! program without a solution, lies at an end of the range, the search starts again around that end.
+//! program without a solution, lies at an end of the range, the search starts again around that end; so it does where
+//! controls without bounds come out of another size than they were measured in.
 
 use super::one_grid::{Round, Start, solve_round};
 use crate::model::Model;
@@ -13,7 +14,7 @@ use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
 use crate::simulation::InputError;
 
-/// How often the range is moved, each time by a factor of 20 at most.
+/// How often the range is moved, each time by a factor of 20 at most, or the units.
 const MOVES: usize = 5;
 /// Factor from the centre of a moved range within which a plan is measured in units of its own size: one that is
 /// further away may be no more than flat in those of its program.
@@ -37,20 +38,25 @@ pub(super) fn solve_grid<'s>(
     let mut moves = 0;
     loop {
         let moved = Problem {
-            horizon: match centre {
-                Some(_) => Horizon::Free { guess: centre },
-                None => problem.horizon,
+            horizon: match (problem.horizon, centre) {
+                (Horizon::Free { .. }, Some(_)) => Horizon::Free { guess: centre },
+                (horizon, _) => horizon,
             },
             ..problem.clone()
         };
         let coarser = start.coarser.clone();
-        let known = at_the_end.as_ref().map_or(&[][..], |plan| &plan.controls);
-        let round = solve_round(model, &moved, settings, start, centre, known)?;
+        let known = match (&at_the_end, &coarser) {
+            (Some(plan), _) => plan.controls.clone(),
+            (None, Some(coarser)) => coarser.controls(),
+            (None, None) => Vec::new(),
+        };
+        let round = solve_round(model, &moved, settings, start, centre, &known)?;
         let Round {
             mut solution,
             watch,
             range,
             next,
+            of_another_size,
         } = round;
         let all = range.with(looked_at.unwrap_or(range));
         looked_at = Some(all);
@@ -59,7 +65,8 @@ pub(super) fn solve_grid<'s>(
             let factor = solution.horizon / centre;
             solution.motion.is_some() && !(1.0 / NEAR..=NEAR).contains(&factor)
         });
-        let next = next.or_else(|| off_centre.then_some(solution.horizon));
+        let off_units = off_centre || of_another_size;
+        let next = next.or_else(|| off_units.then_some(solution.horizon));
         let next = next.filter(|_| solution.status != Status::Interrupted && moves < MOVES);
         if let Some(next) = next {
             start = Start {
@@ -69,7 +76,7 @@ pub(super) fn solve_grid<'s>(
                 coarser,
                 effort,
             };
-            if solution.motion.is_some() {
+            if is_found(&solution) {
                 at_the_end = Some(solution);
             } else {
                 failed.get_or_insert(solution);
@@ -80,11 +87,11 @@ pub(super) fn solve_grid<'s>(
         }
         let (counts, seconds) = (solution.counts, solution.seconds);
         let (final_times, status) = (solution.final_times, solution.status);
-        let found = solution.motion.is_some();
+        let found = is_found(&solution);
         // What was found at an end, and is not found any more beyond it, has no optimum there either.
         let solution = match at_the_end.filter(|_| !found) {
             Some(plan) => unbounded(plan, status),
-            None if found && (off_centre || range.end_at(solution.horizon).is_some()) => {
+            None if found && (off_units || range.end_at(solution.horizon).is_some()) => {
                 unbounded(solution, status)
             }
             None if found || status == Status::Interrupted => solution,
@@ -98,6 +105,11 @@ pub(super) fn solve_grid<'s>(
         };
         return Ok((solution, watch));
     }
+}
+
+/// Whether there is a motion, and not only a plan that the dynamics do not follow.
+fn is_found(solution: &Solution) -> bool {
+    solution.motion.is_some() && solution.status != Status::Unconfirmed
 }
 
 /// A plan at an end of the final times that were looked at.

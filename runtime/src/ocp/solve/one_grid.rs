@@ -45,6 +45,8 @@ pub(super) struct Round<'s> {
     pub(super) range: FinalTimes,
     /// The end of them at which the plan lies, or the nearest point of a program without a solution.
     pub(super) next: Option<f64>,
+    /// Whether the controls of the plan are of another size than the units that they were measured in.
+    pub(super) of_another_size: bool,
 }
 
 /// Solves on the grid of the problem, with final times around the given one, or else around the guess, and units
@@ -110,7 +112,9 @@ pub(super) fn solve_round<'s>(
         Some(_) => Some(solution.horizon),
         None => nearest,
     };
+    let of_another_size = solution.motion.is_some() && !units.fit(&solution.controls, bounds);
     Ok(Round {
+        of_another_size,
         solution,
         watch: runner.into_watch(),
         range,
