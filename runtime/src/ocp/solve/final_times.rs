@@ -20,6 +20,14 @@ const MOVES: usize = 5;
 /// further away may be no more than flat in those of its program.
 const NEAR: f64 = 1.5;
 
+/// A plan that another round looks beyond.
+struct Before {
+    plan: Solution,
+    /// Whether it lies at an end of its range, or far from the time that it was measured in; else its controls are of
+    /// another size than their units.
+    at_an_end: bool,
+}
+
 /// Solves on the grid of the problem, around the final times that its plans ask for.
 pub(super) fn solve_grid<'s>(
     model: &dyn Model,
@@ -30,8 +38,7 @@ pub(super) fn solve_grid<'s>(
     let mut start = start;
     let effort = start.effort;
     let mut centre: Option<f64> = None;
-    // The last plan that lies at an end of its range.
-    let mut at_the_end: Option<Solution> = None;
+    let mut before: Option<Before> = None;
     // Why there was none where the scene itself suggests to look.
     let mut failed: Option<Solution> = None;
     let mut looked_at = None;
@@ -45,8 +52,8 @@ pub(super) fn solve_grid<'s>(
             ..problem.clone()
         };
         let coarser = start.coarser.clone();
-        let known = match (&at_the_end, &coarser) {
-            (Some(plan), _) => plan.controls.clone(),
+        let known = match (&before, &coarser) {
+            (Some(before), _) => before.plan.controls.clone(),
             (None, Some(coarser)) => coarser.controls(),
             (None, None) => Vec::new(),
         };
@@ -65,7 +72,7 @@ pub(super) fn solve_grid<'s>(
             let factor = solution.horizon / centre;
             solution.motion.is_some() && !(1.0 / NEAR..=NEAR).contains(&factor)
         });
-        let off_units = off_centre || of_another_size;
+        let (at_an_end, off_units) = (next.is_some(), off_centre || of_another_size);
         let next = next.or_else(|| off_units.then_some(solution.horizon));
         let next = next.filter(|_| solution.status != Status::Interrupted && moves < MOVES);
         if let Some(next) = next {
@@ -77,7 +84,10 @@ pub(super) fn solve_grid<'s>(
                 effort,
             };
             if is_found(&solution) {
-                at_the_end = Some(solution);
+                before = Some(Before {
+                    at_an_end: at_an_end || off_centre,
+                    plan: solution,
+                });
             } else {
                 failed.get_or_insert(solution);
             }
@@ -86,24 +96,34 @@ pub(super) fn solve_grid<'s>(
             continue;
         }
         let (counts, seconds) = (solution.counts, solution.seconds);
-        let (final_times, status) = (solution.final_times, solution.status);
-        let found = is_found(&solution);
-        // What was found at an end, and is not found any more beyond it, has no optimum there either.
-        let solution = match at_the_end.filter(|_| !found) {
-            Some(plan) => unbounded(plan, status),
-            None if found && (off_units || range.end_at(solution.horizon).is_some()) => {
-                unbounded(solution, status)
-            }
-            None if found || status == Status::Interrupted => solution,
-            None => failed.unwrap_or(solution),
-        };
+        let final_times = solution.final_times;
+        let inside = !off_units && range.end_at(solution.horizon).is_none();
         let solution = Solution {
             counts,
             seconds,
             final_times,
-            ..solution
+            ..conclusion(solution, inside, before, failed)
         };
         return Ok((solution, watch));
+    }
+}
+
+/// What the last round, whose plan lies inside its range or not, the last plan before it, and the first failure come to.
+fn conclusion(
+    last: Solution,
+    inside: bool,
+    before: Option<Before>,
+    failed: Option<Solution>,
+) -> Solution {
+    let status = last.status;
+    match before.filter(|_| !is_found(&last)) {
+        // What was found at an end, and is not found any more beyond it, has no optimum there either.
+        Some(before) if before.at_an_end => unbounded(before.plan, status),
+        // In units of its own size it was not confirmed.
+        Some(before) => demoted(before.plan, status, Status::Uncertified),
+        None if is_found(&last) && !inside => unbounded(last, status),
+        None if is_found(&last) || status == Status::Interrupted => last,
+        None => failed.unwrap_or(last),
     }
 }
 
@@ -114,10 +134,15 @@ fn is_found(solution: &Solution) -> bool {
 
 /// A plan at an end of the final times that were looked at.
 fn unbounded(plan: Solution, status: Status) -> Solution {
+    demoted(plan, status, Status::Unbounded)
+}
+
+/// A plan without its certificate, of another status, unless the last round was interrupted.
+fn demoted(plan: Solution, last: Status, status: Status) -> Solution {
     Solution {
-        status: match status {
+        status: match last {
             Status::Interrupted => Status::Interrupted,
-            _ => Status::Unbounded,
+            _ => status,
         },
         stationarity: Stationarity::None,
         ..plan
