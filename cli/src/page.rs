@@ -69,6 +69,7 @@ table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.88re
 th,td{padding:.3rem .5rem;text-align:right;border-bottom:1px solid #8a919e66;white-space:nowrap}
 th:first-child,td:first-child{text-align:left;white-space:pre}
 th:first-child,td:first-child{position:sticky;left:0;background:#ffffff}
+th:not(:first-child){white-space:normal;vertical-align:bottom}
 td.prose{text-align:left;white-space:normal;min-width:22rem}
 nav a,.pages a{display:inline-block;margin:0 1rem .3rem 0}
 summary{cursor:pointer;margin:.5rem 0;font-weight:600}

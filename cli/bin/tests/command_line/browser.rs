@@ -120,6 +120,7 @@ pub(crate) fn visit(
     let child = Command::new(browser)
         .args([
             "--headless",
+            "--window-size=1280,800",
             "--no-sandbox",
             "--disable-gpu",
             "--disable-quic",

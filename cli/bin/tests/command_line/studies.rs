@@ -1,5 +1,6 @@
 //! `reproduce`, `chart` and `explain --size`.
 
+use crate::browser::{Origin, browser, visit};
 use crate::support::{Scratch, assert_page_shows_its_result, json, result_files, solved};
 use serde_json::Value;
 
@@ -167,6 +168,57 @@ fn chart_writes_a_point_for_every_run_and_measures_the_order_of_the_default_sche
     assert!(!page.contains("NaN"));
 }
 
+/// Opens folds and looks.
+const VISITOR: &str = r##"
+<script>
+const all = (what) => [...document.querySelectorAll(what)];
+all("details").forEach((fold) => { fold.open = true; });
+requestAnimationFrame(() => {
+  report.figures = all("svg.chart").map((figure) => {
+    const texts = [...figure.querySelectorAll("text")].map((text) => text.getBoundingClientRect().height);
+    const box = figure.getBoundingClientRect();
+    return { width: box.width, height: box.height, curves: figure.querySelectorAll("path, polyline, circle").length,
+      text: Math.min(...texts) };
+  });
+  report.tables = all(".table").map((table) => ({ rows: table.querySelectorAll("tr").length,
+    wide: table.scrollWidth - table.clientWidth, fold: table.closest("details") !== null }));
+  report.lost = all("a[href^='#']").filter((link) => !document.getElementById(link.hash.slice(1))).length;
+  report.sideways = document.documentElement.scrollWidth - window.innerWidth;
+  report.outside = all("script[src], link, img, iframe").length;
+  send();
+});
+</script>
+"##;
+
+/// A page of charts in a real browser, where one is found: figures that can be read, tables that fit, links that lead somewhere.
+fn assert_readable(scratch: &Scratch, page: &str, figures: usize) {
+    let Some(browser) = browser() else {
+        return;
+    };
+    let (report, console) = visit(&browser, &scratch.0, page, VISITOR, Origin::Server);
+    assert_eq!(console, "");
+    assert_eq!(report["errors"], serde_json::json!([]));
+    let drawn = report["figures"].as_array().unwrap();
+    assert!(drawn.len() >= figures, "{report}");
+    for figure in drawn {
+        let number = |what: &str| figure[what].as_f64().unwrap();
+        assert!(
+            number("width") > 400.0 && number("height") > 200.0,
+            "{figure}"
+        );
+        assert!(number("curves") > 0.0 && number("text") >= 10.0, "{figure}");
+    }
+    let tables = report["tables"].as_array().unwrap();
+    assert!(!tables.is_empty(), "{report}");
+    for table in tables {
+        assert!(table["rows"].as_u64().unwrap() > 1, "{table}");
+        assert!(table["fold"] == true || table["wide"] == 0, "{report}");
+    }
+    assert_eq!(report["lost"], 0);
+    assert_eq!(report["outside"], 0);
+    assert!(report["sideways"].as_i64().unwrap() <= 0, "{report}");
+}
+
 #[test]
 fn chart_of_several_scenes_is_one_page_with_an_overview_and_orders_through_every_switch() {
     let scratch = Scratch::new("charts");
@@ -200,6 +252,7 @@ fn chart_of_several_scenes_is_one_page_with_an_overview_and_orders_through_every
         "only name spaces"
     );
     assert!(read("chart-drop.csv").lines().count() > 150);
+    assert_readable(&scratch, &page, 4);
 }
 
 #[test]
@@ -216,5 +269,7 @@ fn stability_of_a_scene_is_a_verdict_for_every_method() {
     }
     assert_eq!(cells[7..], ["not applicable"; 2]);
     assert!(text.contains("wrong silently"));
-    assert!(scratch.read("stability.html").contains("<details>"));
+    let page = scratch.read("stability.html");
+    assert!(page.contains("<details>"));
+    assert_readable(&scratch, &page, 0);
 }
