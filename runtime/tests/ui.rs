@@ -1,10 +1,11 @@
 //! What a user sees when a declaration has mistakes: every message, at the user's token, and nothing
-//! else. `TRYBUILD=overwrite cargo test -p hangtime --test ui` records changed messages.
+//! else. `TRYBUILD=overwrite cargo test --test ui -- --ignored` records changed messages.
 
 use std::fs;
 use std::path::Path;
 
 #[test]
+#[ignore = "long"]
 fn mistakes_are_reported_at_the_users_token() {
     // `model_file!` reads paths from the package in which the cases are built.
     let target = Path::new(env!("CARGO_TARGET_TMPDIR"))

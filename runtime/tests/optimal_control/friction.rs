@@ -85,6 +85,7 @@ fn previous_motion_of_the_block_is_a_start_for_less_friction_on_another_grid() {
 }
 
 #[test]
+#[ignore = "long"]
 fn friction_that_holds_against_the_largest_force_is_named_infeasible() {
     let block = Block {
         mu: 0.6,
@@ -182,6 +183,7 @@ fn sliding_effort(count: usize, share: f64, h: f64) -> f64 {
 }
 
 #[test]
+#[ignore = "long"]
 fn block_with_time_to_spare_sticks_for_a_while() {
     let intervals = 10;
     let h = 2.5 / intervals as f64;
@@ -451,6 +453,7 @@ fn bar_on_two_feet_slides_like_a_block() {
 }
 
 #[test]
+#[ignore = "long"]
 fn bar_that_lands_tilted_strikes_the_floor_with_both_feet() {
     // Until the first foot strikes, the bar falls freely: 0.3 - 0.3 sin 0.3 metres.
     let fall = (0.3 - 0.3 * 0.3_f64.sin()) / 5.0;
@@ -560,6 +563,7 @@ hangtime::model! {
 }
 
 #[test]
+#[ignore = "long"]
 fn bar_with_time_to_spare_sticks_on_both_feet() {
     let solution = solve(&PatientBar::default(), 10, &one_start());
     let block = solve(&Patient::default(), 10, &one_start());
