@@ -67,6 +67,8 @@ fn solve_with_linear_controls_writes_a_value_for_each_node() {
         "12",
         "--controls",
         "linear",
+        "--starts",
+        "1",
         "--json",
     ]);
     let document: Value = serde_json::from_str(&document).unwrap();

@@ -5,6 +5,7 @@ use crate::support::{Scratch, assert_page_shows_its_result, json, result_files, 
 use serde_json::Value;
 
 #[test]
+#[ignore = "long"]
 fn reproduce_covers_the_publication_with_figures_data_and_pages() {
     let scratch = Scratch::new("reproduce");
     let text = solved(&["reproduce", "--out", scratch.text()]);
@@ -113,6 +114,7 @@ fn row<'t>(csv: &'t str, settings: &str) -> Vec<&'t str> {
 }
 
 #[test]
+#[ignore = "long"]
 fn chart_writes_a_point_for_every_run_and_measures_the_order_of_the_default_scheme() {
     let scratch = Scratch::new("chart");
     let text = solved(&["chart", "ski-jump", "--out", scratch.text()]);
