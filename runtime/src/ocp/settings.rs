@@ -85,8 +85,7 @@ pub enum Formulation {
     /// Small contact-implicit programs, from coarse to fine.
     #[default]
     Phases,
-    /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing), with constant controls. It starts from
-    /// [`Guess::Straight`] or [`Guess::Ride`].
+    /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing), with constant controls.
     TimeFreezing(TimeFreezingSettings),
 }
 
@@ -271,18 +270,6 @@ impl Settings {
             if value == 0 {
                 return Err(InputError::out_of_range(what, 0.0, "", "at least 1"));
             }
-        }
-        let supported = matches!(
-            self.guess,
-            Guess::Straight | Guess::Ride | Guess::Previous(_)
-        );
-        if let Formulation::TimeFreezing(_) = self.formulation
-            && !supported
-        {
-            return Err(InputError::unsupported(
-                format!("guess {:?} of the time-freezing formulation", self.guess),
-                "choose `Straight`, `Ride` or `Previous`",
-            ));
         }
         Ok(())
     }

@@ -88,8 +88,7 @@ fn time_freezing(
             settings.elements
         ),
         groups: program.groups(),
-        // Costs and goals are linear, or quadratic in the controls: numbers in this program.
-        kernels: called(model, &[]),
+        kernels: called(model, &["path_", "terminal_"]),
     })
 }
 

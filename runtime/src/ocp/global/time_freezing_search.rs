@@ -14,7 +14,7 @@ use crate::ocp::motion::read_sequence::{Elements, of_elements};
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Failure, Runner};
-use crate::ocp::settings::{Guess, TimeFreezingSettings};
+use crate::ocp::settings::TimeFreezingSettings;
 use crate::ocp::solution::TimeFreezingReport;
 use crate::simulation::ContactMode;
 use crate::simulation::{InputError, ProblemSize};
@@ -26,19 +26,22 @@ const OPEN: f64 = 0.99;
 /// Most iterations of one rule. The programs are larger than those of the other phases.
 const ITERATIONS: usize = 1500;
 
-/// Solves the relaxed complementarity problem and reads motion and contact sequence from it, if there is one.
+/// Solves the relaxed complementarity problem from a guess, or from the simulation under its controls, and reads motion and
+/// contact sequence from it, if there is one.
 pub(in crate::ocp) fn candidate(
     runner: &mut Runner,
     setting: Setting,
     settings: &TimeFreezingSettings,
+    guess: &Trajectory,
+    simulated: bool,
 ) -> Result<(TimeFreezingReport, Option<Candidate>), InputError> {
     let clock = ThreadTime::try_now();
     let (model, problem) = (setting.model, setting.problem);
     let settings = TimeFreezingSettings {
-        simulated_guess: settings.simulated_guess || runner.settings.guess == Guess::Ride,
+        simulated_guess: settings.simulated_guess || simulated,
         ..settings.clone()
     };
-    let mut program = TimeFreezing::new(model, problem, &settings)?;
+    let mut program = TimeFreezing::from_guess(model, problem, &settings, guess)?;
     let mut relaxation = mpcc::Settings {
         crossover: false,
         final_relaxation: settings.complementarity,
@@ -122,7 +125,7 @@ fn sequence(
 fn trajectory(setting: Setting, motion: &TimeFreezingMotion) -> Trajectory {
     let (model, problem) = (setting.model, setting.problem);
     let per_interval = motion.time.len() / problem.intervals;
-    let mut states = vec![problem.start()];
+    let mut states = vec![motion.start.clone()];
     let ends = motion.q.iter().zip(&motion.v);
     states.extend(ends.map(|(q, v)| [&q[..], &v[..]].concat()));
     let states = states.into_iter().enumerate().map(|(i, state)| {
