@@ -98,7 +98,8 @@ pub struct TimeFreezingSettings {
     /// Its stages; default 2, in `1..=9`.
     pub stages: usize,
     /// Finite elements of a control interval; default 3, at least 1. One more than the switches that an
-    /// interval should be able to hold; a touchdown is two (the jump has a beginning and an end).
+    /// interval should be able to hold; a touchdown is two (the jump has a beginning and an end). Where a contact bounces,
+    /// there is one more: its jump is a fall and a rise.
     pub elements: usize,
     /// Acceleration `a_bar` of the auxiliary dynamics \[unit of the gap / s^2\]; default 20, > 0. Of the
     /// order of the contact accelerations, so that the step functions stay away from 0 and 1.

@@ -153,6 +153,13 @@ impl<'a> TimeFreezing<'a> {
     }
 }
 
+/// Finite elements of an interval: where a contact bounces one more, for its jump is a fall and a rise.
+#[must_use]
+pub(in crate::ocp) fn elements(model: &dyn Model, settings: &TimeFreezingSettings) -> usize {
+    let mut contacts = 0..model.declaration().contacts.len();
+    settings.elements + usize::from(contacts.any(|i| model.restitution(i) > 0.0))
+}
+
 /// The problem in plain numbers, to be started at a motion.
 fn task(
     model: &dyn Model,
@@ -192,7 +199,7 @@ fn task(
         },
         controls,
         intervals,
-        elements: settings.elements,
+        elements: elements(model, settings),
         coordinate_bounds: (lower[..n].to_vec(), upper[..n].to_vec()),
         declared: true,
         guess: if settings.simulated_guess || aimless {

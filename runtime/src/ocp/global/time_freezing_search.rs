@@ -3,7 +3,7 @@
 use crate::clock::ThreadTime;
 
 use super::start_modes::modes_at_start;
-use super::time_freezing::{TimeFreezing, TimeFreezingMotion};
+use super::time_freezing::{TimeFreezing, TimeFreezingMotion, elements};
 use crate::mpcc::Mpcc as _;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
@@ -116,7 +116,7 @@ fn sequence(
         .collect();
     let elements = Elements {
         modes,
-        per_interval: settings.elements,
+        per_interval: elements(model, settings),
         ends: motion.time.iter().map(|time| time / interval).collect(),
     };
     of_elements(modes_at_start(setting, trajectory), &elements, 0.0)
