@@ -6,7 +6,7 @@ use super::global::coarse_to_fine::refined_elements;
 use super::global::contact_implicit::ContactImplicit;
 use super::global::guess::guess;
 use super::global::start_modes::modes_at_start;
-use super::global::time_freezing::{TimeFreezing, elements};
+use super::global::time_freezing::TimeFreezing;
 use super::motion::candidate::Candidate;
 use super::motion::mode::is_frictional;
 use super::motion::sequence::Sequence;
@@ -85,7 +85,7 @@ fn time_freezing(
             settings.scheme.name(),
             settings.stages,
             problem.intervals,
-            elements(model, settings)
+            settings.elements_of(model)
         ),
         groups: program.groups(),
         kernels: called(model, &["path_", "terminal_"]),

@@ -12,75 +12,9 @@
 //! stages of jumps, too: coordinates rest there, and velocities lie between those before and after the jump, so that
 //! nothing is lost where the condition is convex in them.
 
+use super::sites::{Input, Site, by_interval, constraint_of, constraints_of, product};
 use super::{Block, Transcription};
-use crate::model::{ConstraintDeclaration, ConstraintRelation, Model, OptimalControlDeclaration};
-
-/// An argument of the functions of a site.
-#[derive(Clone)]
-struct Input {
-    /// Its variable, or none where it is constant.
-    variable: Option<usize>,
-    unit: f64,
-    /// Its value where it is constant.
-    constant: f64,
-    /// Whether functions of this site depend on it.
-    read: bool,
-}
-
-/// Where functions of the scene are evaluated, and what for.
-#[derive(Clone)]
-pub(super) struct Site {
-    /// Whether they are the terminal functions, of `(q, v, T)`, and not the path functions.
-    terminal: bool,
-    inputs: Vec<Input>,
-    /// Functions that are constraints, and their rows.
-    rows: Vec<(usize, usize)>,
-    /// What function 0 is multiplied by in the objective: a number and variables.
-    cost: Option<(f64, Vec<usize>)>,
-}
-
-/// A constraint, and the row of its first or only imposition.
-fn constraint_of(
-    declared: &OptimalControlDeclaration,
-    terminal: bool,
-    function: usize,
-) -> Option<&'static ConstraintDeclaration> {
-    if terminal {
-        let index = function.checked_sub(usize::from(declared.final_cost))?;
-        declared.goals.get(index)
-    } else {
-        let index = function.checked_sub(usize::from(declared.running_cost))?;
-        declared.constraints.get(index)
-    }
-}
-
-/// Path functions that read nothing but controls, and so have one value an interval; the others.
-fn by_interval(transcription: &Transcription<'_>) -> (Vec<usize>, Vec<usize>) {
-    let Some(declared) = transcription.declared() else {
-        return (Vec::new(), Vec::new());
-    };
-    let first = 2 * transcription.dcs.system.coordinates();
-    let controls = first..first + transcription.dcs.layout.controls();
-    (0..declared.path_functions()).partition(|&function| {
-        let entries = declared.path_jacobian.entries.iter();
-        let mut own = entries.filter(|entry| entry.0 as usize == function);
-        own.all(|entry| controls.contains(&(entry.1 as usize)))
-    })
-}
-
-/// Numbers of the path constraints that are imposed once an interval, and at each stage.
-pub(super) fn path_rows(transcription: &Transcription<'_>) -> (usize, usize) {
-    let Some(declared) = transcription.declared() else {
-        return (0, 0);
-    };
-    let (once, staged) = by_interval(transcription);
-    let count = |functions: &[usize]| {
-        let constraints = functions.iter();
-        let constraints = constraints.filter(|&&f| constraint_of(&declared, false, f).is_some());
-        constraints.count()
-    };
-    (count(&once), count(&staged))
-}
+use crate::model::ConstraintRelation;
 
 /// The arguments of the path functions at a block, of which those in `read` matter.
 fn inputs_at(
@@ -111,17 +45,15 @@ pub(super) fn sites(transcription: &Transcription<'_>) -> Vec<Site> {
         return Vec::new();
     };
     let mut sites = Vec::new();
-    let (once, staged) = by_interval(transcription);
+    let controls = transcription.control_inputs();
+    let (once, staged) = by_interval(&declared, controls.clone());
     let rows = |functions: &[usize], first: usize| {
-        let constraints = functions.iter().copied();
-        let constraints = constraints.filter(|&f| constraint_of(&declared, false, f).is_some());
+        let constraints = constraints_of(&declared, functions).into_iter();
         constraints.zip(first..).collect::<Vec<_>>()
     };
     let costs = |functions: &[usize]| declared.running_cost && functions.contains(&0);
     if !once.is_empty() {
         let count = transcription.intervals.len() as f64;
-        let first = 2 * transcription.dcs.system.coordinates();
-        let controls = first..first + transcription.dcs.layout.controls();
         for (k, interval) in transcription.intervals.iter().enumerate() {
             let block = &transcription.elements[k * transcription.task.elements].blocks[0];
             sites.push(Site {
@@ -137,7 +69,7 @@ pub(super) fn sites(transcription: &Transcription<'_>) -> Vec<Site> {
     }
     if !staged.is_empty() {
         let theta = transcription.dcs.layout.theta();
-        let imposed = path_rows(transcription).1;
+        let imposed = constraints_of(&declared, &staged).len();
         for element in &transcription.elements {
             let length = transcription.intervals[element.interval].length;
             for (j, b) in transcription.tableau.b().iter().enumerate() {
@@ -174,104 +106,6 @@ pub(super) fn sites(transcription: &Transcription<'_>) -> Vec<Site> {
         });
     }
     sites
-}
-
-/// Functions of a site with their derivatives at a point.
-struct Evaluated {
-    values: Vec<f64>,
-    slopes: Vec<f64>,
-    input: Vec<f64>,
-}
-
-impl Site {
-    fn input(&self, x: &[f64]) -> Vec<f64> {
-        let inputs = self.inputs.iter();
-        inputs
-            .map(|input| input.variable.map_or(input.constant, |v| input.unit * x[v]))
-            .collect()
-    }
-
-    fn values(
-        &self,
-        model: &dyn Model,
-        declared: &OptimalControlDeclaration,
-        x: &[f64],
-    ) -> Vec<f64> {
-        let input = self.input(x);
-        if self.terminal {
-            let mut values = vec![0.0; declared.terminal_functions()];
-            model.terminal_functions(&input, &mut values);
-            values
-        } else {
-            let mut values = vec![0.0; declared.path_functions()];
-            model.path_functions(&input, &mut values);
-            values
-        }
-    }
-
-    fn evaluate(
-        &self,
-        model: &dyn Model,
-        declared: &OptimalControlDeclaration,
-        x: &[f64],
-    ) -> Evaluated {
-        let input = self.input(x);
-        let values = self.values(model, declared, x);
-        let mut slopes = vec![0.0; self.jacobian(declared).len()];
-        if self.terminal {
-            model.terminal_jacobian(&input, &mut slopes);
-        } else {
-            model.path_jacobian(&input, &mut slopes);
-        }
-        Evaluated {
-            values,
-            slopes,
-            input,
-        }
-    }
-
-    fn jacobian(&self, declared: &OptimalControlDeclaration) -> &'static [(u32, u32)] {
-        if self.terminal {
-            declared.terminal_jacobian.entries
-        } else {
-            declared.path_jacobian.entries
-        }
-    }
-
-    /// Variable and unit of an argument on which functions of this site depend.
-    fn argument(&self, k: u32) -> Option<(usize, f64)> {
-        let input = &self.inputs[k as usize];
-        input.variable.filter(|_| input.read).zip(Some(input.unit))
-    }
-
-    /// Variables and slopes of one function.
-    fn gradient_of(
-        &self,
-        declared: &OptimalControlDeclaration,
-        slopes: &[f64],
-        function: usize,
-    ) -> impl Iterator<Item = (usize, f64)> {
-        let entries = self.jacobian(declared).iter().zip(slopes);
-        entries.filter_map(move |(&(row, column), slope)| {
-            let (variable, unit) = self.argument(column)?;
-            (row as usize == function).then_some((variable, unit * slope))
-        })
-    }
-}
-
-/// `factor` times the product of the variables but those at the places `left_out`.
-fn product(factor: f64, variables: &[usize], left_out: &[usize], x: &[f64]) -> f64 {
-    let kept = variables.iter().enumerate();
-    let kept = kept.filter(|(place, _)| !left_out.contains(place));
-    kept.fold(factor, |product, (_, &variable)| product * x[variable])
-}
-
-impl Transcription<'_> {
-    /// What the scene declares for optimal control, if it is asked for.
-    pub(super) fn declared(&self) -> Option<OptimalControlDeclaration> {
-        let declared = self.dcs.system.model.declaration().optimal_control;
-        declared.filter(|_| self.task.declared)
-    }
 }
 
 /// The objective that the scene declares.

@@ -29,6 +29,7 @@ mod names;
 mod neighbours;
 mod program;
 mod purposes;
+mod sites;
 mod start;
 mod task;
 
@@ -36,8 +37,11 @@ pub(crate) use program::transcribe;
 pub(crate) use purposes::size_groups;
 pub(crate) use task::{Controls, Guess, Task};
 
+use std::ops::Range;
+
 use crate::dcs::{Group, HeavisideSystem};
 use crate::fesd::finite_element::State;
+use crate::model::OptimalControlDeclaration;
 use crate::nlp::Pattern;
 use crate::rk::ButcherTableau;
 
@@ -80,6 +84,17 @@ struct Element {
     path_rows: usize,
 }
 
+/// The start of the motion, where some of its values are free.
+#[derive(Clone)]
+struct Beginning {
+    /// Its states and switching functions; states that are given have no variable.
+    block: Block,
+    /// First row `G_i - g_i(q) = 0`, one a contact where coordinates are free.
+    gap_rows: usize,
+    /// End of its rows.
+    end: usize,
+}
+
 /// One control interval.
 #[derive(Clone)]
 struct Interval {
@@ -105,9 +120,9 @@ pub(crate) struct Transcription<'a> {
     intervals: Vec<Interval>,
     elements: Vec<Element>,
     /// The start of the motion, where it is free.
-    beginning: Option<start::Beginning>,
+    beginning: Option<Beginning>,
     /// Where the functions that the scene declares are evaluated.
-    sites: Vec<conditions::Site>,
+    sites: Vec<sites::Site>,
     variables: usize,
     constraints: usize,
     /// Variable of the final time, if it is free.
@@ -194,8 +209,8 @@ impl<'a> Transcription<'a> {
 
     fn lay_out(&mut self) {
         self.horizon = self.task.horizon_bounds.map(|_| self.take(1));
-        start::lay_out(self);
-        let (once, staged) = conditions::path_rows(self);
+        self.push_beginning();
+        let (once, staged) = self.path_rows();
         for _ in 0..self.task.intervals {
             let length = self.take(1);
             let controls = match self.task.controls {
@@ -217,7 +232,66 @@ impl<'a> Transcription<'a> {
         }
         self.goal_rows = self.constraints;
         self.constraints += self.declared().map_or(0, |declared| declared.goals.len());
-        self.sites = conditions::sites(self);
+    }
+
+    /// Adds the start of the motion, if any of its values is free.
+    fn push_beginning(&mut self) {
+        let free: Vec<usize> = self.task.free_start.iter().map(|f| f.0).collect();
+        if free.is_empty() {
+            return;
+        }
+        let n = self.dcs.system.coordinates();
+        let layout = self.dcs.layout.clone();
+        let moves = free.iter().any(|&k| k < n);
+        let mut variables = vec![None; layout.local_variables()];
+        for (place, slot) in variables.iter_mut().enumerate() {
+            let gap = place >= layout.lifted_gap(0) && place < layout.states();
+            let switching = place >= layout.first_algebraic()
+                && place < layout.first_product()
+                && layout.is_switching(place);
+            if free.contains(&place) || gap && moves || switching {
+                *slot = Some(self.take(1));
+            }
+        }
+        for (first, second) in layout.stage_pairs() {
+            let pair = variables[first].zip(variables[second]);
+            self.pairs.extend(pair);
+        }
+        let algebraic_rows = self.constraints;
+        let gap_rows = algebraic_rows + layout.switching_rows();
+        let end = gap_rows + if moves { layout.contacts() } else { 0 };
+        self.constraints = end;
+        self.beginning = Some(Beginning {
+            block: Block {
+                variables,
+                algebraic_rows,
+                boundary: true,
+            },
+            gap_rows,
+            end,
+        });
+    }
+
+    /// What the scene declares for optimal control, if it is asked for.
+    fn declared(&self) -> Option<OptimalControlDeclaration> {
+        let declared = self.dcs.system.model.declaration().optimal_control;
+        declared.filter(|_| self.task.declared)
+    }
+
+    /// The inputs of the model that are controls.
+    fn control_inputs(&self) -> Range<usize> {
+        let first = 2 * self.dcs.system.coordinates();
+        first..first + self.dcs.layout.controls()
+    }
+
+    /// Numbers of the path constraints that are imposed once an interval, and at each stage.
+    fn path_rows(&self) -> (usize, usize) {
+        let Some(declared) = self.declared() else {
+            return (0, 0);
+        };
+        let (once, staged) = sites::by_interval(&declared, self.control_inputs());
+        let count = |functions: &[usize]| sites::constraints_of(&declared, functions).len();
+        (count(&once), count(&staged))
     }
 
     /// Adds an element to the last interval, with `staged` path constraints at each stage.

@@ -16,6 +16,7 @@ pub(crate) fn transcribe<'a>(
     task: Task,
 ) -> Transcription<'a> {
     let mut transcription = Transcription::new(dcs, tableau, task);
+    transcription.sites = conditions::sites(&transcription);
     guess::set_guess(&mut transcription);
     derivatives::set_patterns(&mut transcription);
     transcription

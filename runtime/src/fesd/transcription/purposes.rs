@@ -1,6 +1,6 @@
 //! What the variables and rows of a transcription are there for.
 
-use super::{SUMS, Transcription, conditions, start};
+use super::{SUMS, Transcription, start};
 use crate::mpcc::Mpcc as _;
 use crate::size::{Purpose, SizeGroup, groups_of};
 
@@ -83,7 +83,7 @@ fn of_row(transcription: &Transcription<'_>, index: usize) -> Purpose {
     if start::owns_row(transcription, index) {
         return Purpose::FreeStart;
     }
-    let (once, _) = conditions::path_rows(transcription);
+    let (once, _) = transcription.path_rows();
     let intervals = &transcription.intervals;
     let k = intervals.partition_point(|interval| interval.rows <= index);
     match index - intervals[k.saturating_sub(1)].rows {

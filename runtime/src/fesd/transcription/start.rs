@@ -5,57 +5,8 @@
 //! G_i = g_i(q), >= 0       where coordinates are free: the lifted gap begins as the gap is
 //! ```
 
-use super::{Block, Transcription};
+use super::{Beginning, Transcription};
 use crate::dcs;
-
-/// Variables and rows of a free start.
-#[derive(Clone)]
-pub(super) struct Beginning {
-    /// Its states and switching functions; states that are given have no variable.
-    pub(super) block: Block,
-    /// First row `G_i - g_i(q) = 0`, one a contact where coordinates are free.
-    gap_rows: usize,
-    /// End of its rows.
-    end: usize,
-}
-
-/// Adds the start of the motion, if any of its values is free.
-pub(super) fn lay_out(transcription: &mut Transcription<'_>) {
-    let free: Vec<usize> = transcription.task.free_start.iter().map(|f| f.0).collect();
-    if free.is_empty() {
-        return;
-    }
-    let n = transcription.dcs.system.coordinates();
-    let layout = transcription.dcs.layout.clone();
-    let moves = free.iter().any(|&k| k < n);
-    let mut variables = vec![None; layout.local_variables()];
-    for (place, slot) in variables.iter_mut().enumerate() {
-        let gap = place >= layout.lifted_gap(0) && place < layout.states();
-        let switching = place >= layout.first_algebraic()
-            && place < layout.first_product()
-            && layout.is_switching(place);
-        if free.contains(&place) || gap && moves || switching {
-            *slot = Some(transcription.take(1));
-        }
-    }
-    for (first, second) in layout.stage_pairs() {
-        let pair = variables[first].zip(variables[second]);
-        transcription.pairs.extend(pair);
-    }
-    let algebraic_rows = transcription.constraints;
-    let gap_rows = algebraic_rows + layout.switching_rows();
-    let end = gap_rows + if moves { layout.contacts() } else { 0 };
-    transcription.constraints = end;
-    transcription.beginning = Some(Beginning {
-        block: Block {
-            variables,
-            algebraic_rows,
-            boundary: true,
-        },
-        gap_rows,
-        end,
-    });
-}
 
 /// Whether a row belongs to the start.
 pub(super) fn owns_row(transcription: &Transcription<'_>, row: usize) -> bool {

@@ -153,13 +153,6 @@ impl<'a> TimeFreezing<'a> {
     }
 }
 
-/// Finite elements of an interval: where a contact bounces one more, for its jump is a fall and a rise.
-#[must_use]
-pub(in crate::ocp) fn elements(model: &dyn Model, settings: &TimeFreezingSettings) -> usize {
-    let mut contacts = 0..model.declaration().contacts.len();
-    settings.elements + usize::from(contacts.any(|i| model.restitution(i) > 0.0))
-}
-
 /// The problem in plain numbers, to be started at a motion.
 fn task(
     model: &dyn Model,
@@ -199,7 +192,7 @@ fn task(
         },
         controls,
         intervals,
-        elements: elements(model, settings),
+        elements: settings.elements_of(model),
         coordinate_bounds: (lower[..n].to_vec(), upper[..n].to_vec()),
         declared: true,
         guess: if settings.simulated_guess || aimless {

@@ -3,11 +3,12 @@
 use crate::clock::ThreadTime;
 
 use super::start_modes::modes_at_start;
-use super::time_freezing::{TimeFreezing, TimeFreezingMotion, elements};
+use super::time_freezing::{TimeFreezing, TimeFreezingMotion};
 use crate::mpcc::Mpcc as _;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlGrid;
+use crate::ocp::motion::edit_sequence::touching_for_less_than;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity};
 use crate::ocp::motion::model_input::{drive, with_forces};
 use crate::ocp::motion::read_sequence::{Elements, of_elements};
@@ -23,6 +24,8 @@ use crate::{mpcc, nlp};
 /// Mean step function of an element above which its contact is open: in flight it is 1, in contact
 /// `a_bar / (a_bar + r)` for a normal acceleration `r`.
 const OPEN: f64 = 0.99;
+/// Time on the clock, in intervals, below which a contact that bounces has not come to rest: it stands during a jump.
+const BOUNCE: f64 = 0.05;
 /// Most iterations of one rule. The programs are larger than those of the other phases.
 const ITERATIONS: usize = 1500;
 
@@ -116,10 +119,12 @@ fn sequence(
         .collect();
     let elements = Elements {
         modes,
-        per_interval: elements(model, settings),
+        per_interval: settings.elements_of(model),
         ends: motion.time.iter().map(|time| time / interval).collect(),
     };
-    of_elements(modes_at_start(setting, trajectory), &elements, 0.0)
+    let read = of_elements(modes_at_start(setting, trajectory), &elements, 0.0);
+    let bounces = |contact| model.restitution(contact) > 0.0;
+    touching_for_less_than(&read, BOUNCE, bounces).unwrap_or(read)
 }
 
 fn trajectory(setting: Setting, motion: &TimeFreezingMotion) -> Trajectory {
