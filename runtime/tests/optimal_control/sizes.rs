@@ -57,6 +57,27 @@ scene! { Bouncing;
     minimize y
     horizon 1 [s]
 }
+scene! { Limited;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic
+    minimize y
+    constraint pace: dot(y) <= 2[m/s]
+    horizon 1 [s]
+}
+scene! { Thrown;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic
+    minimize y
+    free { dot(y) in 0..=2 }
+    horizon 1 [s]
+}
+scene! { Placed;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic
+    minimize y
+    free { z in 0.1..=0.3 }
+    horizon 1 [s]
+}
 scene! { Timed;
     lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
     forces { y: 1[N/s]*t }
@@ -371,6 +392,27 @@ fn explicit_time_adds_a_variable_where_no_clock_is_known() {
         [(ExplicitTime, [28, 28, 0, 0, 68, 8])]
     );
     assert_eq!(added_kernels(&timed), Vec::<&str>::new());
+}
+
+#[test]
+fn path_constraints_and_free_starts_add_their_own_groups_to_time_freezing() {
+    use Purpose::{FreeStart, PathConstraint};
+    // A row that reads one variable at each of 36 stages.
+    assert_eq!(
+        added(&Limited::default(), FROZEN, FROZEN),
+        [(PathConstraint, [0, 0, 36, 0, 36, 0])]
+    );
+    // The velocity, four parts of the switching functions in two rows with 2 + 3 entries, and a pair; the first element reads
+    // the velocity at two stages, and two of the parts in its sums.
+    assert_eq!(
+        added(&Thrown::default(), FROZEN, FROZEN),
+        [(FreeStart, [5, 2, 0, 1, 9, 0])]
+    );
+    // The lifted gap as well, in both rows, in one that says what it is, and at two stages.
+    assert_eq!(
+        added(&Placed::default(), FROZEN, FROZEN),
+        [(FreeStart, [6, 3, 0, 1, 15, 0])]
+    );
 }
 
 #[test]
