@@ -239,7 +239,8 @@ pub(crate) struct SolveArguments {
     #[arg(long, value_name = "N", value_parser = elements, allow_negative_numbers = true)]
     pub(crate) elements: Option<usize>,
     /// Guesses and discretizations that are solved side by side; the best is returned, and the distinct local optima
-    /// are listed [default: up to 12 until the best is found again; 1 with time-freezing].
+    /// are listed [default: up to 12 until the best is found again; 1 with time-freezing, and others where
+    /// it fails].
     #[arg(long, value_name = "N", value_parser = starts, allow_negative_numbers = true)]
     pub(crate) starts: Option<usize>,
     #[command(flatten)]
@@ -574,7 +575,7 @@ mod tests {
             (
                 1,
                 format!(
-                    "are listed [default: up to {} until the best is found again; 1 with time-freezing]",
+                    "are listed [default: up to {} until the best is found again; 1 with time-freezing, and others where it fails]",
                     settings.starts()
                 ),
             ),

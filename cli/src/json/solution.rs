@@ -1,5 +1,6 @@
 //! The JSON document of an optimal control problem.
 
+use hangtime::model::Model;
 use hangtime::ocp::{Formulation, Optimum, Settings, Solution, TimeFreezingReport};
 use hangtime::rk::Scheme;
 use hangtime::simulation::{ProblemSize, Residuals, Seconds};
@@ -32,8 +33,8 @@ pub(crate) struct SolverSettings {
 }
 
 impl SolverSettings {
-    /// The settings of a solve with `intervals` control intervals.
-    pub(crate) fn new(settings: &Settings, intervals: usize) -> Self {
+    /// The settings of a solve of a scene with `intervals` control intervals.
+    pub(crate) fn new(model: &dyn Model, settings: &Settings, intervals: usize) -> Self {
         let (name, scheme, stages, elements) = match &settings.formulation {
             Formulation::Phases => (
                 "phases",
@@ -42,7 +43,8 @@ impl SolverSettings {
                 settings.elements,
             ),
             Formulation::TimeFreezing(grid) => {
-                ("time-freezing", grid.scheme, grid.stages, grid.elements)
+                let elements = grid.elements_of(model);
+                ("time-freezing", grid.scheme, grid.stages, elements)
             }
         };
         Self {

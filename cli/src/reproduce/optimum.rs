@@ -35,7 +35,7 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
     let problem = Problem::of(model, INTERVALS);
     let mut observer = |_: &hangtime::Progress| bounds.asked().is_none();
     let solution = ocp::solve(model, &problem, &settings, &mut observer).map_err(refuse)?;
-    let method = SolverSettings::new(&settings, problem.intervals);
+    let method = SolverSettings::new(model, &settings, problem.intervals);
     let ending = Ending::of(&solution);
     let json = SolutionDocument::new(chosen, &method, &solution, &ending, usize::MAX).text();
     let diagnosis = ending.line(chosen.scene.name);

@@ -43,7 +43,7 @@ impl OptimumTask {
             arguments.intervals.unwrap_or(INTERVALS),
         );
         Ok(Self {
-            method: SolverSettings::new(&settings, problem.intervals),
+            method: SolverSettings::new(chosen.model.as_ref(), &settings, problem.intervals),
             chosen,
             problem,
             settings,

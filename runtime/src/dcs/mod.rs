@@ -3,4 +3,4 @@
 
 mod heaviside;
 
-pub(crate) use heaviside::{ALPHA, Group, HeavisideSystem, P, W, hessian, jacobian};
+pub(crate) use heaviside::{ALPHA, Group, HeavisideSystem, P, W, gap_hessian, hessian, jacobian};

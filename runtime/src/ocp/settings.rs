@@ -1,6 +1,7 @@
 //! What the caller may choose.
 
 use super::previous::Previous;
+use crate::model::Model;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
@@ -85,8 +86,7 @@ pub enum Formulation {
     /// Small contact-implicit programs, from coarse to fine.
     #[default]
     Phases,
-    /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing), with constant controls. It starts from
-    /// [`Guess::Straight`] or [`Guess::Ride`].
+    /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing), with constant controls.
     TimeFreezing(TimeFreezingSettings),
 }
 
@@ -99,7 +99,8 @@ pub struct TimeFreezingSettings {
     /// Its stages; default 2, in `1..=9`.
     pub stages: usize,
     /// Finite elements of a control interval; default 3, at least 1. One more than the switches that an
-    /// interval should be able to hold; a touchdown is two (the jump has a beginning and an end).
+    /// interval should be able to hold; a touchdown is two (the jump has a beginning and an end). Where a contact bounces,
+    /// there is one more ([`elements_of`](Self::elements_of)): its jump is a fall and a rise.
     pub elements: usize,
     /// Acceleration `a_bar` of the auxiliary dynamics \[unit of the gap / s^2\]; default 20, > 0. Of the
     /// order of the contact accelerations, so that the step functions stay away from 0 and 1.
@@ -124,6 +125,15 @@ impl Default for TimeFreezingSettings {
             simulated_guess: false,
             complementarity: 1e-6,
         }
+    }
+}
+
+impl TimeFreezingSettings {
+    /// Finite elements of a control interval of a scene: [`elements`](Self::elements), and one more where a contact bounces.
+    #[must_use]
+    pub fn elements_of(&self, model: &dyn Model) -> usize {
+        let mut contacts = 0..model.declaration().contacts.len();
+        self.elements + usize::from(contacts.any(|contact| model.restitution(contact) > 0.0))
     }
 }
 
@@ -164,8 +174,9 @@ pub struct Settings {
     pub guess: Guess,
     /// Number of starts that are solved side by side, the first one with these settings, the others with other guesses and
     /// relaxations, or discretizations of the time-freezing formulation; at least 1. Default: up to 12, fewer where the
-    /// best motion is found again, and 1 with time-freezing or a previous motion. The best result is returned, with the
-    /// distinct local optima; it does not depend on the number of threads.
+    /// best motion is found again; 1 with a previous motion; with time-freezing 1, and up to five others one after the
+    /// other until a motion is confirmed. The best result is returned, with the distinct local optima; it does not depend
+    /// on the number of threads.
     pub starts: Option<usize>,
     /// Finite elements of a phase at the start; default 1, at least 1. Where the re-simulation does not confirm a plan,
     /// more are taken in the intervals that a simulation of each shows to be inaccurate; see
@@ -271,18 +282,6 @@ impl Settings {
             if value == 0 {
                 return Err(InputError::out_of_range(what, 0.0, "", "at least 1"));
             }
-        }
-        let supported = matches!(
-            self.guess,
-            Guess::Straight | Guess::Ride | Guess::Previous(_)
-        );
-        if let Formulation::TimeFreezing(_) = self.formulation
-            && !supported
-        {
-            return Err(InputError::unsupported(
-                format!("guess {:?} of the time-freezing formulation", self.guess),
-                "choose `Straight`, `Ride` or `Previous`",
-            ));
         }
         Ok(())
     }

@@ -85,11 +85,10 @@ fn time_freezing(
             settings.scheme.name(),
             settings.stages,
             problem.intervals,
-            settings.elements
+            settings.elements_of(model)
         ),
         groups: program.groups(),
-        // Costs and goals are linear, or quadratic in the controls: numbers in this program.
-        kernels: called(model, &[]),
+        kernels: called(model, &["path_", "terminal_"]),
     })
 }
 

@@ -195,15 +195,15 @@ impl<'a> TimeFreezingSystem<'a> {
             .free_hessian(x, weights, &mut self.acceleration_hessian);
     }
 
-    /// Hessian values of `velocity v_n + direction' d` of one contact at `x`.
+    /// Hessian values of `gap g + velocity v_n + direction' d` of one contact at `x`.
     pub(crate) fn evaluate_contact_hessian(
         &mut self,
         contact: usize,
         x: &[f64],
-        velocity: f64,
+        [gap, velocity]: [f64; 2],
         direction: impl Iterator<Item = f64>,
     ) {
-        self.weights[1] = velocity;
+        self.weights[..2].copy_from_slice(&[gap, velocity]);
         for (weight, value) in self.weights[2..].iter_mut().zip(direction) {
             *weight = value;
         }
@@ -231,6 +231,5 @@ impl<'a> TimeFreezingSystem<'a> {
         }
         let values = &mut self.tangent_hessians[contact];
         self.model.tangent_hessian(contact, x, weights, values);
-        self.weights[0] = 0.0;
     }
 }

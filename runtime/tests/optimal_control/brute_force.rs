@@ -327,8 +327,13 @@ fn time_freezing_formulation_polished_finds_both_local_optima_of_the_hopping_mas
     assert!(report.size.complementarities > 0 && report.iterations > 0);
     settings.starts = Some(1);
     settings.guess = Guess::Rest;
-    let error = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap_err();
-    insta::assert_snapshot!(error, @"guess Rest of the time-freezing formulation is not supported; choose `Straight`, `Ride` or `Previous`");
+    let rested = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap();
+    let nearest = both.map(|best| (rested.objective - best).abs());
+    assert!(
+        nearest.iter().any(|gap| *gap < 1e-6),
+        "{}",
+        rested.objective
+    );
 }
 
 #[test]

@@ -240,17 +240,37 @@ hangtime::model! {
 }
 
 #[test]
-fn declaration_that_a_formulation_cannot_state_is_refused_by_name() {
+fn time_freezing_programs_state_all_that_is_declared_and_end_at_the_optima_of_the_phases() {
     let mut settings = one_start();
     settings.formulation = ocp::Formulation::TimeFreezing(ocp::TimeFreezingSettings::default());
-    let refuse = |model: &dyn Model| {
-        let problem = Problem::of(model, 2);
-        let error = ocp::solve(model, &problem, &settings, &mut |_| true);
-        error.unwrap_err().to_string()
-    };
-    insta::assert_snapshot!(refuse(&Guided::default()), @"a running cost that is not a multiple of `u'u` in the time-freezing formulation is not supported; leave the formulation at its default");
-    insta::assert_snapshot!(refuse(&Limited::default()), @"the path constraint `speed` in the time-freezing formulation is not supported; leave the formulation at its default");
-    insta::assert_snapshot!(refuse(&Stone::default()), @"a free initial value in the time-freezing formulation is not supported; leave the formulation at its default");
+    let (guided, limited, stone) = (Guided::default(), Limited::default(), Stone::default());
+    let (engines, spring) = (Engines::default(), Spring::default());
+    // A cost of states, a path constraint, free initial values with a quadratic cost, an equality of controls, a
+    // quadratic constraint with a linear cost of the last state.
+    let scenes: [(&dyn Model, usize); 5] = [
+        (&guided, 4),
+        (&limited, 5),
+        (&stone, 3),
+        (&engines, 4),
+        (&spring, 8),
+    ];
+    for (model, intervals) in scenes {
+        let name = model.declaration().name;
+        let known = solve(model, intervals, &one_start()).objective;
+        let solution = solve(model, intervals, &settings);
+        let size = known.abs();
+        assert!(
+            (solution.objective - known).abs() < DIGITS * size,
+            "{name}: {known}"
+        );
+        // The program itself: its constraints hold at stages only, of a scheme of order 3, and its elements are equal.
+        let report = solution.time_freezing.unwrap();
+        assert!(
+            (report.objective - known).abs() < 1e-2 * size,
+            "{name}: {report:?} {known}"
+        );
+        assert!(report.primal < 1e-6, "{name}: {report:?}");
+    }
 }
 
 hangtime::model! {

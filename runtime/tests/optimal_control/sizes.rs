@@ -57,6 +57,27 @@ scene! { Bouncing;
     minimize y
     horizon 1 [s]
 }
+scene! { Limited;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic
+    minimize y
+    constraint pace: dot(y) <= 2[m/s]
+    horizon 1 [s]
+}
+scene! { Thrown;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic
+    minimize y
+    free { dot(y) in 0..=2 }
+    horizon 1 [s]
+}
+scene! { Placed;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic
+    minimize y
+    free { z in 0.1..=0.3 }
+    horizon 1 [s]
+}
 scene! { Timed;
     lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
     forces { y: 1[N/s]*t }
@@ -98,14 +119,14 @@ fn programs(
     program_sizes(model, &Problem::of(model, INTERVALS), &settings)
 }
 
-/// Every formulation that takes the scene.
+/// Every formulation.
 fn sizes(model: &dyn Model) -> Vec<FormulationSize> {
     let mut all = simulated(model, StepFormulation::ActiveSet);
     all.extend(simulated(model, StepFormulation::TimeFreezing));
     all.extend(simulated(model, StepFormulation::Complementarity));
     all.extend(programs(model, Formulation::Phases).unwrap());
     let time_freezing = Formulation::TimeFreezing(TimeFreezingSettings::default());
-    all.extend(programs(model, time_freezing).into_iter().flatten());
+    all.extend(programs(model, time_freezing).unwrap());
     all
 }
 
@@ -277,7 +298,7 @@ fn control_adds_one_variable_an_interval_and_no_equation() {
     assert_eq!(added(&driven, FINE, FINE), [(Control, [6, 0, 0, 0, 28, 2])]);
     assert_eq!(
         added(&driven, FROZEN, FROZEN),
-        [(Control, [6, 0, 0, 0, 36, 66])]
+        [(Control, [6, 0, 0, 0, 36, 60])]
     );
     assert_eq!(added_kernels(&driven), Vec::<&str>::new());
 }
@@ -324,7 +345,7 @@ fn second_contact_adds_what_the_first_one_takes_and_products_of_step_functions()
 }
 
 #[test]
-fn restitution_adds_variables_to_the_program_of_a_step_only() {
+fn restitution_adds_variables_to_the_programs_of_time_freezing_only() {
     let bouncing = Bouncing::default();
     for name in [FLIGHT, HELD, HELD_FROZEN, COARSE] {
         assert_eq!(added(&bouncing, name, name), [], "{name}");
@@ -335,7 +356,9 @@ fn restitution_adds_variables_to_the_program_of_a_step_only() {
     assert_eq!(step, [40, 28, 0, 8, 250, 48]);
     // Each bounce is a phase and an impact of its own; the impact map takes no row more for it.
     assert_eq!(numbers(named(&all, FINE), Purpose::Restitution), [0; 6]);
-    assert!(all.iter().all(|size| size.formulation != FROZEN));
+    // Two variables and a row in each of 2 x 24 stages, four sums and two pairs in each of 24 elements: four an interval.
+    let frozen = numbers(named(&all, FROZEN), Purpose::Restitution);
+    assert_eq!(frozen, [192, 144, 0, 48, 862, 192]);
     assert_eq!(added_kernels(&bouncing), Vec::<&str>::new());
 }
 
@@ -369,6 +392,27 @@ fn explicit_time_adds_a_variable_where_no_clock_is_known() {
         [(ExplicitTime, [28, 28, 0, 0, 68, 8])]
     );
     assert_eq!(added_kernels(&timed), Vec::<&str>::new());
+}
+
+#[test]
+fn path_constraints_and_free_starts_add_their_own_groups_to_time_freezing() {
+    use Purpose::{FreeStart, PathConstraint};
+    // A row that reads one variable at each of 36 stages.
+    assert_eq!(
+        added(&Limited::default(), FROZEN, FROZEN),
+        [(PathConstraint, [0, 0, 36, 0, 36, 0])]
+    );
+    // The velocity, four parts of the switching functions in two rows with 2 + 3 entries, and a pair; the first element reads
+    // the velocity at two stages, and two of the parts in its sums.
+    assert_eq!(
+        added(&Thrown::default(), FROZEN, FROZEN),
+        [(FreeStart, [5, 2, 0, 1, 9, 0])]
+    );
+    // The lifted gap as well, in both rows, in one that says what it is, and at two stages.
+    assert_eq!(
+        added(&Placed::default(), FROZEN, FROZEN),
+        [(FreeStart, [6, 3, 0, 1, 15, 0])]
+    );
 }
 
 #[test]

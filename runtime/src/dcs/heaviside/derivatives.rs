@@ -277,7 +277,7 @@ fn contact_curvature(
     dcs.system.evaluate_contact_hessian(
         contact,
         &dcs.input,
-        by_velocity,
+        [0.0, by_velocity],
         weights[n..2 * n].iter().map(|weight| push * weight),
     );
     let entries = dcs.system.model.declaration().contacts[contact]
@@ -307,6 +307,24 @@ fn contact_curvature(
                 add(place, column, weight * value);
             }
         }
+    }
+}
+
+/// Entries (one of (i, j) and (j, i) each) of the Hessian of `weight g` of a contact where the system was evaluated last.
+pub(crate) fn gap_hessian(
+    dcs: &mut HeavisideSystem<'_>,
+    contact: usize,
+    weight: f64,
+    mut add: impl FnMut(usize, usize, f64),
+) {
+    let none = std::iter::repeat_n(0.0, dcs.layout.n);
+    dcs.system
+        .evaluate_contact_hessian(contact, &dcs.input, [weight, 0.0], none);
+    let declared = &dcs.system.model.declaration().contacts[contact];
+    let entries = declared.hessian.entries;
+    for (&(i, j), &value) in entries.iter().zip(&dcs.system.contact_hessians[contact]) {
+        let place = |input: u32| dcs.layout.local_of_input(input as usize);
+        add(place(i), place(j), value);
     }
 }
 

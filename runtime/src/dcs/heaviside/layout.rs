@@ -152,7 +152,7 @@ impl Layout {
     }
 
     /// Place in `xi` of `theta`, unless there is no contact and `theta = 1`.
-    pub(super) fn theta(&self) -> Option<usize> {
+    pub(crate) fn theta(&self) -> Option<usize> {
         (self.contacts > 0).then(|| self.product(self.contacts))
     }
 
@@ -250,7 +250,7 @@ impl Layout {
     }
 
     /// Place in `xi` of component `k` of the model's input vector.
-    pub(super) fn local_of_input(&self, k: usize) -> usize {
+    pub(crate) fn local_of_input(&self, k: usize) -> usize {
         let n = self.n;
         if k < 2 * n {
             k

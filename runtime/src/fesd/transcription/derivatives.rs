@@ -1,6 +1,6 @@
 //! Jacobian and Hessian of the program, assembled from the local ones.
 
-use super::{EQUILIBRATION, SUMS, Transcription};
+use super::{EQUILIBRATION, SUMS, Transcription, conditions, start};
 use crate::dcs;
 use crate::nlp::Pattern;
 
@@ -39,11 +39,8 @@ pub(super) fn add_jacobian(
             add(interval.rows + 1, horizon, -(k as f64 + 1.0) / count);
         }
     }
-    for (i, &(index, _)) in transcription.task.goals.iter().enumerate() {
-        if let Some(variable) = transcription.final_state()[index] {
-            add(transcription.goal_rows + i, variable, 1.0);
-        }
-    }
+    start::add_jacobian(transcription, x, add);
+    conditions::add_jacobian(transcription, x, add);
 }
 
 fn add_element_jacobian(
@@ -66,9 +63,7 @@ fn add_element_jacobian(
             if let Some(variable) = transcription.elements[e].blocks[m].variables[k] {
                 add(row, variable, 1.0);
             }
-            if e > 0
-                && let Some(variable) = transcription.end_state(e - 1)[k]
-            {
+            if let Some(variable) = transcription.start_variable(e, k) {
                 add(row, variable, -1.0);
             }
         }
@@ -145,18 +140,8 @@ pub(super) fn add_hessian(
         );
         add_element_hessian(transcription, x, e, multipliers, add);
     }
-    let effort =
-        weight * transcription.task.objective.control_effort / transcription.intervals.len() as f64;
-    let horizon = transcription.horizon(x);
-    for interval in &transcription.intervals {
-        for (&control, unit) in interval.controls.iter().zip(&transcription.control_units) {
-            let scaled = 2.0 * effort * unit * unit;
-            add(control, control, scaled * horizon);
-            if let Some(variable) = transcription.horizon {
-                add(control, variable, scaled * x[control]);
-            }
-        }
-    }
+    start::add_hessian(transcription, x, multipliers, add);
+    conditions::add_hessian(transcription, x, weight, multipliers, add);
 }
 
 fn add_element_hessian(

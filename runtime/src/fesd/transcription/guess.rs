@@ -86,11 +86,22 @@ pub(super) fn set_guess(transcription: &mut Transcription<'_>) {
         guess[horizon] = transcription.task.horizon;
     }
     let intervals = sample(transcription);
-    for (interval, sampled) in transcription.intervals.iter().zip(&intervals) {
+    for (k, (interval, sampled)) in transcription.intervals.iter().zip(&intervals).enumerate() {
         guess[interval.length] = sampled.length;
-        for (k, &control) in interval.controls.iter().enumerate() {
-            guess[control] =
-                transcription.task.controls.values()[k] / transcription.control_units[k];
+        let values = transcription.task.controls.values(k);
+        let units = &transcription.control_units;
+        for ((&control, value), unit) in interval.controls.iter().zip(values).zip(units) {
+            guess[control] = value / unit;
+        }
+    }
+    if let Some(beginning) = &transcription.beginning {
+        let variables = beginning.block.variables.clone();
+        let y = transcription.start.clone();
+        set_local(transcription, 0, &y, &vec![1.0; transcription.groups.len()]);
+        for (variable, value) in variables.iter().zip(&transcription.local) {
+            if let Some(variable) = variable {
+                guess[*variable] = *value;
+            }
         }
     }
     let count = transcription.task.elements;
@@ -111,7 +122,7 @@ pub(super) fn set_guess(transcription: &mut Transcription<'_>) {
             let share = start + c * width;
             let window = width / transcription.tableau.stages() as f64;
             let point = intervals[e / count].at(share, window, states);
-            set_local(transcription, &point[..states], &point[states..]);
+            set_local(transcription, e / count, &point[..states], &point[states..]);
             for k in 0..transcription.local.len() {
                 if let Some(variable) = transcription.elements[e].blocks[b].variables[k] {
                     guess[variable] = transcription.local[k] / transcription.unit(k);
@@ -130,15 +141,14 @@ pub(super) fn set_guess(transcription: &mut Transcription<'_>) {
     transcription.guess = guess;
 }
 
-/// Local vector for states and shares of the groups. Lifted gaps are those of the coordinates, where
+/// Local vector in interval `k` for states and shares of the groups. Lifted gaps are those of the coordinates, where
 /// they do not move alone.
-fn set_local(transcription: &mut Transcription<'_>, y: &[f64], shares: &[f64]) {
+fn set_local(transcription: &mut Transcription<'_>, k: usize, y: &[f64], shares: &[f64]) {
     let states = transcription.dcs.layout.states();
     transcription.local.fill(0.0);
     transcription.local[..states].copy_from_slice(y);
-    for (k, &control) in transcription.task.controls.values().iter().enumerate() {
-        transcription.local[states + k] = control;
-    }
+    let controls = transcription.task.controls.values(k);
+    transcription.local[states..states + controls.len()].copy_from_slice(controls);
     transcription
         .dcs
         .rows(&transcription.local, &mut transcription.rows);
@@ -156,42 +166,51 @@ fn set_local(transcription: &mut Transcription<'_>, y: &[f64], shares: &[f64]) {
 
 /// The guessed motion of each interval.
 fn sample(transcription: &mut Transcription<'_>) -> Vec<Sampled> {
-    let (groups, contacts) = (
-        transcription.groups.len(),
-        transcription.dcs.layout.contacts(),
-    );
-    let states = transcription.dcs.layout.states();
-    let duration = transcription.task.horizon / transcription.task.intervals as f64;
-    let mut y = transcription.start.clone();
-    (0..transcription.task.intervals)
-        .map(|k| match transcription.task.guess.clone() {
-            Guess::Line(velocity) => {
-                let n = velocity.len();
-                let end = |share: f64| {
-                    let elapsed = (k as f64 + share) * duration;
-                    let mut point = transcription.start[..n].to_vec();
-                    for (q, v) in point.iter_mut().zip(&velocity) {
-                        *q += elapsed * v;
-                    }
-                    point.extend(&velocity);
-                    point.push(transcription.start[2 * n] + elapsed);
-                    // a gap that moves in jumps alone stays where it is
-                    point.extend(&transcription.start[states - contacts..]);
-                    point.resize(states + groups, 0.5);
-                    point
-                };
-                Sampled {
-                    length: duration,
-                    points: vec![end(0.0), end(1.0)],
-                }
-            }
-            Guess::Simulated => simulate(transcription, &mut y, duration),
-        })
-        .collect()
+    let count = transcription.task.intervals;
+    let duration = transcription.task.horizon / count as f64;
+    match transcription.task.guess.clone() {
+        Guess::Motion(states) => {
+            let steps = ((states.len() - 1) / count).max(1);
+            let intervals = (0..count).map(|k| Sampled {
+                length: duration,
+                points: (k * steps..=(k + 1) * steps)
+                    .map(|i| {
+                        let elapsed = duration * i as f64 / steps as f64;
+                        undecided(transcription, &states[i.min(states.len() - 1)], elapsed)
+                    })
+                    .collect(),
+            });
+            intervals.collect()
+        }
+        Guess::Simulated => {
+            let mut y = transcription.start.clone();
+            let intervals = (0..count).map(|k| simulate(transcription, k, &mut y, duration));
+            intervals.collect()
+        }
+    }
 }
 
-/// Explicit Euler steps of the time-freezing system from `y` until `duration` has passed on its clock.
-fn simulate(transcription: &mut Transcription<'_>, y: &mut [f64], duration: f64) -> Sampled {
+/// The point `(q, v)` at a time since the start, with gaps of its own and every step function undecided.
+fn undecided(transcription: &mut Transcription<'_>, state: &[f64], elapsed: f64) -> Vec<f64> {
+    let states = transcription.dcs.layout.states();
+    let mut point = state.to_vec();
+    point.push(transcription.task.start.time + elapsed);
+    let mut local = point.clone();
+    local.resize(transcription.local.len(), 0.0);
+    transcription.dcs.rows(&local, &mut transcription.rows);
+    let system = &transcription.dcs.system;
+    point.extend((0..system.contacts()).map(|contact| system.gap(contact)));
+    point.resize(states + transcription.groups.len(), 0.5);
+    point
+}
+
+/// Explicit Euler steps of the time-freezing system in interval `k` from `y` until `duration` has passed on its clock.
+fn simulate(
+    transcription: &mut Transcription<'_>,
+    k: usize,
+    y: &mut [f64],
+    duration: f64,
+) -> Sampled {
     let time = transcription.dcs.layout.time();
     let end = y[time] + duration;
     let step = duration / STEPS as f64;
@@ -199,7 +218,7 @@ fn simulate(transcription: &mut Transcription<'_>, y: &mut [f64], duration: f64)
     let mut points = Vec::new();
     loop {
         let open = vec![1.0; transcription.groups.len()];
-        set_local(transcription, y, &open);
+        set_local(transcription, k, y, &open);
         y.copy_from_slice(&transcription.local[..y.len()]);
         let shares = transcription.dcs.shares(&transcription.local);
         let mut point = y.to_vec();
@@ -209,7 +228,7 @@ fn simulate(transcription: &mut Transcription<'_>, y: &mut [f64], duration: f64)
             let length = step * (points.len() - 1) as f64;
             return Sampled { length, points };
         }
-        set_local(transcription, y, &shares);
+        set_local(transcription, k, y, &shares);
         for (value, rate) in y.iter_mut().zip(&transcription.rows) {
             *value += step * rate;
         }

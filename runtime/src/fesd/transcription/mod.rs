@@ -21,6 +21,7 @@
 //! determines stay equal. Sources: Nurkanovic et al., Numerische Mathematik 2024; Nurkanovic, Pozharskiy,
 //! Frey, Diehl, Nonlinear Analysis: Hybrid Systems 54 (2024).
 
+mod conditions;
 mod derivatives;
 mod guess;
 mod modes;
@@ -28,14 +29,19 @@ mod names;
 mod neighbours;
 mod program;
 mod purposes;
+mod sites;
+mod start;
 mod task;
 
 pub(crate) use program::transcribe;
 pub(crate) use purposes::size_groups;
-pub(crate) use task::{Controls, Guess, Task, Weights};
+pub(crate) use task::{Controls, Guess, Task};
+
+use std::ops::Range;
 
 use crate::dcs::{Group, HeavisideSystem};
 use crate::fesd::finite_element::State;
+use crate::model::OptimalControlDeclaration;
 use crate::nlp::Pattern;
 use crate::rk::ButcherTableau;
 
@@ -74,6 +80,19 @@ struct Element {
     sums: usize,
     /// First constraint that defines the sums.
     sum_rows: usize,
+    /// First row of the path constraints that hold at its stages, stage by stage.
+    path_rows: usize,
+}
+
+/// The start of the motion, where some of its values are free.
+#[derive(Clone)]
+struct Beginning {
+    /// Its states and switching functions; states that are given have no variable.
+    block: Block,
+    /// First row `G_i - g_i(q) = 0`, one a contact where coordinates are free.
+    gap_rows: usize,
+    /// End of its rows.
+    end: usize,
 }
 
 /// One control interval.
@@ -83,7 +102,7 @@ struct Interval {
     length: usize,
     /// Variables of the controls, in their units; none if they are given.
     controls: Vec<usize>,
-    /// Constraint `sum_e h_e = 1`; the next one is the clock.
+    /// Constraint `sum_e h_e = 1`; the next one is the clock, and then come the path constraints on the controls.
     rows: usize,
 }
 
@@ -100,6 +119,10 @@ pub(crate) struct Transcription<'a> {
     control_units: Vec<f64>,
     intervals: Vec<Interval>,
     elements: Vec<Element>,
+    /// The start of the motion, where it is free.
+    beginning: Option<Beginning>,
+    /// Where the functions that the scene declares are evaluated.
+    sites: Vec<sites::Site>,
     variables: usize,
     constraints: usize,
     /// Variable of the final time, if it is free.
@@ -128,7 +151,7 @@ impl<'a> Transcription<'a> {
         let mut local = vec![0.0; dcs.layout.local_variables()];
         local[..y.len()].copy_from_slice(&y);
         let controls = dcs.layout.states()..dcs.layout.states() + dcs.layout.controls();
-        local[controls].copy_from_slice(task.controls.values());
+        local[controls].copy_from_slice(task.controls.values(0));
         let rows = vec![0.0; dcs.layout.states() + dcs.layout.algebraic_equations()];
         dcs.shares(&local);
         let duration = task.horizon / task.intervals as f64;
@@ -155,6 +178,8 @@ impl<'a> Transcription<'a> {
             control_units: task.controls.units(),
             intervals: Vec::with_capacity(task.intervals),
             elements: Vec::with_capacity(task.intervals * task.elements),
+            beginning: None,
+            sites: Vec::new(),
             variables: 0,
             constraints: 0,
             horizon: None,
@@ -184,6 +209,8 @@ impl<'a> Transcription<'a> {
 
     fn lay_out(&mut self) {
         self.horizon = self.task.horizon_bounds.map(|_| self.take(1));
+        self.push_beginning();
+        let (once, staged) = self.path_rows();
         for _ in 0..self.task.intervals {
             let length = self.take(1);
             let controls = match self.task.controls {
@@ -193,22 +220,82 @@ impl<'a> Transcription<'a> {
                     .collect(),
             };
             let rows = self.constraints;
-            self.constraints += 2;
+            self.constraints += 2 + once;
             self.intervals.push(Interval {
                 length,
                 controls,
                 rows,
             });
             for _ in 0..self.task.elements {
-                self.push_element();
+                self.push_element(staged);
             }
         }
         self.goal_rows = self.constraints;
-        self.constraints += self.task.goals.len();
+        self.constraints += self.declared().map_or(0, |declared| declared.goals.len());
     }
 
-    /// Adds an element to the last interval.
-    fn push_element(&mut self) {
+    /// Adds the start of the motion, if any of its values is free.
+    fn push_beginning(&mut self) {
+        let free: Vec<usize> = self.task.free_start.iter().map(|f| f.0).collect();
+        if free.is_empty() {
+            return;
+        }
+        let n = self.dcs.system.coordinates();
+        let layout = self.dcs.layout.clone();
+        let moves = free.iter().any(|&k| k < n);
+        let mut variables = vec![None; layout.local_variables()];
+        for (place, slot) in variables.iter_mut().enumerate() {
+            let gap = place >= layout.lifted_gap(0) && place < layout.states();
+            let switching = place >= layout.first_algebraic()
+                && place < layout.first_product()
+                && layout.is_switching(place);
+            if free.contains(&place) || gap && moves || switching {
+                *slot = Some(self.take(1));
+            }
+        }
+        for (first, second) in layout.stage_pairs() {
+            let pair = variables[first].zip(variables[second]);
+            self.pairs.extend(pair);
+        }
+        let algebraic_rows = self.constraints;
+        let gap_rows = algebraic_rows + layout.switching_rows();
+        let end = gap_rows + if moves { layout.contacts() } else { 0 };
+        self.constraints = end;
+        self.beginning = Some(Beginning {
+            block: Block {
+                variables,
+                algebraic_rows,
+                boundary: true,
+            },
+            gap_rows,
+            end,
+        });
+    }
+
+    /// What the scene declares for optimal control, if it is asked for.
+    fn declared(&self) -> Option<OptimalControlDeclaration> {
+        let declared = self.dcs.system.model.declaration().optimal_control;
+        declared.filter(|_| self.task.declared)
+    }
+
+    /// The inputs of the model that are controls.
+    fn control_inputs(&self) -> Range<usize> {
+        let first = 2 * self.dcs.system.coordinates();
+        first..first + self.dcs.layout.controls()
+    }
+
+    /// Numbers of the path constraints that are imposed once an interval, and at each stage.
+    fn path_rows(&self) -> (usize, usize) {
+        let Some(declared) = self.declared() else {
+            return (0, 0);
+        };
+        let (once, staged) = sites::by_interval(&declared, self.control_inputs());
+        let count = |functions: &[usize]| sites::constraints_of(&declared, functions).len();
+        (count(&once), count(&staged))
+    }
+
+    /// Adds an element to the last interval, with `staged` path constraints at each stage.
+    fn push_element(&mut self, staged: usize) {
         let states = self.dcs.layout.states();
         let length = self.take(1);
         let interval = self.intervals.len() - 1;
@@ -260,7 +347,8 @@ impl<'a> Transcription<'a> {
             self.pairs.push((first, first + 1));
             self.pairs.push((first + 2, first + 3));
         }
-        self.constraints = row + SUMS * self.groups.len();
+        let path_rows = row + SUMS * self.groups.len();
+        self.constraints = path_rows + staged * self.tableau.stages();
         self.elements.push(Element {
             interval,
             length,
@@ -268,7 +356,22 @@ impl<'a> Transcription<'a> {
             collocation_rows,
             sums,
             sum_rows: row,
+            path_rows,
         });
+    }
+
+    /// The block with whose state element `index` starts; none where the start is given.
+    fn block_before(&self, index: usize) -> Option<&Block> {
+        match index.checked_sub(1) {
+            Some(before) => self.elements[before].blocks.last(),
+            None => self.beginning.as_ref().map(|beginning| &beginning.block),
+        }
+    }
+
+    /// Variable of state component `k` at the start of element `index`, unless it is given.
+    fn start_variable(&self, index: usize, k: usize) -> Option<usize> {
+        self.block_before(index)
+            .and_then(|block| block.variables[k])
     }
 
     /// State variables `y` at the end of element `index`.
@@ -284,10 +387,8 @@ impl<'a> Transcription<'a> {
 
     /// Value of state component `k` at the start of element `index`.
     fn start_value(&self, x: &[f64], index: usize, k: usize) -> f64 {
-        if index == 0 {
-            return self.start[k];
-        }
-        self.end_state(index - 1)[k].map_or(0.0, |variable| x[variable])
+        let variable = self.start_variable(index, k);
+        variable.map_or(self.start[k], |variable| x[variable])
     }
 
     /// Weight of stage `j` in the collocation row of block `m`.
@@ -308,15 +409,24 @@ impl<'a> Transcription<'a> {
             .unwrap_or(1.0)
     }
 
-    /// Local vector of a block.
+    /// Local vector of a block of an element.
     fn gather(&mut self, x: &[f64], element: usize, block: usize) {
+        let interval = self.elements[element].interval;
+        let variables = std::mem::take(&mut self.elements[element].blocks[block].variables);
+        self.gather_from(x, interval, &variables);
+        self.elements[element].blocks[block].variables = variables;
+    }
+
+    /// Local vector with these variables; other states are those of the start, other controls those of the interval.
+    fn gather_from(&mut self, x: &[f64], interval: usize, variables: &[Option<usize>]) {
         let states = self.dcs.layout.states();
         self.local.fill(0.0);
-        let given = self.task.controls.values();
+        self.local[..states].copy_from_slice(&self.start);
+        let given = self.task.controls.values(interval);
         self.local[states..states + given.len()].copy_from_slice(given);
-        for k in 0..self.local.len() {
-            if let Some(variable) = self.elements[element].blocks[block].variables[k] {
-                self.local[k] = self.unit(k) * x[variable];
+        for (k, variable) in variables.iter().enumerate() {
+            if let Some(variable) = variable {
+                self.local[k] = self.unit(k) * x[*variable];
             }
         }
     }
@@ -339,17 +449,16 @@ impl<'a> Transcription<'a> {
             .filter_map(|block| block.variables[place])
             .collect();
         if sum % 2 == 1
-            && e > 0
-            && let Some(last) = self.elements[e - 1].blocks.last()
+            && let Some(before) = self.block_before(e)
         {
-            variables.extend(last.variables[place]);
+            variables.extend(before.variables[place]);
         }
         variables
     }
 
     /// Value of a cross complementarity sum.
     fn sum(&self, x: &[f64], e: usize, group: usize, sum: usize) -> f64 {
-        let at_start = if e == 0 && sum % 2 == 1 {
+        let at_start = if e == 0 && sum % 2 == 1 && self.beginning.is_none() {
             self.start_values[group][sum]
         } else {
             0.0
@@ -391,6 +500,12 @@ impl<'a> Transcription<'a> {
     pub(crate) fn numerical_length(&self, x: &[f64], e: usize) -> f64 {
         let element = &self.elements[e];
         x[element.length] * x[self.intervals[element.interval].length]
+    }
+
+    /// `(q, v)` at the start.
+    pub(crate) fn initial_state(&self, x: &[f64]) -> Vec<f64> {
+        let n = self.dcs.system.coordinates();
+        (0..2 * n).map(|k| self.start_value(x, 0, k)).collect()
     }
 
     /// State at the end of element `e`.
@@ -439,6 +554,13 @@ mod tests {
             surface wall: 1[m] - y - k*z^2/8 >= 0
             impact floor: inelastic
             impact wall: inelastic
+            minimize 0.7*time/1[s] + z*dot(z)/1[m^2/s]
+                + integral(0.4*u^2/1[N^2] + y^2*dot(z)*u/1[N*m^3/s])/1[s]
+            constraint push: 4[N] - u^2/1[N] >= 0
+            constraint pace: dot(y)^2 + z*u*1[m/(N*s^2)] >= 0
+            finally { y*dot(y) == 0.5[m^2/s], dot(z)^2*time <= 1[m^2/s] }
+            free { z in 0..=1, dot(y) in 1..=2 }
+            start { z: 0.4 [m], dot(y): 1.5 [m/s] }
         }
     }
 
@@ -454,6 +576,9 @@ mod tests {
             surface wall: 1[m] - y - k*z^2/8 >= 0
             impact floor: inelastic, friction 0.4, sliding dot(y) + cos(k*y)/4*dot(z)
             impact wall: restitution 0.6, friction 0.2, sliding dot(z) - k*z/4*dot(y)
+            minimize integral(0.4*u^2/1[N^2])/1[s]
+            finally { y == 0.5[m] }
+            free { dot(z) in -1..=1 }
         }
     }
 
@@ -480,19 +605,18 @@ mod tests {
         };
         let mut task = Task::step(&start, &[0.8], 0.25, 2);
         if unknown == Unknown::Everything {
+            let declared = bead.declaration().optimal_control.expect("declared");
+            let free_start = declared.free_start.iter();
+            let free_start = free_start.map(|&k| (k, (-2.0, 2.0))).collect();
             task.horizon_bounds = Some((0.1, 1.0));
             task.intervals = 2;
             task.controls = Controls::Free {
                 lower: vec![-3.0],
                 upper: vec![2.0],
-                guess: vec![0.8],
+                guess: vec![vec![0.8]; 2],
             };
-            task.goals = vec![(0, 0.5), (3, 0.1)];
-            task.objective = Weights {
-                final_time: 0.7,
-                control_effort: 0.4,
-                final_state: vec![(1, 0.3)],
-            };
+            task.declared = true;
+            task.free_start = free_start;
         }
         let mut program = transcribe(dcs, tableau, task);
         // A point off every bound and symmetry.

@@ -1,6 +1,6 @@
 //! Names of variables, rows and pairs: what, which element, when.
 
-use super::{Element, Interval, SUMS, Transcription};
+use super::{Element, Interval, SUMS, Transcription, conditions, start};
 
 /// Interval `k`, with its physical time if that is known before the solution.
 fn interval_name(transcription: &Transcription<'_>, k: usize) -> String {
@@ -76,6 +76,9 @@ pub(super) fn name_of_variable(transcription: &Transcription<'_>, index: usize) 
     if transcription.horizon == Some(index) {
         return "final time".into();
     }
+    if let Some(k) = start::local_of(transcription, index) {
+        return format!("{} at the start", local_name(transcription, k));
+    }
     let before = |interval: &Interval| interval.length <= index;
     let k = transcription
         .intervals
@@ -120,14 +123,18 @@ pub(super) fn name_of_variable(transcription: &Transcription<'_>, index: usize) 
 }
 
 pub(super) fn name_of_constraint(transcription: &Transcription<'_>, index: usize) -> String {
-    if index >= transcription.goal_rows {
-        return format!("goal {}", index - transcription.goal_rows);
+    if start::owns_row(transcription, index) {
+        return "switching functions at the start".into();
     }
     let before = |interval: &Interval| interval.rows <= index;
     let k = transcription
         .intervals
         .partition_point(before)
         .saturating_sub(1);
+    let interval = || interval_name(transcription, k);
+    if let Some(name) = conditions::row_name(transcription, index, interval) {
+        return name;
+    }
     match index - transcription.intervals[k].rows {
         0 => format!(
             "sum of the element lengths of {}",
@@ -154,7 +161,11 @@ pub(super) fn name_of_constraint(transcription: &Transcription<'_>, index: usize
 }
 
 pub(super) fn name_of_pair(transcription: &Transcription<'_>, index: usize) -> String {
-    let (i, _) = transcription.pairs[index];
+    let (i, j) = transcription.pairs[index];
+    if start::local_of(transcription, i).is_some() {
+        let name = |index| name_of_variable(transcription, index);
+        return format!("{} _|_ {}", name(i), name(j));
+    }
     let before = |element: &Element| element.length <= i;
     let e = transcription
         .elements

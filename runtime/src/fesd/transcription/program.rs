@@ -1,8 +1,8 @@
 //! The program as the solver sees it.
 
 use super::{
-    Controls, EQUILIBRATION, SHORTEST, SUMS, Task, Transcription, derivatives, guess, modes, names,
-    neighbours,
+    Controls, EQUILIBRATION, SHORTEST, SUMS, Task, Transcription, conditions, derivatives, guess,
+    modes, names, neighbours, start,
 };
 use crate::dcs::HeavisideSystem;
 use crate::mpcc::Mpcc;
@@ -16,6 +16,7 @@ pub(crate) fn transcribe<'a>(
     task: Task,
 ) -> Transcription<'a> {
     let mut transcription = Transcription::new(dcs, tableau, task);
+    transcription.sites = conditions::sites(&transcription);
     guess::set_guess(&mut transcription);
     derivatives::set_patterns(&mut transcription);
     transcription
@@ -24,15 +25,6 @@ pub(crate) fn transcribe<'a>(
 /// Length of an element over that of its interval, if all are equal.
 fn nominal(transcription: &Transcription<'_>) -> f64 {
     1.0 / transcription.task.elements as f64
-}
-
-/// `sum_k u_k'u_k / N`.
-fn mean_square(transcription: &Transcription<'_>, x: &[f64]) -> f64 {
-    let squares = transcription.intervals.iter().flat_map(|interval| {
-        let scaled = interval.controls.iter().zip(&transcription.control_units);
-        scaled.map(|(&control, unit)| (unit * x[control]).powi(2))
-    });
-    squares.sum::<f64>() / transcription.intervals.len() as f64
 }
 
 impl NlpProblem for Transcription<'_> {
@@ -55,6 +47,7 @@ impl NlpProblem for Transcription<'_> {
         if let Some(horizon) = self.horizon {
             (lower[horizon], upper[horizon]) = (least, most);
         }
+        start::write_bounds(self, lower, upper);
         for interval in &self.intervals {
             lower[interval.length] = least / count;
             upper[interval.length] = self.speed_bound * most / count;
@@ -94,6 +87,7 @@ impl NlpProblem for Transcription<'_> {
     fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
         lower.fill(0.0);
         upper.fill(0.0);
+        conditions::write_bounds(self, upper);
     }
 
     fn initial_point(&self, x: &mut [f64]) {
@@ -106,17 +100,7 @@ impl NlpProblem for Transcription<'_> {
             .iter()
             .map(|element| (x[element.length] / nominal(self) - 1.0).powi(2))
             .sum();
-        let weights = &self.task.objective;
-        let last = self.final_state();
-        let finals = weights.final_state.iter();
-        let finals: f64 = finals
-            .filter_map(|&(k, weight)| Some(weight * x[last[k]?]))
-            .sum();
-        let horizon = self.horizon(x);
-        EQUILIBRATION * equilibration
-            + weights.final_time * horizon
-            + weights.control_effort * horizon * mean_square(self, x)
-            + finals
+        EQUILIBRATION * equilibration + conditions::objective(self, x)
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
@@ -126,21 +110,7 @@ impl NlpProblem for Transcription<'_> {
             gradient[element.length] =
                 2.0 * EQUILIBRATION * (x[element.length] / nominal - 1.0) / nominal;
         }
-        let weights = &self.task.objective;
-        if let Some(horizon) = self.horizon {
-            gradient[horizon] = weights.final_time + weights.control_effort * mean_square(self, x);
-        }
-        let factor = 2.0 * weights.control_effort * self.horizon(x) / self.intervals.len() as f64;
-        for interval in &self.intervals {
-            for (&control, unit) in interval.controls.iter().zip(&self.control_units) {
-                gradient[control] = factor * unit * unit * x[control];
-            }
-        }
-        for &(k, weight) in &weights.final_state {
-            if let Some(variable) = self.final_state()[k] {
-                gradient[variable] += weight;
-            }
-        }
+        conditions::add_gradient(self, x, gradient);
     }
 
     fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
@@ -197,10 +167,8 @@ impl NlpProblem for Transcription<'_> {
             c[interval.rows + 1] =
                 end.map_or(0.0, |clock| x[clock]) - self.start[time] - share * self.horizon(x);
         }
-        for (i, &(index, value)) in self.task.goals.iter().enumerate() {
-            c[self.goal_rows + i] =
-                self.final_state()[index].map_or(0.0, |variable| x[variable]) - value;
-        }
+        start::write_rows(self, x, c);
+        conditions::write_rows(self, x, c);
     }
 
     fn jacobian_pattern(&self) -> Vec<(usize, usize)> {

@@ -1,6 +1,6 @@
 //! What the variables and rows of a transcription are there for.
 
-use super::{SUMS, Transcription};
+use super::{SUMS, Transcription, start};
 use crate::mpcc::Mpcc as _;
 use crate::size::{Purpose, SizeGroup, groups_of};
 
@@ -50,6 +50,9 @@ fn of_variable(transcription: &Transcription<'_>, index: usize) -> Purpose {
     if transcription.horizon == Some(index) {
         return Purpose::FinalTime;
     }
+    if start::local_of(transcription, index).is_some() {
+        return Purpose::FreeStart;
+    }
     let intervals = &transcription.intervals;
     let k = intervals.partition_point(|interval| interval.length <= index);
     let interval = &intervals[k.saturating_sub(1)];
@@ -77,16 +80,24 @@ fn of_row(transcription: &Transcription<'_>, index: usize) -> Purpose {
     if index >= transcription.goal_rows {
         return Purpose::Goal;
     }
+    if start::owns_row(transcription, index) {
+        return Purpose::FreeStart;
+    }
+    let (once, _) = transcription.path_rows();
     let intervals = &transcription.intervals;
     let k = intervals.partition_point(|interval| interval.rows <= index);
     match index - intervals[k.saturating_sub(1)].rows {
         0 => return Purpose::ElementLength,
         1 => return Purpose::Clock,
+        row if row < 2 + once => return Purpose::PathConstraint,
         _ => {}
     }
     let elements = &transcription.elements;
     let e = elements.partition_point(|element| element.collocation_rows <= index);
     let element = &elements[e.saturating_sub(1)];
+    if index >= element.path_rows {
+        return Purpose::PathConstraint;
+    }
     if let Some(sum) = index.checked_sub(element.sum_rows) {
         return of_sum(transcription, sum);
     }

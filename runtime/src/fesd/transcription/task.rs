@@ -7,6 +7,8 @@ use crate::fesd::finite_element::State;
 #[derive(Debug, Clone)]
 pub(crate) struct Task {
     pub(crate) start: State,
+    /// Components of `(q, v)` that are free at the start, with their ranges.
+    pub(crate) free_start: Vec<(usize, (f64, f64))>,
     /// Length \[s\], or a guess of it.
     pub(crate) horizon: f64,
     /// Bounds of the length \[s\], if it is free.
@@ -18,9 +20,9 @@ pub(crate) struct Task {
     pub(crate) elements: usize,
     /// Bounds of the coordinates at the ends of the elements.
     pub(crate) coordinate_bounds: (Vec<f64>, Vec<f64>),
-    /// Values at the end, by index in `(q, v)`.
-    pub(crate) goals: Vec<(usize, f64)>,
-    pub(crate) objective: Weights,
+    /// Whether objective, path constraints and terminal conditions are those that the scene declares; else there are
+    /// none.
+    pub(crate) declared: bool,
     pub(crate) guess: Guess,
 }
 
@@ -29,32 +31,21 @@ pub(crate) struct Task {
 pub(crate) enum Controls {
     /// Given, the same everywhere.
     Fixed(Vec<f64>),
-    /// Unknown, constant on each interval.
+    /// Unknown, constant on each interval; a guess for each.
     Free {
         lower: Vec<f64>,
         upper: Vec<f64>,
-        guess: Vec<f64>,
+        guess: Vec<Vec<f64>>,
     },
 }
 
 /// Where the solver starts.
 #[derive(Debug, Clone)]
 pub(crate) enum Guess {
-    /// Motion at this velocity, with every step function undecided.
-    Line(Vec<f64>),
+    /// `(q, v)` at equal steps of physical time over the whole motion, with every step function undecided.
+    Motion(Vec<Vec<f64>>),
     /// A coarse explicit simulation of the time-freezing system under the guessed controls.
     Simulated,
-}
-
-/// Weights of the objective.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Weights {
-    /// Of the final time.
-    pub(crate) final_time: f64,
-    /// Of `int u'u dt`.
-    pub(crate) control_effort: f64,
-    /// Of components of `(q, v)` at the end, by index.
-    pub(crate) final_state: Vec<(usize, f64)>,
 }
 
 impl Task {
@@ -63,24 +54,25 @@ impl Task {
         let n = start.q.len();
         Self {
             start: start.clone(),
+            free_start: Vec::new(),
             horizon: duration,
             horizon_bounds: None,
             controls: Controls::Fixed(u.to_vec()),
             intervals: 1,
             elements,
             coordinate_bounds: (vec![f64::NEG_INFINITY; n], vec![f64::INFINITY; n]),
-            goals: Vec::new(),
-            objective: Weights::default(),
+            declared: false,
             guess: Guess::Simulated,
         }
     }
 }
 
 impl Controls {
-    /// Value, or guess of it.
-    pub(crate) fn values(&self) -> &[f64] {
+    /// Value on interval `k`, or guess of it.
+    pub(crate) fn values(&self, k: usize) -> &[f64] {
         match self {
-            Self::Fixed(values) | Self::Free { guess: values, .. } => values,
+            Self::Fixed(values) => values,
+            Self::Free { guess, .. } => guess.get(k).map_or(&[], Vec::as_slice),
         }
     }
 

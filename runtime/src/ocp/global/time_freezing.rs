@@ -1,17 +1,17 @@
 //! The optimal control problem as one complementarity problem: time-freezing and FESD.
 
+use super::guess::guess;
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
-use crate::fesd::transcription::{
-    Controls, Guess, Task, Transcription, Weights, size_groups, transcribe,
-};
-use crate::model::{ConstraintRelation, ImpactLaw, Model, OptimalControlDeclaration};
+use crate::fesd::transcription::{Controls, Guess, Task, Transcription, size_groups, transcribe};
+use crate::model::Model;
 use crate::mpcc::Mpcc;
 use crate::nlp::NlpProblem;
+use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;
-use crate::ocp::motion::targets::{horizon_guess, targets};
+use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem, bounds};
-use crate::ocp::settings::TimeFreezingSettings;
+use crate::ocp::settings::{self, TimeFreezingSettings};
 use crate::rk::ButcherTableau;
 use crate::simulation::{InputError, SizeGroup};
 use crate::time_freezing::TimeFreezingSystem;
@@ -20,7 +20,9 @@ use crate::time_freezing::TimeFreezingSystem;
 /// the time-freezing system, transcribed by finite elements with switch detection in step form. Solve it
 /// with [`mpcc::solve`](crate::mpcc::solve).
 ///
-/// Bounds of coordinates are imposed at the ends of the finite elements, bounds of controls everywhere.
+/// Objective, path constraints, terminal conditions and free initial values are those that the scene declares. Bounds of
+/// coordinates are imposed at the ends of the finite elements, path constraints at their stages, bounds of controls
+/// everywhere.
 /// The starting point is made from the problem alone: coordinates with a goal move to it at constant speed,
 /// the others rest; without goals, it is a coarse simulation. Controls start at zero, or as
 /// near to it as their bounds allow.
@@ -33,11 +35,16 @@ pub struct TimeFreezing<'a> {
     intervals: usize,
 }
 
+/// Points of a guess in each interval.
+const SAMPLES: usize = 4;
+
 /// One motion out of a [`TimeFreezing`] program.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::ocp) struct TimeFreezingMotion {
     /// Length \[s\].
     pub(in crate::ocp) horizon: f64,
+    /// `(q, v)` at the start.
+    pub(in crate::ocp) start: Vec<f64>,
     /// Controls of each interval.
     pub(in crate::ocp) controls: Vec<Vec<f64>>,
     /// Physical time at the end of each element \[s\].
@@ -61,16 +68,20 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
     ) -> Result<Self, InputError> {
         problem.check(model)?;
-        let mut contacts = model.declaration().contacts.iter();
-        if let Some(contact) = contacts.find(|contact| contact.law != ImpactLaw::Inelastic) {
-            return Err(InputError::unsupported(
-                format!(
-                    "restitution of `{}` in the time-freezing formulation",
-                    contact.name
-                ),
-                "leave the formulation at its default",
-            ));
-        }
+        let (lower, upper) = bounds(model);
+        let bounds = (&lower[..], &upper[..]);
+        let guess = guess(model, problem, &settings::Guess::Straight, bounds)?;
+        Self::from_guess(model, problem, settings, &guess)
+    }
+
+    /// Transcribes a problem and starts it at a motion, or at the simulation under its controls if the settings ask for
+    /// that.
+    pub(in crate::ocp) fn from_guess(
+        model: &'a dyn Model,
+        problem: &Problem,
+        settings: &TimeFreezingSettings,
+        guess: &Trajectory,
+    ) -> Result<Self, InputError> {
         let refuse = |what: &str, value: f64, bound: String| {
             Err(InputError::out_of_range(what, value, "", bound))
         };
@@ -93,7 +104,7 @@ impl<'a> TimeFreezing<'a> {
             );
         };
         let system = TimeFreezingSystem::new(model, a_bar);
-        let task = task(model, problem, settings)?;
+        let task = task(model, problem, settings, guess);
         Ok(Self {
             transcription: transcribe(HeavisideSystem::new(system), &tableau, task),
             intervals: problem.intervals,
@@ -123,6 +134,7 @@ impl<'a> TimeFreezing<'a> {
         let states: Vec<State> = elements.clone().map(|e| program.state(x, e)).collect();
         TimeFreezingMotion {
             horizon: program.horizon(x),
+            start: program.initial_state(x),
             controls: (0..self.intervals)
                 .map(|k| program.controls(x, k))
                 .collect(),
@@ -141,174 +153,57 @@ impl<'a> TimeFreezing<'a> {
     }
 }
 
-/// The problem in plain numbers.
+/// The problem in plain numbers, to be started at a motion.
 fn task(
     model: &dyn Model,
     problem: &Problem,
     settings: &TimeFreezingSettings,
-) -> Result<Task, InputError> {
+    guess: &Trajectory,
+) -> Task {
     let n = problem.q.len();
     let (lower, upper) = bounds(model);
-    let horizon = horizon_guess(problem, model);
+    let intervals = problem.intervals;
     let controls = if lower.len() == n {
         Controls::Fixed(Vec::new())
     } else {
+        let guessed = guess.controls.resampled(ControlShape::Constant, intervals);
         Controls::Free {
-            guess: (n..lower.len())
-                .map(|k| 0.0_f64.clamp(lower[k], upper[k]))
-                .collect(),
+            guess: guessed.values().to_vec(),
             lower: lower[n..].to_vec(),
             upper: upper[n..].to_vec(),
         }
     };
-    let mut stated = Stated::default();
-    if let Some(declared) = model.declaration().optimal_control {
-        stated = state(model, &declared, &problem.start())?;
-    }
-    let Stated { goals, weights } = stated;
-    let guess = if settings.simulated_guess || goals.is_empty() {
-        Guess::Simulated
-    } else {
-        let targets = targets(problem, model).into_iter().zip(&problem.q);
-        let velocity =
-            targets.map(|(target, q)| target.map_or(0.0, |target| (target - q) / horizon));
-        Guess::Line(velocity.collect())
-    };
-    Ok(Task {
+    let declared = model.declaration().optimal_control;
+    let aimless = declared.is_none_or(|declared| declared.goals.is_empty());
+    let start = guess.start(model, problem);
+    let ranges = problem.start_ranges(model).into_iter().enumerate();
+    let range = FinalTimes::around(problem, guess.horizon);
+    Task {
         start: State {
             time: 0.0,
-            q: problem.q.clone(),
-            v: problem.v.clone(),
+            q: start[..n].to_vec(),
+            v: start[n..].to_vec(),
         },
-        horizon,
+        free_start: ranges.filter(|(_, (from, to))| from < to).collect(),
+        horizon: guess.horizon,
         horizon_bounds: match problem.horizon {
             Horizon::Fixed(_) => None,
-            Horizon::Free { .. } => {
-                let range = FinalTimes::around(problem, horizon);
-                Some((range.shortest, range.longest))
-            }
+            Horizon::Free { .. } => Some((range.shortest, range.longest)),
         },
         controls,
-        intervals: problem.intervals,
-        elements: settings.elements,
+        intervals,
+        elements: settings.elements_of(model),
         coordinate_bounds: (lower[..n].to_vec(), upper[..n].to_vec()),
-        goals,
-        objective: weights,
-        guess,
-    })
-}
-
-/// What a scene declares, in plain numbers.
-#[derive(Default)]
-struct Stated {
-    /// (component of `(q, v)`, value).
-    goals: Vec<(usize, f64)>,
-    weights: Weights,
-}
-
-/// What the scene declares, as far as this formulation can state it: a running cost `w u'u`, a final cost that is
-/// linear in the state and the final time, and terminal conditions that give one component of the state a value.
-fn state(
-    model: &dyn Model,
-    declared: &OptimalControlDeclaration,
-    start: &[f64],
-) -> Result<Stated, InputError> {
-    let refuse = |what: &str| {
-        Err(InputError::unsupported(
-            format!("{what} in the time-freezing formulation"),
-            "leave the formulation at its default",
-        ))
-    };
-    if let Some(constraint) = declared.constraints.first() {
-        return refuse(&format!("the path constraint `{}`", constraint.name));
+        declared: true,
+        guess: if settings.simulated_guess || aimless {
+            Guess::Simulated
+        } else {
+            let count = SAMPLES * intervals;
+            let time = |i: usize| guess.horizon * i as f64 / count as f64;
+            let state = |i: usize| guess.at(time(i), true)[..2 * n].to_vec();
+            Guess::Motion((0..=count).map(state).collect())
+        },
     }
-    if !declared.free_start.is_empty() {
-        return refuse("a free initial value");
-    }
-    if !declared.terminal_hessian.entries.is_empty() {
-        return refuse("a nonlinear final cost or terminal condition");
-    }
-    let mut stated = Stated::default();
-    if declared.running_cost {
-        match effort_weight(model, declared, start) {
-            Some(weight) => stated.weights.control_effort = weight,
-            None => return refuse("a running cost that is not a multiple of `u'u`"),
-        }
-    }
-    let Stated { goals, weights } = &mut stated;
-    let mut z = start.to_vec();
-    z.push(1.0);
-    let mut values = vec![0.0; declared.terminal_functions()];
-    let mut slopes = vec![0.0; declared.terminal_jacobian.entries.len()];
-    model.terminal_functions(&z, &mut values);
-    model.terminal_jacobian(&z, &mut slopes);
-    let time = start.len();
-    let row = |function: usize| {
-        let entries = declared.terminal_jacobian.entries.iter().zip(&slopes);
-        let own =
-            entries.filter(move |(entry, slope)| entry.0 as usize == function && **slope != 0.0);
-        own.map(|(entry, &slope)| (entry.1 as usize, slope))
-    };
-    if declared.final_cost {
-        for (k, slope) in row(0) {
-            if k == time {
-                weights.final_time += slope;
-            } else {
-                weights.final_state.push((k, slope));
-            }
-        }
-    }
-    for (i, goal) in declared.goals.iter().enumerate() {
-        let function = i + usize::from(declared.final_cost);
-        let entries: Vec<(usize, f64)> = row(function).collect();
-        match entries[..] {
-            [(k, slope)] if k < time && goal.relation == ConstraintRelation::Zero => {
-                goals.push((k, z[k] - values[function] / slope));
-            }
-            _ => {
-                return refuse(&format!(
-                    "the terminal condition `{}`, which is not a value of one component,",
-                    goal.name
-                ));
-            }
-        }
-    }
-    Ok(stated)
-}
-
-/// The weight `w` of a running cost `w u'u`; nothing for another one. It reads nothing but the controls, its second
-/// derivatives are `2 w` for each of them and do not change with them, and it vanishes with its gradient at 0.
-fn effort_weight(
-    model: &dyn Model,
-    declared: &OptimalControlDeclaration,
-    start: &[f64],
-) -> Option<f64> {
-    let controls = model.declaration().controls.len();
-    let own = start.len()..start.len() + controls;
-    let jacobian = declared.path_jacobian.entries;
-    let hessian = declared.path_hessian.entries;
-    let reads_controls = jacobian.iter().all(|e| own.contains(&(e.1 as usize)));
-    let pure = hessian.iter().all(|e| e.0 == e.1) && hessian.len() == controls;
-    if !reads_controls || !pure {
-        return None;
-    }
-    let mut x = start.to_vec();
-    x.resize(model.declaration().inputs(), 0.0);
-    let (mut value, mut slopes) = ([0.0], vec![0.0; jacobian.len()]);
-    let mut curvatures = vec![0.0; hessian.len()];
-    model.path_functions(&x, &mut value);
-    model.path_jacobian(&x, &mut slopes);
-    model.path_hessian(&x, &[1.0], &mut curvatures);
-    let twice = *curvatures.first()?;
-    let alike = |curvatures: &[f64]| curvatures.iter().all(|curvature| *curvature == twice);
-    let even = value == [0.0] && slopes.iter().all(|slope| *slope == 0.0);
-    // A second derivative that is the same at points of very different size does not depend on them.
-    let constant = [1e-3, 1.0, 1e3].iter().all(|size| {
-        x[own.clone()].fill(*size);
-        model.path_hessian(&x, &[1.0], &mut curvatures);
-        alike(&curvatures)
-    });
-    (even && constant).then_some(0.5 * twice)
 }
 
 impl NlpProblem for TimeFreezing<'_> {
@@ -554,45 +449,11 @@ mod tests {
         assert_eq!(name(1), "clock at the end of interval 0");
         assert_eq!(name(8), "collocation of element 1 of interval 0");
         assert_eq!(name(20), "sum of the element lengths of interval 1");
-        assert_eq!(name(program.constraints() - 1), "goal 1");
-    }
-
-    crate::model! {
-        /// A cart whose push costs more one way than the other.
-        Uneven {
-            parameters { m: kg = 2 }
-            coordinates { y: m }
-            controls { u: N in -1..=1, p: N in -1..=1 }
-            lagrangian m/2*dot(y)^2
-            forces { y: u + p }
-            minimize integral(u^2 + 2*p^2)
-            horizon 1 [s]
-        }
-    }
-
-    crate::model! {
-        /// A cart whose push costs little as long as it is small.
-        Steep {
-            parameters { m: kg = 2 }
-            coordinates { y: m }
-            controls { u: N in -1..=1 }
-            lagrangian m/2*dot(y)^2
-            forces { y: u }
-            minimize integral(u^2 + u^4/1[N^2])
-            horizon 1 [s]
-        }
-    }
-
-    #[test]
-    fn running_cost_that_is_no_effort_is_refused_and_its_weight_is_found_if_it_is() {
-        let weight = |model: &dyn Model| {
-            let declared = model.declaration().optimal_control.expect("a cost");
-            effort_weight(model, &declared, &Problem::of(model, 1).start())
-        };
-        assert_eq!(weight(&Puck::default()), Some(1.0));
-        assert_eq!(weight(&Stone::default()), Some(2.0));
-        assert_eq!(weight(&Uneven::default()), None);
-        assert_eq!(weight(&Steep::default()), None);
+        let goal = name(program.constraints() - 1);
+        assert!(
+            goal.contains("dot(y)") && goal.ends_with("` at the end"),
+            "{goal}"
+        );
     }
 
     #[test]

@@ -8,13 +8,14 @@ use crate::mpcc::Mpcc as _;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlGrid;
+use crate::ocp::motion::edit_sequence::touching_for_less_than;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity};
 use crate::ocp::motion::model_input::{drive, with_forces};
 use crate::ocp::motion::read_sequence::{Elements, of_elements};
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Failure, Runner};
-use crate::ocp::settings::{Guess, TimeFreezingSettings};
+use crate::ocp::settings::TimeFreezingSettings;
 use crate::ocp::solution::TimeFreezingReport;
 use crate::simulation::ContactMode;
 use crate::simulation::{InputError, ProblemSize};
@@ -23,22 +24,27 @@ use crate::{mpcc, nlp};
 /// Mean step function of an element above which its contact is open: in flight it is 1, in contact
 /// `a_bar / (a_bar + r)` for a normal acceleration `r`.
 const OPEN: f64 = 0.99;
+/// Time on the clock, in intervals, below which a contact that bounces has not come to rest: it stands during a jump.
+const BOUNCE: f64 = 0.05;
 /// Most iterations of one rule. The programs are larger than those of the other phases.
 const ITERATIONS: usize = 1500;
 
-/// Solves the relaxed complementarity problem and reads motion and contact sequence from it, if there is one.
+/// Solves the relaxed complementarity problem from a guess, or from the simulation under its controls, and reads motion and
+/// contact sequence from it, if there is one.
 pub(in crate::ocp) fn candidate(
     runner: &mut Runner,
     setting: Setting,
     settings: &TimeFreezingSettings,
+    guess: &Trajectory,
+    simulated: bool,
 ) -> Result<(TimeFreezingReport, Option<Candidate>), InputError> {
     let clock = ThreadTime::try_now();
     let (model, problem) = (setting.model, setting.problem);
     let settings = TimeFreezingSettings {
-        simulated_guess: settings.simulated_guess || runner.settings.guess == Guess::Ride,
+        simulated_guess: settings.simulated_guess || simulated,
         ..settings.clone()
     };
-    let mut program = TimeFreezing::new(model, problem, &settings)?;
+    let mut program = TimeFreezing::from_guess(model, problem, &settings, guess)?;
     let mut relaxation = mpcc::Settings {
         crossover: false,
         final_relaxation: settings.complementarity,
@@ -113,16 +119,18 @@ fn sequence(
         .collect();
     let elements = Elements {
         modes,
-        per_interval: settings.elements,
+        per_interval: settings.elements_of(model),
         ends: motion.time.iter().map(|time| time / interval).collect(),
     };
-    of_elements(modes_at_start(setting, trajectory), &elements, 0.0)
+    let read = of_elements(modes_at_start(setting, trajectory), &elements, 0.0);
+    let bounces = |contact| model.restitution(contact) > 0.0;
+    touching_for_less_than(&read, BOUNCE, bounces).unwrap_or(read)
 }
 
 fn trajectory(setting: Setting, motion: &TimeFreezingMotion) -> Trajectory {
     let (model, problem) = (setting.model, setting.problem);
     let per_interval = motion.time.len() / problem.intervals;
-    let mut states = vec![problem.start()];
+    let mut states = vec![motion.start.clone()];
     let ends = motion.q.iter().zip(&motion.v);
     states.extend(ends.map(|(q, v)| [&q[..], &v[..]].concat()));
     let states = states.into_iter().enumerate().map(|(i, state)| {

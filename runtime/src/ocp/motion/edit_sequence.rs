@@ -78,11 +78,21 @@ pub(in crate::ocp) fn ending(given: &Sequence, intervals: usize) -> Option<Seque
 
 /// With touches in the place of contacts that are too short to be meant as such; `None` if there are none.
 pub(in crate::ocp) fn touching(given: &Sequence) -> Option<Sequence> {
+    touching_for_less_than(given, SHORT_CONTACT, |_| true)
+}
+
+/// With touches in the place of contacts that last less than `limit` intervals, of some contacts; `None` if there are none.
+pub(in crate::ocp) fn touching_for_less_than(
+    given: &Sequence,
+    limit: f64,
+    concerned: impl Fn(usize) -> bool,
+) -> Option<Sequence> {
     let mut sequence = given.clone();
     let mut openings = Vec::new();
     for (i, j) in given.neighbours() {
         let (first, second) = (&given.switches[i], &given.switches[j]);
-        if first.stays() && second.opens() && second.time - first.time < SHORT_CONTACT {
+        let short = first.stays() && second.opens() && second.time - first.time < limit;
+        if short && concerned(first.contact) {
             sequence.switches[i].mode = ContactMode::Open;
             openings.push(j);
         }

@@ -35,11 +35,13 @@ pub(in crate::ocp) struct Search<'a, 'e> {
 }
 
 impl<'a> Search<'a, '_> {
-    /// Adds the local optima that the motions of the global phase lead to.
+    /// Adds the local optima that the motions of the global phase lead to. `simulated` is a guess that is the motion under
+    /// its controls.
     pub(in crate::ocp) fn try_guess(
         &mut self,
         runner: &mut Runner,
         guess: &Trajectory,
+        simulated: bool,
     ) -> Result<(), InputError> {
         if runner.stopped() {
             return Ok(());
@@ -49,8 +51,13 @@ impl<'a> Search<'a, '_> {
         let relaxed = match &runner.settings.formulation {
             Formulation::Phases => coarse_to_fine::candidates(runner, setting, guess)?,
             Formulation::TimeFreezing(formulation) => {
-                let (report, candidate) =
-                    time_freezing_search::candidate(runner, setting, formulation)?;
+                let (report, candidate) = time_freezing_search::candidate(
+                    runner,
+                    setting,
+                    formulation,
+                    guess,
+                    simulated,
+                )?;
                 self.found.time_freezing = Some(report);
                 candidate.into_iter().collect()
             }

@@ -152,7 +152,8 @@ fn find(
     }
     // Without a previous motion, or too far from it: search.
     if search.found.optima.is_empty() {
-        search.try_guess(runner, guessed)?;
+        let simulated = matches!(settings.guess, Guess::Ride | Guess::Random { .. });
+        search.try_guess(runner, guessed, simulated)?;
     }
     // The ride without controls obeys the dynamics, which is what other guesses may be too far from.
     let none = search.found.optima.is_empty();
@@ -164,7 +165,7 @@ fn find(
             ..
         } = setting;
         let ride = guess(model, problem, &Guess::Ride, bounds)?;
-        search.try_guess(runner, &ride)?;
+        search.try_guess(runner, &ride, true)?;
     }
     // Up to where it comes nearest to the goals it is a motion itself.
     if !search.found.optima.is_empty() || runner.stopped() {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::optima::{Found, result, sort};
+use super::optima::{Found, rank, result, sort};
 use super::run::Task;
 use super::shared_observer::SharedObserver;
 use crate::Observer;
@@ -20,6 +20,10 @@ const REFINED_ELEMENTS: [usize; 5] = [4, 3, 6, 2, 5];
 /// Changes of the time-freezing formulation: elements added, and a factor of the auxiliary acceleration.
 const FREEZING: [(usize, f64); 4] = [(0, 1.0), (0, 0.5), (1, 1.0), (0, 2.0)];
 
+/// Starts of the time-freezing formulation, one after the other until one leads to a confirmed motion, where their number
+/// is left open.
+const ATTEMPTS: usize = 6;
+
 /// Solves from all starts side by side; the first result among the best, and the distinct local optima.
 pub(super) fn solve(
     model: &dyn Model,
@@ -34,9 +38,19 @@ pub(super) fn solve(
         settings,
         observer: &observer,
     };
-    let runs = (0..settings.starts()).into_par_iter();
-    let runs = runs.map(|start| task.solve_from(start, &variant(settings, start), Effort::Certify));
-    let seen = runs.collect::<Result<Vec<Found>, _>>()?;
+    let run = |start| task.solve_from(start, &variant(settings, start), Effort::Certify);
+    let freezes = matches!(settings.formulation, Formulation::TimeFreezing(_));
+    let seen = if freezes && settings.starts.is_none() {
+        let mut seen: Vec<Found> = Vec::new();
+        let confirmed = |found: &Found| rank(&found.solution).0 == 0;
+        while seen.len() < ATTEMPTS && !observer.stopped() && !seen.iter().any(confirmed) {
+            seen.push(run(seen.len())?);
+        }
+        seen
+    } else {
+        let runs = (0..settings.starts()).into_par_iter().map(run);
+        runs.collect::<Result<Vec<Found>, _>>()?
+    };
     let mut found = seen.clone();
     sort(&mut found);
     Ok(result(found, seen, observer.stopped()))
@@ -60,10 +74,10 @@ fn variant(settings: &Settings, start: usize) -> Settings {
             variant.refined_elements = REFINED_ELEMENTS[start % REFINED_ELEMENTS.len()];
         }
         Formulation::TimeFreezing(freezing) => {
-            variant.guess = if start.is_multiple_of(2) {
-                Guess::Straight
-            } else {
-                Guess::Ride
+            variant.guess = match start % 4 {
+                0 => Guess::Random { seed: start as u64 },
+                2 => Guess::Straight,
+                _ => Guess::Ride,
             };
             let (elements, factor) = FREEZING[start / 2 % FREEZING.len()];
             freezing.elements += elements + start / 2 / FREEZING.len();
