@@ -143,6 +143,9 @@ pub(crate) const NONSMOOTH: [&str; 10] = [
     "heaviside",
 ];
 
+/// Those of them that a surface may contain, as its pieces are smooth.
+pub(crate) const EDGES: [&str; 3] = ["abs", "min", "max"];
+
 /// Names that the time-freezing reformulation and the emitted code keep for themselves.
 pub(crate) const RESERVED: [&str; 6] =
     ["t", "time", "clock", "numerical_time", "clock_state", "pi"];

@@ -272,6 +272,8 @@ impl<'a> FixedRun<'a> {
             velocity: None,
             height: 0.0,
         };
+        self.dynamics.load(t, &self.y);
+        self.dynamics.choose_pieces();
         self.dynamics.observe_rounding(t, &self.y, h);
         let impact = velocity_jump::impact(&mut self.dynamics, t, &mut self.y, None, lowest)
             .map_err(|problem| self.undetermined(t, problem))?;

@@ -7,11 +7,26 @@ use crate::graph::{self, Sym, Variable};
 use crate::scene::{self, Coordinate, Parameter};
 use crate::words;
 
-/// A surface before its law is known.
+/// A surface, or a smooth piece of one with edges, before its law is known.
 pub(super) struct Surface {
     pub(super) documentation: Documentation,
     pub(super) name: Name,
     pub(super) gap: Sym,
+    /// Its number among several pieces, from 1.
+    pub(super) piece: Option<usize>,
+    /// Indices of the other pieces of the same maximum.
+    pub(super) alternatives: Vec<usize>,
+}
+
+impl Surface {
+    /// Its name as a contact.
+    pub(super) fn contact_name(&self) -> Name {
+        let mut name = self.name.clone();
+        if let Some(piece) = self.piece {
+            name.text = format!("{}.{piece}", name.text);
+        }
+        name
+    }
 }
 
 /// A sum of which parts are used by name.

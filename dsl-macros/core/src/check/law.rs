@@ -10,6 +10,8 @@ use crate::evaluate::expression;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::parse::law_of;
 use crate::scene::{self, Contact, Friction};
+use hangtime_units::Unit;
+use std::collections::HashMap;
 
 /// A surface with its law, before the law is completed from the Lagrangian.
 pub(super) struct Pair {
@@ -225,7 +227,7 @@ fn shown_coefficient(checker: &Checker<'_>, friction: &CheckedFriction) -> Strin
 /// E20: one law for each surface, no law without a surface.
 pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
     let before = checker.diagnostics.mistakes();
-    let mut laws = std::mem::take(&mut checker.impacts);
+    let laws = std::mem::take(&mut checker.impacts);
     let surfaces = std::mem::take(&mut checker.surfaces);
     for law in &laws {
         let text = &law.surface.text;
@@ -249,24 +251,26 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
     let mut pairs = Vec::with_capacity(surfaces.len());
     for surface in surfaces {
         let text = &surface.name.text;
-        let Some(index) = laws.iter().position(|law| law.surface.text == *text) else {
+        let Some(law) = laws.iter().find(|law| law.surface.text == *text) else {
             if checker.diagnostics.is_poisoned(&law_of(text)) {
                 continue;
             }
-            checker.diagnostics.report(
-                "E20",
-                surface.name.place(),
-                format!("surface `{text}` has no impact law; write `impact {text}: inelastic`"),
-            );
+            if surface.piece.is_none_or(|piece| piece == 1) {
+                checker.diagnostics.report(
+                    "E20",
+                    surface.name.place(),
+                    format!("surface `{text}` has no impact law; write `impact {text}: inelastic`"),
+                );
+            }
             continue;
         };
-        let law = laws.swap_remove(index);
         impulse(
             &surface,
-            &law,
+            law,
             checker.coordinates.len(),
             checker.diagnostics,
         );
+        let law = law.clone();
         pairs.push(Pair { surface, law });
     }
     if checker.diagnostics.mistakes() > before {
@@ -277,6 +281,20 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
 
 /// E09: an impulse changes the normal velocity.
 fn impulse(surface: &Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diagnostics) {
+    let sliding = law.friction.as_ref().and_then(|friction| friction.sliding);
+    for (word, declared) in [
+        ("along", law.along.is_some()),
+        ("sliding", sliding.is_some()),
+    ] {
+        if declared && surface.piece == Some(1) {
+            let message = format!(
+                "surface `{0}` has edges, and `{word}` is another one on each of its pieces; declare the pieces as \
+                 surfaces of their own, or leave `{word}` out",
+                surface.name.text
+            );
+            diagnostics.report("E20", law.surface.place(), message);
+        }
+    }
     let normal = normal(surface.gap, n);
     if let Some(along) = &law.along {
         let product: Sym = normal.iter().zip(along).map(|(&n, &w)| n * w).sum();
@@ -311,10 +329,11 @@ fn impulse(surface: &Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diag
 
 /// Surfaces and laws as contacts, with the sliding velocities that follow from the Lagrangian.
 ///
-/// `energy` is the Lagrangian, and whether it is free of mistakes.
+/// `energy` is the Lagrangian, and whether it is free of mistakes; `units` those of the gaps.
 pub(super) fn contacts(
     pairs: Vec<Pair>,
     energy: (Sym, bool),
+    units: &HashMap<String, Unit>,
     checker: &mut Checker<'_>,
 ) -> Checked<Vec<Contact>> {
     let mut contacts = Vec::with_capacity(pairs.len());
@@ -329,10 +348,11 @@ pub(super) fn contacts(
             continue;
         };
         contacts.push(Contact {
-            name: surface.name,
+            name: surface.contact_name(),
+            unit: units.get(&surface.name.text).copied(),
             documentation: surface.documentation,
             gap: surface.gap,
-            unit: None,
+            alternatives: surface.alternatives,
             along: law.along,
             held: law.held,
             restitution: law.restitution,

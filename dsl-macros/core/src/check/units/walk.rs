@@ -387,6 +387,19 @@ impl Walk<'_> {
                 let exponent = Ratio::new(1, if text == "sqrt" { 2 } else { 3 });
                 Ok(Units::Scalar(own.power(exponent.unwrap_or(Ratio::ONE))))
             }
+            ("abs", [argument]) => self.units(argument),
+            ("max" | "min", [first, others @ ..]) => {
+                let own = self.scalar(first)?;
+                for other in others {
+                    let its = self.scalar(other)?;
+                    if !self.unifier.unify(&own, &its) {
+                        let what = format!("the arguments of `{text}`");
+                        let (left, right) = ((first, &own), (other, &its));
+                        return Err(self.differ(function.place(), left, right, &what));
+                    }
+                }
+                Ok(Units::Scalar(own))
+            }
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
                 Ok(Units::Scalar(self.pure(argument, text)?))
             }
