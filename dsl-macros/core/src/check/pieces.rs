@@ -22,6 +22,8 @@ enum Refusal {
     Many,
     /// A piece belongs to more than one maximum.
     Shared,
+    /// A maximum is nowhere negative.
+    Everywhere,
 }
 
 /// The smallest of the largest of these gaps: one group of pieces for each maximum.
@@ -45,6 +47,11 @@ pub(super) fn groups(
         Err(Refusal::Shared) => {
             "a piece belongs to more than one `max`, so that it is not clear where it acts; declare several \
              surfaces, each with its own pieces"
+                .to_owned()
+        }
+        Err(Refusal::Everywhere) => {
+            "the surface holds everywhere, so that nothing ever touches it: two of its pieces are never negative \
+             together; check the signs, or write `min` where all pieces have to hold"
                 .to_owned()
         }
     };
@@ -94,6 +101,19 @@ fn lean(groups: Vec<Vec<Sym>>) -> Result<Vec<Vec<Sym>>, Refusal> {
             lean.retain(|known| !within(&group, known));
             lean.push(group);
         }
+    }
+    // The largest of two numbers is at least half of their sum.
+    let holds = |group: &Vec<Sym>| {
+        let pairs = group
+            .iter()
+            .flat_map(|one| group.iter().map(move |other| (*one, *other)));
+        let mut sums = pairs
+            .filter(|(one, other)| one != other)
+            .map(|(one, other)| simplify(one + other).as_number());
+        sums.any(|sum| sum.is_some_and(|sum| sum >= 0.0))
+    };
+    if lean.iter().any(holds) {
+        return Err(Refusal::Everywhere);
     }
     let mut seen = HashSet::new();
     if lean.iter().flatten().all(|piece| seen.insert(*piece)) {

@@ -18,7 +18,7 @@ pub(super) fn admit(
     let known = words::EDGES.contains(&text);
     if !known || scope.role != Role::Surface {
         let remedy = if known {
-            "; a `surface` may contain it, as the motion switches between its pieces"
+            "; declare a `surface`, which may contain it, where the motion switches"
         } else {
             "; declare a `surface` where the motion switches"
         };

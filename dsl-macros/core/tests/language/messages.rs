@@ -182,8 +182,27 @@ texts! {
         "E11: `t` is reserved for the physical time; choose another name",
         "E11: `clock` is reserved for the clock of the time-freezing reformulation; choose another name",
         "E11: `type` is a word of Rust and cannot be a field; choose another name";
-    absolute_value: beside "surface wall: abs(y) >= 0 impact wall: inelastic" =>
-        "E12: `abs` has a kink or a jump, which smooth dynamics must not have; declare a `surface` where the motion switches";
+    walls_on_both_sides: beside "surface wall: abs(y) <= 2 [m] impact wall: inelastic" => "accepted";
+    block_with_edges: beside "fn block(y, z) = max(|y| - 1 [m], z) surface block: block(y, z + 2 [m]) >= 0 impact block: inelastic, friction 0.2" =>
+        "accepted";
+    surface_that_holds_everywhere: beside "surface wall: abs(y) >= 0 impact wall: inelastic" =>
+        "E12: the surface holds everywhere, so that nothing ever touches it: two of its pieces are never negative together; check the signs, or write `min` where all pieces have to hold";
+    edge_with_a_factor: beside "parameters { a = 1 } surface roof: z >= a*|y| impact roof: inelastic" =>
+        "E12: `max`, `min` and `|x|` can be taken apart in sums and with numbers as factors only, as the sign of another factor is not known; write it inside, as in `|slope*y|` or `max(a*y, a*z)`";
+    piece_of_two_edges: beside "surface s: min(max(y, z), max(y, z - y)) >= 0 impact s: inelastic" =>
+        "E12: a piece belongs to more than one `max`, so that it is not clear where it acts; declare several surfaces, each with its own pieces";
+    edge_in_other_units: beside "surface s: max(z, m) >= 0 impact s: inelastic" =>
+        "E03: units differ: `z` is in m, `m` is in kg; the arguments of `max` must agree";
+    edge_without_arguments: beside "surface s: max(z) >= 0 impact s: inelastic" =>
+        "E02: `max` takes 2 arguments or more, found 1";
+    edge_with_one_sliding_velocity: beside "surface s: |y| <= 1 [m] impact s: inelastic, friction 0.1, sliding dot(z)" =>
+        "E20: surface `s` has edges, and `sliding` is another one on each of its pieces; declare the pieces as surfaces of their own, or leave `sliding` out";
+    derivative_at_an_edge: beside "fn h(y) = max(y, 2*y) surface s: z + 1 [m] >= diff(h)(y)*1 [m] impact s: inelastic" =>
+        "E12: `h` contains `max`, `min` or `|x|`, which have no derivative at the edge; differentiate the pieces";
+    velocity_at_an_edge: beside "surface s: dot(|y|) >= 0 impact s: inelastic" =>
+        "E12: `|y|` contains `max`, `min` or `|x|`, which have no derivative at the edge; differentiate the pieces";
+    absolute_value: beside "let top = abs(y) surface wall: z + top >= 0 impact wall: inelastic" =>
+        "E12: `abs` has a kink or a jump, which smooth dynamics must not have; declare a `surface`, which may contain it, where the motion switches";
     bars_around_a_number: with "lagrangian m/2*|dot((y, z))|^2 - m*g*|z|" =>
         "E12: `|z|` of a number has a kink at 0; square it, or declare a `surface` where the motion switches";
     branch: with "lagrangian if y > 0 { 1 } else { 2 }" =>
