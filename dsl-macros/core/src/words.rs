@@ -1,12 +1,13 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 18] = [
+pub(crate) const STATEMENTS: [&str; 19] = [
     "parameters",
     "coordinates",
     "controls",
     "let",
     "fn",
+    "profile",
     "lagrangian",
     "dissipation",
     "forces",

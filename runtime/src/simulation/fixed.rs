@@ -132,7 +132,7 @@ impl Simulator for FixedStep {
             &mut watch,
             |settings, watch| FixedRun::new(settings, model, problem).run(watch),
         );
-        watch.finish(&mut result);
+        watch.finish(model, &mut result);
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             result.seconds.total = elapsed.as_secs_f64();
         }

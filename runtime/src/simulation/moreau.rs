@@ -109,7 +109,7 @@ impl Simulator for Moreau {
             &mut watch,
             |settings, watch| TimeStepping::new(settings, model, problem).run(watch),
         );
-        watch.finish(&mut result);
+        watch.finish(model, &mut result);
         result.notes.push(
             "time stepping locates no events; contact forces of the trajectory show where contact is"
                 .into(),

@@ -125,7 +125,7 @@ impl Simulator for Smooth {
             &mut watch,
             |settings, watch| run(settings, (model, problem), watch),
         );
-        watch.finish(&mut result);
+        watch.finish(model, &mut result);
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             result.seconds.total = elapsed.as_secs_f64();
         }

@@ -12,8 +12,9 @@ pub(super) struct Surface {
     pub(super) documentation: Documentation,
     pub(super) name: Name,
     pub(super) gap: Sym,
-    /// Its number among several pieces, from 1.
-    pub(super) piece: Option<usize>,
+    /// Its number among the pieces, from 0, and how many there are.
+    pub(super) piece: usize,
+    pub(super) pieces: usize,
     /// Indices of the other pieces of the same maximum.
     pub(super) alternatives: Vec<usize>,
 }
@@ -22,8 +23,8 @@ impl Surface {
     /// Its name as a contact.
     pub(super) fn contact_name(&self) -> Name {
         let mut name = self.name.clone();
-        if let Some(piece) = self.piece {
-            name.text = format!("{}.{piece}", name.text);
+        if self.pieces > 1 {
+            name.text = format!("{}.{}", name.text, self.piece + 1);
         }
         name
     }
@@ -74,7 +75,8 @@ pub(super) struct CheckedLaw {
 #[derive(Clone)]
 pub(super) struct CheckedFriction {
     pub(super) coefficient: Sym,
-    pub(super) sliding: Option<Sym>,
+    /// Sliding velocities, one for each piece of the surface.
+    pub(super) sliding: Option<Vec<Sym>>,
     pub(super) place: Place,
 }
 

@@ -2,7 +2,7 @@
 
 use super::checker::{CheckedFriction, CheckedLaw, Checker, Surface};
 use super::rules::is_velocity;
-use crate::ast::{Expr, Law, Name};
+use crate::ast::{Expr, Kind, Law, Name};
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
 use crate::evaluate::Value;
@@ -29,7 +29,12 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
         .friction
         .as_ref()
         .map(|expr| coefficient(checker, expr, "friction", f64::INFINITY));
-    let sliding = law.sliding.as_ref().map(|expr| sliding(checker, expr));
+    let sliding = law.sliding.as_ref().map(|expr| {
+        let velocities = velocities(expr).iter();
+        velocities
+            .map(|expr| sliding(checker, expr))
+            .collect::<Checked<Vec<Sym>>>()
+    });
     let along = law.along.as_ref().map(|expr| direction(checker, expr));
     let held = held(checker, &law.holding);
     let (Ok(restitution), Ok(friction), Ok(sliding), Ok(along), Ok(held)) = (
@@ -62,11 +67,13 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
         checker.impacts.push(CheckedLaw {
             surface: surface.clone(),
             restitution,
-            friction: friction.map(|(coefficient, expr)| CheckedFriction {
-                coefficient,
-                sliding,
-                place: expr.place,
-            }),
+            friction: friction
+                .as_ref()
+                .map(|&(coefficient, expr)| CheckedFriction {
+                    coefficient,
+                    sliding: sliding.clone(),
+                    place: expr.place,
+                }),
             along: along.clone(),
             held: held.clone(),
         });
@@ -102,6 +109,14 @@ fn coefficient(checker: &mut Checker<'_>, expr: &Expr, of: &str, most: f64) -> C
         )
     };
     Err(checker.diagnostics.report("E10", expr.place, message))
+}
+
+/// The sliding velocities of a law: one, or one for each piece of a surface with edges.
+pub(super) fn velocities(expr: &Expr) -> &[Expr] {
+    match &expr.kind {
+        Kind::Vector(items) => items,
+        _ => std::slice::from_ref(expr),
+    }
 }
 
 /// The sliding velocity, which must be `b(q, t)' v + c(q, t)`: `c` is the velocity of a ground that moves.
@@ -255,7 +270,7 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
             if checker.diagnostics.is_poisoned(&law_of(text)) {
                 continue;
             }
-            if surface.piece.is_none_or(|piece| piece == 1) {
+            if surface.piece == 0 {
                 checker.diagnostics.report(
                     "E20",
                     surface.name.place(),
@@ -281,19 +296,28 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
 
 /// E09: an impulse changes the normal velocity.
 fn impulse(surface: &Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diagnostics) {
-    let sliding = law.friction.as_ref().and_then(|friction| friction.sliding);
-    for (word, declared) in [
-        ("along", law.along.is_some()),
-        ("sliding", sliding.is_some()),
-    ] {
-        if declared && surface.piece == Some(1) {
-            let message = format!(
-                "surface `{0}` has edges, and `{word}` is another one on each of its pieces; declare the pieces as \
-                 surfaces of their own, or leave `{word}` out",
-                surface.name.text
-            );
-            diagnostics.report("E20", law.surface.place(), message);
-        }
+    let name = &surface.name.text;
+    let sliding = law
+        .friction
+        .as_ref()
+        .and_then(|friction| friction.sliding.as_ref());
+    let given = sliding.map_or(surface.pieces, Vec::len);
+    let message = if given != surface.pieces {
+        Some(format!(
+            "surface `{name}` has {} smooth pieces, and `sliding` gives {given}; give one velocity for each, as in \
+             `sliding (dot(y), dot(z))`",
+            surface.pieces
+        ))
+    } else if law.along.is_some() && surface.pieces > 1 {
+        Some(format!(
+            "surface `{name}` has edges, and `along` is another direction on each of its pieces; declare the pieces \
+             as surfaces of their own"
+        ))
+    } else {
+        None
+    };
+    if let Some(message) = message.filter(|_| surface.piece == 0) {
+        diagnostics.report("E20", law.surface.place(), message);
     }
     let normal = normal(surface.gap, n);
     if let Some(along) = &law.along {
@@ -372,8 +396,9 @@ fn complete(
     checker: &mut Checker<'_>,
 ) -> Checked<Friction> {
     let n = checker.coordinates.len();
-    let sliding = match friction.sliding {
-        Some(sliding) => {
+    let declared = friction.sliding.as_ref();
+    let sliding = match declared.and_then(|list| list.get(surface.piece)) {
+        Some(&sliding) => {
             braked(sliding, &friction, surface, held, checker)?;
             sliding
         }

@@ -199,7 +199,7 @@ fn surface(
         }
     }
     let begin = checker.surfaces.len();
-    let smooth = groups.iter().map(Vec::len).sum::<usize>() == 1;
+    let pieces = groups.iter().map(Vec::len).sum();
     for group in groups {
         let first = checker.surfaces.len();
         for (i, &gap) in group.iter().enumerate() {
@@ -208,7 +208,8 @@ fn surface(
                 documentation: documentation.clone(),
                 name: name.clone(),
                 gap,
-                piece: (!smooth).then(|| checker.surfaces.len() - begin + 1),
+                piece: first + i - begin,
+                pieces,
                 alternatives: others.collect(),
             });
         }

@@ -57,6 +57,7 @@ pub(super) fn inferred(
         visited: 0,
         coordinates: Vec::new(),
         energy,
+        called: scene.name.place(),
         gaps: Vec::new(),
         sliding: Vec::new(),
         constraints: Vec::new(),

@@ -7,9 +7,9 @@ use super::matrix;
 use super::recorded;
 use super::scope::{Meaning, Role, Scope};
 use super::value::Value;
-use crate::ast::{Expr, Kind, Link, Name, Prefix};
+use crate::ast::{Expr, Kind, Link, Name, Prefix, WrittenUnit};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, list};
-use crate::graph::{self, Compose, Fault, Function2, Sym, Variable};
+use crate::graph::{self, Compose, Fault, Function, Function2, Sym, Variable};
 use crate::words;
 use std::rc::Rc;
 
@@ -113,6 +113,20 @@ fn value_unguarded(
         Kind::Vector(items) => vector(scope, items, diagnostics),
         Kind::Component { vector, name } => component(scope, vector, name, diagnostics),
         Kind::Index { vector, index } => component_at(scope, expr, vector, *index, diagnostics),
+        Kind::Profile {
+            profile,
+            argument,
+            argument_unit,
+            value_unit,
+        } => {
+            let at = scope.name(argument, diagnostics)?;
+            let of = |unit: &Option<WrittenUnit>| unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
+            let (from, to) = (of(argument_unit), of(value_unit));
+            let function = Function::Profile(*profile);
+            Ok(map(&at, |at| {
+                at.scaled(1.0 / from).call(function).scaled(to)
+            }))
+        }
     }
 }
 

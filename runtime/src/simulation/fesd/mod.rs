@@ -84,7 +84,7 @@ impl Simulator for Fesd {
             }
             None => estimate::estimated(self, &tableau, (model, problem), &mut watch),
         };
-        watch.finish(&mut result);
+        watch.finish(model, &mut result);
         Ok(result)
     }
 

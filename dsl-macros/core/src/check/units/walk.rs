@@ -1,7 +1,8 @@
 //! Units of expressions.
 
+use super::angle;
 use super::matrix::Matrix;
-use crate::ast::{Expr, Kind, Link, Name, Operator, Prefix};
+use crate::ast::{Expr, Kind, Link, Name, Operator, Prefix, WrittenUnit};
 use crate::check::values::is_bare;
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::dimension::{Dimension, Unifier};
@@ -58,6 +59,8 @@ pub(super) struct Walk<'a> {
     pub(super) functions: HashMap<String, (Vec<Name>, Expr)>,
     pub(super) frames: Vec<Vec<(String, Units)>>,
     pub(super) visited: usize,
+    /// Where the last function was called.
+    pub(super) called: Place,
     pub(super) coordinates: Vec<Name>,
     /// Unit of the Lagrangian.
     pub(super) energy: Dimension,
@@ -207,6 +210,30 @@ impl Walk<'_> {
                     }
                 };
                 Ok(Units::Scalar(components[index].clone()))
+            }
+            Kind::Profile {
+                argument,
+                argument_unit,
+                value_unit,
+                ..
+            } => {
+                let of = |unit: &Option<WrittenUnit>| {
+                    unit.as_ref()
+                        .map_or_else(Dimension::one, |unit| Dimension::of(unit.unit))
+                };
+                let Units::Scalar(own) = self.name(argument) else {
+                    return Err(Reported);
+                };
+                let wanted = of(argument_unit);
+                if !self.unifier.unify(&own, &wanted) {
+                    let message = format!(
+                        "units differ: the points of `{expr}` are in {}, its argument is in {}",
+                        self.unifier.show(&wanted),
+                        self.unifier.show(&own)
+                    );
+                    return Err(self.diagnostics.report("E03", self.called, message));
+                }
+                Ok(Units::Scalar(of(value_unit)))
             }
             Kind::Index { vector, index } => {
                 let units = self.units(vector)?;
@@ -401,6 +428,7 @@ impl Walk<'_> {
                 Ok(Units::Scalar(own))
             }
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
+                angle::argument(self, text, argument);
                 Ok(Units::Scalar(self.pure(argument, text)?))
             }
             // A force does work on a change of the gap.
@@ -459,6 +487,7 @@ impl Walk<'_> {
             .zip(units)
             .collect();
         self.frames.push(frame);
+        self.called = function.place();
         let result = self.units(&body);
         self.frames.pop();
         result
