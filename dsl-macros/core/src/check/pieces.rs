@@ -9,7 +9,7 @@ use crate::ast::Expr;
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::Kink;
-use crate::graph::{self, Sym};
+use crate::graph::{self, Sym, Variable};
 use std::collections::HashSet;
 
 /// Most pieces of one surface.
@@ -24,6 +24,8 @@ enum Refusal {
     Shared,
     /// A maximum is nowhere negative.
     Everywhere,
+    /// A piece does not depend on where the bodies are.
+    Fixed,
 }
 
 /// The smallest of the largest of these gaps: one group of pieces for each maximum.
@@ -53,6 +55,9 @@ pub(super) fn groups(
             "the surface holds everywhere, so that nothing ever touches it: two of its pieces are never negative \
              together; check the signs, or write `min` where all pieces have to hold"
                 .to_owned()
+        }
+        Err(Refusal::Fixed) => {
+            "a piece of the surface contains no coordinate, so that nothing can touch it; leave it out".to_owned()
         }
     };
     checker.diagnostics.report("E12", place, message);
@@ -114,6 +119,11 @@ fn lean(groups: Vec<Vec<Sym>>) -> Result<Vec<Vec<Sym>>, Refusal> {
     };
     if lean.iter().any(holds) {
         return Err(Refusal::Everywhere);
+    }
+    let moves = |variable| matches!(variable, Variable::Coordinate(_));
+    let fixed = |piece: &Sym| !graph::depends_on(*piece, moves);
+    if lean.iter().map(Vec::len).sum::<usize>() > 1 && lean.iter().flatten().any(fixed) {
+        return Err(Refusal::Fixed);
     }
     let mut seen = HashSet::new();
     if lean.iter().flatten().all(|piece| seen.insert(*piece)) {

@@ -207,8 +207,10 @@ texts! {
         "E12: `max`, `min` and `|x|` can be taken apart in sums and with numbers as factors only, as the sign of another factor is not known; write it inside, as in `|slope*y|` or `max(a*y, a*z)`";
     piece_of_two_edges: beside "surface s: min(max(y, z), max(y, z - y)) >= 0 impact s: inelastic" =>
         "E12: a piece belongs to more than one `max`, so that it is not clear where it acts; declare several surfaces, each with its own pieces";
-    edge_in_other_units: beside "surface s: max(z, m) >= 0 impact s: inelastic" =>
-        "E03: units differ: `z` is in m, `m` is in kg; the arguments of `max` must agree";
+    edge_in_other_units: beside "surface s: max(z, m*y) >= 0 impact s: inelastic" =>
+        "E03: units differ: `z` is in m, `m*y` is in kg m; the arguments of `max` must agree";
+    edge_without_a_coordinate: beside "surface s: max(z, 1 [m]) >= 0 impact s: inelastic" =>
+        "E12: a piece of the surface contains no coordinate, so that nothing can touch it; leave it out";
     edge_without_arguments: beside "surface s: max(z) >= 0 impact s: inelastic" =>
         "E02: `max` takes 2 arguments or more, found 1";
     edge_with_one_sliding_velocity: beside "surface s: |y| <= 1 [m] impact s: inelastic, friction 0.1, sliding dot(z)" =>
@@ -218,7 +220,7 @@ texts! {
     two_sliding_velocities_of_a_plane: beside "surface s: y >= 0 impact s: inelastic, friction 0.1, sliding (dot(z), -dot(z))" =>
         "E20: surface `s` has 1 smooth pieces, and `sliding` gives 2; give one velocity for each, as in `sliding (dot(y), dot(z))`";
     sliding_velocity_in_other_units: beside "surface s: |y| <= 1 [m] impact s: inelastic, friction 0.1, sliding (dot(z), m*dot(z))" =>
-        "E03: units differ: `m*dot(z)` is in kg m/s, where m/s is needed (the sliding velocity of `s` has the unit of its gap over s)";
+        "E03: units differ: `m*dot(z)` is in N s, where m/s is needed (the sliding velocity of `s` has the unit of its gap over s)";
     edge_with_one_direction: beside "surface s: |y| <= 1 [m] impact s: inelastic, along (1, 0)" =>
         "E20: surface `s` has edges, and `along` is another direction on each of its pieces; declare the pieces as surfaces of their own";
     derivative_at_an_edge: beside "fn h(y) = max(y, 2*y) surface s: z + 1 [m] >= diff(h)(y)*1 [m] impact s: inelastic" =>
