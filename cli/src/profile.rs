@@ -9,8 +9,6 @@ use crate::report::Report;
 
 /// Largest table that is read, in bytes: far above the points that a profile may have.
 const LARGEST: u64 = 4 << 20;
-/// Most points that a line of the statement holds.
-const IN_A_LINE: usize = 6;
 
 /// Prints the `profile` of the points in a file.
 pub(crate) fn run(arguments: &ProfileArguments) -> Result<Report, BadInput> {
@@ -137,9 +135,8 @@ impl Table {
             of(argument_unit),
             of(value_unit)
         );
-        for line in self.points.chunks(IN_A_LINE) {
-            let points: Vec<String> = line.iter().map(|[x, y]| format!("({x}, {y})")).collect();
-            let _ = writeln!(text, "    {},", points.join(", "));
+        for [x, y] in &self.points {
+            let _ = writeln!(text, "    ({x}, {y}),");
         }
         text.push_str("}\n");
         let scene = format!("coordinates {{ position }} lagrangian dot(position)^2/2 {text}");
@@ -170,12 +167,12 @@ mod tests {
         ] {
             assert_eq!(
                 statement(text).unwrap(),
-                "profile hill(s: m): mm {\n    (0.0, 0.0), (0.5, 120.0), (1.0, -200.0),\n}\n"
+                "profile hill(s: m): mm {\n    (0.0, 0.0),\n    (0.5, 120.0),\n    (1.0, -200.0),\n}\n"
             );
         }
         let plain = statement("0 1\n1 2\n2 4\n3 5\n4 5\n5 5\n6 5").unwrap();
         assert!(
-            plain.starts_with("profile hill(s) {\n    (0.0, 1.0)") && plain.lines().count() == 4
+            plain.starts_with("profile hill(s) {\n    (0.0, 1.0)") && plain.lines().count() == 9
         );
     }
 
