@@ -64,6 +64,7 @@ pub(super) fn inferred(
         goals: Vec::new(),
         shown: Shown::default(),
         faulty: HashSet::new(),
+        angles: Vec::new(),
         radians: HashSet::new(),
     };
     let mut sound = true;
@@ -82,6 +83,7 @@ pub(super) fn inferred(
         sound &= !energy || walk.diagnostics.mistakes() == before;
     }
     statement::sliding_velocities(&mut walk);
+    angle::arguments(&mut walk);
     let Walk {
         unifier,
         gaps,

@@ -71,7 +71,7 @@ fn points_of_a_profile_are_a_block() {
         let scene = match written.contains(':') {
             true => scene
                 .replace("{ y }", "{ y: m/s }")
-                .replace("^2/2 - h(y)", "^2/2 - 1 [m/s^4]*h(y)"),
+                .replace("^2/2 - h(y)", "^2/2 - 1[m/s^4]*h(y)"),
             false => scene.to_owned(),
         };
         assert_eq!(

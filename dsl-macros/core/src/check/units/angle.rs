@@ -21,10 +21,10 @@ pub(super) fn of_name(walk: &mut Walk<'_>, name: &str, number: &Expr) {
     }
 }
 
-/// The argument of a function of an angle.
-pub(super) fn argument(walk: &mut Walk<'_>, function: &str, number: &Expr) {
-    if matches!(function, "sin" | "cos" | "tan") {
-        likely_degrees(walk, &format!("the argument of `{function}`"), number);
+/// Numbers of which the sine, the cosine or the tangent is taken.
+pub(super) fn arguments(walk: &mut Walk<'_>) {
+    for (function, number) in std::mem::take(&mut walk.angles) {
+        likely_degrees(walk, &format!("the argument of `{function}`"), &number);
     }
 }
 

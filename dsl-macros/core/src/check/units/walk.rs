@@ -1,6 +1,5 @@
 //! Units of expressions.
 
-use super::angle;
 use super::matrix::Matrix;
 use crate::ast::{Expr, Kind, Link, Name, Operator, Prefix, WrittenUnit};
 use crate::check::values::is_bare;
@@ -72,6 +71,8 @@ pub(super) struct Walk<'a> {
     pub(super) shown: Shown,
     /// Surfaces, and coordinates with a start value, whose units differ.
     pub(super) faulty: HashSet<String>,
+    /// Numbers of which the sine, the cosine or the tangent is taken.
+    pub(super) angles: Vec<(String, Expr)>,
     /// Names that are declared in rad.
     pub(super) radians: HashSet<String>,
 }
@@ -428,7 +429,9 @@ impl Walk<'_> {
                 Ok(Units::Scalar(own))
             }
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
-                angle::argument(self, text, argument);
+                if matches!(text, "sin" | "cos" | "tan") && is_bare(argument) {
+                    self.angles.push((text.to_owned(), argument.clone()));
+                }
                 Ok(Units::Scalar(self.pure(argument, text)?))
             }
             // A force does work on a change of the gap.
