@@ -433,13 +433,8 @@ fn write_expr(f: &mut String, expr: &Expr, outer: u8) -> fmt::Result {
             order,
             argument,
         } => {
-            write!(
-                f,
-                "{}{}{}(",
-                "diff(".repeat(*order),
-                function.text,
-                ")".repeat(*order)
-            )?;
+            let (open, close) = ("diff(".repeat(*order), ")".repeat(*order));
+            write!(f, "{open}{}{close}(", function.text)?;
             write_expr(f, argument, 0)?;
             f.write_str(")")?;
         }

@@ -53,6 +53,7 @@ impl Line {
 }
 
 /// Evaluates contacts and their forces at a point; owns the memory for it.
+// Many fields: the memory of an evaluation, and the sizes that the motion has had.
 pub(crate) struct Contacts<'a> {
     pub(super) model: &'a dyn Model,
     pub(super) n: usize,

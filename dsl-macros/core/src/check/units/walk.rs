@@ -51,6 +51,7 @@ pub(super) struct Shown {
     pub(super) bodies: Vec<String>,
 }
 
+// Many fields: what the statements leave behind for those below them.
 pub(super) struct Walk<'a> {
     pub(super) diagnostics: &'a mut Diagnostics,
     pub(super) unifier: Unifier,
@@ -212,30 +213,7 @@ impl Walk<'_> {
                 };
                 Ok(Units::Scalar(components[index].clone()))
             }
-            Kind::Profile {
-                argument,
-                argument_unit,
-                value_unit,
-                ..
-            } => {
-                let of = |unit: &Option<WrittenUnit>| {
-                    unit.as_ref()
-                        .map_or_else(Dimension::one, |unit| Dimension::of(unit.unit))
-                };
-                let Units::Scalar(own) = self.name(argument) else {
-                    return Err(Reported);
-                };
-                let wanted = of(argument_unit);
-                if !self.unifier.unify(&own, &wanted) {
-                    let message = format!(
-                        "units differ: the points of `{expr}` are in {}, its argument is in {}",
-                        self.unifier.show(&wanted),
-                        self.unifier.show(&own)
-                    );
-                    return Err(self.diagnostics.report("E03", self.called, message));
-                }
-                Ok(Units::Scalar(of(value_unit)))
-            }
+            Kind::Profile { .. } => self.profile(expr),
             Kind::Index { vector, index } => {
                 let units = self.units(vector)?;
                 if let Units::Matrix(matrix) = &units {
@@ -416,18 +394,7 @@ impl Walk<'_> {
                 Ok(Units::Scalar(own.power(exponent.unwrap_or(Ratio::ONE))))
             }
             ("abs", [argument]) => self.units(argument),
-            ("max" | "min", [first, others @ ..]) => {
-                let own = self.scalar(first)?;
-                for other in others {
-                    let its = self.scalar(other)?;
-                    if !self.unifier.unify(&own, &its) {
-                        let what = format!("the arguments of `{text}`");
-                        let (left, right) = ((first, &own), (other, &its));
-                        return Err(self.differ(function.place(), left, right, &what));
-                    }
-                }
-                Ok(Units::Scalar(own))
-            }
+            ("max" | "min", [first, others @ ..]) => self.extreme(function, first, others),
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
                 if matches!(text, "sin" | "cos" | "tan") && is_bare(argument) {
                     self.angles.push((text.to_owned(), argument.clone()));
@@ -453,6 +420,50 @@ impl Walk<'_> {
             }
             _ => Err(Reported),
         }
+    }
+
+    /// Units of the largest or smallest of some numbers.
+    fn extreme(&mut self, function: &Name, first: &Expr, others: &[Expr]) -> Checked<Units> {
+        let own = self.scalar(first)?;
+        for other in others {
+            let its = self.scalar(other)?;
+            if !self.unifier.unify(&own, &its) {
+                let what = format!("the arguments of `{}`", function.text);
+                let (left, right) = ((first, &own), (other, &its));
+                return Err(self.differ(function.place(), left, right, &what));
+            }
+        }
+        Ok(Units::Scalar(own))
+    }
+
+    /// Units of a function given by points, whose argument has those of its points.
+    fn profile(&mut self, expr: &Expr) -> Checked<Units> {
+        let Kind::Profile {
+            argument,
+            argument_unit,
+            value_unit,
+            ..
+        } = &expr.kind
+        else {
+            return Err(Reported);
+        };
+        let of = |unit: &Option<WrittenUnit>| {
+            unit.as_ref()
+                .map_or_else(Dimension::one, |unit| Dimension::of(unit.unit))
+        };
+        let Units::Scalar(own) = self.name(argument) else {
+            return Err(Reported);
+        };
+        let wanted = of(argument_unit);
+        if self.unifier.unify(&own, &wanted) {
+            return Ok(Units::Scalar(of(value_unit)));
+        }
+        let message = format!(
+            "units differ: the points of `{expr}` are in {}, its argument is in {}",
+            self.unifier.show(&wanted),
+            self.unifier.show(&own)
+        );
+        Err(self.diagnostics.report("E03", self.called, message))
     }
 
     fn inner(&mut self, whole: &Expr, left: &Units, right: &Units) -> Checked<Units> {

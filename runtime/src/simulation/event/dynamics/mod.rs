@@ -31,6 +31,7 @@ use scales::{ContactScale, Instant};
 /// in `J`.
 ///
 /// The state is `y = (q, v, numerical time)`.
+// Many fields: scene, contact mode and the memory of an evaluation, kept so that nothing allocates.
 pub(in crate::simulation) struct Dynamics<'a> {
     pub(in crate::simulation) model: &'a dyn Model,
     /// Number of coordinates.
