@@ -143,6 +143,9 @@ impl Walk<'_> {
     }
 
     pub(super) fn pure(&mut self, expr: &Expr, function: &str) -> Checked<Dimension> {
+        if matches!(function, "sin" | "cos" | "tan") && is_bare(expr) {
+            self.angles.push((function.to_owned(), expr.clone()));
+        }
         let own = self.scalar(expr)?;
         if self.unifier.unify(&own, &Dimension::one()) {
             return Ok(own);
@@ -396,9 +399,6 @@ impl Walk<'_> {
             ("abs", [argument]) => self.units(argument),
             ("max" | "min", [first, others @ ..]) => self.extreme(function, first, others),
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
-                if matches!(text, "sin" | "cos" | "tan") && is_bare(argument) {
-                    self.angles.push((text.to_owned(), argument.clone()));
-                }
                 Ok(Units::Scalar(self.pure(argument, text)?))
             }
             // A force does work on a change of the gap.
