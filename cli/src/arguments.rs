@@ -44,6 +44,8 @@ pub(crate) enum Command {
     Fmt(FormatArguments),
     /// Write a scene file to begin with, which simulates and solves as it stands.
     New(NewArguments),
+    /// Print a table of measured points as a `profile`, a function of the language.
+    Profile(ProfileArguments),
     /// Write a page on which scenes are written, simulated, solved and played; it opens in a browser without a server.
     Play(PlayArguments),
     /// Reproduce the published results and write figures, data and a page.
@@ -72,6 +74,14 @@ impl Command {
             _ => None,
         }
     }
+}
+
+/// Arguments of `profile`.
+#[derive(Debug, Args)]
+pub(crate) struct ProfileArguments {
+    /// The table: two columns with a point a line, from left to right; names and units, as in `s [m]`, may stand above.
+    #[arg(value_name = "FILE.csv")]
+    pub(crate) file: PathBuf,
 }
 
 /// Arguments of `list`.

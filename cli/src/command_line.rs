@@ -14,7 +14,8 @@ use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, refuse};
 use crate::scene_file::is_path;
 use crate::{ControlScene, HardOptimum, HardScene, PlayPage, Scene};
 use crate::{
-    authoring, chart, explain, list, play, program, reproduce, scene, shell, simulate, solve, watch,
+    authoring, chart, explain, list, play, profile, program, reproduce, scene, shell, simulate,
+    solve, watch,
 };
 
 /// The command line over a list of scenes.
@@ -220,6 +221,7 @@ impl CommandLine {
             Some(Command::Check(arguments)) => authoring::check(&arguments),
             Some(Command::Fmt(arguments)) => authoring::format(&arguments),
             Some(Command::New(arguments)) => authoring::new(&arguments),
+            Some(Command::Profile(arguments)) => profile::run(&arguments),
             Some(Command::Play(arguments)) => play::run(self.page, &arguments),
             Some(Command::Reproduce(arguments)) => reproduce::run(scenes, &arguments),
             Some(Command::Completions(arguments)) => Ok(shell::completions(parser, &arguments)),

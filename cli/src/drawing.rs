@@ -1,6 +1,6 @@
 //! How a scene is drawn: as it declares, or as one body where its coordinates are a place.
 
-use hangtime::model::{Model, Picture, Shape};
+use hangtime::model::{ContactDeclaration, Model, Picture, Shape};
 
 use crate::contour::zero_lines;
 use crate::sampling::State;
@@ -240,27 +240,40 @@ impl<'a> Drawing<'a> {
     /// Where the gaps vanish that depend on these two coordinates only.
     fn surfaces(&self, axes: [usize; 2], [across, up]: [[f64; 2]; 2]) -> Vec<GroundLine> {
         let declaration = self.model.declaration();
-        let contacts = declaration.contacts.iter().enumerate();
-        let seen = contacts.filter(|(_, contact)| {
-            let gap = contact.jacobian.entries.iter().filter(|entry| entry.0 == 0);
-            gap.into_iter()
-                .all(|entry| axes.contains(&(entry.1 as usize)))
-        });
-        let lines = seen.flat_map(|(index, contact)| {
+        let contacts = declaration.contacts;
+        let seen = |contact: &ContactDeclaration| {
+            let mut gap = contact.jacobian.entries.iter().filter(|entry| entry.0 == 0);
+            gap.all(|entry| axes.contains(&(entry.1 as usize)))
+        };
+        // The pieces of a surface are contacts of their own; what is seen is where all of them let pass.
+        let surface = |contact: &ContactDeclaration| contact.name.split('.').next();
+        let mut lines = Vec::new();
+        for (first, contact) in contacts.iter().enumerate() {
+            let name = surface(contact).unwrap_or(contact.name);
+            let of_it = (first..contacts.len()).filter(|&i| surface(&contacts[i]) == Some(name));
+            let pieces: Vec<usize> = of_it.collect();
+            let known = contacts[..first]
+                .iter()
+                .any(|other| surface(other) == Some(name));
+            if known || !pieces.iter().all(|&i| seen(&contacts[i])) {
+                continue;
+            }
             let gap = |place: [f64; 2]| {
                 let mut x = vec![0.0; declaration.inputs()];
                 for (axis, value) in axes.into_iter().zip(place) {
                     x[axis] = value;
                 }
-                self.model.gap(index, &x)
+                let largest = |&i: &usize| {
+                    let others = contacts[i].alternatives.iter();
+                    let gaps = others.map(|&other| self.model.gap(other, &x));
+                    gaps.fold(self.model.gap(i, &x), f64::max)
+                };
+                pieces.iter().map(largest).fold(f64::INFINITY, f64::min)
             };
-            let lines = zero_lines(across, up, gap).into_iter();
-            lines.map(|points| GroundLine {
-                name: contact.name,
-                points,
-            })
-        });
-        lines.collect()
+            let found = zero_lines(across, up, gap).into_iter();
+            lines.extend(found.map(|points| GroundLine { name, points }));
+        }
+        lines
     }
 }
 

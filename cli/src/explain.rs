@@ -136,6 +136,15 @@ fn laws(model: &dyn Model) -> String {
         if !held.is_empty() {
             let _ = write!(law, " with {} locked", held.join(", "));
         }
+        let others = contact.alternatives.iter();
+        let others: Vec<&str> = others.map(|&i| declaration.contacts[i].name).collect();
+        if !others.is_empty() {
+            let _ = write!(
+                law,
+                ", where its gap is larger than of {}",
+                others.join(", ")
+            );
+        }
         let name = headed(contact.name, contact.unit);
         let _ = writeln!(text, "contact     {name}: {law}");
     }

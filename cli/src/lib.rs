@@ -59,6 +59,7 @@ mod page;
 #[cfg(feature = "terminal")]
 mod play;
 #[cfg(feature = "terminal")]
+mod profile;
 mod program;
 #[cfg(feature = "terminal")]
 mod progress;

@@ -11,6 +11,22 @@
 #[cfg(feature = "oracle")]
 pub use num_dual;
 
+/// Value of the derivative of this `order` of a function given by points: polynomials in the distance from the places where
+/// they begin to hold, constant first; the first of them holds in front of all places.
+#[must_use]
+pub fn profile(pieces: &[(f64, [f64; 6])], order: usize, x: f64) -> f64 {
+    let Some((_, behind)) = pieces.split_first() else {
+        return f64::NAN;
+    };
+    let (from, coefficients) = pieces[behind.partition_point(|piece| piece.0 <= x)];
+    let mut value = 0.0;
+    for power in (order..coefficients.len()).rev() {
+        let factor: f64 = (power - order + 1..=power).map(|k| k as f64).product();
+        value = value * (x - from) + factor * coefficients[power];
+    }
+    value
+}
+
 /// Position of a structural nonzero: row, column.
 type Position = (u32, u32);
 

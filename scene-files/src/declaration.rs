@@ -111,6 +111,7 @@ fn contact(contact: &Contact) -> ContactDeclaration {
         friction,
         custom_direction: contact.custom_direction,
         held: list(contact.held.iter().copied()),
+        alternatives: list(contact.alternatives.iter().copied()),
         jacobian,
         hessian,
         documentation: text(&contact.documentation),

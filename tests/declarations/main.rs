@@ -9,6 +9,7 @@ mod derivatives;
 mod hygiene;
 mod impact_laws;
 mod optimal_control_functions;
+mod profiles;
 mod same;
 mod scene_texts;
 mod shown;

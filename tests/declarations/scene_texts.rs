@@ -1,7 +1,9 @@
 //! The declarations of this program once more, as texts that are derived when they are loaded.
 
 use crate::same::assert_all_same;
-use crate::{chain, contact_laws, derivatives, impact_laws, optimal_control_functions, shown};
+use crate::{
+    chain, contact_laws, derivatives, impact_laws, optimal_control_functions, profiles, shown,
+};
 
 #[test]
 fn text_evaluates_to_what_the_compiled_scene_does() {
@@ -42,8 +44,16 @@ fn text_evaluates_to_what_the_compiled_scene_does() {
             ],
         )
         + assert_all_same(
+            include_str!("profiles.rs"),
+            &[
+                &profiles::Measured::default(),
+                &profiles::Formula::default(),
+                &profiles::Edges::default(),
+            ],
+        )
+        + assert_all_same(
             include_str!("shown.rs"),
             &[&shown::Wheel::default(), &shown::WrittenOut::default()],
         );
-    assert_eq!(compared, 21);
+    assert_eq!(compared, 24);
 }

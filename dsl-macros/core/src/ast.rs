@@ -1,6 +1,7 @@
 //! What the user wrote, with all places kept.
 
 use crate::diagnostics::Place;
+use crate::graph::Profile;
 use crate::words;
 use hangtime_units::Unit;
 use proc_macro2::{Ident, Literal, TokenStream};
@@ -286,6 +287,13 @@ pub(crate) enum Kind {
         vector: Box<Expr>,
         name: Name,
     },
+    /// The value of a function given by points; the body of one, whose argument is the name.
+    Profile {
+        profile: Profile,
+        argument: Name,
+        argument_unit: Option<WrittenUnit>,
+        value_unit: Option<WrittenUnit>,
+    },
     /// `vector[0]`.
     Index {
         vector: Box<Expr>,
@@ -297,7 +305,7 @@ impl Expr {
     /// The expressions directly below.
     pub(crate) fn children(&self) -> Vec<&Self> {
         match &self.kind {
-            Kind::Number { .. } | Kind::Name(_) => Vec::new(),
+            Kind::Number { .. } | Kind::Name(_) | Kind::Profile { .. } => Vec::new(),
             Kind::Negate(inner) | Kind::Norm(inner) => vec![inner],
             Kind::Chain(first, rest) => {
                 let operands = rest.iter().map(|link| &link.operand);
@@ -425,16 +433,14 @@ fn write_expr(f: &mut String, expr: &Expr, outer: u8) -> fmt::Result {
             order,
             argument,
         } => {
-            write!(
-                f,
-                "{}{}{}(",
-                "diff(".repeat(*order),
-                function.text,
-                ")".repeat(*order)
-            )?;
+            let (open, close) = ("diff(".repeat(*order), ")".repeat(*order));
+            write!(f, "{open}{}{close}(", function.text)?;
             write_expr(f, argument, 0)?;
             f.write_str(")")?;
         }
+        Kind::Profile {
+            profile, argument, ..
+        } => write!(f, "{}({})", profile.name(), argument.text)?,
         Kind::Norm(inner) => {
             f.write_str("|")?;
             write_expr(f, inner, 0)?;

@@ -104,13 +104,19 @@ impl Writer {
             .iter()
             .rposition(|piece| !piece.is(";") && !piece.is(","));
         let pieces = &pieces[..=ends.unwrap_or(0)];
-        let block = pieces.get(1).is_some_and(|piece| piece.is("{"));
-        if !block || pieces.len() < 3 {
+        // A profile has its argument and its units before the block.
+        let open = pieces.iter().position(|piece| piece.is("{"));
+        let named = |&open: &usize| open == 1 || pieces[0].text == "profile";
+        let remarks = |head: &[Piece]| head.iter().any(Piece::is_comment);
+        let Some(open) = open
+            .filter(named)
+            .filter(|&open| pieces.len() > open + 1 && !remarks(&pieces[..open]))
+        else {
             return self.expression(pieces, false, "");
-        }
-        let word = &pieces[0].text;
+        };
+        let word = &plain(&pieces[..open], false);
         let picture = word == "picture";
-        let inner = &pieces[2..pieces.len() - 1];
+        let inner = &pieces[open + 1..pieces.len() - 1];
         let entries = entries(inner);
         let commented = inner.iter().any(Piece::is_comment);
         let broken = inner.first().is_some_and(|piece| piece.lines > 0);

@@ -134,6 +134,8 @@ pub(crate) struct Contact {
     pub(crate) name: Name,
     pub(crate) documentation: Documentation,
     pub(crate) gap: Sym,
+    /// Indices of the other pieces of the same maximum of gaps: it acts only where its gap is the largest of theirs.
+    pub(crate) alternatives: Vec<usize>,
     pub(crate) unit: Option<Unit>,
     /// The declared impulse direction, in the units of the velocities as declared.
     pub(crate) along: Option<Vec<Sym>>,

@@ -290,7 +290,9 @@ impl<'a> Evaluator<'a> {
                 let index = usize::from(name.text == "z");
                 vec![components[index].clone()]
             }
-            Kind::Norm(_) | Kind::Index { .. } => panic!("not part of random models"),
+            Kind::Norm(_) | Kind::Index { .. } | Kind::Profile { .. } => {
+                panic!("not part of random models")
+            }
         }
     }
 

@@ -1,12 +1,13 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 18] = [
+pub(crate) const STATEMENTS: [&str; 19] = [
     "parameters",
     "coordinates",
     "controls",
     "let",
     "fn",
+    "profile",
     "lagrangian",
     "dissipation",
     "forces",
@@ -142,6 +143,9 @@ pub(crate) const NONSMOOTH: [&str; 10] = [
     "step",
     "heaviside",
 ];
+
+/// Those of them that a surface may contain, as its pieces are smooth.
+pub(crate) const EDGES: [&str; 3] = ["abs", "min", "max"];
 
 /// Names that the time-freezing reformulation and the emitted code keep for themselves.
 pub(crate) const RESERVED: [&str; 6] =

@@ -7,7 +7,9 @@
 use super::active_contact::{ActiveContact, Tangential};
 use super::contact_size::ContactSize;
 use crate::linalg::{dense, lcp};
-use crate::model::{Model, contact_point, contains_ground, friction_coefficients, tangent_point};
+use crate::model::{
+    Model, Pieces, contact_point, contains_ground, friction_coefficients, tangent_point,
+};
 
 /// Coupling of the force of a slipping contact to its own normal velocity below which no force holds the
 /// contact: the friction presses as much as the force lifts.
@@ -51,9 +53,12 @@ impl Line {
 }
 
 /// Evaluates contacts and their forces at a point; owns the memory for it.
+// Many fields: the memory of an evaluation, and the sizes that the motion has had.
 pub(crate) struct Contacts<'a> {
     pub(super) model: &'a dyn Model,
     pub(super) n: usize,
+    /// Which pieces of surfaces with edges act.
+    pub(crate) pieces: Pieces,
     /// Coefficients of friction, 0 for contacts without friction.
     friction: Vec<f64>,
     acceleration: Vec<f64>,
@@ -87,6 +92,7 @@ impl<'a> Contacts<'a> {
         Self {
             model,
             n,
+            pieces: Pieces::default(),
             friction,
             acceleration: vec![0.0; n],
             points: vec![0.0; contacts * contact_point::length(n)],
@@ -169,8 +175,8 @@ impl<'a> Contacts<'a> {
         let length = contact_point::length(self.n);
         let tangent_length = tangent_point::length(self.n);
         for i in contacts {
-            self.model
-                .contact(i, x, &mut self.points[i * length..(i + 1) * length]);
+            let point = &mut self.points[i * length..(i + 1) * length];
+            self.pieces.contact(self.model, i, x, point);
             if self.friction[i] > 0.0 {
                 let tangent = &mut self.tangents[i * tangent_length..(i + 1) * tangent_length];
                 self.model.tangent(i, x, tangent);

@@ -24,7 +24,7 @@ impl StartValues {
         v: &mut [f64],
     ) -> Result<(), InputError> {
         for (name, value) in &self.0 {
-            match Quantity::named(declaration, name) {
+            match Quantity::named(declaration, &[], name) {
                 Some(Quantity::Coordinate(k)) => q[k] = *value,
                 Some(Quantity::Velocity(k)) => v[k] = *value,
                 _ => {

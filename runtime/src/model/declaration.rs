@@ -79,6 +79,9 @@ pub struct ContactDeclaration {
     pub custom_direction: bool,
     /// Coordinates (indices) that are rigid under the contact force.
     pub held: &'static [usize],
+    /// Other contacts (indices) of the same edge, whose gaps are the pieces of a `max`: this one acts only where its gap
+    /// is the largest of theirs. Empty for a surface without edges.
+    pub alternatives: &'static [usize],
     /// Pattern of the Jacobian of `(g, v_n, d)`: `2 + n_q` rows.
     pub jacobian: SparsityPattern,
     /// Pattern (lower triangle) of the Hessian of the weighted `(g, v_n, d)`.

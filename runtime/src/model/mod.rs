@@ -36,8 +36,10 @@
 mod control_piece;
 mod declaration;
 mod picture;
+mod pieces;
 
 pub(crate) use control_piece::ControlPiece;
+pub(crate) use pieces::{Pieces, edge};
 
 pub use declaration::{
     ConstraintDeclaration, ConstraintRelation, ContactDeclaration, Declaration, Equation,

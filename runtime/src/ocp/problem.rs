@@ -1,6 +1,6 @@
 //! The optimal control problem, and the checks that come before it is solved.
 
-use crate::model::{Model, contact_point};
+use crate::model::{Model, contact_point, edge};
 use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
 
 /// Most control intervals: the programs are kept in memory.
@@ -82,6 +82,12 @@ impl Problem {
                 self.intervals as f64,
                 "",
                 format!("in 1..={MOST_INTERVALS}"),
+            ));
+        }
+        if let Some(name) = edge(model) {
+            return Err(InputError::unsupported(
+                format!("optimal control with an outer edge, of which `{name}` is a piece"),
+                "declare the pieces that the motion needs as surfaces of their own, or round the edge",
             ));
         }
         let horizon = match self.horizon {

@@ -132,7 +132,7 @@ impl Simulator for FixedStep {
             &mut watch,
             |settings, watch| FixedRun::new(settings, model, problem).run(watch),
         );
-        watch.finish(&mut result);
+        watch.finish(model, &mut result);
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             result.seconds.total = elapsed.as_secs_f64();
         }
@@ -272,6 +272,8 @@ impl<'a> FixedRun<'a> {
             velocity: None,
             height: 0.0,
         };
+        self.dynamics.load(t, &self.y);
+        self.dynamics.choose_pieces();
         self.dynamics.observe_rounding(t, &self.y, h);
         let impact = velocity_jump::impact(&mut self.dynamics, t, &mut self.y, None, lowest)
             .map_err(|problem| self.undetermined(t, problem))?;

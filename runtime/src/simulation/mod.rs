@@ -15,6 +15,7 @@ mod moreau;
 mod other_grid;
 mod problem;
 mod quantity;
+mod recorder;
 mod result;
 mod smooth;
 mod state;

@@ -109,7 +109,7 @@ impl Simulator for Moreau {
             &mut watch,
             |settings, watch| TimeStepping::new(settings, model, problem).run(watch),
         );
-        watch.finish(&mut result);
+        watch.finish(model, &mut result);
         result.notes.push(
             "time stepping locates no events; contact forces of the trajectory show where contact is"
                 .into(),
@@ -207,6 +207,7 @@ impl<'a> TimeStepping<'a> {
             self.middle[n + k] = self.start[n + k];
         }
         self.dynamics.load(middle, &self.middle);
+        self.dynamics.choose_pieces();
         check_gaps(&self.dynamics, t, self.result.counts.elements)?;
         let closed = self.close();
         self.end.copy_from_slice(&self.start);
@@ -329,7 +330,7 @@ impl<'a> TimeStepping<'a> {
     /// The contacts that are closed at the middle of the step, evaluated there with the velocities at the start.
     fn close(&mut self) -> Vec<usize> {
         let closed: Vec<usize> = (0..self.dynamics.contacts)
-            .filter(|&i| self.dynamics.gap(i) <= 0.0)
+            .filter(|&i| self.dynamics.gap(i) <= 0.0 && !self.dynamics.pieces.is_idle(i))
             .collect();
         for &i in &closed {
             self.dynamics.evaluate_sides(i);
@@ -373,6 +374,7 @@ impl<'a> TimeStepping<'a> {
             self.result.trajectory.friction_force.push(forces);
         }
         self.dynamics.load(time, &self.start);
+        self.dynamics.choose_pieces();
         for i in 0..self.dynamics.contacts {
             let penetration = -self.dynamics.gap(i);
             self.result.residuals.dual = self.result.residuals.dual.max(penetration);

@@ -253,7 +253,12 @@ impl InitialValueProblem {
             model.contact(i, x, &mut point);
             let normal = &point[contact_point::NORMAL..][..n];
             let terms = normal.iter().zip(&self.q).map(|(n, q)| (n * q).abs());
-            if gap < -GAP_TOLERANCE * terms.sum::<f64>() {
+            let mut others = contact
+                .alternatives
+                .iter()
+                .map(|&other| model.gap(other, x));
+            let largest = others.all(|other| other <= gap);
+            if largest && gap < -GAP_TOLERANCE * terms.sum::<f64>() {
                 return Err(InputError::new(format!(
                     "start inside the ground (E08): gap `{}` = {gap:e} {} < 0; start at gap >= 0, or write the surface \
                      with the other sign if the free side is meant to be there",

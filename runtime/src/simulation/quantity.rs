@@ -1,6 +1,6 @@
 //! Names of what a result holds, and how its numbers are written.
 
-use crate::model::Declaration;
+use crate::model::{Declaration, VariableDeclaration};
 
 /// Digits of a number for people.
 const DIGITS: usize = 7;
@@ -16,11 +16,18 @@ pub(crate) enum Quantity {
     Force(usize),
     /// Tangential force of a contact.
     Friction(usize),
+    /// What the scene declares in `outputs`.
+    Output(usize),
 }
 
 impl Quantity {
-    /// The quantity with a name such as `z`, `dot(z)`, `u`, `force(floor)`, `friction(floor)`, `time`.
-    pub(crate) fn named(declaration: &Declaration, name: &str) -> Option<Self> {
+    /// The quantity with a name such as `z`, `dot(z)`, `u`, `force(floor)`, `friction(floor)`, `time`, or that of one of
+    /// the `outputs`.
+    pub(crate) fn named(
+        declaration: &Declaration,
+        outputs: &[VariableDeclaration],
+        name: &str,
+    ) -> Option<Self> {
         let argument = |function: &str| {
             let rest = name.strip_prefix(function)?.trim_start();
             Some(rest.strip_prefix('(')?.strip_suffix(')')?.trim())
@@ -42,10 +49,20 @@ impl Quantity {
             .map(Self::Coordinate)
             .or_else(|| control().map(Self::Control))
             .or(time)
+            .or_else(|| {
+                outputs
+                    .iter()
+                    .position(|o| o.name == name)
+                    .map(Self::Output)
+            })
     }
 
     /// Why `name` is none, with the names that there are.
-    pub(super) fn unknown(declaration: &Declaration, name: &str) -> String {
+    pub(super) fn unknown(
+        declaration: &Declaration,
+        outputs: &[VariableDeclaration],
+        name: &str,
+    ) -> String {
         let coordinates = declaration.coordinates.iter().map(|c| c.name.to_owned());
         let velocities = declaration
             .coordinates
@@ -62,7 +79,8 @@ impl Quantity {
             .chain(velocities)
             .chain(controls)
             .chain(forces)
-            .chain(frictions);
+            .chain(frictions)
+            .chain(outputs.iter().map(|o| o.name.to_owned()));
         let names: Vec<String> = all.collect();
         format!(
             "`{}` has no `{name}`; it has {}, time",

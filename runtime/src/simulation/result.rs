@@ -98,8 +98,9 @@ impl Simulation {
     /// All values of one name along the trajectory, as listed at [`State`]; `None` if there is no such name.
     #[must_use]
     pub fn series(&self, name: &str) -> Option<&[f64]> {
-        match Quantity::named(self.declaration, name)? {
+        match Quantity::named(self.declaration, self.trajectory.recorded(), name)? {
             Quantity::Time => Some(&self.trajectory.time),
+            Quantity::Output(i) => self.trajectory.output(i),
             quantity => self.trajectory.column(self.column_of(quantity)?),
         }
     }
@@ -113,7 +114,7 @@ impl Simulation {
             declaration.contacts.len(),
         );
         match quantity {
-            Quantity::Time => None,
+            Quantity::Time | Quantity::Output(_) => None,
             Quantity::Coordinate(k) => Some(k),
             Quantity::Velocity(k) => Some(n + k),
             Quantity::Control(k) => Some(2 * n + k),
@@ -178,7 +179,9 @@ impl Simulation {
             u: row(&trajectory.u),
             contact_force: row(&trajectory.contact_force),
             friction_force: row(&trajectory.friction_force),
+            outputs: trajectory.outputs_at(index),
             declaration: self.declaration,
+            recorder: trajectory.recorder.clone(),
         }
     }
 }
@@ -191,8 +194,10 @@ impl Index<&str> for Simulation {
     /// # Panics
     /// If the scene knows no such name; [`Simulation::series`] asks.
     fn index(&self, name: &str) -> &[f64] {
-        self.series(name)
-            .unwrap_or_else(|| panic!("{}", Quantity::unknown(self.declaration, name)))
+        self.series(name).unwrap_or_else(|| {
+            let outputs = self.trajectory.recorded();
+            panic!("{}", Quantity::unknown(self.declaration, outputs, name))
+        })
     }
 }
 

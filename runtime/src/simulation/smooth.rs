@@ -125,7 +125,7 @@ impl Simulator for Smooth {
             &mut watch,
             |settings, watch| run(settings, (model, problem), watch),
         );
-        watch.finish(&mut result);
+        watch.finish(model, &mut result);
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             result.seconds.total = elapsed.as_secs_f64();
         }
@@ -165,7 +165,8 @@ impl<'a> SmoothSystem<'a> {
         let mode = |i| {
             let point = self.dynamics.point(i);
             let rests = point[contact_point::NORMAL_VELOCITY].abs() <= self.width;
-            if point[contact_point::GAP] <= self.width && rests {
+            let acts = !self.dynamics.pieces.is_idle(i);
+            if acts && point[contact_point::GAP] <= self.width && rests {
                 ContactMode::Frictionless
             } else {
                 ContactMode::Open
@@ -186,10 +187,15 @@ impl System for SmoothSystem<'_> {
         let time = y[2 * n];
         self.dynamics.set_controls(self.controls, time);
         self.dynamics.load(time, y);
+        self.dynamics.choose_pieces();
         self.dynamics.evaluate_free_acceleration();
         let mut free = 1.0;
         for i in 0..self.dynamics.contacts {
             self.dynamics.evaluate_contact(i);
+            if self.dynamics.pieces.is_idle(i) {
+                self.contact_accelerations[i] = 0.0;
+                continue;
+            }
             let point = self.dynamics.point(i);
             let gamma = self.below(point[contact_point::GAP])
                 * self.below(point[contact_point::NORMAL_VELOCITY]);

@@ -4,12 +4,13 @@ use std::fmt;
 use std::ops::Index;
 
 use super::quantity::{Quantity, number, per_second};
-use crate::model::Declaration;
+use super::recorder::{Instant, Recorder};
+use crate::model::{Declaration, VariableDeclaration};
 
 /// State of a simulation at one instant, see [`Simulation::at`](super::Simulation::at).
 ///
 /// Values are read by name: a coordinate `"z"`, its velocity `"dot(z)"`, a control `"u"`, the normal and the tangential
-/// force of a contact `"force(floor)"` and `"friction(floor)"`, `"time"`.
+/// force of a contact `"force(floor)"` and `"friction(floor)"`, `"time"`, and what the scene declares in `outputs`.
 ///
 /// ```
 /// use hangtime::prelude::*;
@@ -22,12 +23,14 @@ use crate::model::Declaration;
 /// #         lagrangian m/2*dot(z)^2 - m*g*z
 /// #         surface floor: z >= 0
 /// #         impact floor: inelastic
+/// #         outputs { energy: J = m/2*dot(z)^2 + m*g*z }
 /// #         start { z: 1 [m] }
 /// #         horizon 1 [s]
 /// #     }
 /// # }
 /// let ball = Ball::default();
 /// let state = simulate(&ball).run()?.at(0.3)?;
+/// assert!((state["energy"] - 9.81).abs() < 1e-9);
 /// assert!((state["z"] - (1.0 - 9.81 / 2.0 * 0.09)).abs() < 1e-9);
 /// assert!((state["dot(z)"] + 9.81 * 0.3).abs() < 1e-9);
 /// assert_eq!(state["force(floor)"], 0.0);
@@ -47,7 +50,10 @@ pub struct State {
     pub contact_force: Vec<f64>,
     /// Tangential contact forces; empty if no contact declares friction.
     pub friction_force: Vec<f64>,
+    /// What the scene declares in `outputs`, in order of declaration.
+    pub outputs: Vec<f64>,
     pub(super) declaration: &'static Declaration,
+    pub(super) recorder: Option<Recorder>,
 }
 
 impl State {
@@ -55,13 +61,14 @@ impl State {
     #[must_use]
     pub fn get(&self, name: &str) -> Option<f64> {
         let values = |vector: &[f64], index| vector.get(index).copied();
-        match Quantity::named(self.declaration, name)? {
+        match Quantity::named(self.declaration, self.recorded(), name)? {
             Quantity::Time => Some(self.time),
             Quantity::Coordinate(k) => values(&self.q, k),
             Quantity::Velocity(k) => values(&self.v, k),
             Quantity::Control(k) => values(&self.u, k),
             Quantity::Force(i) => values(&self.contact_force, i),
             Quantity::Friction(i) => values(&self.friction_force, i),
+            Quantity::Output(i) => values(&self.outputs, i),
         }
     }
 
@@ -84,15 +91,33 @@ impl State {
                 v[k] += 6.0 * s * (1.0 - s) * excess;
             }
         }
-        Self {
+        let mut state = Self {
             time,
             q,
             v,
             u: linear(&from.u, &to.u),
             contact_force: linear(&from.contact_force, &to.contact_force),
             friction_force: linear(&from.friction_force, &to.friction_force),
+            outputs: Vec::new(),
             declaration: from.declaration,
+            recorder: from.recorder.clone(),
+        };
+        if let Some(recorder) = &state.recorder {
+            state.outputs = recorder.values(Instant {
+                time,
+                q: &state.q,
+                v: &state.v,
+                u: &state.u,
+                contact_force: &state.contact_force,
+                friction_force: &state.friction_force,
+            });
         }
+        state
+    }
+
+    /// Names of the outputs.
+    fn recorded(&self) -> &'static [VariableDeclaration] {
+        self.recorder.as_ref().map_or(&[], Recorder::declared)
     }
 }
 
@@ -104,7 +129,7 @@ impl Index<&str> for State {
     /// # Panics
     /// If the scene knows no such name; [`State::get`] asks.
     fn index(&self, name: &str) -> &f64 {
-        let value = match Quantity::named(self.declaration, name) {
+        let value = match Quantity::named(self.declaration, self.recorded(), name) {
             None => None,
             Some(Quantity::Time) => Some(&self.time),
             Some(Quantity::Coordinate(k)) => self.q.get(k),
@@ -112,8 +137,14 @@ impl Index<&str> for State {
             Some(Quantity::Control(k)) => self.u.get(k),
             Some(Quantity::Force(i)) => self.contact_force.get(i),
             Some(Quantity::Friction(i)) => self.friction_force.get(i),
+            Some(Quantity::Output(i)) => self.outputs.get(i),
         };
-        value.unwrap_or_else(|| panic!("{}", Quantity::unknown(self.declaration, name)))
+        value.unwrap_or_else(|| {
+            panic!(
+                "{}",
+                Quantity::unknown(self.declaration, self.recorded(), name)
+            )
+        })
     }
 }
 

@@ -2,6 +2,9 @@
 
 use std::sync::OnceLock;
 
+use super::recorder::{Instant, Recorder};
+use crate::model::VariableDeclaration;
+
 /// States over time; entry `k` of every field belongs to the same instant.
 ///
 /// ```
@@ -43,12 +46,16 @@ pub struct Trajectory {
     pub friction_force: Vec<Vec<f64>>,
     /// The same by quantity instead of instant, gathered when first asked for.
     columns: OnceLock<Vec<Vec<f64>>>,
+    /// What is recorded along it, and the columns of that.
+    pub(super) recorder: Option<Recorder>,
+    outputs: OnceLock<Vec<Vec<f64>>>,
 }
 
 impl Trajectory {
     /// Keeps the first `instants` instants.
     pub(crate) fn truncate(&mut self, instants: usize) {
         self.columns.take();
+        self.outputs.take();
         self.time.truncate(instants);
         self.numerical_time.truncate(instants);
         self.q.truncate(instants);
@@ -77,6 +84,7 @@ impl Trajectory {
             rows.retain(|_| keeps.next().is_none_or(|&keep| keep));
         }
         self.columns.take();
+        self.outputs.take();
         select(&mut self.time, &keeps);
         select(&mut self.numerical_time, &keeps);
         select(&mut self.q, &keeps);
@@ -97,12 +105,47 @@ impl Trajectory {
         force: &[f64],
     ) {
         self.columns.take();
+        self.outputs.take();
         self.time.push(time);
         self.numerical_time.push(numerical_time);
         self.q.push(q.to_vec());
         self.v.push(v.to_vec());
         self.u.push(u.to_vec());
         self.contact_force.push(force.to_vec());
+    }
+
+    /// Names of what is recorded along it.
+    pub(super) fn recorded(&self) -> &'static [VariableDeclaration] {
+        self.recorder.as_ref().map_or(&[], Recorder::declared)
+    }
+
+    /// What is recorded at an instant.
+    pub(super) fn outputs_at(&self, k: usize) -> Vec<f64> {
+        let friction = self.friction_force.get(k);
+        let instant = Instant {
+            time: self.time[k],
+            q: &self.q[k],
+            v: &self.v[k],
+            u: &self.u[k],
+            contact_force: &self.contact_force[k],
+            friction_force: friction.map_or(&[], Vec::as_slice),
+        };
+        let recorder = self.recorder.as_ref();
+        recorder.map_or_else(Vec::new, |recorder| recorder.values(instant))
+    }
+
+    /// All values of an output.
+    pub(super) fn output(&self, index: usize) -> Option<&[f64]> {
+        let columns = self.outputs.get_or_init(|| {
+            let mut columns = vec![Vec::with_capacity(self.time.len()); self.recorded().len()];
+            for k in 0..self.time.len() {
+                for (column, value) in columns.iter_mut().zip(self.outputs_at(k)) {
+                    column.push(value);
+                }
+            }
+            columns
+        });
+        columns.get(index).map(Vec::as_slice)
     }
 
     /// Component `index` of all rows `(q, v, u, contact_force, friction_force)`.

@@ -1,7 +1,9 @@
 //! What every simulation does after a step: it tells the observer, and keeps its trajectory within bounds.
 
 use crate::clock::Instant;
+use crate::model::Model;
 
+use super::recorder::Recorder;
 use super::{Diagnosis, InitialValueProblem, Simulation, SimulationStatus, Trajectory};
 use crate::{Observer, Progress};
 
@@ -97,8 +99,9 @@ impl<'o> Watch<'o> {
         }
     }
 
-    /// Says in the result what was left out.
-    pub(super) fn finish(&self, result: &mut Simulation) {
+    /// Says in the result what was left out, and what the scene records.
+    pub(super) fn finish(&self, model: &dyn Model, result: &mut Simulation) {
+        result.trajectory.recorder = Recorder::of(model);
         if self.stride > 1 {
             result.notes.push(format!(
                 "the trajectory keeps one of {} points between events, to stay below {} points; raise `points` of \

@@ -419,3 +419,49 @@ fn signals_without_or_with_short_values_are_refused() {
         assert!(simulate(&ball).controls(signal).run().is_err());
     }
 }
+
+hangtime::model! {
+    /// A ball with friction whose quantities are recorded.
+    Recorded {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, mu = 0.3 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        surface floor: z >= 0
+        impact floor: inelastic, friction mu
+        outputs { energy: J = m/2*|dot((y, z))|^2 + m*g*z, rub: N = friction_force(floor), shifted: m = y + 3 [m/s]*t }
+        start { dot(y): 3 }
+        horizon 0.5 [s]
+    }
+}
+
+#[test]
+fn outputs_are_known_by_name_at_the_points_and_between_them() {
+    let scene = Recorded::default();
+    let methods: [Box<dyn Simulator>; 3] = [
+        Box::new(Fesd::default()),
+        Box::new(EventDriven::default()),
+        Box::new(Moreau::default()),
+    ];
+    for method in methods {
+        let problem = InitialValueProblem::of(&scene, None).unwrap();
+        let run = method.simulate(&scene, &problem, &mut |_| true).unwrap();
+        assert_eq!(run["energy"].len(), run["time"].len());
+        assert!((run["energy"][0] - 9.0).abs() < 1e-12);
+        let state = run.at(0.123).unwrap();
+        // The cubic between two points is exact for a parabola; linear energies would be wrong by their curvature.
+        let speed = 3.0 - 0.3 * 9.81 * 0.123;
+        assert!((state["energy"] - speed * speed).abs() < 1e-8, "{state}");
+        assert!((state["rub"] + 0.3 * 2.0 * 9.81).abs() < 1e-6);
+        assert!((state["shifted"] - state["y"] - 0.369).abs() < 1e-12);
+        assert_eq!(state.get("energy"), Some(state["energy"]));
+        assert_eq!(state.outputs.len(), 3);
+        assert!(run.series("energies").is_none());
+    }
+}
+
+#[test]
+#[should_panic(expected = "friction(floor), energy, rub, shifted, time")]
+fn indexing_by_an_unknown_name_tells_the_outputs() {
+    let run = simulate(&Recorded::default()).run().unwrap();
+    let _ = &run["energies"];
+}

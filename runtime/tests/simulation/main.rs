@@ -2,6 +2,7 @@
 
 mod common;
 mod conformance;
+mod edges;
 mod event_contact_modes;
 mod event_driven;
 mod event_properties;

@@ -7,11 +7,27 @@ use crate::graph::{self, Sym, Variable};
 use crate::scene::{self, Coordinate, Parameter};
 use crate::words;
 
-/// A surface before its law is known.
+/// A surface, or a smooth piece of one with edges, before its law is known.
 pub(super) struct Surface {
     pub(super) documentation: Documentation,
     pub(super) name: Name,
     pub(super) gap: Sym,
+    /// Its number among the pieces, from 0, and how many there are.
+    pub(super) piece: usize,
+    pub(super) pieces: usize,
+    /// Indices of the other pieces of the same maximum.
+    pub(super) alternatives: Vec<usize>,
+}
+
+impl Surface {
+    /// Its name as a contact.
+    pub(super) fn contact_name(&self) -> Name {
+        let mut name = self.name.clone();
+        if self.pieces > 1 {
+            name.text = format!("{}.{}", name.text, self.piece + 1);
+        }
+        name
+    }
 }
 
 /// A sum of which parts are used by name.
@@ -59,7 +75,8 @@ pub(super) struct CheckedLaw {
 #[derive(Clone)]
 pub(super) struct CheckedFriction {
     pub(super) coefficient: Sym,
-    pub(super) sliding: Option<Sym>,
+    /// Sliding velocities, one for each piece of the surface.
+    pub(super) sliding: Option<Vec<Sym>>,
     pub(super) place: Place,
 }
 

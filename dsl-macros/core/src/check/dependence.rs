@@ -61,7 +61,9 @@ pub(super) fn gaps(contacts: &[Contact], checker: &mut Checker<'_>) {
     let mut reported = vec![false; columns.len()];
     for second in 0..columns.len() {
         for first in 0..second {
-            if let Some(sign) = proportional(&columns[first], &columns[second]) {
+            if let Some(sign) = proportional(&columns[first], &columns[second])
+                && act_together(contacts, &[first, second])
+            {
                 report(
                     names[second],
                     same(names[first], names[second], sign),
@@ -73,7 +75,8 @@ pub(super) fn gaps(contacts: &[Contact], checker: &mut Checker<'_>) {
         }
     }
     for (index, others) in combinations(&columns) {
-        if !reported[index] && others.len() > 1 {
+        let all: Vec<usize> = others.iter().copied().chain([index]).collect();
+        if !reported[index] && others.len() > 1 && act_together(contacts, &all) {
             let others = others.into_iter().map(|other| names[other].text.as_str());
             let message = format!(
                 "the gap of surface `{}` is a combination of those of {}, so it is touched wherever they are \
@@ -84,6 +87,12 @@ pub(super) fn gaps(contacts: &[Contact], checker: &mut Checker<'_>) {
             report(names[index], message, checker);
         }
     }
+}
+
+/// Whether contacts can be touched at once: of the pieces of a maximum, only the largest acts.
+fn act_together(contacts: &[Contact], among: &[usize]) -> bool {
+    let mut others = among.iter().flat_map(|&i| &contacts[i].alternatives);
+    !others.any(|other| among.contains(other))
 }
 
 fn report(name: &Name, message: String, checker: &mut Checker<'_>) {

@@ -2,7 +2,7 @@
 
 use super::checker::{CheckedFriction, CheckedLaw, Checker, Surface};
 use super::rules::is_velocity;
-use crate::ast::{Expr, Law, Name};
+use crate::ast::{Expr, Kind, Law, Name};
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
 use crate::evaluate::Value;
@@ -10,6 +10,8 @@ use crate::evaluate::expression;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::parse::law_of;
 use crate::scene::{self, Contact, Friction};
+use hangtime_units::Unit;
+use std::collections::HashMap;
 
 /// A surface with its law, before the law is completed from the Lagrangian.
 pub(super) struct Pair {
@@ -27,7 +29,12 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
         .friction
         .as_ref()
         .map(|expr| coefficient(checker, expr, "friction", f64::INFINITY));
-    let sliding = law.sliding.as_ref().map(|expr| sliding(checker, expr));
+    let sliding = law.sliding.as_ref().map(|expr| {
+        let velocities = velocities(expr).iter();
+        velocities
+            .map(|expr| sliding(checker, expr))
+            .collect::<Checked<Vec<Sym>>>()
+    });
     let along = law.along.as_ref().map(|expr| direction(checker, expr));
     let held = held(checker, &law.holding);
     let (Ok(restitution), Ok(friction), Ok(sliding), Ok(along), Ok(held)) = (
@@ -60,11 +67,13 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
         checker.impacts.push(CheckedLaw {
             surface: surface.clone(),
             restitution,
-            friction: friction.map(|(coefficient, expr)| CheckedFriction {
-                coefficient,
-                sliding,
-                place: expr.place,
-            }),
+            friction: friction
+                .as_ref()
+                .map(|&(coefficient, expr)| CheckedFriction {
+                    coefficient,
+                    sliding: sliding.clone(),
+                    place: expr.place,
+                }),
             along: along.clone(),
             held: held.clone(),
         });
@@ -100,6 +109,14 @@ fn coefficient(checker: &mut Checker<'_>, expr: &Expr, of: &str, most: f64) -> C
         )
     };
     Err(checker.diagnostics.report("E10", expr.place, message))
+}
+
+/// The sliding velocities of a law: one, or one for each piece of a surface with edges.
+pub(super) fn velocities(expr: &Expr) -> &[Expr] {
+    match &expr.kind {
+        Kind::Vector(items) => items,
+        _ => std::slice::from_ref(expr),
+    }
 }
 
 /// The sliding velocity, which must be `b(q, t)' v + c(q, t)`: `c` is the velocity of a ground that moves.
@@ -225,7 +242,7 @@ fn shown_coefficient(checker: &Checker<'_>, friction: &CheckedFriction) -> Strin
 /// E20: one law for each surface, no law without a surface.
 pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
     let before = checker.diagnostics.mistakes();
-    let mut laws = std::mem::take(&mut checker.impacts);
+    let laws = std::mem::take(&mut checker.impacts);
     let surfaces = std::mem::take(&mut checker.surfaces);
     for law in &laws {
         let text = &law.surface.text;
@@ -249,24 +266,26 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
     let mut pairs = Vec::with_capacity(surfaces.len());
     for surface in surfaces {
         let text = &surface.name.text;
-        let Some(index) = laws.iter().position(|law| law.surface.text == *text) else {
+        let Some(law) = laws.iter().find(|law| law.surface.text == *text) else {
             if checker.diagnostics.is_poisoned(&law_of(text)) {
                 continue;
             }
-            checker.diagnostics.report(
-                "E20",
-                surface.name.place(),
-                format!("surface `{text}` has no impact law; write `impact {text}: inelastic`"),
-            );
+            if surface.piece == 0 {
+                checker.diagnostics.report(
+                    "E20",
+                    surface.name.place(),
+                    format!("surface `{text}` has no impact law; write `impact {text}: inelastic`"),
+                );
+            }
             continue;
         };
-        let law = laws.swap_remove(index);
         impulse(
             &surface,
-            &law,
+            law,
             checker.coordinates.len(),
             checker.diagnostics,
         );
+        let law = law.clone();
         pairs.push(Pair { surface, law });
     }
     if checker.diagnostics.mistakes() > before {
@@ -277,6 +296,29 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
 
 /// E09: an impulse changes the normal velocity.
 fn impulse(surface: &Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diagnostics) {
+    let name = &surface.name.text;
+    let sliding = law
+        .friction
+        .as_ref()
+        .and_then(|friction| friction.sliding.as_ref());
+    let given = sliding.map_or(surface.pieces, Vec::len);
+    let message = if given != surface.pieces {
+        Some(format!(
+            "surface `{name}` has {} smooth pieces, and `sliding` gives {given}; give one velocity for each, as in \
+             `sliding (dot(y), dot(z))`",
+            surface.pieces
+        ))
+    } else if law.along.is_some() && surface.pieces > 1 {
+        Some(format!(
+            "surface `{name}` has edges, and `along` is another direction on each of its pieces; declare the pieces \
+             as surfaces of their own"
+        ))
+    } else {
+        None
+    };
+    if let Some(message) = message.filter(|_| surface.piece == 0) {
+        diagnostics.report("E20", law.surface.place(), message);
+    }
     let normal = normal(surface.gap, n);
     if let Some(along) = &law.along {
         let product: Sym = normal.iter().zip(along).map(|(&n, &w)| n * w).sum();
@@ -311,10 +353,11 @@ fn impulse(surface: &Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diag
 
 /// Surfaces and laws as contacts, with the sliding velocities that follow from the Lagrangian.
 ///
-/// `energy` is the Lagrangian, and whether it is free of mistakes.
+/// `energy` is the Lagrangian, and whether it is free of mistakes; `units` those of the gaps.
 pub(super) fn contacts(
     pairs: Vec<Pair>,
     energy: (Sym, bool),
+    units: &HashMap<String, Unit>,
     checker: &mut Checker<'_>,
 ) -> Checked<Vec<Contact>> {
     let mut contacts = Vec::with_capacity(pairs.len());
@@ -329,10 +372,11 @@ pub(super) fn contacts(
             continue;
         };
         contacts.push(Contact {
-            name: surface.name,
+            name: surface.contact_name(),
+            unit: units.get(&surface.name.text).copied(),
             documentation: surface.documentation,
             gap: surface.gap,
-            unit: None,
+            alternatives: surface.alternatives,
             along: law.along,
             held: law.held,
             restitution: law.restitution,
@@ -352,8 +396,9 @@ fn complete(
     checker: &mut Checker<'_>,
 ) -> Checked<Friction> {
     let n = checker.coordinates.len();
-    let sliding = match friction.sliding {
-        Some(sliding) => {
+    let declared = friction.sliding.as_ref();
+    let sliding = match declared.and_then(|list| list.get(surface.piece)) {
+        Some(&sliding) => {
             braked(sliding, &friction, surface, held, checker)?;
             sliding
         }

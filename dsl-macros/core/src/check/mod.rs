@@ -7,6 +7,7 @@ mod names;
 mod optimal_control;
 mod outputs;
 mod picture;
+mod pieces;
 mod rules;
 mod start;
 mod units;
@@ -18,7 +19,7 @@ pub(crate) use start::inertia_at_start;
 use crate::ast::{Documentation, Expr, Name, Relation, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
 use crate::evaluate::expression;
-use crate::evaluate::{Meaning, Scope, UserFunction};
+use crate::evaluate::{Meaning, Role, Scope, UserFunction};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, CheckedScene};
 use checker::{Abbreviation, Checker, Shown, Surface, Task};
@@ -178,8 +179,10 @@ fn surface(
             format!("surface `{}` is declared twice; rename one", name.text),
         ));
     }
+    checker.scope.role = Role::Surface;
     let left_value = expression::scalar(&mut checker.scope, left, checker.diagnostics);
     let right_value = expression::scalar(&mut checker.scope, right, checker.diagnostics);
+    checker.scope.role = Role::Motion;
     let (Ok(left_value), Ok(right_value)) = (left_value, right_value) else {
         return checker.poison(name);
     };
@@ -187,15 +190,33 @@ fn surface(
         Relation::AtLeast | Relation::Equal => left_value - right_value,
         Relation::AtMost => right_value - left_value,
     };
-    if rules::surface(name, gap, (left, right), checker).is_err() {
+    let Ok(groups) = pieces::groups(gap, (left, right), checker) else {
         return checker.poison(name);
+    };
+    for &gap in groups.iter().flatten() {
+        if rules::surface(name, gap, (left, right), checker).is_err() {
+            return checker.poison(name);
+        }
     }
-    checker.scope.surfaces.push(name.text.clone());
-    checker.surfaces.push(Surface {
-        documentation: documentation.clone(),
-        name: name.clone(),
-        gap,
-    });
+    let begin = checker.surfaces.len();
+    let pieces = groups.iter().map(Vec::len).sum();
+    for group in groups {
+        let first = checker.surfaces.len();
+        for (i, &gap) in group.iter().enumerate() {
+            let others = (first..first + group.len()).filter(|&other| other != first + i);
+            checker.surfaces.push(Surface {
+                documentation: documentation.clone(),
+                name: name.clone(),
+                gap,
+                piece: first + i - begin,
+                pieces,
+                alternatives: others.collect(),
+            });
+        }
+    }
+    let contacts = begin..checker.surfaces.len();
+    let declared = (name.text.clone(), contacts);
+    checker.scope.surfaces.push(declared);
     Ok(())
 }
 
@@ -224,15 +245,12 @@ fn finish(
         true => rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics),
         false => Err(Reported),
     };
-    let contacts = law::contacts(laws, (lagrangian, moves.is_ok()), &mut checker);
+    let contacts = law::contacts(laws, (lagrangian, moves.is_ok()), &units.gaps, &mut checker);
     if let Ok(contacts) = &contacts {
         dependence::gaps(contacts, &mut checker);
     }
     rules::unused(&mut checker);
-    let mut contacts = contacts?;
-    for contact in &mut contacts {
-        contact.unit = units.gaps.get(&contact.name.text).copied();
-    }
+    let contacts = contacts?;
     let forces = total_forces(&checker);
     let mut dynamics: Vec<Sym> = vec![lagrangian];
     dynamics.extend(&forces);

@@ -60,8 +60,15 @@ pub(super) fn gaps(
     let at = Start::new(parameters, (&values[..n], &values[n..]));
     let positions = start.declared[..n].iter().any(Option::is_some);
     let scale = at.coordinates.iter().fold(1.0, |s: f64, q| s.max(q.abs()));
-    for surface in std::mem::take(&mut checker.surfaces) {
-        let gap = at.value(surface.gap).filter(|gap| *gap < -GAP * scale);
+    let surfaces = std::mem::take(&mut checker.surfaces);
+    for surface in &surfaces {
+        // Of the largest of several gaps, the one that is the largest.
+        let own = at.value(surface.gap).filter(|gap| *gap < -GAP * scale);
+        let mut others = surface
+            .alternatives
+            .iter()
+            .map(|&i| at.value(surfaces[i].gap));
+        let gap = own.filter(|own| others.all(|its| its.is_some_and(|its| its < *own)));
         if let Some(gap) = gap
             && !units.faulty.contains(&surface.name.text)
         {
@@ -78,8 +85,8 @@ pub(super) fn gaps(
                 inside(checker, &surface.name, &gap, (start, &rate, positions));
             }
         }
-        checker.surfaces.push(surface);
     }
+    checker.surfaces = surfaces;
     // Numbers that were put in say nothing about the constants of the declaration.
     graph::take_fault();
 }

@@ -57,12 +57,14 @@ pub(super) fn inferred(
         visited: 0,
         coordinates: Vec::new(),
         energy,
+        called: scene.name.place(),
         gaps: Vec::new(),
         sliding: Vec::new(),
         constraints: Vec::new(),
         goals: Vec::new(),
         shown: Shown::default(),
         faulty: HashSet::new(),
+        angles: Vec::new(),
         radians: HashSet::new(),
     };
     let mut sound = true;
@@ -81,6 +83,7 @@ pub(super) fn inferred(
         sound &= !energy || walk.diagnostics.mistakes() == before;
     }
     statement::sliding_velocities(&mut walk);
+    angle::arguments(&mut walk);
     let Walk {
         unifier,
         gaps,

@@ -19,6 +19,8 @@ pub struct Contact {
     pub custom_direction: bool,
     /// Coordinates that are rigid under the contact force.
     pub held: Vec<usize>,
+    /// Contacts that are pieces of the same maximum of gaps; empty for most.
+    pub alternatives: Vec<usize>,
     /// Kernel of the gap.
     pub gap: usize,
     /// Kernel of what is known at a point, as far as it is formulas.
@@ -73,7 +75,8 @@ pub(super) fn contact(
     declared: &scene::Contact,
     contact: &ContactEquations,
 ) -> Contact {
-    let name = &declared.name.text;
+    // A piece of a surface has a number behind a point.
+    let name = &declared.name.text.replace('.', "__");
     let rows = &contact.rows;
     let gap = builder.kernel(&format!("gap_{name}"), &rows.values[..1]);
     let mut point = vec![rows.values[0], rows.values[1], contact.curvature];
@@ -89,11 +92,12 @@ pub(super) fn contact(
     let solved = solved.map(|solved| (format!("direction_{name}"), solved));
     let solves = matches!(contact.inverse_inertia, InverseInertia::Solved);
     Contact {
-        name: name.clone(),
+        name: declared.name.text.clone(),
         unit: inferred(declared.unit),
         documentation: text(&declared.documentation),
         custom_direction: declared.along.is_some(),
         held: declared.held.clone(),
+        alternatives: declared.alternatives.clone(),
         gap,
         point,
         inertia_from_motion: solves && solved.is_none(),

@@ -11,7 +11,7 @@ mod optimal_control;
 mod readable;
 mod shown;
 
-pub use crate::graph::{Function, Function2};
+pub use crate::graph::{Function, Function2, Profile};
 pub use builder::{Pattern, System};
 pub use contact::{Contact, Friction, Rows, SolvedRows};
 pub(crate) use declared::text as documentation_text;

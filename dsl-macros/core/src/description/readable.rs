@@ -106,6 +106,9 @@ impl Printer<'_> {
             Node::Kept(inner) => self.write(inner, outer),
             Node::Call(function, argument) => {
                 self.push(function.name())?;
+                if let graph::Function::Profile(profile) = function {
+                    self.push(&"'".repeat(usize::from(profile.order())))?;
+                }
                 self.push("(")?;
                 self.write(argument, 0)?;
                 self.push(")")

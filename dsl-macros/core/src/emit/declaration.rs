@@ -116,7 +116,7 @@ fn contacts(contacts: &[Contact], code: &mut String) {
             code,
             "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
              ::hangtime::model::ImpactLaw::{}, friction: {friction}, custom_direction: {}, held: &{:?}, \
-             jacobian: {}, hessian: {}, documentation: {:?} }},",
+             alternatives: &{:?}, jacobian: {}, hessian: {}, documentation: {:?} }},",
             contact.name,
             contact.unit,
             if contact.restitution.is_some() {
@@ -126,6 +126,7 @@ fn contacts(contacts: &[Contact], code: &mut String) {
             },
             contact.custom_direction,
             contact.held,
+            contact.alternatives,
             pattern(&contact.rows.jacobian),
             pattern(&contact.rows.hessian),
             contact.documentation

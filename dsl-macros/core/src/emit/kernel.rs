@@ -1,6 +1,6 @@
 //! A kernel as a Rust function: straight-line arithmetic on slices, in chunks.
 
-use crate::description::{Description, Kernel, Operation};
+use crate::description::{Description, Function, Kernel, Operation, Profile};
 use crate::words;
 use std::fmt::Write;
 
@@ -172,6 +172,15 @@ impl<'a> Writer<'a> {
                 Operation::Divide(a, b) => format!("{} / {}", at(a), at(b)),
                 Operation::Negate(a) => format!("-{}", at(a)),
                 Operation::Root(a) => format!("__f64::sqrt({})", at(a)),
+                Operation::Call(Function::Profile(profile), a) => format!(
+                    "::hangtime::__private::profile(&__PROFILES[{}], {}, {})",
+                    profiles(self.description)
+                        .iter()
+                        .position(|known| known.name() == profile.name())
+                        .unwrap_or_default(),
+                    profile.order(),
+                    at(a)
+                ),
                 Operation::Call(function, a) => format!("__f64::{}({})", function.name(), at(a)),
                 Operation::Call2(function, a, b) => {
                     format!("__f64::{}({}, {})", function.name(), at(a), at(b))
@@ -207,4 +216,36 @@ pub(super) fn literal(value: f64) -> String {
     } else {
         format!("{value:?}_f64")
     }
+}
+
+/// The functions given by points that the kernels call, without their derivatives.
+fn profiles(description: &Description) -> Vec<Profile> {
+    let mut profiles: Vec<Profile> = Vec::new();
+    let kernels = description.kernels.iter();
+    for operation in kernels.flat_map(|kernel| &kernel.operations) {
+        if let Operation::Call(Function::Profile(profile), _) = *operation
+            && profiles.iter().all(|known| known.name() != profile.name())
+        {
+            profiles.push(profile);
+        }
+    }
+    profiles
+}
+
+/// Writes the points' polynomials as a static array, if there are any.
+pub(super) fn write_profiles(description: &Description, code: &mut String) {
+    let profiles = profiles(description);
+    if profiles.is_empty() {
+        return;
+    }
+    code.push_str("static __PROFILES: &[&[(__f64, [__f64; 6])]] = &[");
+    for profile in profiles {
+        code.push_str("&[");
+        for (from, coefficients) in profile.pieces() {
+            let coefficients = coefficients.map(literal).join(", ");
+            let _ = write!(code, "({}, [{coefficients}]),", literal(*from));
+        }
+        code.push_str("],");
+    }
+    code.push_str("];");
 }

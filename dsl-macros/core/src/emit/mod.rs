@@ -28,6 +28,7 @@ pub(crate) fn scene(declared: &Scene, scene: &CheckedScene, derived: &Descriptio
          use ::core::option::Option as __Option;",
     );
     let name = scene.name.rust();
+    kernel::write_profiles(derived, &mut code);
     for index in 0..derived.kernels.len() {
         kernel::write(derived, index, &mut code);
     }

@@ -192,6 +192,8 @@ impl Oracle<'_> {
                 let scale = unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
                 Parts::one(body.bind(&format!("D::from({})", literal(value * scale))))
             }
+            // Dual numbers of other programs know no points.
+            Kind::Profile { .. } => return None,
             Kind::Name(name) => self.name(&name.text, body)?,
             Kind::Negate(inner) => {
                 let inner = self.expr(inner, body)?;
@@ -475,6 +477,7 @@ fn insert(expr: &Expr, map: &HashMap<&str, &Expr>) -> Expr {
     let boxed = |inner: &Expr| Box::new(insert(inner, map));
     let all = |items: &[Expr]| items.iter().map(|item| insert(item, map)).collect();
     let kind = match &expr.kind {
+        Kind::Profile { .. } => expr.kind.clone(),
         Kind::Number { .. } => expr.kind.clone(),
         Kind::Name(name) => {
             return map

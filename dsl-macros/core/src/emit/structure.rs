@@ -276,6 +276,14 @@ fn law(scene: &CheckedScene, contact: &Contact) -> String {
         text.push_str(if i == 0 { ", holding " } else { " and " });
         let _ = write!(text, "`{}`", scene.coordinates[held].name.text);
     }
+    for (i, &other) in contact.alternatives.iter().enumerate() {
+        text.push_str(if i == 0 {
+            ", where its gap is larger than of "
+        } else {
+            " and "
+        });
+        let _ = write!(text, "`{}`", scene.contacts[other].name.text);
+    }
     text
 }
 

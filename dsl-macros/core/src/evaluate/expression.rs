@@ -1,13 +1,15 @@
 //! Expressions over the names in force: evaluation and calls of functions need each other.
 
 use super::algebra::{cross_product, inner_product, map, not_a_vector, of_numbers, power, step};
+use super::edges;
 use super::functions::{elementary, velocity_direction};
 use super::matrix;
+use super::recorded;
 use super::scope::{Meaning, Role, Scope};
 use super::value::Value;
-use crate::ast::{Expr, Kind, Link, Name, Prefix};
-use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
-use crate::graph::{self, Compose, Fault, Function2, Sym, Variable};
+use crate::ast::{Expr, Kind, Link, Name, Prefix, WrittenUnit};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported, list};
+use crate::graph::{self, Compose, Fault, Function, Function2, Sym, Variable};
 use crate::words;
 use std::rc::Rc;
 
@@ -111,6 +113,20 @@ fn value_unguarded(
         Kind::Vector(items) => vector(scope, items, diagnostics),
         Kind::Component { vector, name } => component(scope, vector, name, diagnostics),
         Kind::Index { vector, index } => component_at(scope, expr, vector, *index, diagnostics),
+        Kind::Profile {
+            profile,
+            argument,
+            argument_unit,
+            value_unit,
+        } => {
+            let at = scope.name(argument, diagnostics)?;
+            let of = |unit: &Option<WrittenUnit>| unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
+            let (from, to) = (of(argument_unit), of(value_unit));
+            let function = Function::Profile(*profile);
+            Ok(map(&at, |at| {
+                at.scaled(1.0 / from).call(function).scaled(to)
+            }))
+        }
     }
 }
 
@@ -270,6 +286,9 @@ fn component(
 
 fn norm(scope: &mut Scope, inner: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
     match value(scope, inner, diagnostics)? {
+        Value::Scalar(part) if scope.role == Role::Surface => {
+            Ok(edges::call(scope, "abs", vec![part]))
+        }
         Value::Scalar(_) => Err(diagnostics.report(
             "E12",
             inner.place,
@@ -313,6 +332,8 @@ fn derivative(
         )?
     };
     let mut components = value.components().to_vec();
+    let shown = (function.text.as_str(), function.place());
+    edges::differentiable(scope, &components, shown, diagnostics)?;
     for _ in 0..order {
         components = graph::partial(&components, place_holder);
     }
@@ -345,14 +366,13 @@ fn call(
         ));
     }
     if words::NONSMOOTH.contains(&text) {
-        return Err(diagnostics.report(
-            "E12",
-            whole.place,
-            format!(
-                "`{text}` has a kink or a jump, which smooth dynamics must not have; declare a \
-                 `surface` where the motion switches"
-            ),
-        ));
+        edges::admit(scope, whole, (text, arguments.len()), diagnostics)?;
+        let parts: Vec<Checked<Sym>> = arguments
+            .iter()
+            .map(|argument| scalar(scope, argument, diagnostics))
+            .collect();
+        let parts = parts.into_iter().collect::<Checked<_>>()?;
+        return Ok(edges::call(scope, text, parts));
     }
     if words::MATRIX_FUNCTIONS.contains(&text) {
         let mut values = Vec::with_capacity(arguments.len());
@@ -362,7 +382,7 @@ fn call(
         return matrix::call(function, &values, diagnostics);
     }
     if words::CONTACT_FUNCTIONS.contains(&text) {
-        return contact_force(scope, whole, text, arguments, diagnostics);
+        return recorded::contact_force(scope, whole, text, arguments, diagnostics);
     }
     let wanted = match text {
         "dot" if arguments.len() == 2 => 2,
@@ -388,63 +408,6 @@ fn call(
         ));
     }
     known_function(scope, whole, text, arguments, diagnostics)
-}
-
-/// `force(surface)` or `friction_force(surface)`.
-fn contact_force(
-    scope: &mut Scope,
-    whole: &Expr,
-    text: &str,
-    arguments: &[Expr],
-    diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
-    if scope.role != Role::Record {
-        let message = format!(
-            "`{text}` of a contact follows from the motion; it can be used in `outputs` only"
-        );
-        return Err(diagnostics.report("E24", whole.place, message));
-    }
-    let surface = match arguments {
-        [
-            Expr {
-                kind: Kind::Name(surface),
-                ..
-            },
-        ] => surface,
-        _ => {
-            let message = format!("`{text}` takes the name of a surface, as in `{text}(ground)`");
-            return Err(diagnostics.report("E02", whole.place, message));
-        }
-    };
-    let known = scope
-        .surfaces
-        .iter()
-        .position(|known| *known == surface.text);
-    let Some(index) = known else {
-        if diagnostics.is_poisoned(&surface.text) {
-            return Err(Reported);
-        }
-        let known = || scope.surfaces.iter().map(String::as_str);
-        let name = &surface.text;
-        let message = match closest(name, known()) {
-            _ if scope.surfaces.is_empty() => {
-                format!("no surface `{name}` stands above `outputs`; declare it there")
-            }
-            Some(near) => format!("there is no surface `{name}` above; did you mean `{near}`?"),
-            None => format!(
-                "there is no surface `{name}` above (declared: {})",
-                list(known())
-            ),
-        };
-        return Err(diagnostics.report("E01", surface.place(), message));
-    };
-    let variable = if text == words::CONTACT_FUNCTIONS[0] {
-        Variable::ContactForce(index as u16)
-    } else {
-        scope.rubbing.push((index, whole.place));
-        Variable::FrictionForce(index as u16)
-    };
-    Ok(Value::Scalar(Sym::variable(variable)))
 }
 
 /// Evaluates an expression in which `name` stands for a number.
@@ -592,6 +555,8 @@ fn time_derivative(
             _ => diagnostics.syntax(argument.place, message),
         });
     }
+    let shown = (&*argument.to_string(), argument.place);
+    edges::differentiable(scope, value.components(), shown, diagnostics)?;
     let rates = graph::directional(value.components(), velocity_direction);
     Ok(value.with_components(rates))
 }

@@ -1,13 +1,17 @@
 //! Expressions of the syntax tree to nodes of the graph.
 
 mod algebra;
+mod edges;
 pub(crate) mod expression;
 mod functions;
+mod kink;
 mod matrix;
+mod recorded;
 mod scope;
 mod value;
 
 pub(crate) use expression::{BUDGET, TOO_LARGE, unrepresentable};
 pub(crate) use functions::velocity_direction;
+pub(crate) use kink::Kink;
 pub(crate) use scope::{Meaning, Role, Scope, UserFunction};
 pub(crate) use value::Value;

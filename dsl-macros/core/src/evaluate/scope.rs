@@ -1,11 +1,13 @@
 //! Names in force: what they stand for, and what is said of those that are not declared.
 
+use super::kink::Kink;
 use super::value::Value;
 use crate::ast::{Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::graph::{Sym, Variable};
 use crate::words;
 use std::collections::{BTreeMap, HashSet};
+use std::ops::Range;
 use std::rc::Rc;
 
 /// What a name stands for.
@@ -27,6 +29,8 @@ pub(crate) enum Role {
     /// The motion: dynamics, surfaces, laws.
     #[default]
     Motion,
+    /// A surface, which may have edges.
+    Surface,
     /// What is added up or holds during the motion: running cost and constraints.
     Running,
     /// What counts at the final instant: final cost and terminal conditions, which know the final time.
@@ -43,8 +47,10 @@ pub(crate) struct Scope {
     pub(crate) used: HashSet<String>,
     /// Names that are declared further down.
     pub(crate) later: HashSet<String>,
-    /// Surfaces declared so far, in order.
-    pub(crate) surfaces: Vec<String>,
+    /// Surfaces declared so far, in order, with the contacts that they are.
+    pub(crate) surfaces: Vec<(String, Range<usize>)>,
+    /// Maxima and minima in the surface being evaluated.
+    pub(crate) kinks: Vec<Kink>,
     /// Contacts of which the friction is recorded.
     pub(crate) rubbing: Vec<(usize, Place)>,
     /// Outputs that contain contact forces.

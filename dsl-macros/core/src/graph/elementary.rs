@@ -1,5 +1,7 @@
 //! Elementary functions: names and values.
 
+use super::profile::Profile;
+
 /// Functions of one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Function {
@@ -27,6 +29,8 @@ pub enum Function {
     Ln,
     /// Cube root.
     Cbrt,
+    /// A function given by points.
+    Profile(Profile),
 }
 
 /// Functions of two numbers.
@@ -58,6 +62,7 @@ impl Function {
             Self::Exp => "exp",
             Self::Ln => "ln",
             Self::Cbrt => "cbrt",
+            Self::Profile(profile) => profile.name(),
         }
     }
 
@@ -77,6 +82,7 @@ impl Function {
             Self::Exp => x.exp(),
             Self::Ln => x.ln(),
             Self::Cbrt => x.cbrt(),
+            Self::Profile(profile) => profile.value(x),
         }
     }
 
@@ -86,7 +92,7 @@ impl Function {
             Self::Sin | Self::Tan | Self::Asin | Self::Atan => Some(-1.0),
             Self::Sinh | Self::Tanh | Self::Cbrt => Some(-1.0),
             Self::Cos | Self::Cosh => Some(1.0),
-            Self::Acos | Self::Exp | Self::Ln => None,
+            Self::Acos | Self::Exp | Self::Ln | Self::Profile(_) => None,
         }
     }
 }

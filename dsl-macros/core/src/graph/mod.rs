@@ -15,6 +15,7 @@ mod node;
 mod normal;
 mod number;
 mod passes;
+mod profile;
 mod second_order;
 
 pub use elementary::{Function, Function2};
@@ -26,4 +27,5 @@ pub(crate) use normal::{factors_of, product, sum};
 pub(crate) use passes::{
     depends_on, directional, gradient, is_longer_than, partial, reachable, substitute, variables,
 };
+pub use profile::Profile;
 pub(crate) use second_order::hessian;

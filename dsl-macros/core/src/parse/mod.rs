@@ -8,6 +8,7 @@ mod expression;
 mod law;
 mod picture;
 mod pieces;
+mod profile;
 mod slips;
 mod statement;
 mod unit;

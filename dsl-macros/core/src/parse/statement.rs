@@ -5,7 +5,7 @@ use super::cursor::{Cursor, unexpected};
 use super::documentation::documentation;
 use super::expression::expression;
 use super::pieces::{Bounds, block, entries, equals, name, range, target};
-use super::{control, law, picture, unit};
+use super::{control, law, picture, profile, unit};
 use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
@@ -85,6 +85,7 @@ fn statement(
             }
         }
         "fn" => function(cursor, diagnostics),
+        "profile" => profile::profile(cursor, diagnostics),
         "lagrangian" => {
             cursor.eat_symbol("=");
             let value = expression(cursor, diagnostics)?;

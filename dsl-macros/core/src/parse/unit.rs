@@ -22,6 +22,10 @@ pub(super) fn declared(
         if cursor.at_symbol("=") || cursor.at_symbol(",") || cursor.at_word("in") {
             break;
         }
+        // The points of a profile.
+        if matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Brace) {
+            break;
+        }
         // Behind a missing comma the next entry begins.
         if !text.is_empty() && is_named(cursor, 0) {
             break;

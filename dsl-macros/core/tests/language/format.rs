@@ -56,6 +56,32 @@ picture {
 }
 
 #[test]
+fn points_of_a_profile_are_a_block() {
+    let scene = "coordinates { y }\nlagrangian dot(y)^2/2 - h(y)\n";
+    for (written, settled) in [
+        (
+            "profile h( w:m/s ) :m{(0,1),(1,-2),( 2,0),}",
+            "profile h(w: m/s): m { (0, 1), (1, -2), (2, 0) }",
+        ),
+        (
+            "profile h(w) {\n(0,1),(1,-2), // deep\n(2,0)}",
+            "profile h(w) {\n    (0, 1),\n    (1, -2), // deep\n    (2, 0),\n}",
+        ),
+    ] {
+        let scene = match written.contains(':') {
+            true => scene
+                .replace("{ y }", "{ y: m/s }")
+                .replace("^2/2 - h(y)", "^2/2 - 1[m/s^4]*h(y)"),
+            false => scene.to_owned(),
+        };
+        assert_eq!(
+            formatted(&format!("{written}\n{scene}")),
+            format!("{settled}\n{scene}")
+        );
+    }
+}
+
+#[test]
 fn header_and_vectors_are_formatted_and_long_sums_broken() {
     let terms = ["m*l^2*dot(a)^2"; 12].join("+");
     let text = format!(

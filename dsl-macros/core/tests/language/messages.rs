@@ -182,8 +182,53 @@ texts! {
         "E11: `t` is reserved for the physical time; choose another name",
         "E11: `clock` is reserved for the clock of the time-freezing reformulation; choose another name",
         "E11: `type` is a word of Rust and cannot be a field; choose another name";
-    absolute_value: beside "surface wall: abs(y) >= 0 impact wall: inelastic" =>
-        "E12: `abs` has a kink or a jump, which smooth dynamics must not have; declare a `surface` where the motion switches";
+    profile_without_order: beside "profile h(y: m): m { (0, 0), (2, 1), (1, 2) }" =>
+        "the points of profile `h` must go from left to right: 1 follows 2";
+    profile_of_too_few_points: beside "profile h(y: m): m { (0, 0), (2, 1) }" =>
+        "profile `h` needs from 3 to 5000 points, and has 2";
+    profile_of_something_else: beside "profile h(y: m): m { (0, 0), (1, m), (2, 2), 3 }" =>
+        "`(1, m)` is no point; write two numbers without units, as in `(0.5, 0.1)`",
+        "`3` is no point; write two numbers without units, as in `(0.5, 0.1)`";
+    profile_without_an_argument: beside "profile h: m { (0, 0) }" =>
+        "expected `(` and the argument, as in `profile track(s: m): m { (0, 0), (0.5, 0.1), (1, 0.3) }`, found `:`";
+    profile_in_other_units: beside "profile h(y: m): N { (0, 0), (1, 2), (2, 0) } surface s: z >= h(y) surface w: y >= h(m) impact s, w: inelastic" =>
+        "E03: units differ: `z` is in m, `h(y)` is in N; both sides of surface `s` must agree",
+        "E03: units differ: the points of `h(y)` are in m, its argument is in kg";
+    profile_is_a_function: beside "profile h(y: m): m { (0, -9), (1, -9), (2, -9.1) } surface s: z >= h(y) + diff(h)(y)*1 [m] impact s: inelastic" =>
+        "accepted";
+    profile_that_is_too_steep: beside "profile h(y: m): m { (0, -9), (1e-80, -9), (2, 1e300) } surface s: z >= h(y) impact s: inelastic" =>
+        "E21: the points of profile `h` are too close or too far apart for the curve through them; choose units in which their numbers are closer to 1, and leave out points that nearly coincide";
+    walls_on_both_sides: beside "surface wall: abs(y) <= 2 [m] impact wall: inelastic" => "accepted";
+    block_with_edges: beside "fn block(y, z) = max(|y| - 1 [m], z) surface block: block(y, z + 2 [m]) >= 0 impact block: inelastic, friction 0.2" =>
+        "accepted";
+    surface_that_holds_everywhere: beside "surface wall: abs(y) >= 0 impact wall: inelastic" =>
+        "E12: the surface holds everywhere, so that nothing ever touches it: two of its pieces are never negative together; check the signs, or write `min` where all pieces have to hold";
+    edge_with_a_factor: beside "parameters { a = 1 } surface roof: z >= a*|y| impact roof: inelastic" =>
+        "E12: `max`, `min` and `|x|` can be taken apart in sums and with numbers as factors only, as the sign of another factor is not known; write it inside, as in `|slope*y|` or `max(a*y, a*z)`";
+    piece_of_two_edges: beside "surface s: min(max(y, z), max(y, z - y)) >= 0 impact s: inelastic" =>
+        "E12: a piece belongs to more than one `max`, so that it is not clear where it acts; declare several surfaces, each with its own pieces";
+    edge_in_other_units: beside "surface s: max(z, m*y) >= 0 impact s: inelastic" =>
+        "E03: units differ: `z` is in m, `m*y` is in kg m; the arguments of `max` must agree";
+    edge_without_a_coordinate: beside "surface s: max(z, 1 [m]) >= 0 impact s: inelastic" =>
+        "E12: a piece of the surface contains no coordinate, so that nothing can touch it; leave it out";
+    edge_without_arguments: beside "surface s: max(z) >= 0 impact s: inelastic" =>
+        "E02: `max` takes 2 arguments or more, found 1";
+    edge_with_one_sliding_velocity: beside "surface s: |y| <= 1 [m] impact s: inelastic, friction 0.1, sliding dot(z)" =>
+        "E20: surface `s` has 2 smooth pieces, and `sliding` gives 1; give one velocity for each, as in `sliding (dot(y), dot(z))`";
+    edge_with_its_sliding_velocities: beside "surface s: |y| <= 1 [m] impact s: inelastic, friction 0.1, sliding (dot(z), -dot(z))" =>
+        "accepted";
+    two_sliding_velocities_of_a_plane: beside "surface s: y >= 0 impact s: inelastic, friction 0.1, sliding (dot(z), -dot(z))" =>
+        "E20: surface `s` has 1 smooth pieces, and `sliding` gives 2; give one velocity for each, as in `sliding (dot(y), dot(z))`";
+    sliding_velocity_in_other_units: beside "surface s: |y| <= 1 [m] impact s: inelastic, friction 0.1, sliding (dot(z), m*dot(z))" =>
+        "E03: units differ: `m*dot(z)` is in N s, where m/s is needed (the sliding velocity of `s` has the unit of its gap over s)";
+    edge_with_one_direction: beside "surface s: |y| <= 1 [m] impact s: inelastic, along (1, 0)" =>
+        "E20: surface `s` has edges, and `along` is another direction on each of its pieces; declare the pieces as surfaces of their own";
+    derivative_at_an_edge: beside "fn h(y) = max(y, 2*y) surface s: z + 1 [m] >= diff(h)(y)*1 [m] impact s: inelastic" =>
+        "E12: `h` contains `max`, `min` or `|x|`, which have no derivative at the edge; differentiate the pieces";
+    velocity_at_an_edge: beside "surface s: dot(|y|) >= 0 impact s: inelastic" =>
+        "E12: `|y|` contains `max`, `min` or `|x|`, which have no derivative at the edge; differentiate the pieces";
+    absolute_value: beside "let top = abs(y) surface wall: z + top >= 0 impact wall: inelastic" =>
+        "E12: `abs` has a kink or a jump, which smooth dynamics must not have; declare a `surface`, which may contain it, where the motion switches";
     bars_around_a_number: with "lagrangian m/2*|dot((y, z))|^2 - m*g*|z|" =>
         "E12: `|z|` of a number has a kink at 0; square it, or declare a `surface` where the motion switches";
     branch: with "lagrangian if y > 0 { 1 } else { 2 }" =>

@@ -249,6 +249,11 @@ fn places_and_angles_are_doubted_where_they_are_written() {
             &[],
         ),
         ("constraint c: theta <= 2*pi", &[]),
+        (
+            "constraint c: sin(theta) <= sin(30)",
+            &[("E23", "30", "the argument of `sin` is in rad")],
+        ),
+        ("constraint c: sin(theta) <= cos(30 [deg]) + sin(2)", &[]),
         ("let a = y", &[("E16", "a", "leave it out")]),
     ]);
 }

@@ -159,6 +159,9 @@ pub(super) fn closed_contacts(
     dynamics.load(t, y);
     let mut closed = Vec::new();
     for i in 0..dynamics.contacts {
+        if dynamics.pieces.is_idle(i) {
+            continue;
+        }
         dynamics.evaluate_sides(i);
         let gap = dynamics.point(i)[contact_point::GAP];
         if gap <= dynamics.closed_gap(i) || closing == Some(i) || dynamics.is_active(i) {

@@ -170,6 +170,8 @@ impl<'a> Integration<'a> {
         // beside what a step may cover.
         self.h = GLANCE * longest;
         self.dynamics.set_controls(&self.problem.controls, 0.0);
+        self.dynamics.load(0.0, &self.y);
+        self.dynamics.choose_pieces();
         self.enter_mode(None, true)?;
         self.h = self.first_step(longest);
         self.observe();
@@ -395,6 +397,7 @@ impl<'a> Integration<'a> {
             moment: self.h,
             skipped: self.counts.repeats / PATIENCE,
         };
+        let vanished = self.pass_edge(vanished);
         self.dynamics.observe_rounding(self.t, &self.y, self.h);
         let impact = self.impact(vanished)?;
         if at_start && !impact.struck.is_empty() {
@@ -423,6 +426,18 @@ impl<'a> Integration<'a> {
         self.record();
         self.observe();
         self.write_events(&before, &previously, &impact.struck, at_start)
+    }
+
+    /// Lets the next piece of an edge act if it has come to be the largest: nothing else happens there.
+    fn pass_edge(&mut self, vanished: Option<Switch>) -> Option<Switch> {
+        match vanished {
+            Some(Switch::Gap(piece)) if self.dynamics.pieces.is_idle(piece) => {
+                let model = self.dynamics.model;
+                self.dynamics.pieces.let_act(model, piece);
+                None
+            }
+            other => other,
+        }
     }
 
     /// Applies the impact law, and remembers what a user should know of it.

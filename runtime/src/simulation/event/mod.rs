@@ -49,7 +49,7 @@ impl Simulator for EventDriven {
         check(self, model, problem)?;
         let mut watch = Watch::new(problem, observer);
         let mut result = accuracy::promised(self, (model, problem), &mut watch);
-        watch.finish(&mut result);
+        watch.finish(model, &mut result);
         Ok(result)
     }
 
@@ -72,7 +72,7 @@ pub(crate) fn simulate_once(
     let mut unseen = |_: &Progress| true;
     let mut watch = Watch::new(problem, &mut unseen);
     let mut result = Integration::new(settings, model, problem).run(&mut watch);
-    watch.finish(&mut result);
+    watch.finish(model, &mut result);
     Ok(result)
 }
 

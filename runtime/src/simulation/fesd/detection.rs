@@ -21,6 +21,7 @@ pub(super) fn first_violation(
     start: &ElementStart<'_>,
 ) -> Result<Option<Switch>, Stop> {
     let active = element.active();
+    detector.pieces.clone_from(&contacts.pieces);
     detector.open.clear();
     detector.drift = 0.0;
     let row = detector.thetas.len() + 1;

@@ -3,13 +3,15 @@
 use super::switch::{Switch, SwitchKind};
 use crate::fesd::contact_size::ContactSize;
 use crate::fesd::finite_element::FiniteElement;
-use crate::model::Model;
+use crate::model::{Model, Pieces};
 use crate::rk::ButcherTableau;
 
 /// Checks the sign conditions on a fixed grid of the element's dense output.
 pub(super) struct Detector<'a> {
     pub(super) model: &'a dyn Model,
     pub(super) tableau: &'a ButcherTableau,
+    /// Which pieces of surfaces with edges act.
+    pub(super) pieces: Pieces,
     /// Sampled places `0 < theta <= 1`.
     pub(super) thetas: Vec<f64>,
     /// Dense output weights, one row a sample.
@@ -45,6 +47,7 @@ impl<'a> Detector<'a> {
         Self {
             model,
             tableau,
+            pieces: Pieces::default(),
             thetas,
             weights,
             scratch: vec![0.0; stages],
@@ -74,7 +77,7 @@ impl<'a> Detector<'a> {
     ) -> f64 {
         self.tableau.dense_weights(theta, &mut self.scratch);
         element.interpolate(theta, &self.scratch, &mut self.x);
-        self.model.gap(contact, &self.x)
+        self.pieces.gap(self.model, contact, &self.x)
     }
 
     /// Place of the sample before `k`.

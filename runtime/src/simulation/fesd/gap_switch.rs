@@ -74,7 +74,7 @@ pub(super) fn first_entry(
         let i = detector.open[index];
         let size = detector.sizes[i];
         let row = &mut detector.gaps[i * (samples + 1)..(i + 1) * (samples + 1)];
-        let gap = detector.model.gap(i, &detector.x);
+        let gap = detector.pieces.gap(detector.model, i, &detector.x);
         if !gap.is_finite() {
             return Err(beyond(ModeError::NotFinite));
         }

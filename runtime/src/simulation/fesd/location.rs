@@ -281,7 +281,10 @@ pub(super) fn switch_condition(
     solve_elements(driver, length, count)?;
     driver.now.write_input();
     match switch.kind {
-        SwitchKind::Entry => Ok(driver.setup.model.gap(switch.contact, &driver.now.x)),
+        SwitchKind::Entry => {
+            let pieces = &driver.now.contacts.pieces;
+            Ok(pieces.gap(driver.setup.model, switch.contact, &driver.now.x))
+        }
         SwitchKind::Reentry => {
             driver
                 .now

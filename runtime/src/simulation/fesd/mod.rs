@@ -50,7 +50,7 @@ pub use size::step_sizes;
 use super::watch::Watch;
 use super::{InitialValueProblem, InputError, Simulation, Simulator};
 use crate::Observer;
-use crate::model::Model;
+use crate::model::{Model, edge};
 
 impl Simulator for Fesd {
     fn name(&self) -> &'static str {
@@ -65,6 +65,14 @@ impl Simulator for Fesd {
     ) -> Result<Simulation, InputError> {
         let tableau = self.tableau()?;
         problem.check(model)?;
+        if self.formulation == StepFormulation::Complementarity
+            && let Some(name) = edge(model)
+        {
+            return Err(InputError::unsupported(
+                format!("an outer edge, of which `{name}` is a piece, as complementarity problem"),
+                "use another formulation",
+            ));
+        }
         let mut watch = Watch::new(problem, observer);
         let mut result = match self.promise() {
             Some(promise) => {
@@ -76,7 +84,7 @@ impl Simulator for Fesd {
             }
             None => estimate::estimated(self, &tableau, (model, problem), &mut watch),
         };
-        watch.finish(&mut result);
+        watch.finish(model, &mut result);
         Ok(result)
     }
 

@@ -23,6 +23,11 @@ pub(super) fn sliding_event(before: Tangential, after: Tangential) -> Option<Eve
 pub(super) fn carry_out(driver: &mut Driver<'_>, switch: Switch) -> Result<(), ModeError> {
     if switch.kind == SwitchKind::Exit && !driver.setup.settings.exit_condition {
         release(driver, switch.contact)?;
+    } else if driver.now.contacts.pieces.is_idle(switch.contact) {
+        // Nothing else happens where the next piece of an edge comes to be the largest.
+        let model = driver.setup.model;
+        driver.now.contacts.pieces.let_act(model, switch.contact);
+        settle(driver, &[])?;
     } else {
         settle(driver, &[switch.contact])?;
     }
@@ -44,9 +49,10 @@ fn release(driver: &mut Driver<'_>, contact: usize) -> Result<(), ModeError> {
 fn touching(driver: &Driver<'_>, switched: &[usize]) -> Vec<usize> {
     let now = &driver.now;
     let touches = |&i: &usize| {
-        now.contacts.gap(i) <= now.size(i).touching_gap()
-            || switched.contains(&i)
-            || find(&now.active, i).is_some()
+        !now.contacts.pieces.is_idle(i)
+            && (now.contacts.gap(i) <= now.size(i).touching_gap()
+                || switched.contains(&i)
+                || find(&now.active, i).is_some())
     };
     driver.setup.contacts().filter(touches).collect()
 }

@@ -4,7 +4,7 @@ use crate::fesd::active_contact::{ActiveContact, Tangential, find, force_count};
 use crate::fesd::contact_size::ContactSize;
 use crate::fesd::contacts::{Contacts, ModeError};
 use crate::fesd::finite_element::State;
-use crate::model::{ControlPiece, Model};
+use crate::model::{ControlPiece, Model, Pieces};
 use crate::simulation::{
     ContactMode, ControlSignal, Direction, InitialValueProblem, Residuals, Trajectory,
 };
@@ -42,6 +42,9 @@ impl<'a> Present<'a> {
     pub(super) fn new(model: &'a dyn Model, problem: &InitialValueProblem) -> Self {
         let declaration = model.declaration();
         let contacts = declaration.contacts.len();
+        let x = problem.input(model);
+        let mut evaluated = Contacts::new(model);
+        evaluated.pieces = Pieces::at(model, &x);
         Self {
             state: State {
                 time: 0.0,
@@ -52,8 +55,8 @@ impl<'a> Present<'a> {
             active: Vec::with_capacity(contacts),
             u: vec![0.0; declaration.controls.len()],
             piece: ControlPiece::default(),
-            x: problem.input(model),
-            contacts: Contacts::new(model),
+            x,
+            contacts: evaluated,
             gaps: vec![0.0; contacts],
             velocities: vec![0.0; contacts],
             sliding: vec![0.0; contacts],

@@ -9,6 +9,7 @@ use super::{bounces, impacts, location, mode_change, program};
 use crate::clock::ThreadTime;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
+use crate::model::edge;
 use crate::simulation::watch::Watch;
 use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
 
@@ -240,7 +241,8 @@ fn recover(
         let jammed = Stop::Mode(ModeError::Jammed);
         return Err(diagnosis::stopped(driver, step.number, &jammed));
     }
-    if mode || not_finite {
+    // The program knows no edges.
+    if mode || not_finite || edge(driver.setup.model).is_some() {
         return Err(diagnosis::stopped(driver, step.number, &stop));
     }
     program::solve_program(driver, end)

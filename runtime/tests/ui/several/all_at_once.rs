@@ -6,7 +6,7 @@ hangtime::model! {
         let p = (y, z, 0)
         lagrangian m/2*|dot(p)|^2 - m g*p.w
         force { y: u }
-        surface ground: abs(z) >= 0
+        surface ground: sign(z) >= 0
         impact ground: inelastic
         start { x: 1 }
     }

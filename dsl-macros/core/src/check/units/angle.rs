@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 pub(super) fn compared(walk: &mut Walk<'_>, left: &Expr, right: &Expr) {
     for (angle, number) in [(left, right), (right, left)] {
         if is_angle(walk, angle) {
-            likely_degrees(walk, &angle.to_string(), number);
+            likely_degrees(walk, &format!("`{angle}`"), number);
         }
     }
 }
@@ -17,7 +17,14 @@ pub(super) fn compared(walk: &mut Walk<'_>, left: &Expr, right: &Expr) {
 /// A number that belongs to the declaration of a name.
 pub(super) fn of_name(walk: &mut Walk<'_>, name: &str, number: &Expr) {
     if walk.radians.contains(name) {
-        likely_degrees(walk, name, number);
+        likely_degrees(walk, &format!("`{name}`"), number);
+    }
+}
+
+/// Numbers of which the sine, the cosine or the tangent is taken.
+pub(super) fn arguments(walk: &mut Walk<'_>) {
+    for (function, number) in std::mem::take(&mut walk.angles) {
+        likely_degrees(walk, &format!("the argument of `{function}`"), &number);
     }
 }
 
@@ -41,7 +48,7 @@ fn likely_degrees(walk: &mut Walk<'_>, angle: &str, number: &Expr) {
     };
     let turns = (value.abs() / TAU * 10.0).round() / 10.0;
     let message = format!(
-        "`{angle}` is in rad, and {value} rad are {turns} turns; write `{value} [deg]` if degrees are meant, \
+        "{angle} is in rad, and {value} rad are {turns} turns; write `{value} [deg]` if degrees are meant, \
          `{value} [rad]` if not"
     );
     walk.diagnostics.warn("E23", number.place, message);

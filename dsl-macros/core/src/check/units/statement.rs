@@ -5,6 +5,7 @@ use super::{angle, shown};
 use crate::ast::{
     Assignment, Condition, Expr, FreeStart, Kind, Law, Name, Quantity, Scene, Statement,
 };
+use crate::check::law::velocities;
 use crate::check::values::is_bare;
 use crate::diagnostics::{Checked, Reported};
 use crate::dimension::Dimension;
@@ -293,10 +294,10 @@ fn impact_law(walk: &mut Walk<'_>, surfaces: &[Name], law: &Law) -> Checked<()> 
         let reason = format!("a coefficient of {of} is a ratio");
         let _: Checked<()> = walk.expect(expr, &own, &Dimension::one(), &reason);
     }
-    if let Some(expr) = &law.sliding
-        && let Ok(own) = walk.scalar(expr)
-    {
-        walk.sliding.push((surfaces.to_vec(), expr.clone(), own));
+    for expr in law.sliding.as_ref().map_or(&[][..], velocities) {
+        if let Ok(own) = walk.scalar(expr) {
+            walk.sliding.push((surfaces.to_vec(), expr.clone(), own));
+        }
     }
     match &law.along {
         Some(direction) => impulse_direction(walk, direction),

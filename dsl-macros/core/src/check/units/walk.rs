@@ -1,7 +1,7 @@
 //! Units of expressions.
 
 use super::matrix::Matrix;
-use crate::ast::{Expr, Kind, Link, Name, Operator, Prefix};
+use crate::ast::{Expr, Kind, Link, Name, Operator, Prefix, WrittenUnit};
 use crate::check::values::is_bare;
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::dimension::{Dimension, Unifier};
@@ -51,6 +51,7 @@ pub(super) struct Shown {
     pub(super) bodies: Vec<String>,
 }
 
+// Many fields: what the statements leave behind for those below them.
 pub(super) struct Walk<'a> {
     pub(super) diagnostics: &'a mut Diagnostics,
     pub(super) unifier: Unifier,
@@ -58,6 +59,8 @@ pub(super) struct Walk<'a> {
     pub(super) functions: HashMap<String, (Vec<Name>, Expr)>,
     pub(super) frames: Vec<Vec<(String, Units)>>,
     pub(super) visited: usize,
+    /// Where the last function was called.
+    pub(super) called: Place,
     pub(super) coordinates: Vec<Name>,
     /// Unit of the Lagrangian.
     pub(super) energy: Dimension,
@@ -69,6 +72,8 @@ pub(super) struct Walk<'a> {
     pub(super) shown: Shown,
     /// Surfaces, and coordinates with a start value, whose units differ.
     pub(super) faulty: HashSet<String>,
+    /// Numbers of which the sine, the cosine or the tangent is taken.
+    pub(super) angles: Vec<(String, Expr)>,
     /// Names that are declared in rad.
     pub(super) radians: HashSet<String>,
 }
@@ -138,6 +143,9 @@ impl Walk<'_> {
     }
 
     pub(super) fn pure(&mut self, expr: &Expr, function: &str) -> Checked<Dimension> {
+        if matches!(function, "sin" | "cos" | "tan") && is_bare(expr) {
+            self.angles.push((function.to_owned(), expr.clone()));
+        }
         let own = self.scalar(expr)?;
         if self.unifier.unify(&own, &Dimension::one()) {
             return Ok(own);
@@ -208,6 +216,7 @@ impl Walk<'_> {
                 };
                 Ok(Units::Scalar(components[index].clone()))
             }
+            Kind::Profile { .. } => self.profile(expr),
             Kind::Index { vector, index } => {
                 let units = self.units(vector)?;
                 if let Units::Matrix(matrix) = &units {
@@ -387,6 +396,8 @@ impl Walk<'_> {
                 let exponent = Ratio::new(1, if text == "sqrt" { 2 } else { 3 });
                 Ok(Units::Scalar(own.power(exponent.unwrap_or(Ratio::ONE))))
             }
+            ("abs", [argument]) => self.units(argument),
+            ("max" | "min", [first, others @ ..]) => self.extreme(function, first, others),
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
                 Ok(Units::Scalar(self.pure(argument, text)?))
             }
@@ -409,6 +420,50 @@ impl Walk<'_> {
             }
             _ => Err(Reported),
         }
+    }
+
+    /// Units of the largest or smallest of some numbers.
+    fn extreme(&mut self, function: &Name, first: &Expr, others: &[Expr]) -> Checked<Units> {
+        let own = self.scalar(first)?;
+        for other in others {
+            let its = self.scalar(other)?;
+            if !self.unifier.unify(&own, &its) {
+                let what = format!("the arguments of `{}`", function.text);
+                let (left, right) = ((first, &own), (other, &its));
+                return Err(self.differ(function.place(), left, right, &what));
+            }
+        }
+        Ok(Units::Scalar(own))
+    }
+
+    /// Units of a function given by points, whose argument has those of its points.
+    fn profile(&mut self, expr: &Expr) -> Checked<Units> {
+        let Kind::Profile {
+            argument,
+            argument_unit,
+            value_unit,
+            ..
+        } = &expr.kind
+        else {
+            return Err(Reported);
+        };
+        let of = |unit: &Option<WrittenUnit>| {
+            unit.as_ref()
+                .map_or_else(Dimension::one, |unit| Dimension::of(unit.unit))
+        };
+        let Units::Scalar(own) = self.name(argument) else {
+            return Err(Reported);
+        };
+        let wanted = of(argument_unit);
+        if self.unifier.unify(&own, &wanted) {
+            return Ok(Units::Scalar(of(value_unit)));
+        }
+        let message = format!(
+            "units differ: the points of `{expr}` are in {}, its argument is in {}",
+            self.unifier.show(&wanted),
+            self.unifier.show(&own)
+        );
+        Err(self.diagnostics.report("E03", self.called, message))
     }
 
     fn inner(&mut self, whole: &Expr, left: &Units, right: &Units) -> Checked<Units> {
@@ -446,6 +501,7 @@ impl Walk<'_> {
             .zip(units)
             .collect();
         self.frames.push(frame);
+        self.called = function.place();
         let result = self.units(&body);
         self.frames.pop();
         result

@@ -13,7 +13,7 @@ pub(in crate::simulation) mod switching;
 pub(in crate::simulation) use switch::Switch;
 
 use super::contact_state::{ContactState, Direction};
-use crate::model::{ControlPiece, Model, contact_point, contains_ground, tangent_point};
+use crate::model::{ControlPiece, Model, Pieces, contact_point, contains_ground, tangent_point};
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
     SimulationStatus, Trajectory,
@@ -31,6 +31,7 @@ use scales::{ContactScale, Instant};
 /// in `J`.
 ///
 /// The state is `y = (q, v, numerical time)`.
+// Many fields: scene, contact mode and the memory of an evaluation, kept so that nothing allocates.
 pub(in crate::simulation) struct Dynamics<'a> {
     pub(in crate::simulation) model: &'a dyn Model,
     /// Number of coordinates.
@@ -44,6 +45,8 @@ pub(in crate::simulation) struct Dynamics<'a> {
     pub(in crate::simulation) u: Vec<f64>,
     /// The controls over time, until they jump or change their slope.
     piece: ControlPiece,
+    /// Which pieces of surfaces with edges act.
+    pub(in crate::simulation) pieces: Pieces,
     /// Evaluations so far.
     pub(in crate::simulation) evaluations: usize,
     /// Sign of the determinant of the equations for the contact accelerations at the last evaluation. While it
@@ -172,6 +175,7 @@ impl<'a> Dynamics<'a> {
             switching: SwitchingFunctions::new(functions),
             u: vec![0.0; declaration.controls.len()],
             piece: ControlPiece::default(),
+            pieces: Pieces::default(),
             evaluations: 0,
             orientation: 1.0,
             evaluated: Evaluated {
@@ -247,7 +251,8 @@ impl<'a> Dynamics<'a> {
     pub(in crate::simulation) fn evaluate_contact(&mut self, contact: usize) {
         let length = contact_point::length(self.n);
         let point = &mut self.evaluated.points[contact * length..(contact + 1) * length];
-        self.model.contact(contact, &self.evaluated.x, point);
+        self.pieces
+            .contact(self.model, contact, &self.evaluated.x, point);
     }
 
     /// The contact as last evaluated, laid out as in [`contact_point`].
@@ -370,7 +375,12 @@ impl<'a> Dynamics<'a> {
 
     /// Gap at the state loaded.
     pub(in crate::simulation) fn gap(&self, contact: usize) -> f64 {
-        self.model.gap(contact, &self.evaluated.x)
+        self.pieces.gap(self.model, contact, &self.evaluated.x)
+    }
+
+    /// Lets the pieces of surfaces with edges act that do so at the state loaded.
+    pub(in crate::simulation) fn choose_pieces(&mut self) {
+        self.pieces.choose(self.model, &self.evaluated.x);
     }
 
     /// Evaluates the acceleration without contact at the state loaded.

@@ -1,0 +1,77 @@
+//! `max`, `min` and `|x|`, which a surface may contain.
+
+use super::kink::Kink;
+use super::scope::{Role, Scope};
+use super::value::Value;
+use crate::ast::Expr;
+use crate::diagnostics::{Checked, Diagnostics, Place};
+use crate::graph::{self, Sym, Variable};
+use crate::words;
+
+/// Whether a function with a kink or a jump may stand here, with so many arguments; E12 otherwise.
+pub(super) fn admit(
+    scope: &Scope,
+    whole: &Expr,
+    (text, arguments): (&str, usize),
+    diagnostics: &mut Diagnostics,
+) -> Checked<()> {
+    let known = words::EDGES.contains(&text);
+    if !known || scope.role != Role::Surface {
+        let remedy = if known {
+            "; declare a `surface`, which may contain it, where the motion switches"
+        } else {
+            "; declare a `surface` where the motion switches"
+        };
+        let message =
+            format!("`{text}` has a kink or a jump, which smooth dynamics must not have{remedy}");
+        return Err(diagnostics.report("E12", whole.place, message));
+    }
+    let (wanted, fits) = match text {
+        "abs" => ("1 argument", arguments == 1),
+        _ => ("2 arguments or more", arguments >= 2),
+    };
+    if fits {
+        return Ok(());
+    }
+    let message = format!("`{text}` takes {wanted}, found {arguments}");
+    Err(diagnostics.report("E02", whole.place, message))
+}
+
+/// What `max`, `min` or `abs` of some parts is: a variable, the same one for the same parts.
+pub(super) fn call(scope: &mut Scope, text: &str, mut parts: Vec<Sym>) -> Value {
+    if let ("abs", [part]) = (text, &parts[..]) {
+        parts.push(-*part);
+    }
+    let largest = text != "min";
+    let known = scope.kinks.iter();
+    let mut known = known.filter(|kink| kink.largest == largest && kink.parts == parts);
+    let variable = known.next().map(|kink| kink.variable);
+    let variable = variable.unwrap_or_else(|| {
+        scope.arguments += 1;
+        let variable = Variable::Argument(scope.arguments);
+        scope.kinks.push(Kink {
+            variable,
+            largest,
+            parts,
+        });
+        variable
+    });
+    Value::Scalar(Sym::variable(variable))
+}
+
+/// E12: what has an edge has no derivative there.
+pub(super) fn differentiable(
+    scope: &Scope,
+    components: &[Sym],
+    (shown, place): (&str, Place),
+    diagnostics: &mut Diagnostics,
+) -> Checked<()> {
+    let edge = |variable| scope.kinks.iter().any(|kink| kink.variable == variable);
+    if !graph::variables(components).into_iter().any(edge) {
+        return Ok(());
+    }
+    let message = format!(
+        "`{shown}` contains `max`, `min` or `|x|`, which have no derivative at the edge; differentiate the pieces"
+    );
+    Err(diagnostics.report("E12", place, message))
+}

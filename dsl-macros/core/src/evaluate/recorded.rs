@@ -1,0 +1,71 @@
+//! Contact forces in what is recorded.
+
+use super::scope::{Role, Scope};
+use super::value::Value;
+use crate::ast::{Expr, Kind};
+use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
+use crate::graph::{Sym, Variable};
+use crate::words;
+
+/// `force(surface)` or `friction_force(surface)`.
+pub(super) fn contact_force(
+    scope: &mut Scope,
+    whole: &Expr,
+    text: &str,
+    arguments: &[Expr],
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    if scope.role != Role::Record {
+        let message = format!(
+            "`{text}` of a contact follows from the motion; it can be used in `outputs` only"
+        );
+        return Err(diagnostics.report("E24", whole.place, message));
+    }
+    let surface = match arguments {
+        [
+            Expr {
+                kind: Kind::Name(surface),
+                ..
+            },
+        ] => surface,
+        _ => {
+            let message = format!("`{text}` takes the name of a surface, as in `{text}(ground)`");
+            return Err(diagnostics.report("E02", whole.place, message));
+        }
+    };
+    let known = scope
+        .surfaces
+        .iter()
+        .find(|(name, _)| *name == surface.text);
+    let Some((_, contacts)) = known.cloned() else {
+        if diagnostics.is_poisoned(&surface.text) {
+            return Err(Reported);
+        }
+        let known = || scope.surfaces.iter().map(|(name, _)| name.as_str());
+        let name = &surface.text;
+        let message = match closest(name, known()) {
+            _ if scope.surfaces.is_empty() => {
+                format!("no surface `{name}` stands above `outputs`; declare it there")
+            }
+            Some(near) => format!("there is no surface `{name}` above; did you mean `{near}`?"),
+            None => format!(
+                "there is no surface `{name}` above (declared: {})",
+                list(known())
+            ),
+        };
+        return Err(diagnostics.report("E01", surface.place(), message));
+    };
+    let normal = text == words::CONTACT_FUNCTIONS[0];
+    if !normal {
+        scope.rubbing.push((contacts.start, whole.place));
+    }
+    // The forces of all pieces.
+    let force = contacts.map(|index| {
+        Sym::variable(if normal {
+            Variable::ContactForce(index as u16)
+        } else {
+            Variable::FrictionForce(index as u16)
+        })
+    });
+    Ok(Value::Scalar(force.sum()))
+}
