@@ -245,6 +245,7 @@ fn checked(declared: &Scene, source: &str) -> CheckedScene {
 }
 
 #[test]
+#[ignore = "long"]
 #[expect(
     clippy::needless_range_loop,
     reason = "indices of a matrix read better"
