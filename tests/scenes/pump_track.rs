@@ -198,6 +198,7 @@ fn fastest_ride_at_10_and_22_km_per_h_beats_the_known_bounds() {
 }
 
 #[test]
+#[ignore = "long"]
 fn fastest_ride_with_more_intervals_is_faster_but_not_below_the_continuous_bound() {
     let coarse = solve(&PumpTrack::default(), 30).horizon;
     let fine = solve(&PumpTrack::default(), 60);
@@ -211,6 +212,7 @@ fn fastest_ride_with_more_intervals_is_faster_but_not_below_the_continuous_bound
 }
 
 #[test]
+#[ignore = "long"]
 fn fastest_ride_with_linear_controls_approaches_that_with_free_ones() {
     let mut settings = Settings::default();
     settings.controls = ControlShape::Linear;
@@ -282,6 +284,7 @@ fn rides_from_every_guess_end_certified_at_the_same_optimum() {
 }
 
 #[test]
+#[ignore = "long"]
 fn ride_over_a_hill_that_is_barely_passable_is_found_from_every_guess() {
     let model = at(8.0);
     let problem = Problem::of(&model, 30);
@@ -299,6 +302,7 @@ fn ride_over_a_hill_that_is_barely_passable_is_found_from_every_guess() {
 }
 
 #[test]
+#[ignore = "long"]
 fn fine_grid_takes_its_contact_sequence_from_a_coarse_one() {
     let count = |intervals: usize| {
         let solution = solve(&PumpTrack::default(), intervals);
