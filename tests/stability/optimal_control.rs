@@ -45,6 +45,7 @@ fn optima_with_a_known_answer_are_found_and_goals_out_of_reach_named() {
 }
 
 #[test]
+#[ignore = "long"]
 fn time_freezing_is_right_or_stops_with_a_name() {
     let mut settings = Settings::default();
     settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
