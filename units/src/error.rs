@@ -40,19 +40,25 @@ impl fmt::Display for UnitError {
             Self::Unknown {
                 symbol,
                 suggestion: Some(suggestion),
-            } => write!(f, "unknown unit `{symbol}`; did you mean `{suggestion}`?"),
+            } => write!(
+                f,
+                "unknown unit `{}`; did you mean `{suggestion}`?",
+                shown(symbol)
+            ),
             Self::Unknown {
                 symbol,
                 suggestion: None,
             } => write!(
                 f,
-                "unknown unit `{symbol}`; write SI units such as m, kg, s, N, J, rad, deg, km/h"
+                "unknown unit `{}`; write SI units such as m, kg, s, N, J, rad, deg, km/h",
+                shown(symbol)
             ),
-            Self::Malformed { text, reason } => write!(f, "unit `{text}`: {reason}"),
+            Self::Malformed { text, reason } => write!(f, "unit `{}`: {reason}", shown(text)),
             Self::NotANumber { text } => write!(
                 f,
-                "`{text}` does not begin with a number; write a number and an optional unit such as \
-                 15km/h"
+                "`{}` does not begin with a number; write a number and an optional unit such as \
+                 15km/h",
+                shown(text)
             ),
             Self::Different { from, to } => write!(
                 f,
@@ -63,3 +69,18 @@ impl fmt::Display for UnitError {
 }
 
 impl std::error::Error for UnitError {}
+
+/// Longest text that a message shows in full, in characters.
+const LONGEST: usize = 60;
+
+/// A text on one line, its beginning if it is long.
+fn shown(text: &str) -> String {
+    let mut characters = text
+        .chars()
+        .map(|c| if c.is_whitespace() { ' ' } else { c });
+    let begin: String = characters.by_ref().take(LONGEST).collect();
+    match characters.next() {
+        None => begin,
+        Some(_) => begin + " ...",
+    }
+}

@@ -203,5 +203,9 @@ mod tests {
         assert!(text("(m").contains("`)` is missing"));
         assert!(text("2 m").contains("a unit symbol is missing"));
         assert!(text(&"(".repeat(100_000)).contains("too many parentheses"));
+        // Messages are one line, however long and broken the text is.
+        for wrong in ["(".repeat(100_000), "m\n2 ".repeat(100)] {
+            assert!(text(&wrong).len() < 200 && !text(&wrong).contains('\n'));
+        }
     }
 }
