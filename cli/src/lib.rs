@@ -60,6 +60,7 @@ mod page;
 mod play;
 #[cfg(feature = "terminal")]
 mod profile;
+#[cfg(feature = "terminal")]
 mod program;
 #[cfg(feature = "terminal")]
 mod progress;
