@@ -5,12 +5,12 @@ use std::time::Instant;
 use hangtime::ocp::{self, Formulation, Problem, Settings, TimeFreezingSettings};
 
 use super::drawn::Chart;
+use super::side_by_side::side_by_side;
 use crate::ControlScene;
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::figure::{Curve, Dot, LogLog};
 use crate::page::{Fold, Section};
-use crate::progress::Progress;
 use crate::spreadsheet::csv_text;
 use crate::table::{seconds, table};
 
@@ -21,7 +21,7 @@ const WITHIN: [f64; 3] = [1e-2, 1e-3, 1e-5];
 /// The distance that is drawn, and in words.
 const DRAWN: (f64, &str) = (1e-3, "0.1 %");
 /// Time after which a solve is stopped [s].
-const PATIENCE: f64 = 20.0;
+const PATIENCE: f64 = 15.0;
 
 /// A way to solve a scene: its name, and its settings.
 type Way = (&'static str, fn() -> Settings);
@@ -57,26 +57,27 @@ struct Run {
 /// Solves all `scenes` in every way, on every grid for which an objective is known.
 pub(super) fn chart(scenes: &[ControlScene], bounds: &Bounds) -> Result<Chart, BadInput> {
     let known = |scene: &ControlScene, intervals| (scene.best)(scene.name, intervals);
-    let asked: Vec<(&ControlScene, usize, f64)> = scenes
+    let asked: Vec<(&ControlScene, usize, (usize, f64))> = scenes
         .iter()
         .flat_map(|scene| {
-            GRIDS.map(|intervals| known(scene, intervals).map(|best| (scene, intervals, best)))
+            let grids = GRIDS
+                .into_iter()
+                .filter_map(|n| known(scene, n).map(|best| (n, best)));
+            let ways = grids.flat_map(|grid| (0..WAYS.len()).map(move |way| (way, grid)));
+            ways.map(move |(way, grid)| (scene, way, grid))
+                .collect::<Vec<_>>()
         })
-        .flatten()
         .collect();
-    let mut progress = Progress::new("control scenes", (asked.len() * WAYS.len()) as f64);
-    let mut runs = Vec::new();
-    for (scene, intervals, best) in asked {
-        for (way, (name, _)) in WAYS.iter().enumerate() {
-            if bounds.asked().is_some() {
-                break;
-            }
-            progress.say(&format!("{}: {name}, {intervals} intervals", scene.name));
-            runs.push(solve(scene, way, (intervals, best), bounds)?);
-            progress.reach(runs.len() as f64);
-        }
-    }
-    drop(progress);
+    let says = |&(scene, way, (intervals, _)): &(&ControlScene, usize, (usize, f64))| {
+        format!("{}: {}, {intervals} intervals", scene.name, WAYS[way].0)
+    };
+    let runs = side_by_side(
+        "control scenes",
+        &asked,
+        bounds,
+        says,
+        |&(scene, way, grid)| solve(scene, way, grid, bounds),
+    )?;
     Ok(report(&runs))
 }
 

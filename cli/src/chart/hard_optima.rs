@@ -3,10 +3,10 @@
 use cpu_time::ProcessTime;
 use hangtime::ocp::{self, Formulation, Problem, Settings, Solution, Status, TimeFreezingSettings};
 
+use super::side_by_side::side_by_side;
 use super::verdict::{Row, Verdict};
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
-use crate::progress::Progress;
 use crate::scene_file::load_text;
 use crate::settings::ChosenScene;
 use crate::{HardOptimum, RightOptimum};
@@ -15,7 +15,7 @@ use crate::{HardOptimum, RightOptimum};
 const INTERVALS: usize = 12;
 /// Distance from the least objective that the tolerances of the programs explain, relative, or absolute below one.
 const NEAR: f64 = 1e-6;
-/// CPU time after which a solve counts as one that does not end [s].
+/// CPU time of the program after which a solve counts as one that does not end [s]; two that run side by side share it.
 const PATIENCE: f64 = 60.0;
 
 /// A way to solve a problem: its name, and its settings.
@@ -51,17 +51,13 @@ pub(super) fn header() -> Vec<String> {
 
 /// A line for each problem.
 pub(super) fn rows(problems: &[HardOptimum], bounds: &Bounds) -> Result<Vec<Row>, BadInput> {
-    let mut progress = Progress::new("hard optima", problems.len() as f64);
-    let mut rows = Vec::with_capacity(problems.len());
-    for problem in problems {
-        if bounds.asked().is_some() {
-            break;
-        }
-        progress.say(problem.name);
-        rows.push(row(problem, bounds)?);
-        progress.reach(rows.len() as f64);
-    }
-    Ok(rows)
+    side_by_side(
+        "hard optima",
+        problems,
+        bounds,
+        |problem| problem.name.to_owned(),
+        |problem| row(problem, bounds),
+    )
 }
 
 fn row(problem: &HardOptimum, bounds: &Bounds) -> Result<Row, BadInput> {

@@ -7,6 +7,7 @@ mod hard_optima;
 mod measure;
 mod optimum;
 mod peers;
+mod side_by_side;
 mod simulation;
 mod stability;
 mod study;

@@ -1,9 +1,10 @@
 //! `hangtime chart --stability`: what every method makes of scenes on which methods fail.
 
-use cpu_time::ProcessTime;
+use cpu_time::ThreadTime;
 use hangtime::simulation::{InitialValueProblem, InputError, Simulation, SimulationStatus};
 
 use super::hard_optima;
+use super::side_by_side::side_by_side;
 use super::study::{Reference, Study, charted, distance};
 use super::verdict::{Row, Verdict, sums, sums_header};
 use crate::arguments::{ChartArguments, FormulationName, Method, MethodArguments};
@@ -12,7 +13,6 @@ use crate::failure::BadInput;
 use crate::method::ChosenMethod;
 use crate::output::OutputDirectory;
 use crate::page::{Fold, Page, Section};
-use crate::progress::Progress;
 use crate::report::Report;
 use crate::scene_file::load_text;
 use crate::settings::ChosenScene;
@@ -80,17 +80,16 @@ pub(super) fn run(
     }
     let directory = OutputDirectory::open(&arguments.out)?;
     let bounds = Bounds::watch("chart", &arguments.limits);
-    let mut progress = Progress::new("stability", tried.len() as f64);
-    let mut tables = Tables::default();
-    for (done, tried) in tried.iter().enumerate() {
-        if bounds.asked().is_some() {
-            break;
-        }
-        progress.say(&tried.name);
-        tables.motions.push(tried.row(&bounds)?);
-        progress.reach((done + 1) as f64);
-    }
-    drop(progress);
+    let mut tables = Tables {
+        motions: side_by_side(
+            "stability",
+            &tried,
+            &bounds,
+            |tried| tried.name.clone(),
+            |tried| tried.row(&bounds),
+        )?,
+        ..Tables::default()
+    };
     if arguments.scenes.is_empty() {
         tables.optima = hard_optima::rows(optima, &bounds)?;
     }
@@ -331,12 +330,14 @@ impl Tried {
         };
         let chosen = self.chosen();
         let method = ChosenMethod::from_arguments(arguments)?;
-        let start = ProcessTime::try_now();
+        // The clock of this thread: other scenes run beside this one.
+        let clock = || ThreadTime::try_now().map(|now| now.as_duration());
+        let start = clock();
         let run = method.simulate(chosen.model.as_ref(), problem, &mut |_| {
-            let spent = start
-                .as_ref()
-                .ok()
-                .and_then(|start| start.try_elapsed().ok());
+            let spent = match (&start, clock()) {
+                (Ok(start), Ok(now)) => Some(now.saturating_sub(*start)),
+                _ => None,
+            };
             bounds.asked().is_none() && spent.is_none_or(|spent| spent.as_secs_f64() < PATIENCE)
         });
         Ok(match run {

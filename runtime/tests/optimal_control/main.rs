@@ -6,6 +6,7 @@ mod explicit_time;
 mod final_impact;
 mod final_time;
 mod friction;
+mod landings;
 mod linear_controls;
 mod refinement;
 mod scaling;

@@ -11,6 +11,9 @@ use crate::simulation::{Event, EventKind, Simulation};
 /// Events nearer to an interval end than this share of the interval lie on it.
 const AT_THE_END: f64 = 1e-7;
 
+/// Bounces that end within this many intervals are one landing.
+const COMES_TO_REST: f64 = 0.5;
+
 /// A simulation under controls on equal intervals.
 pub(in crate::ocp) struct Replay<'r> {
     pub(in crate::ocp) model: &'r dyn Model,
@@ -160,6 +163,43 @@ pub(in crate::ocp) fn of_elements(
     }
 }
 
+/// With bounces that soon come to rest as one landing, at the first of them: a plan in which an elastic contact closes
+/// means all of them.
+fn landed(mut sequence: Sequence, model: &dyn Model) -> Sequence {
+    let switches = &mut sequence.switches;
+    let mut landing = 0;
+    while landing < switches.len() {
+        let Switch {
+            contact,
+            time,
+            mode,
+            ..
+        } = switches[landing];
+        if !switches[landing].stays() || model.restitution(contact) == 0.0 {
+            landing += 1;
+            continue;
+        }
+        let own = (0..landing).rev();
+        let own = own.filter(|&index| switches[index].contact == contact);
+        let bounces = own.take_while(|&index| {
+            switches[index].touches() && time - switches[index].time < COMES_TO_REST
+        });
+        let bounces: Vec<usize> = bounces.collect();
+        let Some((&first, later)) = bounces.split_last() else {
+            landing += 1;
+            continue;
+        };
+        switches[first].mode = mode;
+        let mut index = 0;
+        switches.retain(|_| {
+            index += 1;
+            index - 1 != landing && !later.contains(&(index - 1))
+        });
+        landing -= later.len();
+    }
+    sequence
+}
+
 /// As a simulation may see it: contacts that slip no faster than `slowest` rest, and switches of one instant are in
 /// the order of the contacts.
 pub(in crate::ocp) fn seen(
@@ -192,7 +232,7 @@ pub(in crate::ocp) fn seen(
             switch.mode = ContactMode::Stick;
         }
     }
-    let mut sequence = sequence.consistent();
+    let mut sequence = landed(sequence.consistent(), model);
     let switches = &mut sequence.switches;
     let mut start = 0;
     for end in 1..=switches.len() {

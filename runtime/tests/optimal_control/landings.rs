@@ -1,0 +1,57 @@
+//! Elastic contacts that come to rest: a plan says that they close, the motion bounces on for a moment.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+use hangtime::ocp::{Problem, Status, solve as solve_with};
+use hangtime::simulation::EventKind;
+
+hangtime::model! {
+    /// A platform takes up an egg that falls, and both come to rest 0.3 m high.
+    Egg {
+        parameters { m: kg = 0.1, p: kg = 0.5, g: m/s^2 = 9.81 }
+        coordinates { z: m, y: m in -1..=1 }
+        controls { u: N in -20..=20 }
+        lagrangian m/2*dot(z)^2 + p/2*dot(y)^2 - m*g*z - p*g*y
+        forces { y: u + p*g }
+        surface plate: z >= y
+        impact plate: restitution 0.4
+        minimize integral(u^2)
+        finally { z == 0.3[m], y == 0.3[m], dot(z) == 0[m/s], dot(y) == 0[m/s] }
+        start { z: 1 [m] }
+        horizon 2 [s]
+    }
+}
+
+#[test]
+fn landing_that_bounces_for_a_moment_is_confirmed() {
+    let egg = Egg::default();
+    let problem = Problem::of(&egg, 10);
+    let solution = solve_with(&egg, &problem, &Default::default(), &mut |_| true).unwrap();
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    // The controls cost what the plan says, and the motion under them reaches the goals.
+    let cost: f64 = solution.controls.iter().map(|u| u[0] * u[0] * 0.2).sum();
+    assert!((cost - solution.objective).abs() < 1e-9 * cost, "{cost}");
+    assert!(
+        solution.resimulation_error < 1e-6,
+        "{}",
+        solution.resimulation_error
+    );
+    let motion = solution.motion.unwrap();
+    let end = motion.at(solution.horizon).unwrap();
+    for (name, goal) in [("z", 0.3), ("y", 0.3)] {
+        assert!((end[name] - goal).abs() < 1e-6, "{name} {}", end[name]);
+    }
+    // It bounces, until the plate holds it.
+    let impacts = motion
+        .events
+        .iter()
+        .filter(|event| event.kind == EventKind::Impact);
+    assert!(impacts.count() > 3, "{:?}", motion.events);
+    // A catch without any bounce, at the same speed, costs more.
+    assert!(solution.objective < 68.0, "{}", solution.objective);
+}
