@@ -1,7 +1,8 @@
 //! How large a discrete system is, and what each part of it is there for.
 
+use hangtime_solver::nlp::NlpProblem;
+
 use crate::model::{Declaration, Kernel};
-use crate::nlp::NlpProblem;
 
 /// Size of a discrete system.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

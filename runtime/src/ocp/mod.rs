@@ -86,8 +86,8 @@ mod solution;
 mod solve;
 mod summary;
 
-pub use crate::mpcc::Stationarity;
 pub use global::time_freezing::TimeFreezing;
+pub use hangtime_solver::mpcc::Stationarity;
 pub use motion::control_grid::ControlShape;
 pub use previous::Previous;
 pub use problem::{Horizon, Problem};

@@ -1,9 +1,9 @@
 //! What the solver tells whoever waits, and how it is stopped.
 
-use crate::clock::Instant;
+use hangtime_solver::clock::Instant;
+use hangtime_solver::nlp::IterationInfo;
 
 use super::solution::Counts;
-use crate::nlp::IterationInfo;
 use crate::{Observer, Progress};
 
 /// The observer, and whether it has asked to stop.

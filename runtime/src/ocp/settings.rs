@@ -3,6 +3,7 @@
 use super::previous::Previous;
 use crate::model::Model;
 use crate::ocp::motion::control_grid::ControlShape;
+use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 
@@ -265,7 +266,7 @@ impl Settings {
             ("largest distance", self.largest_distance, f64::INFINITY),
         ] {
             if !(value > 0.0 && value < below) {
-                return Err(InputError::out_of_range(
+                return Err(refusal::out_of_range(
                     what,
                     value,
                     "",
@@ -280,14 +281,14 @@ impl Settings {
             ("most iterations", self.maximum_iterations),
         ] {
             if value == 0 {
-                return Err(InputError::out_of_range(what, 0.0, "", "at least 1"));
+                return Err(refusal::out_of_range(what, 0.0, "", "at least 1"));
             }
         }
         Ok(())
     }
 
     pub(in crate::ocp) fn refuse_stages(&self) -> InputError {
-        InputError::out_of_range(
+        refusal::out_of_range(
             "Runge-Kutta stages",
             self.stages as f64,
             "",

@@ -260,7 +260,6 @@ pub(in crate::ocp) fn at_start(
 
 #[cfg(test)]
 mod tests {
-    use crate::nlp::check_derivatives;
     use crate::ocp::collocation::discretization::{Places, Setting, parabolas};
     use crate::ocp::collocation::layout::{Cut, CutKind};
     use crate::ocp::collocation::transcribe::transcribe;
@@ -273,6 +272,7 @@ mod tests {
     use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
     use crate::simulation::{ContactMode, Direction};
+    use hangtime_solver::nlp::check_derivatives;
 
     /// The central difference of a function with values and derivatives up to 1e3 is good to about 1e-7 of them.
     const DIFFERENCE: f64 = 1e-5;

@@ -162,7 +162,6 @@ pub(in crate::ocp) fn drive_within(
 
 #[cfg(test)]
 mod tests {
-    use crate::nlp;
     use crate::ocp::collocation::discretization::{Places, Setting};
     use crate::ocp::collocation::transcribe::transcribe;
     use crate::ocp::global::guess::guess;
@@ -173,6 +172,7 @@ mod tests {
     use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
     use crate::simulation::ContactMode;
+    use hangtime_solver::nlp;
 
     crate::model! {
         /// A mass with an engine, on the ground.

@@ -78,7 +78,6 @@ pub(in crate::ocp) fn transcribe<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::nlp::check_derivatives;
     use crate::ocp::collocation::discretization::{Places, parabolas};
     use crate::ocp::collocation::layout::CutKind;
     use crate::ocp::collocation::test_scene::{Demanding, Sledge};
@@ -91,6 +90,7 @@ mod tests {
     use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
     use crate::simulation::ContactMode;
+    use hangtime_solver::nlp::check_derivatives;
 
     /// The central difference of a function with values and derivatives up to 1e3 is good to about 1e-7 of them.
     const DIFFERENCE: f64 = 1e-5;

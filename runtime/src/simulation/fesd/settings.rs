@@ -2,6 +2,7 @@
 
 use crate::fesd::finite_element::FiniteElement;
 use crate::model::Model;
+use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 
@@ -199,7 +200,7 @@ impl Fesd {
     /// The scheme, with all settings checked.
     pub(super) fn tableau(&self) -> Result<ButcherTableau, InputError> {
         let refuse = |what: &str, value: f64, bound: String| {
-            Err(InputError::out_of_range(what, value, "", bound))
+            Err(refusal::out_of_range(what, value, "", bound))
         };
         let steps = self.steps.unwrap_or(1);
         for (what, value) in [("steps", steps), ("elements", self.elements)] {
