@@ -17,9 +17,11 @@ mod linalg;
 pub mod mpcc;
 pub mod nl;
 pub mod nlp;
+mod problem_size;
 mod seconds;
 
 #[cfg(target_family = "wasm")]
 pub use clock::set_clock;
 pub use input_error::InputError;
+pub use problem_size::ProblemSize;
 pub use seconds::Seconds;

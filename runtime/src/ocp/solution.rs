@@ -69,10 +69,8 @@ pub struct TimeFreezingReport {
     pub objective: f64,
     /// Length of the relaxed motion \[s\].
     pub horizon: f64,
-    /// Largest violation of a constraint or bound.
-    pub primal: f64,
-    /// Largest product of a pair.
-    pub complementarity: f64,
+    /// Residuals of the relaxed point; the complementarity is the largest product of a pair.
+    pub residuals: Residuals,
     /// Interior point iterations.
     pub iterations: usize,
     /// Size of the problem.

@@ -23,13 +23,13 @@ mod trajectory;
 mod watch;
 
 pub use crate::InputError;
-pub use crate::size::{FormulationSize, ProblemSize, Purpose, SizeGroup};
+pub use crate::size::{FormulationSize, SizeGroup};
 pub use contact_mode::{ContactMode, Direction};
 pub use event::EventDriven;
 pub use fesd::{Fesd, StepFormulation, step_sizes};
 pub use fixed::FixedStep;
-pub use hangtime_solver::Seconds;
 pub use hangtime_solver::nlp::Residuals;
+pub use hangtime_solver::{ProblemSize, Seconds};
 pub use moreau::Moreau;
 pub use problem::{ControlSignal, InitialValueProblem};
 pub use result::{Counts, Diagnosis, Event, EventKind, Simulation, SimulationStatus};

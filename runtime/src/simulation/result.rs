@@ -3,13 +3,12 @@
 use std::fmt;
 use std::ops::Index;
 
-use hangtime_solver::Seconds;
+use hangtime_solver::{ProblemSize, Seconds};
 
 use super::quantity::{Quantity, number};
 use super::{ContactMode, InputError, Residuals, State, Trajectory};
 use crate::model::Declaration;
 use crate::refusal;
-use crate::size::ProblemSize;
 
 /// Result of a simulation.
 ///

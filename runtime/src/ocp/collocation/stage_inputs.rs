@@ -169,7 +169,7 @@ mod tests {
     use crate::ocp::motion::sequence::{Place, Sequence, Switch};
     use crate::ocp::problem::{Problem, bounds};
     use crate::ocp::program::units::Units;
-    use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
+    use crate::ocp::settings::{Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
     use crate::simulation::ContactMode;
     use hangtime_solver::nlp;
@@ -207,7 +207,7 @@ mod tests {
             bounds,
             parabolas: &[false],
             places: Places {
-                bounds: BoundsAt::AllTimes,
+                bounds_at_nodes: false,
                 path: PathPoints::Stages,
             },
             shape: ControlShape::Linear,

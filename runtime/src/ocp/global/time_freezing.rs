@@ -123,8 +123,7 @@ impl<'a> TimeFreezing<'a> {
     }
 
     /// What its variables and rows are there for.
-    #[must_use]
-    pub fn groups(&self) -> Vec<SizeGroup> {
+    pub(in crate::ocp) fn groups(&self) -> Vec<SizeGroup> {
         size_groups(&self.transcription)
     }
 

@@ -2,6 +2,7 @@
 
 use hangtime_solver::clock::ThreadTime;
 use hangtime_solver::mpcc::Mpcc as _;
+use hangtime_solver::nlp::Residuals;
 use hangtime_solver::{mpcc, nlp};
 
 use super::start_modes::modes_at_start;
@@ -62,8 +63,10 @@ pub(in crate::ocp) fn candidate(
         status: solution.status,
         objective: solution.objective,
         horizon: motion.horizon,
-        primal: solution.residuals.primal,
-        complementarity: products.fold(0.0, f64::max),
+        residuals: Residuals {
+            complementarity: products.fold(0.0, f64::max),
+            ..solution.residuals
+        },
         iterations: solution.iterations,
         size: ProblemSize::of(&program, program.complementarities().len()),
         seconds: clock

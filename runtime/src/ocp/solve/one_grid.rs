@@ -87,7 +87,7 @@ pub(super) fn solve_round<'s>(
         bounds,
         parabolas: &parabolas(model, &problem.start()),
         places: Places {
-            bounds: settings.bounds,
+            bounds_at_nodes: settings.bounds_at_nodes,
             path: settings.path_points,
         },
         shape: settings.controls,
@@ -153,7 +153,7 @@ fn find(
     }
     // Without a previous motion, or too far from it: search.
     if search.found.optima.is_empty() {
-        let simulated = matches!(settings.guess, Guess::Ride | Guess::Random { .. });
+        let simulated = matches!(settings.guess, Guess::Ride | Guess::Random(_));
         search.try_guess(runner, guessed, simulated)?;
     }
     // The ride without controls obeys the dynamics, which is what other guesses may be too far from.

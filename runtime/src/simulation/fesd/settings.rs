@@ -53,7 +53,6 @@ pub enum StepFormulation {
 /// # Ok::<(), InputError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub struct Fesd {
     /// Family of the collocation scheme. Default Radau IIA, which keeps its order in contact.
     pub scheme: Scheme,
@@ -160,27 +159,6 @@ impl Fesd {
     #[must_use]
     pub fn with_formulation(mut self, formulation: StepFormulation) -> Self {
         self.formulation = formulation;
-        self
-    }
-
-    /// The same settings with or without the exit condition.
-    #[must_use]
-    pub fn with_exit_condition(mut self, exit_condition: bool) -> Self {
-        self.exit_condition = exit_condition;
-        self
-    }
-
-    /// The same settings with another acceleration of the auxiliary dynamics.
-    #[must_use]
-    pub fn with_auxiliary_acceleration(mut self, auxiliary_acceleration: f64) -> Self {
-        self.auxiliary_acceleration = auxiliary_acceleration;
-        self
-    }
-
-    /// The same settings with another rest velocity.
-    #[must_use]
-    pub fn with_rest_velocity(mut self, rest_velocity: f64) -> Self {
-        self.rest_velocity = Some(rest_velocity);
         self
     }
 
