@@ -522,8 +522,7 @@ mod tests {
     #[test]
     fn help_states_the_defaults_of_the_library() {
         let (fesd, smooth) = (Fesd::default(), Smooth::default());
-        let mut grid = Fesd::default();
-        grid.steps = Some(1);
+        let grid = Fesd::default().with_grid(1, 1);
         assert_eq!(Moreau::default().steps, FixedStep::default().steps);
         let (settings, freezing) = (Settings::default(), TimeFreezingSettings::default());
         let texts = [("simulate", help("simulate")), ("solve", help("solve"))];

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use crate::Scene;
 use hangtime::model::{
-    ConstraintDeclaration, ConstraintRelation, Declaration, ImpactLaw, Model,
-    OptimalControlDeclaration, SparsityPattern,
+    ConstraintDeclaration, Declaration, ImpactLaw, Model, OptimalControlDeclaration,
+    SparsityPattern,
 };
 
 use crate::arguments::ExplainArguments;
@@ -164,10 +164,7 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
         let _ = writeln!(text, "minimize    {}", costs.join(" + "));
     }
     for constraint in task.constraints {
-        let relation = match constraint.relation {
-            ConstraintRelation::Zero => "= 0",
-            ConstraintRelation::NonNegative => ">= 0",
-        };
+        let relation = if constraint.equality { "= 0" } else { ">= 0" };
         let name = headed(constraint.name, constraint.unit);
         let _ = writeln!(text, "constraint  {name} {relation}");
     }

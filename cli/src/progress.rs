@@ -135,8 +135,8 @@ fn line(progress: &hangtime::Progress, best: Option<f64>) -> String {
         progress.step,
         progress.programs + 1,
         progress.iterations,
-        progress.primal_infeasibility,
-        progress.dual_infeasibility,
-        progress.complementarity,
+        progress.residuals.primal,
+        progress.residuals.dual,
+        progress.residuals.complementarity,
     )
 }

@@ -79,7 +79,7 @@ impl Sizes {
         let rows = self.formulations.iter().map(|formulation| {
             let mut row = vec![formulation.formulation.clone()];
             row.extend(numbers(formulation.size()));
-            row.push(formulation.operations().to_string());
+            row.push(operations(formulation).to_string());
             row
         });
         text += &table(
@@ -103,9 +103,9 @@ impl Sizes {
             let (name, grid) = (&formulation.formulation, &formulation.discretization);
             let _ = writeln!(text, "\n{name} ({grid})");
             let rows = formulation.groups.iter().map(|group| {
-                let mut row = vec![group.purpose.name().to_owned()];
+                let mut row = vec![group.name.to_owned()];
                 row.extend(numbers(group.size));
-                row.push(group.purpose.why().to_owned());
+                row.push(group.why.to_owned());
                 row
             });
             text += &described(
@@ -279,6 +279,12 @@ struct ComparisonEntry<'a> {
     ours: Vec<FormulationEntry<'a>>,
 }
 
+/// Operations of one call of each kernel.
+fn operations(formulation: &FormulationSize) -> usize {
+    let kernels = formulation.kernels.iter();
+    kernels.map(|kernel| kernel.operations).sum()
+}
+
 impl<'a> FormulationEntry<'a> {
     fn of(formulation: &'a FormulationSize) -> Self {
         let groups = formulation.groups.iter();
@@ -287,11 +293,11 @@ impl<'a> FormulationEntry<'a> {
             formulation: &formulation.formulation,
             discretization: &formulation.discretization,
             size: formulation.size(),
-            operations: formulation.operations(),
+            operations: operations(formulation),
             groups: groups
                 .map(|group| GroupEntry {
-                    group: group.purpose.name(),
-                    why: group.purpose.why(),
+                    group: group.name,
+                    why: group.why,
                     size: group.size,
                 })
                 .collect(),

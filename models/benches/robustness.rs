@@ -21,8 +21,7 @@ fn guesses(perturbed: u64) -> Vec<(String, Guess)> {
         ("ride", Guess::Ride),
     ];
     let named = named.map(|(name, guess)| (name.to_owned(), guess));
-    let random =
-        (1..=perturbed).map(|seed| (format!("perturbed {seed}"), Guess::Perturbed { seed }));
+    let random = (1..=perturbed).map(|seed| (format!("perturbed {seed}"), Guess::Perturbed(seed)));
     named.into_iter().chain(random).collect()
 }
 

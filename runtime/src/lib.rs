@@ -42,10 +42,8 @@
 //! | [`model`](mod@model) | the interface between scenes and solvers; [`model!`] implements it, and so may you |
 //! | [`simulation`] | one trait, [`Simulator`](simulation::Simulator), one result, several methods: finite elements with switch detection, event-driven, and three to compare with |
 //! | [`ocp`] | optimal control: a search for the contact sequence, collocation with that sequence, a certificate, an independent re-simulation |
-//! | [`mpcc`] | complementarity problems: relaxation tied to the barrier, crossover, certificate |
-//! | [`nl`] | programs from `.nl` files, which modelling languages write, and `.sol` files for them |
-//! | [`nlp`] | an interior point method for nonlinear programs, with derivatives of small functions by dual numbers |
 //! | [`rk`] | collocation schemes to rounding error |
+//! | [`mpcc`], [`nlp`], [`nl`] | the package `hangtime-solver`: complementarity problems, nonlinear programs, and both from `.nl` files |
 //!
 //! Each is usable without those above it.
 
@@ -56,27 +54,20 @@ pub mod __private;
 #[cfg(test)]
 extern crate self as hangtime;
 
-mod clock;
 mod dcs;
 mod fesd;
 mod front;
-mod input_error;
 mod linalg;
 pub mod model;
-pub mod mpcc;
-pub mod nl;
-pub mod nlp;
 pub mod ocp;
 pub mod prelude;
 mod progress;
+mod refusal;
 pub mod rk;
-mod seconds;
 pub mod simulation;
 mod size;
 mod time_freezing;
 
-#[cfg(target_family = "wasm")]
-pub use clock::set_clock;
 pub use front::simulate::{Simulate, simulate};
 pub use front::solve::{Solve, solve};
 #[doc = include_str!("model_macro.md")]
@@ -99,5 +90,7 @@ pub use hangtime_macros::model;
 ///
 /// Mistakes are named with the file, line and column.
 pub use hangtime_macros::model_file;
-pub use input_error::InputError;
+#[cfg(target_family = "wasm")]
+pub use hangtime_solver::set_clock;
+pub use hangtime_solver::{InputError, mpcc, nl, nlp};
 pub use progress::{Observer, Progress};

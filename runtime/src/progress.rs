@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use hangtime_solver::nlp::Residuals;
+
 /// What a simulation or an optimal control run is doing.
 ///
 /// ```
@@ -38,12 +40,8 @@ pub struct Progress {
     pub programs: usize,
     /// Objective of the iterate; it may be infeasible.
     pub objective: f64,
-    /// Scaled violation of the constraints of the iterate.
-    pub primal_infeasibility: f64,
-    /// Scaled gradient of the Lagrangian of the iterate.
-    pub dual_infeasibility: f64,
-    /// Largest complementarity of the iterate.
-    pub complementarity: f64,
+    /// Scaled residuals of the iterate.
+    pub residuals: Residuals,
     /// Best objective of a motion with a consistent contact sequence so far.
     pub best: Option<f64>,
     /// Wall-clock time since the start \[s\].
@@ -59,9 +57,11 @@ impl Progress {
             iterations: 0,
             programs: 0,
             objective: f64::NAN,
-            primal_infeasibility: f64::NAN,
-            dual_infeasibility: f64::NAN,
-            complementarity: f64::NAN,
+            residuals: Residuals {
+                primal: f64::NAN,
+                dual: f64::NAN,
+                complementarity: f64::NAN,
+            },
             best: None,
             seconds: 0.0,
         }
@@ -79,9 +79,9 @@ impl fmt::Display for Progress {
             "program {}, iteration {}, residuals primal {:.0e} dual {:.0e} complementarity {:.0e}",
             self.programs + 1,
             self.iterations,
-            self.primal_infeasibility,
-            self.dual_infeasibility,
-            self.complementarity
+            self.residuals.primal,
+            self.residuals.dual,
+            self.residuals.complementarity
         )?;
         match self.best {
             Some(best) => write!(f, ", best objective {best:.7}"),

@@ -1,58 +1,16 @@
 //! How large a discrete system is, and what each part of it is there for.
 
+use std::collections::BTreeMap;
+
+use hangtime_solver::ProblemSize;
+use hangtime_solver::nlp::NlpProblem;
+
 use crate::model::{Declaration, Kernel};
-use crate::nlp::NlpProblem;
-
-/// Size of a discrete system.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct ProblemSize {
-    /// Unknowns.
-    pub variables: usize,
-    /// Equations.
-    pub equalities: usize,
-    /// Inequalities that are checked or imposed.
-    pub inequalities: usize,
-    /// Complementarity pairs.
-    pub complementarities: usize,
-    /// Structural nonzeros of the Jacobian.
-    pub jacobian_nonzeros: usize,
-    /// Structural nonzeros of the Hessian (lower triangle).
-    pub hessian_nonzeros: usize,
-}
-
-impl ProblemSize {
-    /// Size of a program with that many complementarity pairs.
-    #[must_use]
-    pub fn of(program: &dyn NlpProblem, complementarities: usize) -> Self {
-        let rows = program.constraints();
-        let (mut lower, mut upper) = (vec![0.0; rows], vec![0.0; rows]);
-        program.constraint_bounds(&mut lower, &mut upper);
-        let equalities = lower.iter().zip(&upper).filter(|(l, u)| l == u).count();
-        Self {
-            variables: program.variables(),
-            equalities,
-            inequalities: rows - equalities,
-            complementarities,
-            jacobian_nonzeros: program.jacobian_pattern().len(),
-            hessian_nonzeros: program.hessian_pattern().len(),
-        }
-    }
-
-    fn add(&mut self, other: Self) {
-        self.variables += other.variables;
-        self.equalities += other.equalities;
-        self.inequalities += other.inequalities;
-        self.complementarities += other.complementarities;
-        self.jacobian_nonzeros += other.jacobian_nonzeros;
-        self.hessian_nonzeros += other.hessian_nonzeros;
-    }
-}
 
 /// What variables, equations and derivatives are there for, from what every motion has to what few scenes ask for. An
 /// entry of a Jacobian or Hessian belongs to the later one of the two that it joins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum Purpose {
+pub(crate) enum Purpose {
     /// Coordinates and velocities.
     State,
     /// Physical time as a state of the time-freezing system, and numerical lengths.
@@ -96,18 +54,7 @@ pub enum Purpose {
 }
 
 impl Purpose {
-    /// Name of the group.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        self.words().0
-    }
-
-    /// Why it is there, in a short phrase.
-    #[must_use]
-    pub const fn why(self) -> &'static str {
-        self.words().1
-    }
-
+    /// Name of the group, and why it is there in a short phrase.
     const fn words(self) -> (&'static str, &'static str) {
         match self {
             Self::State => ("state", "coordinates and velocities at the stages"),
@@ -140,11 +87,14 @@ impl Purpose {
     }
 }
 
-/// What one purpose takes.
+/// What variables, equations and derivatives that are there for one reason take. An entry of a Jacobian or Hessian belongs
+/// to the rarer one of the two groups that it joins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SizeGroup {
-    /// What for.
-    pub purpose: Purpose,
+    /// Name of the group, as in `"contact force"`.
+    pub name: &'static str,
+    /// Why it is there, in a short phrase.
+    pub why: &'static str,
     /// How much.
     pub size: ProblemSize,
 }
@@ -158,7 +108,7 @@ pub struct FormulationSize {
     pub formulation: String,
     /// On which grid.
     pub discretization: String,
-    /// Its groups, none of them empty, in the order of [`Purpose`].
+    /// Its groups, none of them empty, from what every motion has to what few scenes ask for.
     pub groups: Vec<SizeGroup>,
     /// The kernels of the model that it calls.
     pub kernels: Vec<&'static Kernel>,
@@ -169,49 +119,30 @@ impl FormulationSize {
     #[must_use]
     pub fn size(&self) -> ProblemSize {
         let mut size = ProblemSize::default();
-        self.groups.iter().for_each(|group| size.add(group.size));
+        self.groups.iter().for_each(|group| size += group.size);
         size
-    }
-
-    /// What one purpose takes.
-    #[must_use]
-    pub fn of(&self, purpose: Purpose) -> ProblemSize {
-        let mut groups = self.groups.iter();
-        let own = groups.find(|group| group.purpose == purpose);
-        own.map_or_else(ProblemSize::default, |group| group.size)
-    }
-
-    /// Operations of one call of each kernel.
-    #[must_use]
-    pub fn operations(&self) -> usize {
-        self.kernels.iter().map(|kernel| kernel.operations).sum()
     }
 }
 
 /// Groups under construction.
 #[derive(Debug, Default)]
-pub(crate) struct Tally(Vec<SizeGroup>);
+pub(crate) struct Tally(BTreeMap<Purpose, ProblemSize>);
 
 impl Tally {
     /// The numbers of a purpose.
     pub(crate) fn of(&mut self, purpose: Purpose) -> &mut ProblemSize {
-        let place = self.0.partition_point(|group| group.purpose < purpose);
-        if self
-            .0
-            .get(place)
-            .is_none_or(|group| group.purpose != purpose)
-        {
-            let size = ProblemSize::default();
-            self.0.insert(place, SizeGroup { purpose, size });
-        }
-        &mut self.0[place].size
+        self.0.entry(purpose).or_default()
     }
 
     /// The groups that are not empty.
     pub(crate) fn groups(self) -> Vec<SizeGroup> {
-        let mut groups = self.0;
-        groups.retain(|group| group.size != ProblemSize::default());
+        let groups = self.0.into_iter().map(|(purpose, size)| {
+            let (name, why) = purpose.words();
+            SizeGroup { name, why, size }
+        });
         groups
+            .filter(|group| group.size != ProblemSize::default())
+            .collect()
     }
 }
 

@@ -1,9 +1,9 @@
 //! What a scene declares, as static data like that of a compiled one.
 
 use hangtime::model::{
-    ConstraintDeclaration, ConstraintRelation, ContactDeclaration, Declaration, Equation,
-    FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
-    Picture, Shape, SparsityPattern, VariableDeclaration,
+    ConstraintDeclaration, ContactDeclaration, Declaration, Equation, FrictionDeclaration,
+    ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration, Picture, Shape,
+    SparsityPattern, VariableDeclaration,
 };
 use hangtime_dsl::description::{
     self, Condition, Contact, Description, OptimalControl, Outputs, Pattern, Rows, Variable,
@@ -123,11 +123,7 @@ fn optimal_control(task: &OptimalControl) -> OptimalControlDeclaration {
         list(conditions.iter().map(|condition| ConstraintDeclaration {
             name: text(&condition.name),
             unit: text(&condition.unit),
-            relation: if condition.equality {
-                ConstraintRelation::Zero
-            } else {
-                ConstraintRelation::NonNegative
-            },
+            equality: condition.equality,
             documentation: text(&condition.documentation),
         }))
     };

@@ -2,7 +2,7 @@
 //! numbers at run time.
 
 use crate::support::compare;
-use hangtime::model::{ConstraintRelation, Model, OptimalControlDeclaration};
+use hangtime::model::{Model, OptimalControlDeclaration};
 use num_dual::DualNum;
 use proptest::prelude::*;
 
@@ -161,14 +161,13 @@ fn declaration_carries_the_task_of_optimal_control() {
     let declared = task(&cart);
     assert!(declared.running_cost && declared.final_cost && declared.free_time);
     let constraints = declared.constraints.iter();
-    let constraints: Vec<_> = constraints.map(|c| (c.name, c.unit, c.relation)).collect();
-    use ConstraintRelation::{NonNegative, Zero};
+    let constraints: Vec<_> = constraints.map(|c| (c.name, c.unit, c.equality)).collect();
     assert_eq!(
         constraints,
         [
-            ("ceiling", "m", NonNegative),
-            ("power", "W", NonNegative),
-            ("moving", "m", Zero)
+            ("ceiling", "m", false),
+            ("power", "W", false),
+            ("moving", "m", true)
         ]
     );
     assert_eq!(
@@ -178,15 +177,15 @@ fn declaration_carries_the_task_of_optimal_control() {
     let goals: Vec<_> = declared
         .goals
         .iter()
-        .map(|c| (c.name, c.unit, c.relation))
+        .map(|c| (c.name, c.unit, c.equality))
         .collect();
     assert_eq!(
         goals,
         [
-            ("y == target", "m", Zero),
-            ("|dot(tip)|^2 <= 1 [m^2/s^2]", "m^2/s^2", NonNegative),
-            ("z >= 0.1 [m/s]*time", "m", NonNegative),
-            ("theta == omega*t", "", Zero),
+            ("y == target", "m", true),
+            ("|dot(tip)|^2 <= 1 [m^2/s^2]", "m^2/s^2", false),
+            ("z >= 0.1 [m/s]*time", "m", false),
+            ("theta == omega*t", "", true),
         ]
     );
     assert_eq!(declared.goals[0].documentation, "At the target.");

@@ -81,12 +81,18 @@ fn radau_iia_keeps_its_order_through_sliding_take_off_and_landing() {
     }
 }
 
+/// With the take-offs of the published equations.
+fn published() -> Fesd {
+    Fesd {
+        exit_condition: false,
+        ..Fesd::default()
+    }
+}
+
 #[test]
 fn without_the_exit_condition_every_scheme_is_of_second_order() {
     for stages in [3, 4, 5] {
-        let simulator = Fesd::default()
-            .with_scheme(Scheme::RadauIia, stages)
-            .with_exit_condition(false);
+        let simulator = published().with_scheme(Scheme::RadauIia, stages);
         let measured = order(&simulator, &[160, 320, 640]);
         assert!(
             (measured - 2.0).abs() < 0.05,
@@ -100,11 +106,7 @@ fn without_the_exit_condition_take_off_is_early_by_a_share_of_the_first_node() {
     // The published equations admit any take-off whose flight has its gap at the first stage not
     // negative: a cubic, so c_1 h / 3 early.
     let steps = 320;
-    let simulation = simulate(
-        &Fesd::default()
-            .with_grid(steps, 1)
-            .with_exit_condition(false),
-    );
+    let simulation = simulate(&published().with_grid(steps, 1));
     let take_off = simulation
         .events
         .iter()
@@ -167,7 +169,10 @@ fn tolerance_controls_the_error() {
 fn auxiliary_acceleration_changes_numerical_time_only() {
     let reference = simulate(&Fesd::default());
     for scale in [0.1, 10.0] {
-        let other = simulate(&Fesd::default().with_auxiliary_acceleration(981.0 * scale));
+        let other = simulate(&Fesd {
+            auxiliary_acceleration: 981.0 * scale,
+            ..Fesd::default()
+        });
         assert_eq!(reference.trajectory.q, other.trajectory.q);
         assert_eq!(reference.events, other.events);
         // Frozen and slowed time is proportional to 1 / a_bar for one contact at a time.

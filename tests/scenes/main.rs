@@ -12,5 +12,6 @@ mod published_results;
 mod pump_track;
 mod readme;
 mod scene_files;
+mod stability;
 mod teaching_models;
 mod zoo;

@@ -49,8 +49,7 @@ fn accurate() -> (EventDriven, Fesd, Fesd) {
         tolerance: 1e-12,
         ..EventDriven::default()
     };
-    let mut fesd = Fesd::default();
-    fesd.tolerance = Some(1e-11);
+    let fesd = Fesd::default().with_tolerance(1e-11);
     let frozen = fesd.clone().with_formulation(StepFormulation::TimeFreezing);
     (event, fesd, frozen)
 }
@@ -253,7 +252,7 @@ fn time_freezing_formulation_at_15_km_per_h_ends_at_the_optimum_of_the_phases() 
     assert!((solution.horizon - 1.413_768_9).abs() < 1e-6);
     let report = solution.time_freezing.unwrap();
     // The relaxation ends at products of 1e-6, the solver's own tolerance on top.
-    assert!(report.complementarity < 1.1e-6 && report.primal < 1e-6);
+    assert!(report.residuals.complementarity < 1.1e-6 && report.residuals.primal < 1e-6);
 }
 
 #[test]
@@ -266,7 +265,7 @@ fn rides_from_every_guess_end_certified_at_the_same_optimum() {
             Guess::Straight,
             Guess::Rest,
             Guess::Ride,
-            Guess::Perturbed { seed: 1 },
+            Guess::Perturbed(1),
         ]
         .map(|guess| {
             let mut settings = Settings::default();

@@ -85,8 +85,8 @@ impl TimeFreezingEntry {
             objective: report.objective,
             horizon: report.horizon,
             residuals: TimeFreezingResiduals {
-                primal: report.primal,
-                complementarity: report.complementarity,
+                primal: report.residuals.primal,
+                complementarity: report.residuals.complementarity,
             },
             size: report.size,
             iterations: report.iterations,

@@ -6,7 +6,7 @@
 //! those of exact points; the homotopy does not look for better neighbours. Words after `--` choose the problems
 //! whose names contain one of them.
 
-#[path = "../homotopy.rs"]
+#[path = "../../../solver/benches/homotopy.rs"]
 mod homotopy;
 mod problems;
 mod scenes;

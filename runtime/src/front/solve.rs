@@ -3,6 +3,7 @@
 use super::StartValues;
 use crate::model::Model;
 use crate::ocp::{self, ControlShape, Formulation, Guess, Horizon, Problem, Settings, Solution};
+use crate::refusal;
 use crate::simulation::InputError;
 use crate::{Observer, Progress};
 
@@ -158,7 +159,7 @@ impl<'a> Solve<'a> {
     pub fn run(self) -> Result<Solution, InputError> {
         let declaration = self.model.declaration();
         if declaration.optimal_control.is_none() {
-            return Err(InputError::unsupported(
+            return Err(refusal::unsupported(
                 format!(
                     "optimal control of `{}`, which declares no objective,",
                     declaration.name

@@ -1,27 +1,4 @@
-//! Linear algebra kernels: small dense systems and complementarity problems, and sparse symmetric
-//! indefinite systems.
-//!
-//! The sparse part works on one fixed sparsity: the analysis runs once, factorizations and solves
-//! reuse its memory. Nothing here knows of optimization; the names `primal` and `dual` only say which
-//! rows of a saddle point matrix receive which shift.
-//!
-//! [`MultifrontalLdl`] pivots: its inertia is exact and it needs no shifts. It also serves block tridiagonal systems, whose
-//! fronts are the dense blocks along the chain. A simplicial factorization without pivoting, which needs static shifts, is
-//! the oracle of the tests; as a setting of the solver it gained nothing (`docs/experiments/solver.md`).
+//! Small dense systems and complementarity problems, in the caller's memory.
 
-#[cfg(test)]
-mod conformance;
 pub(crate) mod dense;
-mod factorization;
 pub(crate) mod lcp;
-mod multifrontal;
-pub(crate) mod norms;
-mod refined;
-#[cfg(test)]
-mod simplicial;
-mod symmetric;
-
-pub(crate) use factorization::{FactorizationError, Inertia, KktFactorization};
-pub(crate) use multifrontal::MultifrontalLdl;
-pub(crate) use refined::RefinedSolver;
-pub(crate) use symmetric::SymmetricPattern;

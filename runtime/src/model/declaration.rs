@@ -159,19 +159,10 @@ pub struct ConstraintDeclaration {
     pub name: &'static str,
     /// Unit of `c`.
     pub unit: &'static str,
-    /// What `c` must satisfy.
-    pub relation: ConstraintRelation,
+    /// Whether `c = 0` is asked for; `c >= 0` otherwise.
+    pub equality: bool,
     /// Documentation, as written.
     pub documentation: &'static str,
-}
-
-/// What the function of a constraint must satisfy.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ConstraintRelation {
-    /// `c = 0`.
-    Zero,
-    /// `c >= 0`.
-    NonNegative,
 }
 
 /// Positions of the structural nonzeros of a matrix.

@@ -42,9 +42,9 @@ pub(crate) use control_piece::ControlPiece;
 pub(crate) use pieces::{Pieces, edge};
 
 pub use declaration::{
-    ConstraintDeclaration, ConstraintRelation, ContactDeclaration, Declaration, Equation,
-    FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
-    SparsityPattern, VariableDeclaration,
+    ConstraintDeclaration, ContactDeclaration, Declaration, Equation, FrictionDeclaration,
+    ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration, SparsityPattern,
+    VariableDeclaration,
 };
 pub use picture::{Picture, Shape};
 

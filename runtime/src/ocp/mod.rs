@@ -86,12 +86,12 @@ mod solution;
 mod solve;
 mod summary;
 
-pub use crate::mpcc::Stationarity;
 pub use global::time_freezing::TimeFreezing;
+pub use hangtime_solver::mpcc::Stationarity;
 pub use motion::control_grid::ControlShape;
 pub use previous::Previous;
 pub use problem::{Horizon, Problem};
-pub use settings::{BoundsAt, Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
+pub use settings::{Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
 pub use size::program_sizes;
 pub use solution::{Counts, Excess, Margin, Optimum, Solution, Status, TimeFreezingReport};
 pub use solve::solve;

@@ -5,6 +5,7 @@ use crate::model::Model;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::sequence::{Place, Sequence};
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::refusal;
 use crate::simulation::InputError;
 
 /// Switches nearer to an interval end than this share of the interval keep to it.
@@ -45,7 +46,7 @@ impl Previous {
         for (what, values, expected) in lengths {
             let found = values.map_or(0, Vec::len);
             if found != expected {
-                return Err(InputError::wrong_length(
+                return Err(refusal::wrong_length(
                     format!("the {what} of the previous motion, which is of another scene,"),
                     found,
                     expected,

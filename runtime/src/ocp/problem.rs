@@ -1,6 +1,7 @@
 //! The optimal control problem, and the checks that come before it is solved.
 
 use crate::model::{Model, contact_point, edge};
+use crate::refusal;
 use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
 
 /// Most control intervals: the programs are kept in memory.
@@ -85,14 +86,14 @@ impl Problem {
             ));
         }
         if let Some(name) = edge(model) {
-            return Err(InputError::unsupported(
+            return Err(refusal::unsupported(
                 format!("optimal control with an outer edge, of which `{name}` is a piece"),
                 "declare the pieces that the motion needs as surfaces of their own, or round the edge",
             ));
         }
         let horizon = match self.horizon {
             Horizon::Fixed(horizon) if horizon.is_nan() => {
-                return Err(InputError::unsupported(
+                return Err(refusal::unsupported(
                     "an optimal control problem without final time",
                     "declare a `horizon`, or let `time` occur in `minimize` or `finally`",
                 ));
@@ -202,7 +203,7 @@ impl Problem {
 }
 
 fn refusal(what: String, value: f64, unit: &str, bound: String) -> InputError {
-    InputError::out_of_range(what, value, unit, bound)
+    refusal::out_of_range(what, value, unit, bound)
 }
 
 /// Whether any initial value is to be found.

@@ -1,9 +1,9 @@
 //! What the solver tells whoever waits, and how it is stopped.
 
-use crate::clock::Instant;
+use hangtime_solver::clock::Instant;
+use hangtime_solver::nlp::IterationInfo;
 
 use super::solution::Counts;
-use crate::nlp::IterationInfo;
 use crate::{Observer, Progress};
 
 /// The observer, and whether it has asked to stop.
@@ -39,9 +39,9 @@ impl<'o> Watch<'o> {
     pub(in crate::ocp) fn iteration(&mut self, info: &IterationInfo, unit: f64) -> bool {
         self.progress.iterations = self.before + info.iteration;
         self.progress.objective = unit * info.objective;
-        self.progress.primal_infeasibility = info.primal_infeasibility;
-        self.progress.dual_infeasibility = info.dual_infeasibility;
-        self.progress.complementarity = info.complementarity;
+        self.progress.residuals.primal = info.primal_infeasibility;
+        self.progress.residuals.dual = info.dual_infeasibility;
+        self.progress.residuals.complementarity = info.complementarity;
         self.progress.seconds = self.start.elapsed().as_secs_f64();
         self.stopped |= !(self.observer)(&self.progress);
         !self.stopped

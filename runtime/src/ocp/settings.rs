@@ -3,6 +3,7 @@
 use super::previous::Previous;
 use crate::model::Model;
 use crate::ocp::motion::control_grid::ControlShape;
+use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 
@@ -44,16 +45,11 @@ pub enum Guess {
     Rest,
     /// The simulated motion without controls.
     Ride,
-    /// [`Straight`](Self::Straight) with random controls, a random horizon and bent coordinates.
-    Perturbed {
-        /// Equal seeds give equal guesses.
-        seed: u64,
-    },
-    /// The simulated motion under random controls, which change a few times.
-    Random {
-        /// Equal seeds give equal guesses.
-        seed: u64,
-    },
+    /// [`Straight`](Self::Straight) with random controls, a random horizon and bent coordinates,
+    /// from this seed.
+    Perturbed(u64),
+    /// The simulated motion under random controls, which change a few times, from this seed.
+    Random(u64),
     /// The motion of an earlier [`Solution`](super::Solution) of the same scene, for other parameters or another
     /// number of intervals. Its contact sequence is tried first; there is no global search unless that fails.
     Previous(Box<Previous>),
@@ -137,17 +133,6 @@ impl TimeFreezingSettings {
     }
 }
 
-/// Where the bounds of coordinates hold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum BoundsAt {
-    /// At all times.
-    #[default]
-    AllTimes,
-    /// At the ends of the control intervals and at contact switches only; in between they may be violated, see
-    /// [`Solution::excess`](super::Solution::excess). Trajectory constraints are not checked in between, either.
-    Nodes,
-}
-
 /// Where path constraints are imposed. Between these places they are checked, and imposed where they are violated,
 /// unless bounds are asked for at the nodes only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -185,8 +170,10 @@ pub struct Settings {
     /// Radau IIA stages of an element; default 4, in `2..=9`. Order `2 n - 1`. More are taken where the re-simulation
     /// does not confirm a plan.
     pub stages: usize,
-    /// Where the bounds of coordinates hold; default at all times.
-    pub bounds: BoundsAt,
+    /// Whether the bounds of coordinates hold at the ends of the control intervals and at contact switches only; in between
+    /// they may be violated, see [`Solution::excess`](super::Solution::excess). Path constraints are not checked
+    /// in between, either. Default false: they hold at all times.
+    pub bounds_at_nodes: bool,
     /// Where path constraints are imposed; default at all stages.
     pub path_points: PathPoints,
     /// Tolerance of the collocation programs; default 1e-9, in (0, 1).
@@ -224,7 +211,7 @@ impl Default for Settings {
             starts: None,
             elements: 1,
             stages: 4,
-            bounds: BoundsAt::default(),
+            bounds_at_nodes: false,
             path_points: PathPoints::default(),
             tolerance: 1e-9,
             gap_margin: 1e-5,
@@ -265,7 +252,7 @@ impl Settings {
             ("largest distance", self.largest_distance, f64::INFINITY),
         ] {
             if !(value > 0.0 && value < below) {
-                return Err(InputError::out_of_range(
+                return Err(refusal::out_of_range(
                     what,
                     value,
                     "",
@@ -280,14 +267,14 @@ impl Settings {
             ("most iterations", self.maximum_iterations),
         ] {
             if value == 0 {
-                return Err(InputError::out_of_range(what, 0.0, "", "at least 1"));
+                return Err(refusal::out_of_range(what, 0.0, "", "at least 1"));
             }
         }
         Ok(())
     }
 
     pub(in crate::ocp) fn refuse_stages(&self) -> InputError {
-        InputError::out_of_range(
+        refusal::out_of_range(
             "Runge-Kutta stages",
             self.stages as f64,
             "",

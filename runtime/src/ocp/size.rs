@@ -112,7 +112,7 @@ fn phases(
         bounds,
         parabolas: &parabolas(model, &problem.start()),
         places: Places {
-            bounds: settings.bounds,
+            bounds_at_nodes: settings.bounds_at_nodes,
             path: settings.path_points,
         },
         shape: settings.controls,

@@ -1,14 +1,16 @@
 //! What the caller keeps.
 
+use hangtime_solver::Seconds;
+use hangtime_solver::mpcc::Stationarity;
+use hangtime_solver::nlp::Violation;
+use hangtime_solver::{mpcc, nlp};
+
 use super::previous::Previous;
-use crate::mpcc::Stationarity;
-use crate::nlp::Violation;
 use crate::ocp::motion::control_grid::{ControlShape, signal};
-use crate::seconds::Seconds;
+use crate::refusal;
 use crate::simulation::{
     ControlSignal, EventKind, InputError, ProblemSize, Residuals, Simulation, State,
 };
-use crate::{mpcc, nlp};
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -67,10 +69,8 @@ pub struct TimeFreezingReport {
     pub objective: f64,
     /// Length of the relaxed motion \[s\].
     pub horizon: f64,
-    /// Largest violation of a constraint or bound.
-    pub primal: f64,
-    /// Largest product of a pair.
-    pub complementarity: f64,
+    /// Residuals of the relaxed point; the complementarity is the largest product of a pair.
+    pub residuals: Residuals,
     /// Interior point iterations.
     pub iterations: usize,
     /// Size of the problem.
@@ -186,7 +186,8 @@ pub struct Solution {
     /// Shortest and longest final time that was looked at \[s\]; where the final time is free, the range is moved until
     /// the plan lies inside.
     pub final_times: (f64, f64),
-    /// What is proved about the contact sequence.
+    /// What is proved about the contact sequence. `S`: nowhere do gap and force of a contact vanish together, and no
+    /// switch sticks to a jump of the controls, so that the sequence has no neighbours. `B`: no neighbour is better.
     pub stationarity: Stationarity,
     /// Largest difference of a final coordinate between plan and re-simulation.
     pub resimulation_error: f64,
@@ -281,7 +282,7 @@ impl Solution {
     pub fn at(&self, time: f64) -> Result<State, InputError> {
         match &self.motion {
             Some(motion) => motion.at(time),
-            None => Err(InputError::unsupported(
+            None => Err(refusal::unsupported(
                 "a state of a result without a motion",
                 "its diagnosis says why none was found",
             )),

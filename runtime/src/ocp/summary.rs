@@ -3,20 +3,20 @@
 use std::fmt;
 use std::ops::Index;
 
+use hangtime_solver::mpcc::Stationarity;
+
 use super::solution::Solution;
-use crate::mpcc::Stationarity;
 use crate::simulation::number;
 
 /// Share of the largest value of a component to which a plan meets its goals, and more.
 const FULFILLED: f64 = 1e-7;
 
-impl fmt::Display for Stationarity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::S => "S, the contact sequence has no neighbours",
-            Self::B => "B, no neighbouring contact sequence is better",
-            Self::None => "none, neighbouring contact sequences were not compared",
-        })
+/// What is proved about a contact sequence.
+fn proof(stationarity: Stationarity) -> &'static str {
+    match stationarity {
+        Stationarity::S => "S, the contact sequence has no neighbours",
+        Stationarity::B => "B, no neighbouring contact sequence is better",
+        Stationarity::None => "none, neighbouring contact sequences were not compared",
     }
 }
 
@@ -48,7 +48,7 @@ impl fmt::Display for Solution {
         };
         let (objective, horizon) = (number(self.objective), number(self.horizon));
         writeln!(f, "\nobjective {objective}, final time {horizon} s")?;
-        writeln!(f, "stationarity {}", self.stationarity)?;
+        writeln!(f, "stationarity {}", proof(self.stationarity))?;
         write!(
             f,
             "the re-simulation ends {:.1e} away from the plan",

@@ -23,8 +23,7 @@ impl Direction {
     pub(crate) const BOTH: [Self; 2] = [Self::Forward, Self::Backward];
 
     /// The direction of a sliding velocity; forward for zero.
-    #[must_use]
-    pub fn of(velocity: f64) -> Self {
+    pub(crate) fn of(velocity: f64) -> Self {
         if velocity < 0.0 {
             Self::Backward
         } else {
@@ -74,8 +73,7 @@ pub enum ContactMode {
 
 impl ContactMode {
     /// Whether the contact carries no force.
-    #[must_use]
-    pub fn is_open(self) -> bool {
+    pub(crate) fn is_open(self) -> bool {
         self == Self::Open
     }
 

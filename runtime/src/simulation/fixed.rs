@@ -1,6 +1,6 @@
 //! The classical Runge-Kutta method with fixed steps, which notices switches only at the ends of steps.
 
-use crate::clock::ThreadTime;
+use hangtime_solver::clock::ThreadTime;
 
 use super::event::contact_mode;
 use super::event::dop853::{Dop853, System};
@@ -15,6 +15,7 @@ use super::{
 };
 use crate::Observer;
 use crate::model::Model;
+use crate::refusal;
 
 /// The classical Runge-Kutta method of order 4 with fixed steps on the mode-switched system: the
 /// constrained dynamics of the contacts that are active at the start of a step hold to its end. Only
@@ -68,7 +69,7 @@ impl Default for FixedStep {
 /// Checks the settings that the fixed-step methods share.
 pub(super) fn check(steps: usize, auxiliary_acceleration: f64) -> Result<(), InputError> {
     let refuse = |what: &str, value: f64, unit: &str, bound: &str| {
-        Err(InputError::out_of_range(what, value, unit, bound))
+        Err(refusal::out_of_range(what, value, unit, bound))
     };
     if steps == 0 {
         return refuse("number of steps", 0.0, "", "at least 1");

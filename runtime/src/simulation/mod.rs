@@ -23,13 +23,13 @@ mod trajectory;
 mod watch;
 
 pub use crate::InputError;
-pub use crate::nlp::Residuals;
-pub use crate::seconds::Seconds;
-pub use crate::size::{FormulationSize, ProblemSize, Purpose, SizeGroup};
+pub use crate::size::{FormulationSize, SizeGroup};
 pub use contact_mode::{ContactMode, Direction};
 pub use event::EventDriven;
 pub use fesd::{Fesd, StepFormulation, step_sizes};
 pub use fixed::FixedStep;
+pub use hangtime_solver::nlp::Residuals;
+pub use hangtime_solver::{ProblemSize, Seconds};
 pub use moreau::Moreau;
 pub use problem::{ControlSignal, InitialValueProblem};
 pub use result::{Counts, Diagnosis, Event, EventKind, Simulation, SimulationStatus};
@@ -42,6 +42,7 @@ pub(crate) use quantity::{Quantity, number};
 
 use crate::Observer;
 use crate::model::Model;
+use crate::refusal;
 
 /// A way to simulate a scene.
 pub trait Simulator {
@@ -67,7 +68,7 @@ pub trait Simulator {
     /// # Errors
     /// [`InputError`] for a method without one.
     fn set_tolerance(&mut self, _tolerance: f64) -> Result<(), InputError> {
-        Err(InputError::unsupported(
+        Err(refusal::unsupported(
             format!("a tolerance of method {}", self.name()),
             "give a number of steps",
         ))
@@ -78,7 +79,7 @@ pub trait Simulator {
     /// # Errors
     /// [`InputError`] for a method that chooses its steps.
     fn set_steps(&mut self, _steps: usize) -> Result<(), InputError> {
-        Err(InputError::unsupported(
+        Err(refusal::unsupported(
             format!("a number of steps of method {}", self.name()),
             "give a tolerance",
         ))

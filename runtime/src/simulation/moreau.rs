@@ -1,6 +1,6 @@
 //! Moreau-Jean time stepping: impacts and contact forces as impulses over a fixed step, without events.
 
-use crate::clock::ThreadTime;
+use hangtime_solver::clock::ThreadTime;
 
 use super::event::contact_problem::ContactProblem;
 use super::event::coulomb::{CoulombSolution, TangentialLaw};

@@ -2,6 +2,7 @@
 
 use crate::InputError;
 use crate::model::{ContactDeclaration, ControlPiece, ImpactLaw, Model, contact_point};
+use crate::refusal;
 
 /// Gaps above `-GAP_TOLERANCE` times the size of their terms count as "on the surface".
 const GAP_TOLERANCE: f64 = 1e-9;
@@ -105,7 +106,7 @@ impl ControlSignal {
         let late = times.first().copied().filter(|&first| first > 0.0);
         let wrong = late.or_else(|| disordered.map(|pair| pair[1]));
         if times.is_empty() || wrong.is_some() {
-            return Err(InputError::out_of_range(
+            return Err(refusal::out_of_range(
                 "control time",
                 wrong.unwrap_or(f64::NAN),
                 "s",
@@ -168,7 +169,7 @@ impl InitialValueProblem {
         let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
         model.start(&mut q, &mut v);
         let Some(horizon) = horizon.or_else(|| model.horizon()) else {
-            return Err(InputError::out_of_range(
+            return Err(refusal::out_of_range(
                 "horizon",
                 f64::NAN,
                 "s",
@@ -195,7 +196,7 @@ impl InitialValueProblem {
             let value = model.parameter(index);
             finite(&format!("parameter `{}`", parameter.name), value)?;
             if parameter.positive && value <= 0.0 {
-                return Err(InputError::out_of_range(
+                return Err(refusal::out_of_range(
                     format!("parameter `{}`", parameter.name),
                     value,
                     parameter.unit,
@@ -212,7 +213,7 @@ impl InitialValueProblem {
         }
         finite("horizon", self.horizon)?;
         if self.horizon <= 0.0 {
-            return Err(InputError::out_of_range(
+            return Err(refusal::out_of_range(
                 "horizon",
                 self.horizon,
                 "s",
@@ -221,7 +222,7 @@ impl InitialValueProblem {
         }
         if !HORIZONS.contains(&self.horizon) {
             let (least, most) = (HORIZONS.start(), HORIZONS.end());
-            return Err(InputError::out_of_range(
+            return Err(refusal::out_of_range(
                 "horizon",
                 self.horizon,
                 "s",
@@ -229,7 +230,7 @@ impl InitialValueProblem {
             ));
         }
         if self.points < FEWEST_POINTS {
-            return Err(InputError::out_of_range(
+            return Err(refusal::out_of_range(
                 "points of the trajectory",
                 self.points as f64,
                 "",
@@ -267,7 +268,7 @@ impl InitialValueProblem {
             }
             let restitution = model.restitution(i);
             if !(0.0..=1.0).contains(&restitution) {
-                return Err(InputError::out_of_range(
+                return Err(refusal::out_of_range(
                     format!("restitution of `{}` (E10)", contact.name),
                     restitution,
                     "",
@@ -276,7 +277,7 @@ impl InitialValueProblem {
             }
             let friction = model.friction(i);
             if !(0.0..f64::INFINITY).contains(&friction) {
-                return Err(InputError::out_of_range(
+                return Err(refusal::out_of_range(
                     format!("coefficient of friction of `{}` (E10)", contact.name),
                     friction,
                     "",
@@ -294,7 +295,7 @@ impl InitialValueProblem {
             |c: &&ContactDeclaration| c.law != ImpactLaw::Inelastic || c.friction.is_some();
         match contacts.iter().find(beyond) {
             None => Ok(()),
-            Some(contact) => Err(InputError::unsupported_law(method, contact.name)),
+            Some(contact) => Err(refusal::unsupported_law(method, contact.name)),
         }
     }
 
@@ -315,7 +316,7 @@ fn finite(what: &str, value: f64) -> Result<(), InputError> {
     if value.is_finite() {
         Ok(())
     } else {
-        Err(InputError::not_finite(what, value))
+        Err(refusal::not_finite(what, value))
     }
 }
 
@@ -323,7 +324,7 @@ fn length(what: &str, found: usize, expected: usize) -> Result<(), InputError> {
     if found == expected {
         Ok(())
     } else {
-        Err(InputError::wrong_length(what, found, expected))
+        Err(refusal::wrong_length(what, found, expected))
     }
 }
 
@@ -335,7 +336,7 @@ fn check_mass(model: &dyn Model, x: &[f64]) -> Result<(), InputError> {
     model.mass_matrix(x, &mut m);
     let m = nalgebra::DMatrix::from_row_slice(n, n, &m);
     if m.iter().any(|value| !value.is_finite()) {
-        return Err(InputError::not_finite("mass matrix at the start", f64::NAN));
+        return Err(refusal::not_finite("mass matrix at the start", f64::NAN));
     }
     let eigen = m.symmetric_eigen();
     let smallest = eigen.eigenvalues.imin();

@@ -3,11 +3,12 @@
 use std::fmt;
 use std::ops::Index;
 
+use hangtime_solver::{ProblemSize, Seconds};
+
 use super::quantity::{Quantity, number};
 use super::{ContactMode, InputError, Residuals, State, Trajectory};
 use crate::model::Declaration;
-use crate::seconds::Seconds;
-use crate::size::ProblemSize;
+use crate::refusal;
 
 /// Result of a simulation.
 ///
@@ -51,7 +52,9 @@ pub struct Simulation {
     pub events: Vec<Event>,
     /// States at the accepted grid points; both sides of an impact are kept.
     pub trajectory: Trajectory,
-    /// Largest residuals measured over the whole run.
+    /// Largest residuals measured over the whole run: of the discrete equations and of the contact constraints while in
+    /// contact (`primal`), of signs, that is negative contact forces or penetration (`dual`), and of products of a gap and
+    /// its normal contact acceleration (`complementarity`).
     pub residuals: Residuals,
     /// Error at the end and at events relative to the largest values of the motion: the difference to a looser run, with
     /// another tolerance, on half the steps or with twice the width; of elements of a named length the sum of their
@@ -473,5 +476,5 @@ pub struct Counts {
 }
 
 fn outside(time: f64, bound: &str) -> InputError {
-    InputError::out_of_range("time of a state", time, "s", bound)
+    refusal::out_of_range("time of a state", time, "s", bound)
 }

@@ -1,7 +1,7 @@
 //! The time-freezing system with smoothed step functions, integrated as an ordinary differential
 //! equation in numerical time.
 
-use crate::clock::ThreadTime;
+use hangtime_solver::clock::ThreadTime;
 
 use super::event::dop853::{Dop853, System};
 use super::event::dynamics::Dynamics;
@@ -14,6 +14,7 @@ use super::{
 };
 use crate::Observer;
 use crate::model::{Model, contact_point};
+use crate::refusal;
 
 /// Steps shorter than this share of the horizon fail.
 const SHORTEST: f64 = 1e-14;
@@ -103,7 +104,7 @@ impl Simulator for Smooth {
         ] {
             let inside = value > 0.0 && (what != "tolerance" || (1e-14..=1e-2).contains(&value));
             if !inside || !value.is_finite() {
-                return Err(InputError::out_of_range(what, value, "", bound));
+                return Err(refusal::out_of_range(what, value, "", bound));
             }
         }
         problem.check(model)?;

@@ -1,6 +1,7 @@
 //! What every simulation does after a step: it tells the observer, and keeps its trajectory within bounds.
 
-use crate::clock::Instant;
+use hangtime_solver::clock::Instant;
+
 use crate::model::Model;
 
 use super::recorder::Recorder;

@@ -250,8 +250,8 @@ fn every_guess_of_the_hopping_mass_ends_at_the_same_optimum() {
     for guess in [
         Guess::Rest,
         Guess::Ride,
-        Guess::Perturbed { seed: 1 },
-        Guess::Perturbed { seed: 2 },
+        Guess::Perturbed(1),
+        Guess::Perturbed(2),
     ] {
         let mut settings = one_start();
         settings.guess = guess;
@@ -323,7 +323,7 @@ fn time_freezing_formulation_polished_finds_both_local_optima_of_the_hopping_mas
         assert!(known, "{optimum:?} is none of {both:?}");
     }
     let report = solution.time_freezing.unwrap();
-    assert!(report.complementarity < 1.1e-6 && report.primal < 1e-6);
+    assert!(report.residuals.complementarity < 1.1e-6 && report.residuals.primal < 1e-6);
     assert!(report.size.complementarities > 0 && report.iterations > 0);
     settings.starts = Some(1);
     settings.guess = Guess::Rest;

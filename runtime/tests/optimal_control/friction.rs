@@ -244,7 +244,7 @@ fn puck_is_found_by_the_time_freezing_formulation_and_with_linear_controls_too()
     let solution = solve(&Puck::default(), 6, &settings);
     assert!((solution.horizon - time).abs() < DIGITS);
     let report = solution.time_freezing.unwrap();
-    assert!(report.complementarity < 1.1e-6 && report.primal < 1e-6);
+    assert!(report.residuals.complementarity < 1.1e-6 && report.residuals.primal < 1e-6);
     let mut settings = one_start();
     settings.controls = ControlShape::Linear;
     let solution = solve(&Puck::default(), 6, &settings);

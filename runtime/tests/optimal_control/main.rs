@@ -1,11 +1,14 @@
 //! Optimal control against closed forms and brute force.
 
 mod brute_force;
+mod complementarity_method;
 mod declared;
 mod explicit_time;
 mod final_impact;
 mod final_time;
 mod friction;
+#[path = "../../../solver/benches/homotopy.rs"]
+mod homotopy;
 mod landings;
 mod linear_controls;
 mod refinement;

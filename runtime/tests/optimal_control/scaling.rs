@@ -138,7 +138,7 @@ hangtime::model! {
 /// What is drawn for a control without a range comes from the scene, not from the unit that it is stated in.
 #[test]
 fn random_guesses_of_unbounded_controls_lead_to_the_same_optimum_in_any_unit() {
-    for guess in [Guess::Random { seed: 7 }, Guess::Perturbed { seed: 7 }] {
+    for guess in [Guess::Random(7), Guess::Perturbed(7)] {
         let solve = |model: &dyn Model, metre: f64| {
             let mut settings = one_start();
             settings.guess = guess.clone();

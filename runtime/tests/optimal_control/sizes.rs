@@ -5,7 +5,7 @@
 use hangtime::model::Model;
 use hangtime::ocp::{Formulation, Problem, Settings, TimeFreezingSettings, program_sizes};
 use hangtime::simulation::{
-    Fesd, FormulationSize, InitialValueProblem, InputError, Purpose, StepFormulation, step_sizes,
+    Fesd, FormulationSize, InitialValueProblem, InputError, StepFormulation, step_sizes,
 };
 
 /// Scenes that differ in one line each.
@@ -104,6 +104,23 @@ scene! { Shown;
 
 const INTERVALS: usize = 6;
 
+// Names of groups.
+const CLOCK: &str = "clock";
+const CONTACT_FORCE: &str = "contact force";
+const CONTROL: &str = "controls";
+const CROSS_COMPLEMENTARITY: &str = "cross complementarity";
+const ELEMENT_LENGTH: &str = "element lengths";
+const EXPLICIT_TIME: &str = "explicit time";
+const FINAL_TIME: &str = "free final time";
+const FREE_START: &str = "free start";
+const FRICTION: &str = "friction";
+const GAP: &str = "gap";
+const GOAL: &str = "goals";
+const PATH_CONSTRAINT: &str = "path constraints";
+const RESTITUTION: &str = "restitution";
+const SEVERAL_CONTACTS: &str = "several contacts";
+const STEP_FUNCTION: &str = "step functions";
+
 fn simulated(model: &dyn Model, formulation: StepFormulation) -> Vec<FormulationSize> {
     let problem = InitialValueProblem::of(model, None).unwrap();
     let method = Fesd::default().with_formulation(formulation);
@@ -133,8 +150,11 @@ fn sizes(model: &dyn Model) -> Vec<FormulationSize> {
 /// Numbers of a group: variables, equations, inequalities, pairs, nonzeros of Jacobian and Hessian.
 type Numbers = [isize; 6];
 
-fn numbers(size: &FormulationSize, purpose: Purpose) -> Numbers {
-    let group = size.of(purpose);
+fn numbers(size: &FormulationSize, name: &str) -> Numbers {
+    let group = size.groups.iter().find(|group| group.name == name);
+    let Some(group) = group.map(|group| group.size) else {
+        return [0; 6];
+    };
     [
         group.variables,
         group.equalities,
@@ -152,16 +172,21 @@ fn named<'s>(sizes: &'s [FormulationSize], name: &str) -> &'s FormulationSize {
 }
 
 /// What the formulation `to` of a scene has more than the formulation `from` of the minimal one, group by group.
-fn added(model: &dyn Model, from: &str, to: &str) -> Vec<(Purpose, Numbers)> {
+fn added(model: &dyn Model, from: &str, to: &str) -> Vec<(&'static str, Numbers)> {
     let (less, more) = (sizes(&Minimal::default()), sizes(model));
     let (less, more) = (named(&less, from), named(&more, to));
-    let groups = less.groups.iter().chain(&more.groups);
-    let mut purposes: Vec<Purpose> = groups.map(|group| group.purpose).collect();
-    purposes.sort();
-    purposes.dedup();
-    let differences = purposes.into_iter().map(|purpose| {
-        let (less, more) = (numbers(less, purpose), numbers(more, purpose));
-        (purpose, std::array::from_fn(|i| more[i] - less[i]))
+    let names = |size: &FormulationSize| -> Vec<&'static str> {
+        size.groups.iter().map(|group| group.name).collect()
+    };
+    let mut all = names(more);
+    all.extend(
+        names(less)
+            .iter()
+            .filter(|name| !names(more).contains(name)),
+    );
+    let differences = all.into_iter().map(|name| {
+        let (less, more) = (numbers(less, name), numbers(more, name));
+        (name, std::array::from_fn(|i| more[i] - less[i]))
     });
     differences.filter(|(_, more)| *more != [0; 6]).collect()
 }
@@ -188,17 +213,17 @@ const FINE: &str = "optimal control, collocation";
 const FROZEN: &str = "optimal control, time-freezing program";
 const ALL: [&str; 7] = [FLIGHT, HELD, HELD_FROZEN, STEP, COARSE, FINE, FROZEN];
 
-/// What few scenes ask for.
-const FEATURES: [Purpose; 9] = [
-    Purpose::PathConstraint,
-    Purpose::Bound,
-    Purpose::Control,
-    Purpose::FinalTime,
-    Purpose::ExplicitTime,
-    Purpose::FreeStart,
-    Purpose::SeveralContacts,
-    Purpose::Friction,
-    Purpose::Restitution,
+/// Groups that every scene with contacts may have.
+const COMMON: [&str; 9] = [
+    "state",
+    CLOCK,
+    ELEMENT_LENGTH,
+    CONTACT_FORCE,
+    GAP,
+    STEP_FUNCTION,
+    CROSS_COMPLEMENTARITY,
+    "switch times",
+    "impacts",
 ];
 
 #[test]
@@ -215,11 +240,10 @@ fn minimal_scene_takes_nothing_for_what_it_does_not_declare() {
         named(&all, name);
     }
     for size in &all {
-        for purpose in FEATURES.into_iter().chain([Purpose::Goal, Purpose::Other]) {
-            assert_eq!(
-                numbers(size, purpose),
-                [0; 6],
-                "{}: {purpose:?}",
+        for group in &size.groups {
+            assert!(
+                COMMON.contains(&group.name),
+                "{}: {group:?}",
                 size.formulation
             );
         }
@@ -238,43 +262,42 @@ fn minimal_scene_takes_nothing_for_what_it_does_not_declare() {
 #[test]
 fn friction_adds_its_own_groups_and_nothing_else() {
     let rough = Rough::default();
-    use Purpose::{ContactForce, Friction};
     assert_eq!(added(&rough, FLIGHT, FLIGHT), []);
     // Slip turns the direction of the force, and adds the sign of the sliding velocity at six stages.
     let slips = "simulation, element, `floor` slips";
     let more = [
-        (ContactForce, [0, 0, 0, 0, 6, 0]),
-        (Friction, [0, 0, 6, 0, 0, 0]),
+        (CONTACT_FORCE, [0, 0, 0, 0, 6, 0]),
+        (FRICTION, [0, 0, 6, 0, 0, 0]),
     ];
     assert_eq!(added(&rough, HELD, slips), more);
     let sticks = "simulation, element, `floor` sticks";
     assert_eq!(
         added(&rough, HELD, sticks),
-        [(Friction, [6, 6, 6, 0, 42, 0])]
+        [(FRICTION, [6, 6, 6, 0, 42, 0])]
     );
     let sticks = "simulation, time-freezing element, `floor` sticks";
     assert_eq!(
         added(&rough, HELD_FROZEN, sticks),
-        [(Friction, [6, 6, 6, 0, 78, 0])]
+        [(FRICTION, [6, 6, 6, 0, 78, 0])]
     );
     // Four variables a stage and four sums an element; two equations a stage and those of the sums.
     assert_eq!(
         added(&rough, STEP, STEP),
-        [(Friction, [48, 30, 0, 15, 214, 36])]
+        [(FRICTION, [48, 30, 0, 15, 214, 36])]
     );
     // Four variables, two equations and two pairs in each of 96 elements.
     assert_eq!(
         added(&rough, COARSE, COARSE),
-        [(Friction, [384, 192, 0, 192, 960, 0])]
+        [(FRICTION, [384, 192, 0, 192, 960, 0])]
     );
     // The contact slips at all of its 20 stages.
     assert_eq!(
         added(&rough, FINE, FINE),
-        [(Friction, [0, 0, 21, 0, 21, 0])]
+        [(FRICTION, [0, 0, 21, 0, 21, 0])]
     );
     assert_eq!(
         added(&rough, FROZEN, FROZEN),
-        [(Friction, [216, 144, 0, 72, 754, 144])]
+        [(FRICTION, [216, 144, 0, 72, 754, 144])]
     );
     let kernels = [
         "tangent_floor",
@@ -290,15 +313,14 @@ fn control_adds_one_variable_an_interval_and_no_equation() {
     for name in [FLIGHT, HELD, HELD_FROZEN, STEP] {
         assert_eq!(added(&driven, name, name), [], "{name}");
     }
-    use Purpose::Control;
     assert_eq!(
         added(&driven, COARSE, COARSE),
-        [(Control, [6, 0, 0, 0, 96, 0])]
+        [(CONTROL, [6, 0, 0, 0, 96, 0])]
     );
-    assert_eq!(added(&driven, FINE, FINE), [(Control, [6, 0, 0, 0, 28, 2])]);
+    assert_eq!(added(&driven, FINE, FINE), [(CONTROL, [6, 0, 0, 0, 28, 2])]);
     assert_eq!(
         added(&driven, FROZEN, FROZEN),
-        [(Control, [6, 0, 0, 0, 36, 60])]
+        [(CONTROL, [6, 0, 0, 0, 36, 60])]
     );
     assert_eq!(added_kernels(&driven), Vec::<&str>::new());
 }
@@ -306,35 +328,34 @@ fn control_adds_one_variable_an_interval_and_no_equation() {
 #[test]
 fn second_contact_adds_what_the_first_one_takes_and_products_of_step_functions() {
     let walled = Walled::default();
-    use Purpose::{ContactForce, CrossComplementarity, Gap, SeveralContacts, StepFunction};
     // Its gap is watched.
     for name in [FLIGHT, HELD, HELD_FROZEN] {
         assert_eq!(
             added(&walled, name, name),
-            [(Gap, [0, 0, 6, 0, 0, 0])],
+            [(GAP, [0, 0, 6, 0, 0, 0])],
             "{name}"
         );
     }
     let more = [
-        (ContactForce, [96, 0, 0, 0, 192, 0]),
-        (Gap, [96, 96, 0, 96, 192, 0]),
+        (CONTACT_FORCE, [96, 0, 0, 0, 192, 0]),
+        (GAP, [96, 96, 0, 96, 192, 0]),
     ];
     assert_eq!(added(&walled, COARSE, COARSE), more);
     // Its gap at 28 stages.
-    assert_eq!(added(&walled, FINE, FINE), [(Gap, [0, 0, 28, 0, 28, 0])]);
+    assert_eq!(added(&walled, FINE, FINE), [(GAP, [0, 0, 28, 0, 28, 0])]);
     // Where step functions appear in products, their entries belong to those.
     let more = [
-        (Gap, [9, 9, 0, 0, 60, 0]),
-        (StepFunction, [54, 27, 0, 9, -18, -9]),
-        (CrossComplementarity, [12, 12, 0, 6, 52, 0]),
-        (SeveralContacts, [9, 9, 0, 0, 216, 36]),
+        (GAP, [9, 9, 0, 0, 60, 0]),
+        (STEP_FUNCTION, [54, 27, 0, 9, -18, -9]),
+        (CROSS_COMPLEMENTARITY, [12, 12, 0, 6, 52, 0]),
+        (SEVERAL_CONTACTS, [9, 9, 0, 0, 216, 36]),
     ];
     assert_eq!(added(&walled, STEP, STEP), more);
     let more = [
-        (Gap, [36, 36, 0, 0, 214, 0]),
-        (StepFunction, [216, 108, 0, 36, 72, -36]),
-        (CrossComplementarity, [72, 72, 0, 36, 250, 0]),
-        (SeveralContacts, [36, 36, 0, 0, 612, 144]),
+        (GAP, [36, 36, 0, 0, 214, 0]),
+        (STEP_FUNCTION, [216, 108, 0, 36, 72, -36]),
+        (CROSS_COMPLEMENTARITY, [72, 72, 0, 36, 250, 0]),
+        (SEVERAL_CONTACTS, [36, 36, 0, 0, 612, 144]),
     ];
     assert_eq!(added(&walled, FROZEN, FROZEN), more);
     assert!(
@@ -352,12 +373,12 @@ fn restitution_adds_variables_to_the_programs_of_time_freezing_only() {
     }
     // Another element: before, fall, rise, after. Two variables a stage and four sums an element.
     let all = sizes(&bouncing);
-    let step = numbers(named(&all, STEP), Purpose::Restitution);
+    let step = numbers(named(&all, STEP), RESTITUTION);
     assert_eq!(step, [40, 28, 0, 8, 250, 48]);
     // Each bounce is a phase and an impact of its own; the impact map takes no row more for it.
-    assert_eq!(numbers(named(&all, FINE), Purpose::Restitution), [0; 6]);
+    assert_eq!(numbers(named(&all, FINE), RESTITUTION), [0; 6]);
     // Two variables and a row in each of 2 x 24 stages, four sums and two pairs in each of 24 elements: four an interval.
-    let frozen = numbers(named(&all, FROZEN), Purpose::Restitution);
+    let frozen = numbers(named(&all, FROZEN), RESTITUTION);
     assert_eq!(frozen, [192, 144, 0, 48, 862, 192]);
     assert_eq!(added_kernels(&bouncing), Vec::<&str>::new());
 }
@@ -365,53 +386,51 @@ fn restitution_adds_variables_to_the_programs_of_time_freezing_only() {
 #[test]
 fn explicit_time_adds_a_variable_where_no_clock_is_known() {
     let timed = Timed::default();
-    use Purpose::{Clock, ContactForce, ElementLength, ExplicitTime, StepFunction};
     assert_eq!(added(&timed, FLIGHT, FLIGHT), []);
     assert_eq!(added(&timed, HELD, HELD), []);
     // Contacts slow the clock, which the force reads; the others have the clock anyway.
-    let more = [(ContactForce, [0, 0, 0, 0, 66, 0])];
+    let more = [(CONTACT_FORCE, [0, 0, 0, 0, 66, 0])];
     assert_eq!(added(&timed, HELD_FROZEN, HELD_FROZEN), more);
     let more = [
-        (Clock, [0, 0, 0, 0, 27, 9]),
-        (ElementLength, [0, 0, 0, 0, 0, 9]),
-        (StepFunction, [0, 0, 0, 0, 0, 9]),
+        (CLOCK, [0, 0, 0, 0, 27, 9]),
+        (ELEMENT_LENGTH, [0, 0, 0, 0, 0, 9]),
+        (STEP_FUNCTION, [0, 0, 0, 0, 0, 9]),
     ];
     assert_eq!(added(&timed, STEP, STEP), more);
     let more = [
-        (Clock, [0, 0, 0, 0, 72, 36]),
-        (ElementLength, [0, 0, 0, 0, 0, 36]),
-        (StepFunction, [0, 0, 0, 0, 0, 36]),
+        (CLOCK, [0, 0, 0, 0, 72, 36]),
+        (ELEMENT_LENGTH, [0, 0, 0, 0, 0, 36]),
+        (STEP_FUNCTION, [0, 0, 0, 0, 0, 36]),
     ];
     assert_eq!(added(&timed, FROZEN, FROZEN), more);
     assert_eq!(
         added(&timed, COARSE, COARSE),
-        [(ExplicitTime, [96, 96, 0, 0, 192, 0])]
+        [(EXPLICIT_TIME, [96, 96, 0, 0, 192, 0])]
     );
     assert_eq!(
         added(&timed, FINE, FINE),
-        [(ExplicitTime, [28, 28, 0, 0, 68, 8])]
+        [(EXPLICIT_TIME, [28, 28, 0, 0, 68, 8])]
     );
     assert_eq!(added_kernels(&timed), Vec::<&str>::new());
 }
 
 #[test]
 fn path_constraints_and_free_starts_add_their_own_groups_to_time_freezing() {
-    use Purpose::{FreeStart, PathConstraint};
     // A row that reads one variable at each of 36 stages.
     assert_eq!(
         added(&Limited::default(), FROZEN, FROZEN),
-        [(PathConstraint, [0, 0, 36, 0, 36, 0])]
+        [(PATH_CONSTRAINT, [0, 0, 36, 0, 36, 0])]
     );
     // The velocity, four parts of the switching functions in two rows with 2 + 3 entries, and a pair; the first element reads
     // the velocity at two stages, and two of the parts in its sums.
     assert_eq!(
         added(&Thrown::default(), FROZEN, FROZEN),
-        [(FreeStart, [5, 2, 0, 1, 9, 0])]
+        [(FREE_START, [5, 2, 0, 1, 9, 0])]
     );
     // The lifted gap as well, in both rows, in one that says what it is, and at two stages.
     assert_eq!(
         added(&Placed::default(), FROZEN, FROZEN),
-        [(FreeStart, [6, 3, 0, 1, 15, 0])]
+        [(FREE_START, [6, 3, 0, 1, 15, 0])]
     );
 }
 
@@ -421,19 +440,18 @@ fn free_final_time_adds_one_variable() {
     for name in [FLIGHT, HELD, HELD_FROZEN, STEP] {
         assert_eq!(added(&timeless, name, name), [], "{name}");
     }
-    use Purpose::{FinalTime, Goal};
-    let goal = (Goal, [0, 1, 0, 0, 1, 0]);
+    let goal = (GOAL, [0, 1, 0, 0, 1, 0]);
     assert_eq!(
         added(&timeless, COARSE, COARSE),
-        [goal, (FinalTime, [1, 0, 0, 0, 384, 288])]
+        [goal, (FINAL_TIME, [1, 0, 0, 0, 384, 288])]
     );
     assert_eq!(
         added(&timeless, FINE, FINE),
-        [goal, (FinalTime, [1, 0, 0, 0, 81, 40])]
+        [goal, (FINAL_TIME, [1, 0, 0, 0, 81, 40])]
     );
     assert_eq!(
         added(&timeless, FROZEN, FROZEN),
-        [goal, (FinalTime, [1, 0, 0, 0, 6, 0])]
+        [goal, (FINAL_TIME, [1, 0, 0, 0, 6, 0])]
     );
     assert_eq!(added_kernels(&timeless), Vec::<&str>::new());
 }

@@ -300,8 +300,7 @@ fn random_throws_among_edges_are_the_same_by_two_methods() {
 
 #[test]
 fn outer_edge_is_refused_by_name_where_it_is_not_known() {
-    let mut step = Fesd::default();
-    step.formulation = StepFormulation::Complementarity;
+    let step = Fesd::default().with_formulation(StepFormulation::Complementarity);
     let table = Table::default();
     let problem = InitialValueProblem::of(&table, None).unwrap();
     let refused = step.simulate(&table, &problem, &mut |_| true).unwrap_err();

@@ -172,7 +172,10 @@ fn bounces_faster_than_the_steps_end_by_the_rest_velocity_or_with_a_remedy() {
         .expect("the problem is accepted");
     let diagnosis = stopped.status.diagnosis().expect("bounces every 20 ms");
     assert!(diagnosis.message.contains("rest velocity"), "{diagnosis:?}");
-    let simulator = time_freezing(6).with_rest_velocity(0.6);
+    let simulator = Fesd {
+        rest_velocity: Some(0.6),
+        ..time_freezing(6)
+    };
     let simulation = solve(&simulator, &model, &problem);
     let (q, v) = last(&simulation.trajectory);
     assert!(q[1].abs() < SOLVED && v[1].abs() < SOLVED);

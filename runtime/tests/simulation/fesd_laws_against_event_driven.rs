@@ -51,12 +51,15 @@ fn agree(
     tolerance: f64,
 ) -> Result<(), TestCaseError> {
     for formulation in [StepFormulation::ActiveSet, StepFormulation::TimeFreezing] {
-        let fesd = Fesd::default()
+        let fesd = Fesd {
+            rest_velocity: Some(REST),
+            ..Fesd::default()
+        };
+        let fesd = fesd
             .with_scheme(Scheme::RadauIia, 5)
             .with_grid(1, 1)
             .with_tolerance(1e-13)
-            .with_formulation(formulation)
-            .with_rest_velocity(REST);
+            .with_formulation(formulation);
         agree_by(&fesd, model, problem, tolerance)?;
     }
     Ok(())

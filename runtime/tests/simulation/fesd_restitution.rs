@@ -36,6 +36,13 @@ fn normal_velocity(model: &dyn Model, q: &[f64], v: &[f64]) -> f64 {
     point[contact_point::NORMAL_VELOCITY]
 }
 
+fn bounces_until(rest_velocity: f64) -> Fesd {
+    Fesd {
+        rest_velocity: Some(rest_velocity),
+        ..Fesd::default()
+    }
+}
+
 #[test]
 fn bouncing_ball_reaches_the_heights_and_times_of_the_geometric_series() {
     for e in [0.3, 0.5, 0.9, 1.0] {
@@ -43,7 +50,7 @@ fn bouncing_ball_reaches_the_heights_and_times_of_the_geometric_series() {
             e,
             ..Ground::default()
         };
-        let simulator = Fesd::default().with_rest_velocity(1e-5);
+        let simulator = bounces_until(1e-5);
         let simulation = simulate(&simulator, &model, &[0.0, 1.0], &[1.0, 0.0], 6.0);
         let mut time = (2.0 / GRAVITY).sqrt();
         let mut speed = GRAVITY * time;
@@ -167,14 +174,13 @@ fn rest_velocity_decides_how_many_bounces_are_carried_out() {
         ..Ground::default()
     };
     let count = |rest: f64| {
-        let simulator = Fesd::default().with_rest_velocity(rest);
+        let simulator = bounces_until(rest);
         let simulation = simulate(&simulator, &model, &[0.0, 1.0], &[0.0, 0.0], 3.0);
         impacts(&simulation).len()
     };
     // Speeds 4.43 / 2^k: the first below the rest velocity are those of k = 9 and 16, which are impacts too.
     assert_eq!((count(1e-2), count(1e-4)), (10, 17));
-    let refused = Fesd::default()
-        .with_rest_velocity(-1.0)
+    let refused = bounces_until(-1.0)
         .simulate(&model, &start(&[0.0, 1.0], &[0.0; 2], 1.0), &mut |_| true)
         .unwrap_err();
     assert_eq!(

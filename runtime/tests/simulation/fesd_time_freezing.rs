@@ -442,9 +442,10 @@ fn auxiliary_acceleration_changes_numerical_time_only() {
         .unwrap();
     let exact = exact(track);
     for a_bar in [3.0, 100.0, 1e6] {
-        let simulator = time_freezing()
-            .with_tolerance(1e-12)
-            .with_auxiliary_acceleration(a_bar);
+        let simulator = Fesd {
+            auxiliary_acceleration: a_bar,
+            ..time_freezing().with_tolerance(1e-12)
+        };
         let error = apart(&solved(&simulator, track), &exact, track.name);
         assert!(error < 1e-9, "{a_bar}: {error:e}");
     }
@@ -454,7 +455,11 @@ fn auxiliary_acceleration_changes_numerical_time_only() {
         scenes::ball(),
         start(&[0.0, 1.0], &[0.0; 2], (2.0 / GRAVITY).sqrt() + 0.5),
     );
-    let run = solved(&time_freezing().with_auxiliary_acceleration(10.0), &ball);
+    let simulator = Fesd {
+        auxiliary_acceleration: 10.0,
+        ..time_freezing()
+    };
+    let run = solved(&simulator, &ball);
     let (fall, speed) = ((2.0 / GRAVITY).sqrt(), (2.0 * GRAVITY).sqrt());
     let expected = fall + speed / 10.0 + 0.5 * (1.0 + GRAVITY / 10.0);
     assert!((run.trajectory.numerical_time.last().unwrap() - expected).abs() < 1e-13);

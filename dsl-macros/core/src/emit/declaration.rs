@@ -160,16 +160,9 @@ fn conditions(conditions: &[Condition]) -> String {
     for condition in conditions {
         let _ = write!(
             code,
-            "::hangtime::model::ConstraintDeclaration {{ name: {:?}, unit: {:?}, relation: \
-             ::hangtime::model::ConstraintRelation::{}, documentation: {:?} }},",
-            condition.name,
-            condition.unit,
-            if condition.equality {
-                "Zero"
-            } else {
-                "NonNegative"
-            },
-            condition.documentation
+            "::hangtime::model::ConstraintDeclaration {{ name: {:?}, unit: {:?}, equality: {}, \
+             documentation: {:?} }},",
+            condition.name, condition.unit, condition.equality, condition.documentation
         );
     }
     code

@@ -14,7 +14,6 @@
 
 use super::sites::{Input, Site, by_interval, constraint_of, constraints_of, product};
 use super::{Block, Transcription};
-use crate::model::ConstraintRelation;
 
 /// The arguments of the path functions at a block, of which those in `read` matter.
 fn inputs_at(
@@ -165,7 +164,7 @@ pub(super) fn write_bounds(transcription: &Transcription<'_>, upper: &mut [f64])
     for site in &transcription.sites {
         for &(function, row) in &site.rows {
             let constraint = constraint_of(&declared, site.terminal, function);
-            if constraint.is_some_and(|c| c.relation == ConstraintRelation::NonNegative) {
+            if constraint.is_some_and(|c| !c.equality) {
                 upper[row] = f64::INFINITY;
             }
         }

@@ -1,8 +1,9 @@
 //! Jacobian and Hessian of the program, assembled from the local ones.
 
+use hangtime_solver::nlp::Pattern;
+
 use super::{EQUILIBRATION, SUMS, Transcription, conditions, start};
 use crate::dcs;
-use crate::nlp::Pattern;
 
 pub(super) fn set_patterns(transcription: &mut Transcription<'_>) {
     let x = transcription.guess.clone();

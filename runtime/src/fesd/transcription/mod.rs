@@ -39,10 +39,11 @@ pub(crate) use task::{Controls, Guess, Task};
 
 use std::ops::Range;
 
+use hangtime_solver::nlp::Pattern;
+
 use crate::dcs::{Group, HeavisideSystem};
 use crate::fesd::finite_element::State;
 use crate::model::OptimalControlDeclaration;
-use crate::nlp::Pattern;
 use crate::rk::ButcherTableau;
 
 /// Smallest element length relative to the nominal one: elements of length zero would make the Jacobian
@@ -538,9 +539,9 @@ impl<'a> Transcription<'a> {
 mod tests {
     use super::*;
     use crate::model::Model;
-    use crate::nlp::{NlpProblem, check_derivatives};
     use crate::rk::Scheme;
     use crate::time_freezing::TimeFreezingSystem;
+    use hangtime_solver::nlp::{NlpProblem, check_derivatives};
 
     crate::model! {
         /// A bead over a wavy floor and beside a wall that leans: two curved gaps, two directions.

@@ -1,12 +1,13 @@
 //! The program as the solver sees it.
 
+use hangtime_solver::mpcc::Mpcc;
+use hangtime_solver::nlp::NlpProblem;
+
 use super::{
     Controls, EQUILIBRATION, SHORTEST, SUMS, Task, Transcription, conditions, derivatives, guess,
     modes, names, neighbours, start,
 };
 use crate::dcs::HeavisideSystem;
-use crate::mpcc::Mpcc;
-use crate::nlp::NlpProblem;
 use crate::rk::ButcherTableau;
 
 /// The program of `task`, which has at least one interval and element.

@@ -1,7 +1,8 @@
 //! What the variables and rows of a transcription are there for.
 
+use hangtime_solver::mpcc::Mpcc as _;
+
 use super::{SUMS, Transcription, start};
-use crate::mpcc::Mpcc as _;
 use crate::size::{Purpose, SizeGroup, groups_of};
 
 /// Numbers of contacts, and of those with friction.

@@ -6,7 +6,6 @@ use super::layout::{Cut, CutKind, SolvedPhase};
 use super::limits::Limits;
 use super::program::Collocation;
 use crate::model::contact_point;
-use crate::ocp::settings::BoundsAt;
 use crate::ocp::solution::Excess;
 
 /// Depth below a surface that rounding and collocation may cause right after an opening, relative to the
@@ -56,7 +55,7 @@ pub(in crate::ocp) fn between_stages(program: &Collocation, x: &[f64], limits: L
     }
     found.extend(departures(program, &motion.solved, limits));
     found.extend(friction(&motion, limits));
-    if limits.setting.places.bounds == BoundsAt::Nodes {
+    if limits.setting.places.bounds_at_nodes {
         return found;
     }
     let all: Vec<usize> = (0..program.phases.len()).collect();

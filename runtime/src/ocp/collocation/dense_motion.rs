@@ -2,7 +2,6 @@
 
 use super::layout::SolvedPhase;
 use super::program::Collocation;
-use crate::model::ConstraintRelation;
 
 /// Points of a phase that are looked at.
 pub(super) const POINTS: usize = 64;
@@ -69,15 +68,12 @@ impl<'p, 'm> DenseMotion<'p, 'm> {
         let mut input = vec![0.0; declaration.inputs()];
         let mut values = vec![0.0; declared.map_or(0, |d| d.path_functions())];
         let first = declared.map_or(0, |d| usize::from(d.running_cost));
-        let relation = declared.map(|d| d.constraints[constraint].relation);
+        let is_equality = declared.is_some_and(|d| d.constraints[constraint].equality);
         move |phase, theta| {
             self.write(phase, theta, &mut input);
             model.path_functions(&input, &mut values);
             let value = values[first + constraint];
-            match relation {
-                Some(ConstraintRelation::Zero) => -value.abs(),
-                _ => value,
-            }
+            if is_equality { -value.abs() } else { value }
         }
     }
 
@@ -85,9 +81,7 @@ impl<'p, 'm> DenseMotion<'p, 'm> {
     pub(super) fn constraints(&self) -> Vec<bool> {
         let declared = self.program.model.declaration().optimal_control;
         let constraints = declared.map_or(&[][..], |d| d.constraints).iter();
-        constraints
-            .map(|c| c.relation == ConstraintRelation::NonNegative)
-            .collect()
+        constraints.map(|c| !c.equality).collect()
     }
 }
 

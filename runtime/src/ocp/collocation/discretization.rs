@@ -6,7 +6,7 @@ use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::mode::is_frictional;
 use crate::ocp::problem::Problem;
 use crate::ocp::program::units::Units;
-use crate::ocp::settings::{BoundsAt, PathPoints};
+use crate::ocp::settings::PathPoints;
 use crate::rk::ButcherTableau;
 
 /// Everything that stays the same over all sequences.
@@ -33,7 +33,7 @@ impl Setting<'_> {
 /// Where bounds of coordinates and path constraints are imposed.
 #[derive(Clone, Copy)]
 pub(in crate::ocp) struct Places {
-    pub(in crate::ocp) bounds: BoundsAt,
+    pub(in crate::ocp) bounds_at_nodes: bool,
     pub(in crate::ocp) path: PathPoints,
 }
 

@@ -260,7 +260,6 @@ pub(in crate::ocp) fn at_start(
 
 #[cfg(test)]
 mod tests {
-    use crate::nlp::check_derivatives;
     use crate::ocp::collocation::discretization::{Places, Setting, parabolas};
     use crate::ocp::collocation::layout::{Cut, CutKind};
     use crate::ocp::collocation::transcribe::transcribe;
@@ -270,9 +269,10 @@ mod tests {
     use crate::ocp::motion::sequence::{Place, Sequence, Switch};
     use crate::ocp::problem::{Problem, bounds};
     use crate::ocp::program::units::Units;
-    use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
+    use crate::ocp::settings::{Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
     use crate::simulation::{ContactMode, Direction};
+    use hangtime_solver::nlp::check_derivatives;
 
     /// The central difference of a function with values and derivatives up to 1e3 is good to about 1e-7 of them.
     const DIFFERENCE: f64 = 1e-5;
@@ -357,7 +357,7 @@ mod tests {
         let problem = Problem::of(&model, 4);
         let (lower, upper) = bounds(&model);
         let bounds = (&lower[..], &upper[..]);
-        let guessed = guess(&model, &problem, &Guess::Perturbed { seed: 3 }, bounds).unwrap();
+        let guessed = guess(&model, &problem, &Guess::Perturbed(3), bounds).unwrap();
         let units = Units::new(&model, &guessed, bounds);
         let tableau = ButcherTableau::new(Scheme::RadauIia, 3).unwrap();
         let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
@@ -372,7 +372,7 @@ mod tests {
             bounds,
             parabolas: &parabolas,
             places: Places {
-                bounds: BoundsAt::AllTimes,
+                bounds_at_nodes: false,
                 path: PathPoints::Both,
             },
         };

@@ -5,7 +5,6 @@ use super::cubic_bounds;
 use super::cubic_bounds::Cubic;
 use super::discretization::Setting;
 use crate::ocp::motion::control_grid::ControlShape;
-use crate::ocp::settings::BoundsAt;
 
 /// Bounds of the coordinates that are parabolas, or cubics under linear controls, over a whole interval.
 pub(in crate::ocp) fn add(builder: &mut Builder, interval: usize, before: &[usize]) {
@@ -20,7 +19,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder, interval: usize, before: &[usiz
     } = builder.setting;
     let (n, program) = (builder.n, &mut builder.program);
     let half = 0.5 / problem.intervals as f64;
-    if places.bounds == BoundsAt::Nodes {
+    if places.bounds_at_nodes {
         return;
     }
     for k in (0..n).filter(|&k| parabolas[k]) {

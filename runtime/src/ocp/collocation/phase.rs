@@ -10,7 +10,7 @@ use super::{cut_rows, friction_rows, start_conditions};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::program::frame::state_name;
 use crate::ocp::program::kernel::Kernel;
-use crate::ocp::settings::{BoundsAt, PathPoints};
+use crate::ocp::settings::PathPoints;
 
 /// One element of a phase, as the contact sequence asks for it.
 pub(super) struct Element<'e> {
@@ -170,9 +170,10 @@ fn stage_state(builder: &mut Builder, sample: &[f64], last: bool, at: &str) -> V
     (0..2 * n)
         .map(|k| {
             let bounded = k < n
-                && match places.bounds {
-                    BoundsAt::AllTimes => !parabolas[k],
-                    BoundsAt::Nodes => last,
+                && if places.bounds_at_nodes {
+                    last
+                } else {
+                    !parabolas[k]
                 };
             let range = if bounded {
                 (bounds.0[k], bounds.1[k])

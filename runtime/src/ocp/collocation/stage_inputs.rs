@@ -162,7 +162,6 @@ pub(in crate::ocp) fn drive_within(
 
 #[cfg(test)]
 mod tests {
-    use crate::nlp;
     use crate::ocp::collocation::discretization::{Places, Setting};
     use crate::ocp::collocation::transcribe::transcribe;
     use crate::ocp::global::guess::guess;
@@ -170,9 +169,10 @@ mod tests {
     use crate::ocp::motion::sequence::{Place, Sequence, Switch};
     use crate::ocp::problem::{Problem, bounds};
     use crate::ocp::program::units::Units;
-    use crate::ocp::settings::{BoundsAt, Guess, PathPoints};
+    use crate::ocp::settings::{Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
     use crate::simulation::ContactMode;
+    use hangtime_solver::nlp;
 
     crate::model! {
         /// A mass with an engine, on the ground.
@@ -207,7 +207,7 @@ mod tests {
             bounds,
             parabolas: &[false],
             places: Places {
-                bounds: BoundsAt::AllTimes,
+                bounds_at_nodes: false,
                 path: PathPoints::Stages,
             },
             shape: ControlShape::Linear,

@@ -3,8 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::model::{
-    ConstraintDeclaration, ConstraintRelation, Declaration, Model, OptimalControlDeclaration,
-    SparsityPattern,
+    ConstraintDeclaration, Declaration, Model, OptimalControlDeclaration, SparsityPattern,
 };
 
 crate::model! {
@@ -40,11 +39,11 @@ const fn pattern(rows: usize, columns: usize, entries: &'static [(u32, u32)]) ->
     }
 }
 
-const fn constraint(name: &'static str, relation: ConstraintRelation) -> ConstraintDeclaration {
+const fn constraint(name: &'static str, equality: bool) -> ConstraintDeclaration {
     ConstraintDeclaration {
         name,
         unit: "",
-        relation,
+        equality,
         documentation: "",
     }
 }
@@ -59,13 +58,10 @@ const TERMINAL_HESSIAN: [(u32, u32); 3] = [(1, 0), (1, 1), (6, 0)];
 const DECLARED: OptimalControlDeclaration = OptimalControlDeclaration {
     running_cost: true,
     final_cost: true,
-    constraints: &[
-        constraint("speed", ConstraintRelation::NonNegative),
-        constraint("height", ConstraintRelation::Zero),
-    ],
+    constraints: &[constraint("speed", false), constraint("height", true)],
     goals: &[
-        constraint("far enough", ConstraintRelation::Zero),
-        constraint("late enough", ConstraintRelation::NonNegative),
+        constraint("far enough", true),
+        constraint("late enough", false),
     ],
     free_time: true,
     free_start: &[1],

@@ -1,9 +1,10 @@
 //! The search for contact sequences: contact-implicit programs from coarse to fine.
 
+use hangtime_solver::mpcc;
+use hangtime_solver::mpcc::RelaxationRule;
+
 use super::contact_implicit::ContactImplicit;
 use super::start_modes::modes_at_start;
-use crate::mpcc;
-use crate::mpcc::RelaxationRule;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
 use crate::ocp::motion::candidate::Candidate;
@@ -162,12 +163,10 @@ fn relaxed(
     relaxation: Relaxation,
 ) -> Result<Option<Candidate>, InputError> {
     let mut program = ContactImplicit::new(setting, elements, start);
-    let mut settings = mpcc::Settings {
-        rules: vec![rule],
-        crossover: false,
-        final_relaxation: relaxation.last,
-        ..mpcc::Settings::default()
-    };
+    let mut settings = mpcc::Settings::default();
+    settings.rules = vec![rule];
+    settings.crossover = false;
+    settings.final_relaxation = relaxation.last;
     settings.interior_point.initial_barrier_parameter =
         relaxation.barrier.unwrap_or(runner.settings.first_barrier);
     settings.interior_point.tolerance = relaxation.tolerance;

@@ -24,8 +24,8 @@ pub(in crate::ocp) fn guess(
         Guess::Straight => Ok(straight),
         Guess::Rest => Ok(at_rest(straight, model, problem)),
         Guess::Ride => ride(straight, model, problem),
-        Guess::Perturbed { seed } => Ok(perturbed(straight, model, problem, *seed, bounds)),
-        Guess::Random { seed } => {
+        Guess::Perturbed(seed) => Ok(perturbed(straight, model, problem, *seed, bounds)),
+        Guess::Random(seed) => {
             let driven = randomly_driven(straight, model, problem, *seed, bounds);
             ride(driven, model, problem)
         }

@@ -1,24 +1,26 @@
 //! The optimal control problem as one complementarity problem: time-freezing and FESD.
 
+use hangtime_solver::mpcc::Mpcc;
+use hangtime_solver::nlp::NlpProblem;
+
 use super::guess::guess;
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
 use crate::fesd::transcription::{Controls, Guess, Task, Transcription, size_groups, transcribe};
 use crate::model::Model;
-use crate::mpcc::Mpcc;
-use crate::nlp::NlpProblem;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem, bounds};
 use crate::ocp::settings::{self, TimeFreezingSettings};
+use crate::refusal;
 use crate::rk::ButcherTableau;
 use crate::simulation::{InputError, SizeGroup};
 use crate::time_freezing::TimeFreezingSystem;
 
 /// An optimal control problem on a [`Model`] as a mathematical program with complementarity constraints:
 /// the time-freezing system, transcribed by finite elements with switch detection in step form. Solve it
-/// with [`mpcc::solve`](crate::mpcc::solve).
+/// with [`mpcc::solve`](hangtime_solver::mpcc::solve).
 ///
 /// Objective, path constraints, terminal conditions and free initial values are those that the scene declares. Bounds of
 /// coordinates are imposed at the ends of the finite elements, path constraints at their stages, bounds of controls
@@ -83,7 +85,7 @@ impl<'a> TimeFreezing<'a> {
         guess: &Trajectory,
     ) -> Result<Self, InputError> {
         let refuse = |what: &str, value: f64, bound: String| {
-            Err(InputError::out_of_range(what, value, "", bound))
+            Err(refusal::out_of_range(what, value, "", bound))
         };
         if settings.elements == 0 {
             return refuse("finite elements of an interval", 0.0, "at least 1".into());
@@ -121,8 +123,7 @@ impl<'a> TimeFreezing<'a> {
     }
 
     /// What its variables and rows are there for.
-    #[must_use]
-    pub fn groups(&self) -> Vec<SizeGroup> {
+    pub(in crate::ocp) fn groups(&self) -> Vec<SizeGroup> {
         size_groups(&self.transcription)
     }
 
@@ -286,7 +287,7 @@ impl Mpcc for TimeFreezing<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mpcc::{self, Status};
+    use hangtime_solver::mpcc::{self, Status};
 
     crate::model! {
         /// A cart that is pushed.

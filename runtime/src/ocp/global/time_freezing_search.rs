@@ -1,10 +1,12 @@
 //! The contact sequence from the complementarity problem of finite elements on the time-freezing system.
 
-use crate::clock::ThreadTime;
+use hangtime_solver::clock::ThreadTime;
+use hangtime_solver::mpcc::Mpcc as _;
+use hangtime_solver::nlp::Residuals;
+use hangtime_solver::{mpcc, nlp};
 
 use super::start_modes::modes_at_start;
 use super::time_freezing::{TimeFreezing, TimeFreezingMotion};
-use crate::mpcc::Mpcc as _;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlGrid;
@@ -19,7 +21,6 @@ use crate::ocp::settings::TimeFreezingSettings;
 use crate::ocp::solution::TimeFreezingReport;
 use crate::simulation::ContactMode;
 use crate::simulation::{InputError, ProblemSize};
-use crate::{mpcc, nlp};
 
 /// Mean step function of an element above which its contact is open: in flight it is 1, in contact
 /// `a_bar / (a_bar + r)` for a normal acceleration `r`.
@@ -45,11 +46,9 @@ pub(in crate::ocp) fn candidate(
         ..settings.clone()
     };
     let mut program = TimeFreezing::from_guess(model, problem, &settings, guess)?;
-    let mut relaxation = mpcc::Settings {
-        crossover: false,
-        final_relaxation: settings.complementarity,
-        ..mpcc::Settings::default()
-    };
+    let mut relaxation = mpcc::Settings::default();
+    relaxation.crossover = false;
+    relaxation.final_relaxation = settings.complementarity;
     relaxation.interior_point.tolerance = settings.complementarity;
     relaxation.interior_point.maximum_iterations =
         runner.settings.maximum_iterations.max(ITERATIONS);
@@ -64,8 +63,10 @@ pub(in crate::ocp) fn candidate(
         status: solution.status,
         objective: solution.objective,
         horizon: motion.horizon,
-        primal: solution.residuals.primal,
-        complementarity: products.fold(0.0, f64::max),
+        residuals: Residuals {
+            complementarity: products.fold(0.0, f64::max),
+            ..solution.residuals
+        },
         iterations: solution.iterations,
         size: ProblemSize::of(&program, program.complementarities().len()),
         seconds: clock

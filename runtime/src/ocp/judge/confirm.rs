@@ -1,9 +1,10 @@
 //! The judge: an event-driven simulation of a plan under its controls.
 
+use hangtime_solver::mpcc::Stationarity;
+
 use super::disagreement::disagreement;
 use super::margins::margins;
 use super::refine_grid::{ROUNDS, refine};
-use crate::mpcc::Stationarity;
 use crate::ocp::collocation::between_stages::excess;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::Cut;

@@ -1,6 +1,7 @@
 //! What the distances that the method keeps cost a plan.
 
-use crate::nlp;
+use hangtime_solver::nlp;
+
 use crate::ocp::collocation::layout::Kept;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::solution::Margin;

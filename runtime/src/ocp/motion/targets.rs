@@ -1,6 +1,6 @@
 //! Where the goals ask the motion to end, and how long that may take.
 
-use crate::model::{ConstraintRelation, Model, OptimalControlDeclaration};
+use crate::model::{Model, OptimalControlDeclaration};
 use crate::ocp::problem::{Horizon, Problem, bounds};
 
 /// Singular values below this are zero in the search for a state that fulfils the goals.
@@ -66,10 +66,8 @@ fn approach(model: &dyn Model, declared: &OptimalControlDeclaration, z: &mut [f6
         model.terminal_functions(z, &mut values);
         model.terminal_jacobian(z, &mut slopes);
         let residuals = declared.goals.iter().zip(&values[first..]);
-        let residuals = residuals.map(|(goal, &value)| match goal.relation {
-            ConstraintRelation::Zero => value,
-            ConstraintRelation::NonNegative => value.min(0.0),
-        });
+        let residuals =
+            residuals.map(|(goal, &value)| if goal.equality { value } else { value.min(0.0) });
         let residual = nalgebra::DVector::from_iterator(declared.goals.len(), residuals);
         let mut jacobian = nalgebra::DMatrix::zeros(declared.goals.len(), z.len());
         for (&(row, column), slope) in pattern.iter().zip(&slopes) {

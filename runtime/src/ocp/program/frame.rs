@@ -3,7 +3,7 @@
 use super::kernel::Kernel;
 use super::sparse_program::{OBJECTIVE, Program};
 use super::units::Units;
-use crate::model::{ConstraintDeclaration, ConstraintRelation, Model};
+use crate::model::{ConstraintDeclaration, Model};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
@@ -170,9 +170,10 @@ impl<'a> Frame<'a> {
 
 /// Adds the row of a declared constraint.
 fn row(program: &mut Program, constraint: &ConstraintDeclaration, place: &str) -> usize {
-    let upper = match constraint.relation {
-        ConstraintRelation::Zero => 0.0,
-        ConstraintRelation::NonNegative => f64::INFINITY,
+    let upper = if constraint.equality {
+        0.0
+    } else {
+        f64::INFINITY
     };
     program.row(format!("`{}` {place}", constraint.name), 0.0, upper)
 }

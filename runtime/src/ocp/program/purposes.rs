@@ -1,9 +1,10 @@
 //! What the variables and rows of a program are there for, from their names.
 
+use hangtime_solver::mpcc::Mpcc as _;
+use hangtime_solver::nlp::NlpProblem as _;
+
 use super::sparse_program::Program;
 use crate::model::Declaration;
-use crate::mpcc::Mpcc as _;
-use crate::nlp::NlpProblem as _;
 use crate::size::{Purpose, SizeGroup, groups_of};
 
 /// Beginnings of the names of variables and rows, without the names that the scene gives.

@@ -1,15 +1,17 @@
 //! The one door to the solvers: counts, limits, failures and the observer of a whole solve.
 
+use hangtime_solver::Seconds;
+use hangtime_solver::mpcc::Mpcc;
+use hangtime_solver::nlp::Violation;
+use hangtime_solver::{mpcc, nlp};
+
 use super::sparse_program::Program;
-use crate::mpcc::Mpcc;
-use crate::nlp::Violation;
 use crate::ocp::effort::Effort;
 use crate::ocp::progress::Watch;
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::Counts;
-use crate::seconds::Seconds;
+use crate::refusal;
 use crate::simulation::InputError;
-use crate::{mpcc, nlp};
 
 /// What programs lead to, or why the last of them ended without a solution.
 pub(in crate::ocp) type Ended<T> = Result<Result<T, nlp::Status>, InputError>;
@@ -144,7 +146,7 @@ impl<'s> Runner<'s> {
         self.counts.programs += 1;
         self.counts.iterations += solution.counts.iterations;
         self.counts.factorizations += solution.counts.factorizations;
-        self.seconds.add(&solution.cpu);
+        self.seconds += solution.cpu;
         let status = match solution.status {
             nlp::Status::Solved | nlp::Status::Acceptable => return Ok(Ok(solution)),
             nlp::Status::Interrupted if !self.watch.stopped => nlp::Status::RestorationFailed,
@@ -173,7 +175,7 @@ impl<'s> Runner<'s> {
         self.counts.programs += 1;
         self.counts.global_iterations += solution.iterations;
         self.counts.factorizations += solution.factorizations;
-        self.seconds.add(&solution.cpu);
+        self.seconds += solution.cpu;
         Ok(solution)
     }
 }
@@ -181,7 +183,7 @@ impl<'s> Runner<'s> {
 /// A refusal of the interior point method: the programs here are built to be accepted, except where the
 /// model's functions are not finite.
 fn refused(error: &nlp::InputError) -> InputError {
-    InputError::not_finite(
+    refusal::not_finite(
         format!("optimal control: {error}; a number there"),
         f64::NAN,
     )

@@ -7,11 +7,12 @@
 //! and the objective as a sum of kernels, where `scale` is a variable (a duration) or 1. Values that callers give and get are physical; the
 //! solver sees each variable divided by its own unit, so that all of them are of order one.
 
+use hangtime_solver::mpcc::Mpcc;
+use hangtime_solver::nlp::{NlpProblem, Pattern};
+
 use super::kernel::{Evaluator, Kernel};
 use super::units::nearest_power;
 use crate::model::Model;
-use crate::mpcc::Mpcc;
-use crate::nlp::{NlpProblem, Pattern};
 
 /// The row of the objective in the uses of a kernel.
 pub(in crate::ocp) const OBJECTIVE: usize = usize::MAX;

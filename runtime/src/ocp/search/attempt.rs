@@ -4,7 +4,8 @@
 //! sequence can be better than the best, and where its motion needs cuts; most sequences end there. Only a motion that
 //! passes is solved to the tolerance.
 
-use crate::nlp;
+use hangtime_solver::nlp;
+
 use crate::ocp::collocation::between_stages::between_stages;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::Cut;
@@ -238,13 +239,10 @@ impl<'a, 'e> Attempts<'a, 'e> {
             if runner.stopped() && (index > 0 || !after_cut) {
                 break;
             }
-            let settings = interior_point(runner.settings);
-            let settings = nlp::Settings {
-                tolerance: FIRST_TOLERANCE.max(settings.tolerance),
-                initial_barrier_parameter: barrier,
-                maximum_iterations: settings.maximum_iterations.min(iterations),
-                ..settings
-            };
+            let mut settings = interior_point(runner.settings);
+            settings.tolerance = FIRST_TOLERANCE.max(settings.tolerance);
+            settings.initial_barrier_parameter = barrier;
+            settings.maximum_iterations = settings.maximum_iterations.min(iterations);
             let run = Run {
                 settings: &settings,
                 start: None,
@@ -268,7 +266,7 @@ fn second(
     first: &nlp::Solution,
     best: Option<f64>,
 ) -> Ended<nlp::Solution> {
-    let settings = warm(&interior_point(runner.settings), first.barrier_parameter);
+    let settings = warm(interior_point(runner.settings), first.barrier_parameter);
     let run = Run {
         settings: &settings,
         start: Some(&nlp::WarmStart::from_solution(first)),
@@ -286,13 +284,12 @@ fn verdict_of(failure: nlp::Status) -> Verdict {
     }
 }
 
-fn interior_point(settings: &Settings) -> nlp::Settings {
-    nlp::Settings {
-        tolerance: settings.tolerance,
-        constraint_tolerance: settings.tolerance,
-        maximum_iterations: settings.maximum_iterations,
-        ..nlp::Settings::default()
-    }
+fn interior_point(chosen: &Settings) -> nlp::Settings {
+    let mut settings = nlp::Settings::default();
+    settings.tolerance = chosen.tolerance;
+    settings.constraint_tolerance = chosen.tolerance;
+    settings.maximum_iterations = chosen.maximum_iterations;
+    settings
 }
 
 /// Least objective that the central path may lead to. Between the ends of its last two levels, with barrier parameters
@@ -309,11 +306,8 @@ fn least_objective(first: &nlp::Solution) -> f64 {
 }
 
 /// Settings that leave a warm point where it is.
-fn warm(settings: &nlp::Settings, barrier_parameter: f64) -> nlp::Settings {
-    let push = 1e-2 * barrier_parameter;
-    nlp::Settings {
-        bound_push: push,
-        bound_fraction: push,
-        ..settings.clone()
-    }
+fn warm(mut settings: nlp::Settings, barrier_parameter: f64) -> nlp::Settings {
+    settings.bound_push = 1e-2 * barrier_parameter;
+    settings.bound_fraction = settings.bound_push;
+    settings
 }

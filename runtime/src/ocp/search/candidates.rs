@@ -1,9 +1,10 @@
 //! From motions that may be near an optimum to local optima: the contact sequences that they suggest.
 
+use hangtime_solver::mpcc::Stationarity;
+
 use super::attempt::{Attempt, Attempts, Local, Purpose};
 use super::repair::repair;
 use super::replay::{read_replay, simulate};
-use crate::mpcc::Stationarity;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
 use crate::ocp::global::{coarse_to_fine, time_freezing_search};

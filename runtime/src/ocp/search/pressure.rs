@@ -1,6 +1,7 @@
 //! Where a solution presses against the sequence it was given.
 
-use crate::nlp;
+use hangtime_solver::nlp;
+
 use crate::ocp::collocation::layout::{Phase, Stage};
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity, zero_velocity};

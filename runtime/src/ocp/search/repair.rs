@@ -1,9 +1,10 @@
 //! Following improving neighbours of a contact sequence.
 
+use hangtime_solver::mpcc::Stationarity;
+
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
 use super::pressure::Pressure;
 use super::{friction_neighbours, neighbours};
-use crate::mpcc::Stationarity;
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::touching_gap;
 use crate::ocp::effort::Effort;

@@ -2,7 +2,6 @@
 //! called infeasible.
 
 use super::replay::{read_replay, simulate};
-use crate::model::ConstraintRelation;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlGrid;
@@ -152,10 +151,8 @@ fn goal_values(setting: Setting, z: &[f64]) -> Vec<f64> {
         model.terminal_functions(z, &mut all);
         let own = &all[usize::from(declared.final_cost)..];
         let goals = declared.goals.iter().zip(own);
-        values.extend(goals.map(|(goal, &value)| match goal.relation {
-            ConstraintRelation::Zero => value,
-            ConstraintRelation::NonNegative => value.min(0.0),
-        }));
+        values
+            .extend(goals.map(|(goal, &value)| if goal.equality { value } else { value.min(0.0) }));
     }
     values
 }
@@ -184,8 +181,11 @@ fn is_within(setting: Setting, z: &[f64], controls: &[f64]) -> bool {
     let own = &values[usize::from(declared.running_cost)..];
     let mut constraints = declared.constraints.iter().zip(own);
     coordinates
-        && constraints.all(|(constraint, &value)| match constraint.relation {
-            ConstraintRelation::Zero => value.abs() <= NEAR,
-            ConstraintRelation::NonNegative => value >= -NEAR,
+        && constraints.all(|(constraint, &value)| {
+            if constraint.equality {
+                value.abs() <= NEAR
+            } else {
+                value >= -NEAR
+            }
         })
 }

@@ -5,9 +5,10 @@
 //! program without a solution, lies at an end of the range, the search starts again around that end; so it does where
 //! controls without bounds come out of another size than they were measured in.
 
+use hangtime_solver::mpcc::Stationarity;
+
 use super::one_grid::{Round, Start, solve_round};
 use crate::model::Model;
-use crate::mpcc::Stationarity;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::progress::Watch;
 use crate::ocp::settings::Settings;

@@ -1,8 +1,10 @@
 //! From a guess to a judged motion, on one grid of the controls.
 
+use hangtime_solver::Seconds;
+use hangtime_solver::mpcc::Stationarity;
+use hangtime_solver::nlp;
+
 use crate::model::Model;
-use crate::mpcc::Stationarity;
-use crate::nlp;
 use crate::ocp::collocation::discretization::{Places, Setting, parabolas};
 use crate::ocp::effort::Effort;
 use crate::ocp::global::coarse_to_fine;
@@ -21,7 +23,6 @@ use crate::ocp::search::ride::ride;
 use crate::ocp::settings::{Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Status};
 use crate::rk::{ButcherTableau, Scheme};
-use crate::seconds::Seconds;
 use crate::simulation::InputError;
 
 /// By how many stages the scheme grows where the re-simulation does not confirm a plan.
@@ -86,7 +87,7 @@ pub(super) fn solve_round<'s>(
         bounds,
         parabolas: &parabolas(model, &problem.start()),
         places: Places {
-            bounds: settings.bounds,
+            bounds_at_nodes: settings.bounds_at_nodes,
             path: settings.path_points,
         },
         shape: settings.controls,
@@ -152,7 +153,7 @@ fn find(
     }
     // Without a previous motion, or too far from it: search.
     if search.found.optima.is_empty() {
-        let simulated = matches!(settings.guess, Guess::Ride | Guess::Random { .. });
+        let simulated = matches!(settings.guess, Guess::Ride | Guess::Random(_));
         search.try_guess(runner, guessed, simulated)?;
     }
     // The ride without controls obeys the dynamics, which is what other guesses may be too far from.

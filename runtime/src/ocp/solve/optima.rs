@@ -1,8 +1,9 @@
 //! What several runs come to: the best of them, and the distinct local optima that they saw.
 
-use crate::mpcc::Stationarity;
+use hangtime_solver::Seconds;
+use hangtime_solver::mpcc::Stationarity;
+
 use crate::ocp::solution::{Counts, Optimum, Solution, Status};
-use crate::seconds::Seconds;
 
 /// Relative difference of the objective within which two local optima count as the same.
 const SAME: f64 = 1e-6;
@@ -64,7 +65,7 @@ pub(super) fn result(found: Vec<Found>, seen: Vec<Found>, stopped: bool) -> Solu
     let mut seconds = Seconds::default();
     for run in &seen {
         counts.add(&run.solution.counts);
-        seconds.add(&run.solution.seconds);
+        seconds += run.solution.seconds;
     }
     let Some(best) = found.into_iter().next() else {
         return Solution::without_motion(Status::Interrupted, Vec::new(), counts);

@@ -65,13 +65,13 @@ fn member(settings: &Settings, start: usize) -> Settings {
     let seed = start as u64;
     let (guess, barrier) = match start {
         0 => (settings.guess.clone(), settings.first_barrier),
-        1 => (Guess::Random { seed }, FROM_A_DISTANCE),
+        1 => (Guess::Random(seed), FROM_A_DISTANCE),
         2 => (Guess::Ride, settings.first_barrier),
-        3 => (Guess::Random { seed }, settings.first_barrier),
+        3 => (Guess::Random(seed), settings.first_barrier),
         4 => (Guess::Rest, FROM_A_DISTANCE),
-        5 => (Guess::Perturbed { seed }, FROM_A_DISTANCE),
-        _ if start.is_multiple_of(2) => (Guess::Random { seed }, settings.first_barrier),
-        _ => (Guess::Random { seed }, FROM_A_DISTANCE),
+        5 => (Guess::Perturbed(seed), FROM_A_DISTANCE),
+        _ if start.is_multiple_of(2) => (Guess::Random(seed), settings.first_barrier),
+        _ => (Guess::Random(seed), FROM_A_DISTANCE),
     };
     Settings {
         guess,

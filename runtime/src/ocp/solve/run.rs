@@ -1,7 +1,8 @@
 //! Single runs on one grid: from a start, or from a motion on a coarser grid.
 
-use crate::clock::ThreadTime;
-use crate::seconds::Seconds;
+use hangtime_solver::Seconds;
+use hangtime_solver::clock::ThreadTime;
+use hangtime_solver::mpcc::Stationarity;
 
 use super::final_times::solve_grid;
 use super::one_grid::Start;
@@ -9,7 +10,6 @@ use super::optima::{Found, rank};
 use super::shared_observer::SharedObserver;
 use crate::Progress;
 use crate::model::Model;
-use crate::mpcc::Stationarity;
 use crate::ocp::effort::Effort;
 use crate::ocp::problem::Problem;
 use crate::ocp::progress::Watch;

@@ -65,7 +65,7 @@ fn variant(settings: &Settings, start: usize) -> Settings {
     let guess = match start % 4 {
         0 => Guess::Straight,
         1 => Guess::Ride,
-        2 => Guess::Perturbed { seed: start as u64 },
+        2 => Guess::Perturbed(start as u64),
         _ => Guess::Rest,
     };
     match &mut variant.formulation {
@@ -75,7 +75,7 @@ fn variant(settings: &Settings, start: usize) -> Settings {
         }
         Formulation::TimeFreezing(freezing) => {
             variant.guess = match start % 4 {
-                0 => Guess::Random { seed: start as u64 },
+                0 => Guess::Random(start as u64),
                 2 => Guess::Straight,
                 _ => Guess::Ride,
             };

@@ -1,6 +1,6 @@
 //! The run: steps, events, records.
 
-use crate::clock::ThreadTime;
+use hangtime_solver::clock::ThreadTime;
 
 use super::audit::Audit;
 use super::contact_mode::{self, Outlook};

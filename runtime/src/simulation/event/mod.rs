@@ -33,6 +33,7 @@ use integration::Integration;
 use super::watch::Watch;
 use super::{InitialValueProblem, InputError, Simulation, Simulator};
 use crate::model::Model;
+use crate::refusal;
 use crate::{Observer, Progress};
 
 impl Simulator for EventDriven {
@@ -98,7 +99,7 @@ fn check(
     settings.check()?;
     problem.check(model)?;
     if settings.output_times > problem.points {
-        return Err(InputError::out_of_range(
+        return Err(refusal::out_of_range(
             "output times",
             settings.output_times as f64,
             "",

@@ -1,5 +1,6 @@
 //! The method and its settings.
 
+use crate::refusal;
 use crate::simulation::InputError;
 
 /// Admissible tolerances: below the first, rounding error of one step exceeds the tolerance; above the
@@ -125,7 +126,7 @@ impl Default for EventDriven {
 impl EventDriven {
     pub(super) fn check(&self) -> Result<(), InputError> {
         let refuse = |what: &str, value: f64, unit: &str, bound: &str| {
-            Err(InputError::out_of_range(what, value, unit, bound))
+            Err(refusal::out_of_range(what, value, unit, bound))
         };
         if !(TOLERANCES.0..=TOLERANCES.1).contains(&self.tolerance) {
             return refuse("tolerance", self.tolerance, "", "in 1e-14..=1e-2");

@@ -51,6 +51,7 @@ use super::watch::Watch;
 use super::{InitialValueProblem, InputError, Simulation, Simulator};
 use crate::Observer;
 use crate::model::{Model, edge};
+use crate::refusal;
 
 impl Simulator for Fesd {
     fn name(&self) -> &'static str {
@@ -68,7 +69,7 @@ impl Simulator for Fesd {
         if self.formulation == StepFormulation::Complementarity
             && let Some(name) = edge(model)
         {
-            return Err(InputError::unsupported(
+            return Err(refusal::unsupported(
                 format!("an outer edge, of which `{name}` is a piece, as complementarity problem"),
                 "use another formulation",
             ));

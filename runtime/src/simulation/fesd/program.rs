@@ -4,6 +4,8 @@
 //! Its limit is that of the step form: a jump may share an element with the contact after it, so that an
 //! switch is known to the length of an element.
 
+use hangtime_solver::mpcc;
+
 use super::driver::Driver;
 use super::settings::StepFormulation;
 use super::stop::Stop;
@@ -13,7 +15,6 @@ use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::finite_element::State;
 use crate::fesd::sharing;
 use crate::fesd::transcription::{Task, Transcription, transcribe};
-use crate::mpcc;
 use crate::simulation::EventKind;
 use crate::time_freezing::TimeFreezingSystem;
 

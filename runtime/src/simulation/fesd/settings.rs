@@ -2,6 +2,7 @@
 
 use crate::fesd::finite_element::FiniteElement;
 use crate::model::Model;
+use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 
@@ -52,7 +53,6 @@ pub enum StepFormulation {
 /// # Ok::<(), InputError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub struct Fesd {
     /// Family of the collocation scheme. Default Radau IIA, which keeps its order in contact.
     pub scheme: Scheme,
@@ -162,27 +162,6 @@ impl Fesd {
         self
     }
 
-    /// The same settings with or without the exit condition.
-    #[must_use]
-    pub fn with_exit_condition(mut self, exit_condition: bool) -> Self {
-        self.exit_condition = exit_condition;
-        self
-    }
-
-    /// The same settings with another acceleration of the auxiliary dynamics.
-    #[must_use]
-    pub fn with_auxiliary_acceleration(mut self, auxiliary_acceleration: f64) -> Self {
-        self.auxiliary_acceleration = auxiliary_acceleration;
-        self
-    }
-
-    /// The same settings with another rest velocity.
-    #[must_use]
-    pub fn with_rest_velocity(mut self, rest_velocity: f64) -> Self {
-        self.rest_velocity = Some(rest_velocity);
-        self
-    }
-
     /// An element for the formulation.
     pub(super) fn element<'a>(
         &self,
@@ -199,7 +178,7 @@ impl Fesd {
     /// The scheme, with all settings checked.
     pub(super) fn tableau(&self) -> Result<ButcherTableau, InputError> {
         let refuse = |what: &str, value: f64, bound: String| {
-            Err(InputError::out_of_range(what, value, "", bound))
+            Err(refusal::out_of_range(what, value, "", bound))
         };
         let steps = self.steps.unwrap_or(1);
         for (what, value) in [("steps", steps), ("elements", self.elements)] {

@@ -1,12 +1,13 @@
 //! The stepping loop: elements, segments between switches, their lengths.
 
+use hangtime_solver::clock::ThreadTime;
+
 use super::diagnosis::{self, MAX_SWITCHES};
 use super::driver::Driver;
 use super::error_control::ErrorControl;
 use super::settings::{Fesd, StepFormulation};
 use super::stop::Stop;
 use super::{bounces, impacts, location, mode_change, program};
-use crate::clock::ThreadTime;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
 use crate::model::edge;

@@ -1,0 +1,233 @@
+//! The entry points: rules one after the other.
+
+use super::crossover::improve;
+use super::finish::{BINDING, Ended};
+use super::run::solve_with;
+use super::watch::Watch;
+use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
+use crate::nlp::{self, Fault, InputError};
+
+/// Solves a mathematical program with complementarity constraints from its own starting point: the rules of
+/// [`Settings::rules`] one after the other, until one ends at a certified point.
+///
+/// A problem is called infeasible if the rows and bounds are infeasible without its pairs, if the elastic mode and
+/// another rule both end at a stationary point of the violation, or if all rules do.
+///
+/// # Errors
+/// [`InputError`] when the input is wrong, among it pairs of a variable with itself or of variables whose
+/// lower bound is not zero.
+///
+/// # Examples
+/// The projection of (-1, 1) on the cone `0 <= x_0 _|_ x_1 >= 0` is (0, 1):
+///
+/// ```
+/// use hangtime_solver::mpcc::{self, Mpcc, Settings};
+/// use hangtime_solver::nlp::NlpProblem;
+///
+/// struct Projection;
+///
+/// impl NlpProblem for Projection {
+///     fn variables(&self) -> usize { 2 }
+///     fn constraints(&self) -> usize { 0 }
+///     fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+///         lower.fill(0.0);
+///         upper.fill(f64::INFINITY);
+///     }
+///     fn constraint_bounds(&self, _: &mut [f64], _: &mut [f64]) {}
+///     fn initial_point(&self, x: &mut [f64]) { x.fill(1.0); }
+///     fn objective(&mut self, x: &[f64]) -> f64 { (x[0] + 1.0).powi(2) + (x[1] - 1.0).powi(2) }
+///     fn gradient(&mut self, x: &[f64], g: &mut [f64]) {
+///         g.copy_from_slice(&[2.0 * (x[0] + 1.0), 2.0 * (x[1] - 1.0)]);
+///     }
+///     fn constraint_values(&mut self, _: &[f64], _: &mut [f64]) {}
+///     fn jacobian_pattern(&self) -> Vec<(usize, usize)> { Vec::new() }
+///     fn jacobian_values(&mut self, _: &[f64], _: &mut [f64]) {}
+///     fn hessian_pattern(&self) -> Vec<(usize, usize)> { vec![(0, 0), (1, 1)] }
+///     fn hessian_values(&mut self, _: &[f64], weight: f64, _: &[f64], values: &mut [f64]) {
+///         values.fill(2.0 * weight);
+///     }
+/// }
+///
+/// impl Mpcc for Projection {
+///     fn complementarities(&self) -> &[(usize, usize)] { &[(0, 1)] }
+/// }
+///
+/// let solution = mpcc::solve(&mut Projection, &Settings::default())?;
+/// assert!(solution.status.is_solved());
+/// assert_eq!(solution.x[0], 0.0);
+/// assert!((solution.x[1] - 1.0).abs() < 1e-8);
+/// # Ok::<(), hangtime_solver::nlp::InputError>(())
+/// ```
+pub fn solve(problem: &mut dyn Mpcc, settings: &Settings) -> Result<Solution, InputError> {
+    solve_observed(problem, settings, &mut |_| true)
+}
+
+/// As [`solve`], with an observer that sees each iteration of all runs, those of crossovers and certificates
+/// included, and can stop the solve: then the status is [`Failed`](Status::Failed) with
+/// [`nlp::Status::Interrupted`], unless a certified point was known already, which then is the result.
+///
+/// # Errors
+/// As [`solve`].
+///
+/// # Examples
+/// The projection of (-1, 1) on the cone `0 <= x_0 _|_ x_1 >= 0`, stopped after three iterations:
+///
+/// ```
+/// # use hangtime_solver::nlp::NlpProblem;
+/// # struct Projection;
+/// # impl NlpProblem for Projection {
+/// #     fn variables(&self) -> usize { 2 }
+/// #     fn constraints(&self) -> usize { 0 }
+/// #     fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) { lower.fill(0.0); upper.fill(f64::INFINITY); }
+/// #     fn constraint_bounds(&self, _: &mut [f64], _: &mut [f64]) {}
+/// #     fn initial_point(&self, x: &mut [f64]) { x.fill(1.0); }
+/// #     fn objective(&mut self, x: &[f64]) -> f64 { (x[0] + 1.0).powi(2) + (x[1] - 1.0).powi(2) }
+/// #     fn gradient(&mut self, x: &[f64], g: &mut [f64]) { g[0] = 2.0 * (x[0] + 1.0); g[1] = 2.0 * (x[1] - 1.0); }
+/// #     fn constraint_values(&mut self, _: &[f64], _: &mut [f64]) {}
+/// #     fn jacobian_pattern(&self) -> Vec<(usize, usize)> { Vec::new() }
+/// #     fn jacobian_values(&mut self, _: &[f64], _: &mut [f64]) {}
+/// #     fn hessian_pattern(&self) -> Vec<(usize, usize)> { vec![(0, 0), (1, 1)] }
+/// #     fn hessian_values(&mut self, _: &[f64], weight: f64, _: &[f64], values: &mut [f64]) { values.fill(2.0 * weight); }
+/// # }
+/// # impl hangtime_solver::mpcc::Mpcc for Projection {
+/// #     fn complementarities(&self) -> &[(usize, usize)] { &[(0, 1)] }
+/// # }
+/// use hangtime_solver::mpcc::{self, Settings, Status};
+/// use hangtime_solver::nlp;
+///
+/// let mut sigma = Vec::new();
+/// let mut observer = |info: &nlp::IterationInfo| {
+///     sigma.push(info.relaxation_parameter);
+///     info.iteration < 3
+/// };
+/// let solution = mpcc::solve_observed(&mut Projection, &Settings::default(), &mut observer)?;
+/// assert_eq!(solution.status, Status::Failed(nlp::Status::Interrupted));
+/// assert!(sigma.windows(2).all(|pair| pair[1] <= pair[0]));
+/// # Ok::<(), nlp::InputError>(())
+/// ```
+pub fn solve_observed(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    observer: &mut nlp::Observer<'_>,
+) -> Result<Solution, InputError> {
+    settings.validate()?;
+    check_pairs(problem)?;
+    let mut watch = Watch::new(settings, observer);
+    let mut best: Option<Ended> = None;
+    let mut infeasible = 0;
+    for &rule in &settings.rules {
+        let ended = solve_with(problem, settings, rule, &mut watch)?;
+        infeasible += usize::from(ended.solution.status == Status::Infeasible);
+        let finished = watch.stop.is_some()
+            || best
+                .as_ref()
+                .is_some_and(|best| best.solution.status.is_solved())
+            || match ended.solution.status {
+                Status::Solved => !(ended.resumed && settings.second_opinion),
+                Status::Relaxed => !settings.crossover,
+                Status::Infeasible => {
+                    infeasible >= 2 && rule == RelaxationRule::Elastic
+                        || is_infeasible_without_pairs(problem, &ended.solution)
+                }
+                _ => false,
+            };
+        best = Some(match best {
+            Some(best) if compare(&best.solution, &ended.solution).is_le() => best,
+            _ => ended,
+        });
+        if finished {
+            break;
+        }
+    }
+    let best = best.map(|ended| complete(problem, settings, ended, &mut watch));
+    // the list of rules is not empty
+    best.ok_or(InputError::from(Fault::Setting {
+        name: "rules",
+        value: 0.0,
+        range: "a list of at least one rule",
+    }))
+}
+
+/// The best of the rules, improved by neighbours where it is certified, with the totals of all rules.
+fn complete(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    ended: Ended,
+    watch: &mut Watch<'_>,
+) -> Solution {
+    let Ended {
+        mut solution,
+        mut vanishes,
+        ..
+    } = ended;
+    if solution.status.is_solved() {
+        improve(problem, settings, &mut solution, &mut vanishes, watch);
+    } else if watch.stop == Some(nlp::Status::Interrupted) {
+        // whoever interrupts has to see it
+        solution.status = Status::Failed(nlp::Status::Interrupted);
+    }
+    solution.iterations = watch.iterations;
+    solution.crossover_iterations = watch.crossover_iterations;
+    solution.certificate_iterations = watch.certificate_iterations;
+    solution.factorizations = watch.factorizations;
+    solution.cpu = watch.cpu;
+    solution
+}
+
+/// Whether no pair had a part in the infeasibility of a point.
+fn is_infeasible_without_pairs(problem: &dyn Mpcc, solution: &Solution) -> bool {
+    let mut pairs = problem.complementarities().iter();
+    pairs.all(|&(i, j)| solution.x[i] * solution.x[j] < BINDING * solution.relaxation_parameter)
+}
+
+/// The better one of two results is less.
+fn compare(a: &Solution, b: &Solution) -> std::cmp::Ordering {
+    let ((a_rank, a_value), (b_rank, b_value)) = (rank(a), rank(b));
+    let by_objective = a.objective.total_cmp(&b.objective);
+    a_rank
+        .cmp(&b_rank)
+        .then(a_value.total_cmp(&b_value))
+        .then(by_objective)
+}
+
+/// The smaller the better.
+fn rank(solution: &Solution) -> (u8, f64) {
+    match solution.status {
+        Status::Solved => (0, 0.0),
+        Status::Uncertified => (1, 0.0),
+        Status::NotStationary => (2, 0.0),
+        Status::Relaxed => (3, 0.0),
+        Status::Failed(nlp::Status::Acceptable) => (4, 0.0),
+        Status::Failed(_) | Status::Infeasible => (
+            5,
+            solution
+                .residuals
+                .primal
+                .max(solution.residuals.complementarity),
+        ),
+    }
+}
+
+fn check_pairs(problem: &dyn Mpcc) -> Result<(), InputError> {
+    let n = problem.variables();
+    let (mut lower, mut upper) = (vec![0.0; n], vec![0.0; n]);
+    problem.variable_bounds(&mut lower, &mut upper);
+    for (index, &(first, second)) in problem.complementarities().iter().enumerate() {
+        let fault = if first >= n || second >= n {
+            "no such variable; pairs are indices of variables, from 0"
+        } else if first == second {
+            "a variable cannot be paired with itself; fix it at zero"
+        } else if lower[first] != 0.0 || lower[second] != 0.0 {
+            "the lower bound of a paired variable must be 0; introduce a slack variable"
+        } else {
+            continue;
+        };
+        return Err(InputError::from(Fault::Complementarity {
+            index,
+            first,
+            second,
+            fault,
+        }));
+    }
+    Ok(())
+}

@@ -1,0 +1,100 @@
+//! Limits and observer of a whole solve, and its totals.
+
+use crate::clock::Instant;
+use crate::seconds::Seconds;
+
+use super::Settings;
+use crate::nlp::{self, InputError, IterationInfo, Observer};
+
+/// What an interior point run is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// The relaxed problem.
+    Relaxed,
+    /// The smooth program that remains when sides are fixed.
+    Crossover,
+    /// A linear program of the certificate.
+    Certificate,
+}
+
+/// Every interior point run of a solve goes through here: the caller's observer sees its iterations, and the limits
+/// are those of the whole solve.
+pub(crate) struct Watch<'o> {
+    observer: &'o mut Observer<'o>,
+    start: Instant,
+    maximum_seconds: f64,
+    maximum_iterations: usize,
+    /// Iterations of relaxed runs and crossovers.
+    pub(crate) iterations: usize,
+    pub(crate) crossover_iterations: usize,
+    pub(crate) certificate_iterations: usize,
+    pub(crate) factorizations: usize,
+    pub(crate) cpu: Seconds,
+    /// Why the whole solve has to end, once it has to.
+    pub(crate) stop: Option<nlp::Status>,
+}
+
+impl<'o> Watch<'o> {
+    pub(crate) fn new(settings: &Settings, observer: &'o mut Observer<'o>) -> Self {
+        Self {
+            observer,
+            start: Instant::now(),
+            maximum_seconds: settings.interior_point.maximum_seconds,
+            maximum_iterations: settings.maximum_iterations,
+            iterations: 0,
+            crossover_iterations: 0,
+            certificate_iterations: 0,
+            factorizations: 0,
+            cpu: Seconds::default(),
+            stop: None,
+        }
+    }
+
+    fn iterations_left(&self) -> usize {
+        self.maximum_iterations
+            .saturating_sub(self.iterations + self.certificate_iterations)
+    }
+
+    /// A run within what is left of the limits. `call` starts it with the settings and the observer it is given;
+    /// `own` sees each iteration too and may end this run alone.
+    pub(crate) fn run(
+        &mut self,
+        purpose: Purpose,
+        settings: &nlp::Settings,
+        own: &mut dyn FnMut(&IterationInfo) -> bool,
+        call: impl FnOnce(&nlp::Settings, &mut Observer<'_>) -> Result<nlp::Solution, InputError>,
+    ) -> Result<nlp::Solution, InputError> {
+        let left = self.iterations_left();
+        let seconds = self.maximum_seconds - self.start.elapsed().as_secs_f64();
+        let settings = nlp::Settings {
+            maximum_iterations: settings.maximum_iterations.min(left),
+            maximum_seconds: seconds.max(f64::MIN_POSITIVE),
+            ..settings.clone()
+        };
+        let mut interrupted = self.stop == Some(nlp::Status::Interrupted);
+        let mut observer = |info: &IterationInfo| {
+            interrupted |= !(self.observer)(info);
+            !interrupted && own(info)
+        };
+        let solution = call(&settings, &mut observer)?;
+        self.factorizations += solution.counts.factorizations;
+        self.cpu += solution.cpu;
+        let iterations = solution.counts.iterations;
+        match purpose {
+            Purpose::Relaxed => self.iterations += iterations,
+            Purpose::Crossover => {
+                self.iterations += iterations;
+                self.crossover_iterations += iterations;
+            }
+            Purpose::Certificate => self.certificate_iterations += iterations,
+        }
+        if interrupted {
+            self.stop = Some(nlp::Status::Interrupted);
+        } else if solution.status == nlp::Status::TimeLimit {
+            self.stop = Some(nlp::Status::TimeLimit);
+        } else if solution.status == nlp::Status::IterationLimit && iterations >= left {
+            self.stop = Some(nlp::Status::IterationLimit);
+        }
+        Ok(solution)
+    }
+}

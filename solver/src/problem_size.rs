@@ -1,0 +1,53 @@
+//! How large a program is.
+
+use std::ops::AddAssign;
+
+use crate::nlp::NlpProblem;
+
+/// Size of a program, or of a system of equations.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ProblemSize {
+    /// Unknowns.
+    pub variables: usize,
+    /// Equations.
+    pub equalities: usize,
+    /// Inequalities that are checked or imposed.
+    pub inequalities: usize,
+    /// Complementarity pairs.
+    pub complementarities: usize,
+    /// Structural nonzeros of the Jacobian.
+    pub jacobian_nonzeros: usize,
+    /// Structural nonzeros of the Hessian (lower triangle).
+    pub hessian_nonzeros: usize,
+}
+
+impl ProblemSize {
+    /// Size of a program with that many complementarity pairs.
+    #[must_use]
+    pub fn of(program: &dyn NlpProblem, complementarities: usize) -> Self {
+        let rows = program.constraints();
+        let (mut lower, mut upper) = (vec![0.0; rows], vec![0.0; rows]);
+        program.constraint_bounds(&mut lower, &mut upper);
+        let equalities = lower.iter().zip(&upper).filter(|(l, u)| l == u).count();
+        Self {
+            variables: program.variables(),
+            equalities,
+            inequalities: rows - equalities,
+            complementarities,
+            jacobian_nonzeros: program.jacobian_pattern().len(),
+            hessian_nonzeros: program.hessian_pattern().len(),
+        }
+    }
+}
+
+/// The size of two parts together.
+impl AddAssign for ProblemSize {
+    fn add_assign(&mut self, other: Self) {
+        self.variables += other.variables;
+        self.equalities += other.equalities;
+        self.inequalities += other.inequalities;
+        self.complementarities += other.complementarities;
+        self.jacobian_nonzeros += other.jacobian_nonzeros;
+        self.hessian_nonzeros += other.hessian_nonzeros;
+    }
+}

@@ -1,0 +1,13 @@
+//! The interior point method, and the complementarity method.
+
+#[path = "../../benches/homotopy.rs"]
+mod homotopy;
+mod mpcc_certificates;
+mod mpcc_limits;
+mod mpcc_problems;
+mod nl_files;
+mod nlp_elements;
+mod nlp_hock_schittkowski;
+mod nlp_special;
+#[path = "../solver_support/mod.rs"]
+mod solver_support;

@@ -1,0 +1,285 @@
+//! Infeasible, unbounded, degenerate and badly scaled programs; settings, warm starts, input faults.
+
+#![allow(clippy::unwrap_used, reason = "test code")]
+
+use crate::solver_support::{TextProblem, read_problems};
+use hangtime_solver::nlp::{self, NlpProblem, Settings, Status, WarmStart};
+
+fn problem(text: &str) -> TextProblem {
+    read_problems(text).remove(0)
+}
+
+fn hock_schittkowski(name: &str) -> TextProblem {
+    read_problems(include_str!("../data/hock_schittkowski.txt"))
+        .into_iter()
+        .find(|problem| problem.name == name)
+        .unwrap()
+}
+
+#[test]
+fn solve_infeasible_names_rows_within_100_iterations() {
+    for mut problem in read_problems(include_str!("../data/nlp_infeasible.txt")) {
+        let solution = nlp::solve(&mut problem, &Settings::default()).unwrap();
+        let name = &problem.name;
+        assert_eq!(solution.status, Status::Infeasible, "{name}");
+        assert!(solution.counts.iterations <= 100, "{name}");
+        let gradient = solution.violation_stationarity.unwrap();
+        // the tolerance of the phase, relative to its penalty, and its pull towards where it began
+        assert!(gradient < 1e-6, "{name}: {gradient}");
+        let worst = &solution.violations[0];
+        assert!(worst.amount > 1e-3, "{name}: {worst:?}");
+        assert!(worst.name.starts_with("c["), "{name}: {worst:?}");
+    }
+}
+
+#[test]
+fn solve_degenerate_reaches_the_solution() {
+    for mut problem in read_problems(include_str!("../data/nlp_degenerate.txt")) {
+        let solution = nlp::solve(&mut problem, &Settings::default()).unwrap();
+        let name = &problem.name;
+        assert_eq!(solution.status, Status::Solved, "{name}");
+        let gap = problem
+            .optimum
+            .iter()
+            .map(|optimum| (solution.objective - optimum).abs())
+            .fold(f64::INFINITY, f64::min);
+        // objectives are of size 1 to 10, so this is the tolerance times small multipliers
+        assert!(gap < 1e-6, "{name}: {}", solution.objective);
+    }
+}
+
+#[test]
+fn solve_unbounded_diverges() {
+    for text in [
+        "problem line 1\nstart 1\nminimize -x1^3 + x1",
+        "problem ray 2\nstart 1 1\nbounds 1 0 inf\nbounds 2 0 inf\nminimize x2 - x1\nrow -inf 1 x2 - x1",
+    ] {
+        let solution = nlp::solve(&mut problem(text), &Settings::default()).unwrap();
+        assert_eq!(solution.status, Status::Diverging);
+    }
+}
+
+#[test]
+fn solve_domain_of_a_logarithm_is_respected() {
+    // a full Newton step from 5 leaves the domain
+    let mut problem =
+        problem("problem logarithm 1\nstart 5\nminimize x1 - 2*log(x1 - 1)\noptimum 3");
+    let solution = nlp::solve(&mut problem, &Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+    assert!((solution.x[0] - 3.0).abs() < 1e-6);
+}
+
+#[test]
+fn solve_outside_the_domain_is_an_input_error() {
+    let mut problem = problem("problem logarithm 1\nstart -5\nminimize x1\nrow 0 0 log(x1)");
+    let error = nlp::solve(&mut problem, &Settings::default()).unwrap_err();
+    insta::assert_snapshot!(error, @"c[0] is not finite at the starting point; start inside the domain of the functions");
+}
+
+#[test]
+fn solve_crossed_bounds_are_an_input_error() {
+    let mut problem = problem("problem crossed 1\nstart 0\nbounds 1 2 1\nminimize x1");
+    let error = nlp::solve(&mut problem, &Settings::default()).unwrap_err();
+    insta::assert_snapshot!(error, @"x[0]: lower bound 2, upper bound 1; give bounds with lower <= upper");
+}
+
+#[test]
+fn solve_warm_start_at_the_solution_needs_few_iterations() {
+    let mut problem = hock_schittkowski("hs100");
+    let cold = nlp::solve(&mut problem, &Settings::default()).unwrap();
+    let mut settings = Settings::default();
+    settings.bound_push = 1e-9;
+    settings.bound_fraction = 1e-9;
+    let start = WarmStart::from_solution(&cold);
+    let warm = nlp::solve_from(&mut problem, &settings, Some(&start), None).unwrap();
+    assert_eq!(warm.status, Status::Solved);
+    assert!(
+        warm.counts.iterations <= 3 && 3 * warm.counts.iterations < cold.counts.iterations,
+        "{} after {}",
+        warm.counts.iterations,
+        cold.counts.iterations
+    );
+}
+
+#[test]
+fn solve_warm_start_of_wrong_length_is_an_input_error() {
+    let mut other = hock_schittkowski("hs100");
+    let start = WarmStart::from_solution(&nlp::solve(&mut other, &Settings::default()).unwrap());
+    let mut problem = hock_schittkowski("hs71");
+    let error =
+        nlp::solve_from(&mut problem, &Settings::default(), Some(&start), None).unwrap_err();
+    insta::assert_snapshot!(error, @"warm start: expected 2 entries of the constraint multipliers, got 4");
+}
+
+#[test]
+fn solve_limits_end_the_run_with_their_status() {
+    let mut problem = hock_schittkowski("hs100");
+    let mut settings = Settings::default();
+    settings.maximum_iterations = 3;
+    let solution = nlp::solve(&mut problem, &settings).unwrap();
+    assert_eq!(solution.status, Status::IterationLimit);
+    assert_eq!(solution.counts.iterations, 3);
+    assert_eq!(solution.history.len(), 4);
+    let mut seen = 0;
+    let mut observer = |_: &nlp::IterationInfo| {
+        seen += 1;
+        seen < 3
+    };
+    let solution = nlp::solve_from(
+        &mut problem,
+        &Settings::default(),
+        None,
+        Some(&mut observer),
+    )
+    .unwrap();
+    assert_eq!(solution.status, Status::Interrupted);
+}
+
+#[test]
+fn solve_multipliers_satisfy_the_optimality_conditions() {
+    for name in ["hs71", "hs100", "hs113", "hs118", "hs44"] {
+        let mut problem = hock_schittkowski(name);
+        let solution = nlp::solve(&mut problem, &Settings::default()).unwrap();
+        // grad f + J' y - z_l + z_u from the problem's own derivatives
+        let (n, m) = (problem.variables(), problem.constraints());
+        let mut residual = vec![0.0; n];
+        problem.gradient(&solution.x, &mut residual);
+        let pattern = problem.jacobian_pattern();
+        let mut values = vec![0.0; pattern.len()];
+        problem.jacobian_values(&solution.x, &mut values);
+        for (&(i, j), a) in pattern.iter().zip(&values) {
+            residual[j] += a * solution.multipliers[i];
+        }
+        let mut largest: f64 = 0.0;
+        for (i, residual) in residual.iter().enumerate() {
+            let (z_l, z_u) = (solution.multipliers_lower[i], solution.multipliers_upper[i]);
+            largest = largest.max((residual + z_u - z_l).abs());
+            assert!(z_l >= 0.0 && z_u >= 0.0);
+        }
+        assert!((largest - solution.residuals.dual).abs() < 1e-12, "{name}");
+        // unscaled; objective scaling of these problems is at least 1e-2
+        assert!(largest < 1e-6, "{name}: {largest:e}");
+        // multipliers of inequalities have the sign of their active side
+        let mut c = vec![0.0; m];
+        problem.constraint_values(&solution.x, &mut c);
+        for (row, (lower, upper, _)) in problem.rows.iter().enumerate() {
+            let y = solution.multipliers[row];
+            if y < -1e-6 {
+                assert!((c[row] - lower).abs() < 1e-5, "{name} row {row}");
+            }
+            if y > 1e-6 {
+                assert!((c[row] - upper).abs() < 1e-5, "{name} row {row}");
+            }
+        }
+    }
+}
+
+#[test]
+fn check_derivatives_finds_a_wrong_entry_by_name() {
+    struct Wrong(TextProblem);
+    impl NlpProblem for Wrong {
+        fn variables(&self) -> usize {
+            self.0.variables()
+        }
+        fn constraints(&self) -> usize {
+            self.0.constraints()
+        }
+        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+            self.0.variable_bounds(lower, upper);
+        }
+        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+            self.0.constraint_bounds(lower, upper);
+        }
+        fn initial_point(&self, x: &mut [f64]) {
+            self.0.initial_point(x);
+        }
+        fn objective(&mut self, x: &[f64]) -> f64 {
+            NlpProblem::objective(&mut self.0, x)
+        }
+        fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
+            self.0.gradient(x, gradient);
+        }
+        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
+            self.0.constraint_values(x, c);
+        }
+        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
+            self.0.jacobian_pattern()
+        }
+        fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
+            self.0.jacobian_values(x, values);
+            values[1] += 0.25;
+        }
+        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
+            self.0.hessian_pattern()
+        }
+        fn hessian_values(&mut self, x: &[f64], weight: f64, y: &[f64], values: &mut [f64]) {
+            self.0.hessian_values(x, weight, y, values);
+        }
+    }
+    let compared = nlp::check_derivatives(&mut Wrong(hock_schittkowski("hs71")), None).unwrap();
+    let worst = &compared[0];
+    assert_eq!(worst.name, "d c[0] / d x[1]");
+    assert!((worst.given - worst.difference - 0.25).abs() < 1e-6);
+    assert!(compared[1].error < 1e-6);
+}
+
+#[test]
+fn solve_without_free_variables_judges_the_point() {
+    let fixed = "problem fixed 2\nstart 5 5\nbounds 1 1 1\nbounds 2 2 2\nminimize x1 + x2\n";
+    let free = nlp::solve(&mut problem(fixed), &Settings::default()).unwrap();
+    assert_eq!(free.status, Status::Solved);
+    assert_eq!(free.x, [1.0, 2.0]);
+    let kept = nlp::solve(
+        &mut problem(&format!("{fixed}row 3 3 x1 + x2")),
+        &Settings::default(),
+    );
+    assert_eq!(kept.unwrap().status, Status::Solved);
+    let broken = nlp::solve(
+        &mut problem(&format!("{fixed}row 4 4 x1 + x2")),
+        &Settings::default(),
+    );
+    let broken = broken.unwrap();
+    assert_eq!(broken.status, Status::Infeasible);
+    assert_eq!(broken.violations[0].name, "c[0]");
+}
+
+#[test]
+fn solve_row_of_fixed_variables_does_not_disturb_the_others() {
+    let text = "problem row 2\nstart 5 5\nbounds 1 1 1\nminimize (x2 - 3)^2\nrow 2 2 2*x1\nrow 0 9 x2 + x1";
+    let solution = nlp::solve(&mut problem(text), &Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+    assert!((solution.x[1] - 3.0).abs() < 1e-7);
+}
+
+#[test]
+fn solve_not_a_number_in_a_derivative_ends_with_its_status() {
+    // the value of x^1.5 is finite at 0, its second derivative is not
+    let text = "problem corner 1\nstart 0\nminimize x1 + x1^1.5";
+    let solution = nlp::solve(&mut problem(text), &Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::NotFinite);
+}
+
+#[test]
+fn solve_tolerance_out_of_reach_is_acceptable_not_solved() {
+    let mut settings = Settings::default();
+    // far below the rounding errors of the gradients
+    settings.tolerance = 1e-30;
+    settings.acceptable_tolerance = 1e-7;
+    settings.acceptable_iterations = 4;
+    let solution = nlp::solve(&mut hock_schittkowski("hs71"), &settings).unwrap();
+    assert_eq!(solution.status, Status::Acceptable);
+    assert!(!solution.status.is_solved());
+    assert!(solution.scaled_error <= 1e-7);
+    // the acceptable iterations came last, one after the other
+    let last = &solution.history[solution.history.len() - 4..];
+    assert!(last.iter().all(|info| info.dual_infeasibility < 1e-5));
+}
+
+#[test]
+fn solve_time_limit_ends_the_run_with_its_status() {
+    let mut settings = Settings::default();
+    settings.maximum_seconds = 1e-12;
+    let solution = nlp::solve(&mut hock_schittkowski("hs100"), &settings).unwrap();
+    assert_eq!(solution.status, Status::TimeLimit);
+    assert_eq!(solution.counts.iterations, 0);
+}
