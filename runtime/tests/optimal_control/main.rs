@@ -2,6 +2,7 @@
 
 mod brute_force;
 mod declared;
+mod dry_friction;
 mod explicit_time;
 mod final_impact;
 mod final_time;

@@ -9,7 +9,7 @@
 
 use super::implicit::{self, Implicit};
 use super::ldl::Factorization;
-use super::residual::{self, Bordered};
+use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};
 use crate::check::normal;
 use crate::evaluate::velocity_direction;
@@ -18,7 +18,8 @@ use crate::scene::{Contact, Friction};
 
 /// What belongs to one contact.
 pub(crate) struct ContactEquations {
-    /// Gap, normal velocity, and if it is a formula, the contact direction.
+    /// Gap, normal velocity, and if it is a formula, the contact direction; of dry friction zeros, with the given normal
+    /// acceleration in place of the normal velocity.
     pub(crate) rows: Explicit,
     pub(crate) curvature: Sym,
     pub(crate) normal: Vec<Sym>,
@@ -140,6 +141,9 @@ pub(super) struct Mechanism<'a> {
 
 impl Mechanism<'_> {
     pub(super) fn contact(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
+        if let (Some(bound), Some(friction)) = (contact.bound, &contact.friction) {
+            return Ok(self.dry(bound, friction));
+        }
         let n = self.momenta.len();
         let (mut rows, curvature, normal) = geometry(contact, n);
         let singular = |coordinate| Failure::SingularMass { coordinate };
@@ -182,7 +186,10 @@ impl Mechanism<'_> {
                 vec![sliding],
                 formula,
                 || implicit::friction(&inertia, &normal, &tangent, self.inputs),
-                factors.map(|factors| Bordered::new(factors, columns.to_vec())),
+                factors
+                    .map(|factors| Bordered::new(factors, columns.to_vec()))
+                    .as_ref()
+                    .map(|bordered| bordered as &dyn Elimination),
             );
             FrictionEquations {
                 rows,
@@ -202,7 +209,10 @@ impl Mechanism<'_> {
                     .zip(divisor)
                     .map(|(inverse, divisor)| over(&inverse, divisor)),
                 || implicit::direction(&inertia, &normal, self.inputs),
-                factors.map(|factors| Bordered::new(factors, vec![inertia.free_part(&normal)])),
+                factors
+                    .map(|factors| Bordered::new(factors, vec![inertia.free_part(&normal)]))
+                    .as_ref()
+                    .map(|bordered| bordered as &dyn Elimination),
             ),
         };
         Ok(ContactEquations {
@@ -215,6 +225,45 @@ impl Mechanism<'_> {
         })
     }
 
+    /// Dry friction: no gap and no normal, the given normal acceleration `D f` for a force `f`, and the direction
+    /// `e = M^-1 b / D`, with the scale `D = sum_k b_k^2 / M_kk`, which is `b' M^-1 b` for one coordinate.
+    fn dry(&self, bound: Sym, friction: &Friction) -> ContactEquations {
+        let n = self.momenta.len();
+        let (sliding, curvature, tangent) = slip(friction, n);
+        let terms = tangent.iter().enumerate();
+        let scale = terms.map(|(k, &b)| b * b * self.mass[k * n + k].power(-2));
+        let scale = simplify(scale.sum());
+        let pressed = simplify(scale * bound);
+        let inertia = implicit::Locked {
+            mass: self.mass,
+            momenta: self.momenta,
+            held: &[],
+        };
+        let (rows, direction) = self.directed(
+            vec![sliding],
+            self.formulas
+                .map(|formulas| over(&formulas.solve(&tangent), scale)),
+            || implicit::of_force(&inertia, over(&tangent, scale), self.inputs),
+            self.written_out.map(|factors| factors as &dyn Elimination),
+        );
+        let friction = FrictionEquations {
+            rows,
+            curvature,
+            tangent,
+            direction,
+        };
+        let mut values = vec![Sym::ZERO, pressed];
+        values.resize(2 + n, Sym::ZERO);
+        ContactEquations {
+            rows: Explicit::new(values, self.inputs),
+            curvature: simplify(-pressed),
+            normal: vec![Sym::ZERO; n],
+            inverse_inertia: InverseInertia::Formula(scale),
+            direction: None,
+            friction: Some(friction),
+        }
+    }
+
     /// Some rows followed by a direction: a formula, or the first part of the solution of a system. What
     /// has no formulas at all is left to be solved at run time.
     fn directed(
@@ -222,7 +271,7 @@ impl Mechanism<'_> {
         rows: Vec<Sym>,
         formula: Option<Vec<Sym>>,
         system: impl Fn() -> Implicit,
-        elimination: Option<Bordered<'_>>,
+        elimination: Option<&dyn Elimination>,
     ) -> (Explicit, Option<Implicit>) {
         let Some(elimination) = elimination else {
             return (Explicit::new(rows, self.inputs), Some(system()));
@@ -231,7 +280,7 @@ impl Mechanism<'_> {
             let weights: Vec<Sym> = (0..self.momenta.len())
                 .map(|i| Implicit::multiplier(rows.len() + i))
                 .collect();
-            let direction = residual::derivatives(&system(), &elimination, &weights, self.inputs);
+            let direction = residual::derivatives(&system(), elimination, &weights, self.inputs);
             Explicit::new(rows.clone(), self.inputs).followed_by(direction)
         };
         let rows = match formula {

@@ -472,9 +472,9 @@ impl<'a> Transcription<'a> {
         self.elements.len()
     }
 
-    /// Number of contacts.
+    /// Number of contacts, dry friction among them.
     pub(crate) fn contacts(&self) -> usize {
-        self.dcs.layout.contacts()
+        self.dcs.system.contacts()
     }
 
     /// Length of the motion \[s\].
@@ -519,8 +519,12 @@ impl<'a> Transcription<'a> {
         }
     }
 
-    /// Mean step function `alpha` of `contact` in element `e`: 1 free, 0 jump, between in contact.
+    /// Mean step function `alpha` of `contact` in element `e`: 1 free, 0 jump, between in contact, as dry friction always
+    /// is.
     pub(crate) fn mean_alpha(&self, x: &[f64], e: usize, contact: usize) -> f64 {
+        if self.dcs.layout.is_dry(contact) {
+            return 0.5;
+        }
         x[self.elements[e].sums + SUMS * contact] / self.tableau.stages() as f64
     }
 
