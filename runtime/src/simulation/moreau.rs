@@ -342,12 +342,7 @@ impl<'a> TimeStepping<'a> {
 
     /// Normal velocities `n' v+ + restitution min(n' v, 0)` and sliding velocities `v_t+` that a change of the
     /// velocity without impulses gives. The impulse of dry friction is given, `p = h r`.
-    fn contact_velocities(
-        &self,
-        closed: &[usize],
-        change: &[f64],
-        h: f64,
-    ) -> (Vec<f64>, Vec<f64>) {
+    fn contact_velocities(&self, closed: &[usize], change: &[f64], h: f64) -> (Vec<f64>, Vec<f64>) {
         closed
             .iter()
             .map(|&i| {

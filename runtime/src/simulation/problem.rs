@@ -267,9 +267,15 @@ impl InitialValueProblem {
             }
             if contact.dry {
                 let pressed = -point[contact_point::CURVATURE];
-                finite(&format!("bound of dry friction `{}` at the start", contact.name), pressed)?;
+                finite(
+                    &format!("bound of dry friction `{}` at the start", contact.name),
+                    pressed,
+                )?;
                 if pressed < 0.0 {
-                    return Err(InputError::new(format!("{} (E10)", negative_bound(contact.name))));
+                    return Err(InputError::new(format!(
+                        "{} (E10)",
+                        negative_bound(contact.name)
+                    )));
                 }
             }
             let restitution = model.restitution(i);

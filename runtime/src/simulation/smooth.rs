@@ -223,7 +223,10 @@ impl System for SmoothSystem<'_> {
             let pressed = -self.dynamics.point(i)[contact_point::CURVATURE];
             let slip = (self.dynamics.sliding_velocity(i) / self.width).tanh();
             let friction = -pressed * slip;
-            for (dv, e) in dy[n..2 * n].iter_mut().zip(self.dynamics.friction_direction(i)) {
+            for (dv, e) in dy[n..2 * n]
+                .iter_mut()
+                .zip(self.dynamics.friction_direction(i))
+            {
                 *dv += free * e * friction;
             }
             self.contact_accelerations[i] = pressed;

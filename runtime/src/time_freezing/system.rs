@@ -1,7 +1,8 @@
 //! Fields and switching functions of the time-freezing system at a point, with derivatives.
 
 use crate::model::{
-    FrictionDeclaration, ImpactLaw, Model, contact_point, friction_coefficients, surfaces, tangent_point,
+    FrictionDeclaration, ImpactLaw, Model, contact_point, friction_coefficients, surfaces,
+    tangent_point,
 };
 
 /// The time-freezing system of a scene, with the memory for one evaluation.

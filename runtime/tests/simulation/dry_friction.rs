@@ -131,10 +131,18 @@ fn amplitude_falls_by_the_same_way_each_half_period_until_the_dead_zone() {
             assert_eq!(events.len(), 3);
             let backward = ContactMode::Slip(Direction::Backward);
             assert_eq!(simulation.initial_modes, [backward]);
-            let states = simulation.trajectory.time.iter().zip(&simulation.trajectory.q);
+            let states = simulation
+                .trajectory
+                .time
+                .iter()
+                .zip(&simulation.trajectory.q);
             for (&time, q) in states {
                 let distance = (q[0] - released(&model, time)).abs();
-                assert!(distance < 1e-6, "{} at {time}: {distance:e}", simulator.name());
+                assert!(
+                    distance < 1e-6,
+                    "{} at {time}: {distance:e}",
+                    simulator.name()
+                );
             }
             // In the dead zone friction carries what the spring pulls.
             let held = simulation["rub"].last().expect("a motion");
@@ -157,7 +165,11 @@ fn methods_to_compare_with_approach_the_closed_form() {
             simulator.name(),
             simulation.status
         );
-        let states = simulation.trajectory.time.iter().zip(&simulation.trajectory.q);
+        let states = simulation
+            .trajectory
+            .time
+            .iter()
+            .zip(&simulation.trajectory.q);
         let errors = states.map(|(&time, q)| (q[0] - released(&model, time)).abs());
         errors.fold(0.0, f64::max)
     };
@@ -192,7 +204,11 @@ fn steps_as_complementarity_problems_follow_the_closed_form() {
     let problem = InitialValueProblem::of(&model, None).expect("a start and a horizon");
     let simulator = formulation(StepFormulation::Complementarity).with_grid(40, 3);
     let simulation = run(&simulator, &model, &problem);
-    let states = simulation.trajectory.time.iter().zip(&simulation.trajectory.q);
+    let states = simulation
+        .trajectory
+        .time
+        .iter()
+        .zip(&simulation.trajectory.q);
     for (&time, q) in states {
         let distance = (q[0] - released(&model, time)).abs();
         // Switches are known to the residual of the program, 1e-7, and the scheme.
@@ -212,7 +228,12 @@ fn friction_of_zero_brakes_nothing() {
         assert_eq!(simulation.status, SimulationStatus::Solved);
         let (q, _) = last(&simulation.trajectory);
         let expected = 0.135 * 20.0_f64.cos();
-        assert!((q[0] - expected).abs() < 1e-6, "{}: {}", simulator.name(), q[0]);
+        assert!(
+            (q[0] - expected).abs() < 1e-6,
+            "{}: {}",
+            simulator.name(),
+            q[0]
+        );
     }
 }
 

@@ -49,9 +49,8 @@ pub(super) fn friction(
 /// E07 and E10: the bound depends on positions and time only, and is not negative.
 fn bound(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<Sym> {
     let bound = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
-    let moving = |variable: &Variable| {
-        matches!(variable, Variable::Velocity(_) | Variable::Control(_))
-    };
+    let moving =
+        |variable: &Variable| matches!(variable, Variable::Velocity(_) | Variable::Control(_));
     if let Some(variable) = graph::variables(&[bound]).into_iter().find(moving) {
         let message = format!(
             "the bound of dry friction `{}` depends on {}; it may depend on positions and the time only",
@@ -83,9 +82,9 @@ pub(super) fn append(
     let surfaces = contacts.len() as u16;
     for output in &mut checker.shown.outputs {
         let placed = graph::substitute(&[output.value], |variable| match variable {
-            Variable::FrictionForce(i) if i >= FIRST_DRY => {
-                Some(Sym::variable(Variable::FrictionForce(i - FIRST_DRY + surfaces)))
-            }
+            Variable::FrictionForce(i) if i >= FIRST_DRY => Some(Sym::variable(
+                Variable::FrictionForce(i - FIRST_DRY + surfaces),
+            )),
             _ => None,
         });
         output.value = placed[0];

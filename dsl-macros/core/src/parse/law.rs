@@ -284,7 +284,8 @@ fn dry_parts(
         if cursor.eat_symbol(",") {
             continue;
         }
-        let part = |ident: &proc_macro2::Ident| words::DRY_PARTS.contains(&ident.to_string().as_str());
+        let part =
+            |ident: &proc_macro2::Ident| words::DRY_PARTS.contains(&ident.to_string().as_str());
         if cursor.ident().is_some_and(part) {
             let message = format!("a comma is missing before {}", cursor.describe());
             return Err(diagnostics.syntax(cursor.place(), message));

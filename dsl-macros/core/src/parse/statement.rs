@@ -122,9 +122,11 @@ fn statement(
 fn unknown_statement(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnostics) -> Reported {
     let text = word.text.as_str();
     let message = match closest(text, words::STATEMENTS) {
-        _ if text == "friction" => "`friction` is part of an impact law; write `impact name: ..., friction mu`, or \
+        _ if text == "friction" => {
+            "`friction` is part of an impact law; write `impact name: ..., friction mu`, or \
              `dry friction name: bound f, sliding dot(q)` for friction without a surface"
-            .to_owned(),
+                .to_owned()
+        }
         _ if words::LAW_PARTS.contains(&text) => format!(
             "`{text}` is part of an impact law; write `impact name: ..., {text} ...`, with commas \
              between the parts"

@@ -52,7 +52,7 @@ impl Random {
     }
 }
 
-const WORDS: [&str; 63] = [
+const WORDS: [&str; 65] = [
     "rotation",
     "rotation_x",
     "transpose",
@@ -68,6 +68,8 @@ const WORDS: [&str; 63] = [
     "lagrangian",
     "surface",
     "impact",
+    "dry",
+    "bound",
     "inelastic",
     "along",
     "parameters",

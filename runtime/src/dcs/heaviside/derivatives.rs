@@ -164,7 +164,11 @@ fn friction_entries(
         let theta = dcs.layout.theta();
         for (_, column, value) in dcs.system.contact_jacobian(contact) {
             let speed = theta.map_or(1.0, |place| xi[place]);
-            add(row, dcs.layout.local_of_input(column), -speed * value / a_bar);
+            add(
+                row,
+                dcs.layout.local_of_input(column),
+                -speed * value / a_bar,
+            );
         }
         if let Some(place) = theta {
             add(row, place, -dcs.system.pressed(contact) / a_bar);

@@ -235,7 +235,11 @@ fn contacts(program: &mut Program, setting: Setting, element: &Element) -> Vec<C
             let force = program.variable(
                 format!(
                     "{} of `{name}` in element {index}",
-                    if declared.dry { "friction bound" } else { "force" }
+                    if declared.dry {
+                        "friction bound"
+                    } else {
+                        "force"
+                    }
                 ),
                 (0.0, f64::INFINITY),
                 sample[2 * n + contact],

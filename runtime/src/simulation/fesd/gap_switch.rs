@@ -338,6 +338,8 @@ fn dip(
 pub(super) fn beyond(error: ModeError) -> Stop {
     Stop::Element(match error {
         ModeError::NotFinite => ElementError::NotFinite,
-        ModeError::Jammed | ModeError::Dependent | ModeError::NegativeBound(_) => ElementError::Singular,
+        ModeError::Jammed | ModeError::Dependent | ModeError::NegativeBound(_) => {
+            ElementError::Singular
+        }
     })
 }

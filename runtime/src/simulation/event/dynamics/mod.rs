@@ -329,8 +329,7 @@ impl<'a> Dynamics<'a> {
     /// tangential force is `ratio` times as large. Not above zero, friction jams the contact.
     pub(in crate::simulation) fn gain(&self, contact: usize, ratio: f64) -> f64 {
         let normal = self.normal(contact);
-        self.coupling(contact, contact)
-            + ratio * dot(normal, self.friction_direction(contact))
+        self.coupling(contact, contact) + ratio * dot(normal, self.friction_direction(contact))
     }
 
     /// Normal acceleration of a contact for one unit of the force along the direction of another, as last evaluated. That

@@ -28,11 +28,7 @@ pub(in crate::simulation) fn holds(dynamics: &mut Dynamics<'_>, contact: usize) 
                 dynamics.friction_direction(contact)
             };
             let given = row == column && rows::is_given(dynamics, row);
-            matrix[row * order + column] = if given {
-                1.0
-            } else {
-                dot(covector, direction)
-            };
+            matrix[row * order + column] = if given { 1.0 } else { dot(covector, direction) };
         }
     }
     small_system::solve(&mut matrix, &mut vec![0.0; order]).is_none()

@@ -40,16 +40,15 @@ pub(super) fn force_direction<'a>(
 pub(super) fn solve_rows(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> Option<f64> {
     for row in 0..rows {
         for column in 0..rows {
-            dynamics.equations.matrix[row * rows + column] = if row == column
-                && is_given(dynamics, row)
-            {
-                1.0
-            } else {
-                dot(
-                    constraint(dynamics, row),
-                    force_direction(dynamics, column, slipping),
-                )
-            };
+            dynamics.equations.matrix[row * rows + column] =
+                if row == column && is_given(dynamics, row) {
+                    1.0
+                } else {
+                    dot(
+                        constraint(dynamics, row),
+                        force_direction(dynamics, column, slipping),
+                    )
+                };
         }
     }
     small_system::solve(
