@@ -46,7 +46,9 @@ hangtime::model! {
 /// A state at which nothing vanishes by chance.
 fn state(model: &dyn Model) -> Vec<f64> {
     let inputs = model.declaration().inputs();
-    (0..inputs).map(|k| 0.6 * (1.3 * k as f64 + 0.4).sin()).collect()
+    (0..inputs)
+        .map(|k| 0.6 * (1.3 * k as f64 + 0.4).sin())
+        .collect()
 }
 
 fn contact(model: &dyn Model, contact: usize, x: &[f64]) -> Vec<f64> {
@@ -88,10 +90,17 @@ fn force_and_direction_are_what_they_are_declared_to_be() {
             let scale: f64 = (0..n).map(|k| along[k].powi(2) / mass[k * n + k]).sum();
             assert!((point[contact_point::INVERSE_INERTIA] - scale).abs() < 1e-14 * scale);
             let pressed = -point[contact_point::CURVATURE];
-            assert!((pressed - scale * bound).abs() < 1e-14 * pressed, "{pressed}");
+            assert!(
+                (pressed - scale * bound).abs() < 1e-14 * pressed,
+                "{pressed}"
+            );
             assert_eq!(point[contact_point::GAP], 0.0);
             assert_eq!(point[contact_point::NORMAL_VELOCITY], 0.0);
-            assert!(point[contact_point::NORMAL..].iter().all(|value| *value == 0.0));
+            assert!(
+                point[contact_point::NORMAL..]
+                    .iter()
+                    .all(|value| *value == 0.0)
+            );
             let direction = &side[tangent_point::direction(n)..];
             for (row, along) in mass.chunks(n).zip(along) {
                 let product: f64 = row.iter().zip(direction).map(|(m, e)| m * e).sum();
@@ -102,7 +111,10 @@ fn force_and_direction_are_what_they_are_declared_to_be() {
     // Behind the surface, wherever it is declared.
     assert_eq!(dry(&Arm::default()).collect::<Vec<_>>(), [1, 2]);
     let shoulder = &Arm::default().declaration().contacts[1];
-    assert_eq!((shoulder.name, shoulder.documentation), ("shoulder", "Holds the arm."));
+    assert_eq!(
+        (shoulder.name, shoulder.documentation),
+        ("shoulder", "Holds the arm.")
+    );
 }
 
 fn dense(pattern: &SparsityPattern, values: &[f64]) -> Vec<f64> {
@@ -133,8 +145,17 @@ fn jacobian(model: &dyn Model, i: usize, x: &[f64]) -> Vec<f64> {
     model.tangent_jacobian(i, x, &mut across);
     let first = dense(&declared.jacobian, &pressed);
     let columns = declared.jacobian.columns;
-    assert!(first[..columns].iter().chain(&first[2 * columns..]).all(|value| *value == 0.0));
-    [&first[columns..2 * columns], &dense(&friction.jacobian, &across)[..]].concat()
+    assert!(
+        first[..columns]
+            .iter()
+            .chain(&first[2 * columns..])
+            .all(|value| *value == 0.0)
+    );
+    [
+        &first[columns..2 * columns],
+        &dense(&friction.jacobian, &across)[..],
+    ]
+    .concat()
 }
 
 /// The Hessian of their weighted sum, both triangles.
@@ -167,7 +188,11 @@ fn derivatives_agree_with_differences() {
             let weights: Vec<f64> = (0..count).map(|k| 1.0 + 0.3 * k as f64).collect();
             let gradient = |x: &[f64]| -> Vec<f64> {
                 let matrix = jacobian(model, i, x);
-                let column = |k: usize| (0..count).map(|r| weights[r] * matrix[r * x.len() + k]).sum();
+                let column = |k: usize| {
+                    (0..count)
+                        .map(|r| weights[r] * matrix[r * x.len() + k])
+                        .sum()
+                };
                 (0..x.len()).map(column).collect()
             };
             let (first, second) = (jacobian(model, i, &x), hessian(model, i, &x, &weights));

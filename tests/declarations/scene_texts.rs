@@ -2,7 +2,8 @@
 
 use crate::same::assert_all_same;
 use crate::{
-    chain, contact_laws, derivatives, dry_friction, impact_laws, optimal_control_functions, profiles, shown,
+    chain, contact_laws, derivatives, dry_friction, impact_laws, optimal_control_functions,
+    profiles, shown,
 };
 
 #[test]

@@ -13,13 +13,16 @@ use std::collections::HashMap;
 /// E20: a surface or a dry friction has a name of its own.
 pub(super) fn new_contact(checker: &mut Checker<'_>, name: &Name, what: &str) -> Checked<()> {
     let text = &name.text;
+    let dry = checker.scope.dry.contains(text);
     let mut surfaces = checker.surfaces.iter().map(|known| &known.name.text);
-    if surfaces.any(|known| known == text)
-        || checker.scope.dry.contains(text)
-        || checker.diagnostics.is_poisoned(text)
-    {
+    if dry || surfaces.any(|known| known == text) || checker.diagnostics.is_poisoned(text) {
         let message = format!("{what} `{text}` is declared twice; rename one");
-        return Err(checker.diagnostics.report("E20", name.place(), message));
+        let reported = checker.diagnostics.report("E20", name.place(), message);
+        if dry {
+            // What its law says is no second mistake.
+            checker.diagnostics.poison(text);
+        }
+        return Err(reported);
     }
     Ok(())
 }

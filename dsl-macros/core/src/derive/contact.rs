@@ -147,11 +147,7 @@ impl Mechanism<'_> {
         let n = self.momenta.len();
         let (mut rows, curvature, normal) = geometry(contact, n);
         let singular = |coordinate| Failure::SingularMass { coordinate };
-        let inertia = implicit::Locked {
-            mass: self.mass,
-            momenta: self.momenta,
-            held: &contact.held,
-        };
+        let inertia = self.holding(&contact.held);
         let (locked, locked_factors) = match (self.formulas, self.written_out) {
             _ if contact.held.is_empty() => (None, None),
             (formulas, factors) => (
@@ -188,8 +184,7 @@ impl Mechanism<'_> {
                 || implicit::friction(&inertia, &normal, &tangent, self.inputs),
                 factors
                     .map(|factors| Bordered::new(factors, columns.to_vec()))
-                    .as_ref()
-                    .map(|bordered| bordered as &dyn Elimination),
+                    .as_ref(),
             );
             FrictionEquations {
                 rows,
@@ -211,8 +206,7 @@ impl Mechanism<'_> {
                 || implicit::direction(&inertia, &normal, self.inputs),
                 factors
                     .map(|factors| Bordered::new(factors, vec![inertia.free_part(&normal)]))
-                    .as_ref()
-                    .map(|bordered| bordered as &dyn Elimination),
+                    .as_ref(),
             ),
         };
         Ok(ContactEquations {
@@ -225,6 +219,15 @@ impl Mechanism<'_> {
         })
     }
 
+    /// The inertia with coordinates locked.
+    fn holding<'h>(&'h self, held: &'h [usize]) -> implicit::Locked<'h> {
+        implicit::Locked {
+            mass: self.mass,
+            momenta: self.momenta,
+            held,
+        }
+    }
+
     /// Dry friction: no gap and no normal, the given normal acceleration `D f` for a force `f`, and the direction
     /// `e = M^-1 b / D`, with the scale `D = sum_k b_k^2 / M_kk`, which is `b' M^-1 b` for one coordinate.
     fn dry(&self, bound: Sym, friction: &Friction) -> ContactEquations {
@@ -234,17 +237,13 @@ impl Mechanism<'_> {
         let scale = terms.map(|(k, &b)| b * b * self.mass[k * n + k].power(-2));
         let scale = simplify(scale.sum());
         let pressed = simplify(scale * bound);
-        let inertia = implicit::Locked {
-            mass: self.mass,
-            momenta: self.momenta,
-            held: &[],
-        };
+        let inertia = self.holding(&[]);
         let (rows, direction) = self.directed(
             vec![sliding],
             self.formulas
                 .map(|formulas| over(&formulas.solve(&tangent), scale)),
             || implicit::of_force(&inertia, over(&tangent, scale), self.inputs),
-            self.written_out.map(|factors| factors as &dyn Elimination),
+            self.written_out,
         );
         let friction = FrictionEquations {
             rows,
@@ -271,7 +270,7 @@ impl Mechanism<'_> {
         rows: Vec<Sym>,
         formula: Option<Vec<Sym>>,
         system: impl Fn() -> Implicit,
-        elimination: Option<&dyn Elimination>,
+        elimination: Option<&impl Elimination>,
     ) -> (Explicit, Option<Implicit>) {
         let Some(elimination) = elimination else {
             return (Explicit::new(rows, self.inputs), Some(system()));

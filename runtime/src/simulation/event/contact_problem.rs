@@ -30,11 +30,13 @@ impl ContactProblem<'_> {
         dynamics: &Dynamics<'_>,
     ) -> Result<CoulombSolution, String> {
         let matrix = self.matrix(dynamics);
+        let surfaces = self.contacts.iter().filter(|&&i| !dynamics.is_dry(i));
         let problem = CoulombProblem {
             matrix: &matrix,
             normal: self.normal,
             tangential: self.tangential,
             laws: self.laws,
+            surfaces: surfaces.count(),
         };
         if problem.decisions() > MOST_DECISIONS {
             return Err(format!(

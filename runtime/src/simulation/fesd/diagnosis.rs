@@ -199,14 +199,9 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
             let (contact, why) = jamming(driver);
             SimulationStatus::AmbiguousContact(diagnosis(driver, step, contact, describe(&why)))
         }
-        Stop::Mode(ModeError::NegativeBound(contact)) => {
-            let name = driver.setup.name(*contact);
-            SimulationStatus::AmbiguousContact(diagnosis(
-                driver,
-                step,
-                Some(*contact),
-                describe(&negative_bound(name)),
-            ))
+        &Stop::Mode(ModeError::NegativeBound(contact)) => {
+            let why = describe(&negative_bound(driver.setup.name(contact)));
+            SimulationStatus::AmbiguousContact(diagnosis(driver, step, Some(contact), why))
         }
         Stop::Mode(ModeError::Dependent) => SimulationStatus::AmbiguousContact(diagnosis(
             driver,

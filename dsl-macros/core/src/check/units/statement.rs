@@ -86,12 +86,7 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             noted(walk, name, result)
         }
         Statement::Impact { surfaces, law } => impact_law(walk, surfaces, law),
-        Statement::Dry {
-            name,
-            bound,
-            sliding,
-            ..
-        } => dry_friction(walk, name, bound, sliding),
+        Statement::Dry { .. } => dry_friction(walk, statement),
         Statement::Minimize { value, .. } => walk.scalar(value).map(|_| ()),
         Statement::Constraint { name, condition } => {
             let what = format!("both sides of constraint `{}`", name.text);
@@ -312,7 +307,16 @@ fn impact_law(walk: &mut Walk<'_>, surfaces: &[Name], law: &Law) -> Checked<()> 
 }
 
 /// A force does work along the way on which it brakes.
-fn dry_friction(walk: &mut Walk<'_>, name: &Name, bound: &Expr, sliding: &Expr) -> Checked<()> {
+fn dry_friction(walk: &mut Walk<'_>, statement: &Statement) -> Checked<()> {
+    let Statement::Dry {
+        name,
+        bound,
+        sliding,
+        ..
+    } = statement
+    else {
+        return Ok(());
+    };
     let (own, velocity) = (walk.scalar(bound), walk.scalar(sliding));
     let (own, velocity) = (own?, velocity?);
     let way = velocity.times(&Dimension::second());
