@@ -173,8 +173,8 @@ fn methods_to_compare_with_approach_the_closed_form() {
         let errors = states.map(|(&time, q)| (q[0] - released(&model, time)).abs());
         errors.fold(0.0, f64::max)
     };
-    // Both notice a turn at the end of its step, in which the mass goes on by `f/m h^2`; the first order error of Moreau's
-    // method in the swing is `omega h` of the amplitude.
+    // Runge-Kutta steps notice each of three turns up to a step late, and so long friction pushes with 2 f/m too much: that
+    // is 2 f/(m omega) h = 0.4 h of the amplitude. Impulses over a step do not push.
     for steps in [1000, 8000] {
         let h = 2.0 / steps as f64;
         let moreau = error(&Moreau {
@@ -186,7 +186,7 @@ fn methods_to_compare_with_approach_the_closed_form() {
             steps,
             ..FixedStep::default()
         });
-        assert!(fixed < 0.2 * h, "{fixed:e}");
+        assert!(fixed < 1.2 * h, "{fixed:e}");
     }
     // Where it should stick it creeps with `atanh(|k x|/f)` of the width, as stiff as `f/m` over that.
     for width in [1e-3, 1e-4] {

@@ -37,7 +37,7 @@ let p = (y, z)
 fn h(w) = -r*cos(2*w/r)
 lagrangian |dot(p)|^2*m/2 - m*g*z + m*r^2/4*dot(a)^2 + -0.5[N]*y // sum
 forces { y: u - 2 [N] }
-dry friction rail: bound 2 [N]*y/1 [m], sliding dot(y) - dot(z)
+dry friction rail: bound 2[N]*y/1[m], sliding dot(y) - dot(z)
 surface floor: z >= h(y)
 impact floor: inelastic, friction 0.3, sliding dot(y) - h(0)*-dot(a)
 start { z: 1 }
