@@ -174,14 +174,15 @@ fn methods_to_compare_with_approach_the_closed_form() {
         errors.fold(0.0, f64::max)
     };
     // Runge-Kutta steps notice each of three turns up to a step late, and so long friction pushes with 2 f/m too much: that
-    // is 2 f/(m omega) h = 0.4 h of the amplitude. Impulses over a step do not push.
+    // is 2 f/(m omega) h = 0.4 h of the amplitude. Impulses over a step end it at rest, so that what follows, with up to
+    // 0.75 m/s after the first turn and 0.35 m/s after the second, is late by up to a step for each.
     for steps in [1000, 8000] {
         let h = 2.0 / steps as f64;
         let moreau = error(&Moreau {
             steps,
             ..Moreau::default()
         });
-        assert!(moreau < 0.2 * h, "{moreau:e}");
+        assert!(moreau < 0.75 * h, "{moreau:e}");
         let fixed = error(&FixedStep {
             steps,
             ..FixedStep::default()
