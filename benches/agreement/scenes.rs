@@ -74,12 +74,13 @@ fn shipped_scene(name: &str, draw: &mut Draw) -> Box<dyn Model> {
 
 /// Families of random scenes.
 pub(crate) fn random() -> Vec<Kind> {
-    let kinds: [(&str, Scene); 5] = [
+    let kinds: [(&str, Scene); 6] = [
         ("rods", |_, draw| Box::new(rod(draw))),
         ("boxes", |_, draw| Box::new(crate_on_incline(draw))),
         ("springs", |_, draw| Box::new(hopper(draw))),
         ("waves", |_, draw| Box::new(ride(draw))),
         ("stacks", |_, draw| Box::new(stack(draw))),
+        ("cranes", |_, draw| Box::new(crane(draw))),
     ];
     kinds
         .into_iter()
@@ -152,6 +153,31 @@ hangtime::model! {
         impact floor: restitution e, friction mu, sliding dot(x)
         impact stop: restitution e
         start { x: x0, z: z0 + height, s: l + stretch, dot(x): v_x, dot(z): v_z, dot(s): v_s }
+        horizon 2 [s]
+    }
+}
+
+hangtime::model! {
+    /// A carriage on a floor, with a trolley on a dry rail, held by a spring, and a pendulum in a dry hinge.
+    pub(crate) Crane {
+        parameters {
+            m_1: kg = 1, m_2: kg = 2, m_3: kg = 1, k: N/m = 200, l: m = 1, g: m/s^2 = 9.81, e = 0, mu = 0, rail: N = 1,
+            pin: N m = 1, x0: m = 0, z0: m = 0, height: m = 0, stretch: m = 0, angle0 = 0, v_x: m/s = 0, v_z: m/s = 0,
+            v_s: m/s = 0, spin: 1/s = 0,
+        }
+        coordinates { x: m, z: m, s: m, angle }
+        let trolley = (x + s, z + l)
+        let bob = trolley + l*(sin(angle), -cos(angle))
+        lagrangian m_1/2*|dot((x, z))|^2 + m_2/2*|dot(trolley)|^2 + m_3/2*|dot(bob)|^2
+            - (m_1 + m_2)*g*z - m_3*g*bob.z - k/2*s^2
+        surface floor: z >= z0
+        impact floor: restitution e, friction mu, sliding dot(x)
+        dry friction rail: bound rail, sliding dot(s)
+        dry friction hinge: bound pin*(1 + sin(angle)^2), sliding dot(angle)
+        start {
+            x: x0, z: z0 + height, s: stretch, angle: angle0,
+            dot(x): v_x, dot(z): v_z, dot(s): v_s, dot(angle): spin,
+        }
         horizon 2 [s]
     }
 }
@@ -336,6 +362,55 @@ fn hopper(draw: &mut Draw) -> Hopper {
                 draw.between(-3.0, 1.0)
             },
         v_s: length * draw.between(-2.0, 2.0),
+    }
+}
+
+fn crane(draw: &mut Draw) -> Crane {
+    let Setting {
+        length,
+        mass,
+        g,
+        e,
+        mu,
+        x0,
+        z0,
+    } = Setting::draw(draw);
+    let l = length * draw.between(0.3, 1.5);
+    let weight = mass * g;
+    // From friction that is hardly felt to joints that seldom give way.
+    let mut bound = |largest: f64| match draw.chance(0.1) {
+        true => 0.0,
+        false => largest * 10.0_f64.powf(draw.between(-3.0, 1.0)),
+    };
+    let (rail, pin) = (bound(weight), bound(weight * l));
+    Crane {
+        m_1: mass * draw.between(0.5, 3.0),
+        m_2: mass * draw.between(0.3, 2.0),
+        m_3: mass * draw.between(0.1, 1.0),
+        k: weight / length * draw.factor(30.0),
+        l,
+        g,
+        e,
+        mu,
+        rail,
+        pin,
+        x0,
+        z0,
+        height: if draw.chance(0.5) {
+            0.0
+        } else {
+            length * draw.between(0.0, 0.3)
+        },
+        stretch: length * draw.between(-0.5, 0.5),
+        angle0: draw.between(-3.0, 3.0),
+        v_x: length * draw.between(-2.0, 2.0),
+        v_z: 0.0,
+        v_s: if draw.chance(0.5) {
+            0.0
+        } else {
+            length * draw.between(-2.0, 2.0)
+        },
+        spin: draw.between(-3.0, 3.0),
     }
 }
 

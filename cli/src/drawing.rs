@@ -243,7 +243,7 @@ impl<'a> Drawing<'a> {
         let contacts = declaration.contacts;
         let seen = |contact: &ContactDeclaration| {
             let mut gap = contact.jacobian.entries.iter().filter(|entry| entry.0 == 0);
-            gap.all(|entry| axes.contains(&(entry.1 as usize)))
+            !contact.dry && gap.all(|entry| axes.contains(&(entry.1 as usize)))
         };
         // The pieces of a surface are contacts of their own; what is seen is where all of them let pass.
         let surface = |contact: &ContactDeclaration| contact.name.split('.').next();

@@ -118,6 +118,11 @@ fn laws(model: &dyn Model) -> String {
     let declaration = model.declaration();
     let mut text = String::new();
     for (index, contact) in declaration.contacts.iter().enumerate() {
+        if contact.dry {
+            let name = headed(contact.name, contact.unit);
+            let _ = writeln!(text, "contact     {name}: dry friction, without a surface");
+            continue;
+        }
         let mut law = match contact.law {
             ImpactLaw::Inelastic => "inelastic".to_owned(),
             ImpactLaw::Restitution => format!("restitution {}", model.restitution(index)),

@@ -7,17 +7,20 @@ use crate::table::{headed, per_second};
 
 /// Unit of the contact forces of a gap in metres.
 const FORCE: &str = "N";
+/// Unit of dry friction in a joint that turns.
+const TORQUE: &str = "N m";
 
 /// Every quantity of a scene, in the order in which figures show them.
 pub(crate) fn all(model: &dyn Model) -> Vec<Quantity> {
     let declaration = model.declaration();
     let coordinates = 0..declaration.coordinates.len();
     let contacts = || 0..declaration.contacts.len();
+    let presses = |&contact: &usize| !declaration.contacts[contact].dry;
     let rubs = |&contact: &usize| declaration.contacts[contact].friction.is_some();
     coordinates
         .flat_map(|i| [Quantity::Coordinate(i), Quantity::Velocity(i)])
         .chain((0..declaration.controls.len()).map(Quantity::Control))
-        .chain(contacts().map(Quantity::ContactForce))
+        .chain(contacts().filter(presses).map(Quantity::ContactForce))
         .chain(contacts().filter(rubs).map(Quantity::FrictionForce))
         .chain((0..model.outputs().len()).map(Quantity::Output))
         .collect()
@@ -41,6 +44,9 @@ pub(crate) fn symbol(model: &dyn Model, quantity: Quantity) -> String {
         Quantity::Coordinate(i) => declaration.coordinates[i].name.to_owned(),
         Quantity::Velocity(i) => format!("d{}/dt", declaration.coordinates[i].name),
         Quantity::Control(i) => declaration.controls[i].name.to_owned(),
+        Quantity::ContactForce(i) if declaration.contacts[i].dry => {
+            format!("friction bound {}", declaration.contacts[i].name)
+        }
         Quantity::ContactForce(i) => format!("contact force {}", declaration.contacts[i].name),
         Quantity::FrictionForce(i) => format!("friction force {}", declaration.contacts[i].name),
     }
@@ -55,8 +61,12 @@ pub(crate) fn unit(model: &dyn Model, quantity: Quantity) -> String {
         Quantity::Velocity(i) => per_second(declaration.coordinates[i].unit),
         Quantity::Control(i) => declaration.controls[i].unit.to_owned(),
         Quantity::ContactForce(i) | Quantity::FrictionForce(i) => {
-            if declaration.contacts[i].unit == "m" {
+            let contact = &declaration.contacts[i];
+            let has_units = || declaration.coordinates.iter().any(|c| !c.unit.is_empty());
+            if contact.unit == "m" {
                 FORCE.to_owned()
+            } else if contact.dry && contact.unit.is_empty() && has_units() {
+                TORQUE.to_owned()
             } else {
                 String::new()
             }
@@ -83,6 +93,12 @@ pub(crate) fn title(model: &dyn Model, quantity: Quantity) -> String {
         }
         Quantity::Control(i) => declaration.controls[i].documentation,
         Quantity::Output(i) => model.outputs()[i].documentation,
+        Quantity::ContactForce(i) if declaration.contacts[i].dry => {
+            return format!("Bound of the friction of {}", declaration.contacts[i].name);
+        }
+        Quantity::FrictionForce(i) if declaration.contacts[i].dry => {
+            return format!("Friction of {}", declaration.contacts[i].name);
+        }
         Quantity::ContactForce(i) => {
             return format!("Normal force of {}", declaration.contacts[i].name);
         }

@@ -206,7 +206,7 @@ fn switches(declaration: &Declaration, solution: &Solution) -> String {
     let rows = solution.planned_events.iter().map(|(time, kind, contact)| {
         let kind = match kind {
             EventKind::LiftOff => "lift off",
-            _ => "impact",
+            kind => kind.name(),
         };
         vec![
             kind.to_owned(),

@@ -109,6 +109,7 @@ fn contact(contact: &Contact) -> ContactDeclaration {
             None => ImpactLaw::Inelastic,
         },
         friction,
+        dry: contact.dry,
         custom_direction: contact.custom_direction,
         held: list(contact.held.iter().copied()),
         alternatives: list(contact.alternatives.iter().copied()),

@@ -6,6 +6,7 @@ mod support;
 mod chain;
 mod contact_laws;
 mod derivatives;
+mod dry_friction;
 mod hygiene;
 mod impact_laws;
 mod optimal_control_functions;

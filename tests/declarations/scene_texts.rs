@@ -2,7 +2,8 @@
 
 use crate::same::assert_all_same;
 use crate::{
-    chain, contact_laws, derivatives, impact_laws, optimal_control_functions, profiles, shown,
+    chain, contact_laws, derivatives, dry_friction, impact_laws, optimal_control_functions,
+    profiles, shown,
 };
 
 #[test]
@@ -32,6 +33,14 @@ fn text_evaluates_to_what_the_compiled_scene_does() {
             ],
         )
         + assert_all_same(
+            include_str!("dry_friction.rs"),
+            &[
+                &dry_friction::Arm::default(),
+                &dry_friction::Train::default(),
+                &dry_friction::LongTrain::default(),
+            ],
+        )
+        + assert_all_same(
             include_str!("impact_laws.rs"),
             &[&impact_laws::Ball::default(), &impact_laws::Hoop::default()],
         )
@@ -55,5 +64,5 @@ fn text_evaluates_to_what_the_compiled_scene_does() {
             include_str!("shown.rs"),
             &[&shown::Wheel::default(), &shown::WrittenOut::default()],
         );
-    assert_eq!(compared, 24);
+    assert_eq!(compared, 27);
 }

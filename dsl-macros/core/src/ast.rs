@@ -181,6 +181,13 @@ pub(crate) enum Statement {
         surfaces: Vec<Name>,
         law: Box<Law>,
     },
+    /// Friction without a surface: a force of at most `bound` against a sliding velocity.
+    Dry {
+        documentation: Documentation,
+        name: Name,
+        bound: Expr,
+        sliding: Expr,
+    },
     Start(Vec<Assignment>),
     Horizon {
         keyword: Place,

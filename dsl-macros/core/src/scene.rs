@@ -129,7 +129,7 @@ pub(crate) struct Coordinate {
     pub(crate) bounds: Option<(Sym, Sym)>,
 }
 
-/// A surface with its law.
+/// A surface with its law, or dry friction without a surface.
 pub(crate) struct Contact {
     pub(crate) name: Name,
     pub(crate) documentation: Documentation,
@@ -144,6 +144,8 @@ pub(crate) struct Contact {
     /// Coefficient of restitution; `None` for an inelastic contact.
     pub(crate) restitution: Option<Sym>,
     pub(crate) friction: Option<Friction>,
+    /// Largest force of dry friction, in SI units; such a contact has no gap, and its coefficient is 1.
+    pub(crate) bound: Option<Sym>,
 }
 
 /// Coulomb friction of a contact.

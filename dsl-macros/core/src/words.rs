@@ -1,7 +1,7 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 19] = [
+pub(crate) const STATEMENTS: [&str; 20] = [
     "parameters",
     "coordinates",
     "controls",
@@ -13,6 +13,7 @@ pub(crate) const STATEMENTS: [&str; 19] = [
     "forces",
     "surface",
     "impact",
+    "dry",
     "start",
     "horizon",
     "constraint",
@@ -46,6 +47,9 @@ pub(crate) const LAW_PARTS: [&str; 6] = [
     "along",
     "holding",
 ];
+
+/// Words that begin a part of `dry friction`; the first may be taken by declarations.
+pub(crate) const DRY_PARTS: [&str; 2] = ["bound", "sliding"];
 
 /// Whether a word belongs to the language, so that it names nothing else.
 pub(crate) fn is_keyword(text: &str) -> bool {

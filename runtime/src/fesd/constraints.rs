@@ -2,22 +2,28 @@
 
 use super::active_contact::{ActiveContact, force_count};
 use super::contacts::sum_of_sizes;
-use crate::model::{Model, contact_point, friction_coefficients, tangent_point};
+use crate::model::{Model, contact_point, friction_coefficients, surfaces, tangent_point};
 
-/// The constraints of a contact mode at one point: first the normals of the active contacts, then the
-/// tangents of those that stick. Owns the memory for them.
+/// The constraints of a contact mode at one point: first the normals of the active contacts, those of dry friction last,
+/// then the tangents of those that stick. Owns the memory for them.
+///
+/// The normal of dry friction holds no velocity: its force is given.
+// Many fields: the memory of an evaluation, kept so that nothing allocates.
 pub(super) struct Constraints<'a> {
     model: &'a dyn Model,
     n: usize,
     active: Vec<ActiveContact>,
     friction: Vec<f64>,
-    /// Gaps of the active contacts.
+    /// Number of contacts of the scene that are surfaces, and of those that are active.
+    surfaces: usize,
+    normals: usize,
+    /// Gaps of the active surfaces.
     pub(super) gaps: Vec<f64>,
     /// Rounding error of the gaps at the last evaluation, the largest of them.
     pub(super) gap_rounding: f64,
     /// Time over which the constraints are held, which their rounding errors scale with \[s\].
     length: f64,
-    /// Velocities of all constraints.
+    /// Velocities of all constraints; of dry friction the given normal acceleration.
     pub(super) velocities: Vec<f64>,
     /// Derivatives of the velocities with respect to `v`, one row a constraint: `n_i`, then `b_i`.
     pub(super) gradients: Vec<f64>,
@@ -43,6 +49,8 @@ impl<'a> Constraints<'a> {
             n,
             active: Vec::new(),
             friction: friction_coefficients(model),
+            surfaces: surfaces(model),
+            normals: 0,
             gaps: Vec::new(),
             gap_rounding: 0.0,
             length: 0.0,
@@ -62,6 +70,16 @@ impl<'a> Constraints<'a> {
         &self.active
     }
 
+    /// Number of active contacts that are surfaces.
+    pub(super) fn normals(&self) -> usize {
+        self.normals
+    }
+
+    /// Whether the force of a constraint is given.
+    pub(super) fn is_given(&self, constraint: usize) -> bool {
+        (self.normals..self.active.len()).contains(&constraint)
+    }
+
     /// Number of constraints.
     pub(super) fn count(&self) -> usize {
         self.velocities.len()
@@ -72,7 +90,9 @@ impl<'a> Constraints<'a> {
         self.active.clear();
         self.active.extend_from_slice(active);
         let count = force_count(active);
-        self.gaps.resize(active.len(), 0.0);
+        let of_surface = |held: &&ActiveContact| held.contact < self.surfaces;
+        self.normals = active.iter().filter(of_surface).count();
+        self.gaps.resize(self.normals, 0.0);
         self.velocities.resize(count, 0.0);
         self.gradients.resize(count * self.n, 0.0);
         self.directions.resize(count * self.n, 0.0);
@@ -101,12 +121,19 @@ impl<'a> Constraints<'a> {
         self.gap_rounding = 0.0;
         for (i, &held) in self.active.iter().enumerate() {
             self.model.contact(held.contact, x, &mut self.point);
-            self.gaps[i] = self.point[contact_point::GAP];
+            let given = self.is_given(i);
+            if !given {
+                self.gaps[i] = self.point[contact_point::GAP];
+            }
             let normal = &self.point[contact_point::NORMAL..][..n];
             let size =
                 sum_of_sizes(normal, &x[..n]) + self.length * sum_of_sizes(normal, &x[n..2 * n]);
             self.gap_rounding = self.gap_rounding.max(f64::EPSILON * size);
-            self.velocities[i] = self.point[contact_point::NORMAL_VELOCITY];
+            self.velocities[i] = if given {
+                -self.point[contact_point::CURVATURE]
+            } else {
+                self.point[contact_point::NORMAL_VELOCITY]
+            };
             self.gradients[i * n..(i + 1) * n]
                 .copy_from_slice(&self.point[contact_point::NORMAL..][..n]);
             let along = &self.point[contact_point::direction(n)..];

@@ -116,7 +116,7 @@ impl Solved {
         for (k, &contact) in self.touching.iter().enumerate() {
             let zero = BIACTIVE * contacts.phi_scale(contact);
             let tangent = self.tangent(k);
-            if self.forces[k] > zero {
+            if self.forces[k] > zero || contacts.is_dry(contact) {
                 let tangential = match tangent {
                     None => sliding_state(contacts, contact),
                     Some(tangent) => self.in_cone(contacts, k, tangent, &mut sorted),

@@ -8,12 +8,15 @@ use super::active_contact::{ActiveContact, Tangential};
 use super::contact_size::ContactSize;
 use crate::linalg::{dense, lcp};
 use crate::model::{
-    Model, Pieces, contact_point, contains_ground, friction_coefficients, tangent_point,
+    Model, Pieces, contact_point, contains_ground, friction_coefficients, surfaces, tangent_point,
 };
 
 /// Coupling of the force of a slipping contact to its own normal velocity below which no force holds the
 /// contact: the friction presses as much as the force lifts.
 const JAMMED: f64 = 1e-10;
+
+/// Bound of dry friction below zero, as a share of its largest, that is no rounding error.
+const NEGATIVE: f64 = 1e-9;
 
 /// Why a contact mode could not be determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +27,8 @@ pub(crate) enum ModeError {
     Dependent,
     /// A model value is infinite or not a number.
     NotFinite,
+    /// The bound of this dry friction is negative.
+    NegativeBound(usize),
 }
 
 impl From<lcp::LcpError> for ModeError {
@@ -61,6 +66,8 @@ pub(crate) struct Contacts<'a> {
     pub(crate) pieces: Pieces,
     /// Coefficients of friction, 0 for contacts without friction.
     friction: Vec<f64>,
+    /// Number of contacts that are surfaces.
+    pub(crate) surfaces: usize,
     acceleration: Vec<f64>,
     points: Vec<f64>,
     /// Tangential sides; empty if no contact has friction.
@@ -94,6 +101,7 @@ impl<'a> Contacts<'a> {
             n,
             pieces: Pieces::default(),
             friction,
+            surfaces: surfaces(model),
             acceleration: vec![0.0; n],
             points: vec![0.0; contacts * contact_point::length(n)],
             tangents: vec![0.0; tangents * tangent_point::length(n)],
@@ -138,6 +146,20 @@ impl<'a> Contacts<'a> {
     /// Coefficient of friction, 0 for a contact without friction.
     pub(crate) fn friction(&self, contact: usize) -> f64 {
         self.friction[contact]
+    }
+
+    /// Whether a contact is dry friction without a surface, whose normal force is given.
+    pub(crate) fn is_dry(&self, contact: usize) -> bool {
+        contact >= self.surfaces
+    }
+
+    /// Whether the bound of a dry friction is not negative at the last evaluation.
+    pub(crate) fn check_bounds(&self) -> Result<(), ModeError> {
+        let negative = |&i: &usize| -self.normal_acceleration(i) < -NEGATIVE * self.scales[i];
+        match (self.surfaces..self.friction.len()).find(negative) {
+            Some(contact) => Err(ModeError::NegativeBound(contact)),
+            None => Ok(()),
+        }
     }
 
     /// Gap of the last evaluation.
@@ -359,6 +381,13 @@ impl<'a> Contacts<'a> {
             Line::Normal { .. } => 1.0,
             Line::Tangent { sense, .. } => sense,
         };
+        if let (Line::Normal { contact, .. }, Line::Normal { contact: other, .. }) = (row, column)
+            && contact == other
+            && self.is_dry(contact)
+        {
+            // Its normal acceleration is its force less the given one.
+            return 1.0;
+        }
         let (gradient, _) = self.row(row);
         let along = match column {
             Line::Normal {

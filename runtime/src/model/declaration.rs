@@ -75,6 +75,9 @@ pub struct ContactDeclaration {
     pub law: ImpactLaw,
     /// Coulomb friction, if the scene declares it.
     pub friction: Option<FrictionDeclaration>,
+    /// Whether this is dry friction without a surface: the contact always touches, its normal force is the declared
+    /// bound, and its coefficient of friction is 1. Such contacts stand behind all others.
+    pub dry: bool,
     /// Whether the scene declares its own impulse direction.
     pub custom_direction: bool,
     /// Coordinates (indices) that are rigid under the contact force.

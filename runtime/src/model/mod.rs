@@ -27,6 +27,10 @@
 //! so that `s_i = D_i lambda_t,i` is measured like `r_i`. Gap and sliding velocity must be scaled
 //! alike: normal and tangential part of one velocity.
 //!
+//! *Dry friction* without a surface ([`ContactDeclaration::dry`]) is a contact that touches always, without gap, normal and
+//! impacts: its normal force is the declared bound `f(q, t)`, so that `r_i = D_i f` is given and `|s_i| <= r_i`. The factor
+//! `D_i > 0` is a scale: `e_i = M^-1 b_i / D_i` for any other would be the same friction.
+//!
 //! A contact that *holds* coordinates acts on the system in which those are locked: `M^-1` in `w`, `D` and `e`
 //! is then the inverse inertia of that system, with zeros in the rows and columns of the held coordinates.
 //!
@@ -118,11 +122,13 @@ pub trait Model: Send + Sync {
     fn gap(&self, contact: usize, x: &[f64]) -> f64;
 
     /// Everything about one contact that needs no derivative of a force, length
-    /// [`contact_point::length`]: see [`contact_point`] for the layout.
+    /// [`contact_point::length`]: see [`contact_point`] for the layout. Of dry friction gap, normal velocity, normal and
+    /// direction are 0, and the curvature is `-r`, the given normal acceleration with the other sign.
     fn contact(&self, contact: usize, x: &[f64], point: &mut [f64]);
 
     /// Jacobian with respect to `x` of the rows `(g, v_n, d_1..d_nq)`: the values of
-    /// [`ContactDeclaration::jacobian`], in its order.
+    /// [`ContactDeclaration::jacobian`], in its order. Of dry friction the second row is `r` instead of `v_n`, here and
+    /// in the Hessian.
     fn contact_jacobian(&self, contact: usize, x: &[f64], values: &mut [f64]);
 
     /// Hessian with respect to `x` of `multipliers' (g, v_n, d_1..d_nq)`: the values of
@@ -208,6 +214,12 @@ pub trait Model: Send + Sync {
 
     /// A copy behind a fresh box.
     fn boxed(&self) -> Box<dyn Model>;
+}
+
+/// Number of contacts that are surfaces; the others, behind them, are dry friction.
+pub(crate) fn surfaces(model: &dyn Model) -> usize {
+    let contacts = model.declaration().contacts.iter();
+    contacts.filter(|contact| !contact.dry).count()
 }
 
 /// Coefficient of friction of each contact, 0 where none is declared.

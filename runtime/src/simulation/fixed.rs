@@ -155,6 +155,7 @@ struct FixedRun<'a> {
     stage: Vec<f64>,
     slopes: [Vec<f64>; 4],
     forces: Vec<f64>,
+    friction_forces: Vec<f64>,
     result: Simulation,
 }
 
@@ -175,6 +176,7 @@ impl<'a> FixedRun<'a> {
             slopes: std::array::from_fn(|_| vec![0.0; dimension]),
             y,
             forces: vec![0.0; dynamics.contacts],
+            friction_forces: vec![0.0; dynamics.contacts],
             result: dynamics.empty_result(),
             dynamics,
         }
@@ -256,6 +258,7 @@ impl<'a> FixedRun<'a> {
             )));
         }
         self.dynamics.forces(&mut self.forces);
+        self.dynamics.friction_forces(&mut self.friction_forces);
         Ok(self
             .dynamics
             .switching
@@ -267,7 +270,13 @@ impl<'a> FixedRun<'a> {
     fn enter_mode(&mut self, t: f64, h: f64) -> Result<(), SimulationStatus> {
         let n = self.dynamics.n;
         let before = self.y[n..2 * n].to_vec();
-        let previously = self.dynamics.mode.active.clone();
+        let previously = self.dynamics.mode().to_vec();
+        // A dry friction that has come to rest within the step does so at its end.
+        let functions = 0..self.dynamics.functions();
+        let vanished = functions
+            .filter(|&function| self.dynamics.switching.values[function] < 0.0)
+            .map(|function| self.dynamics.switch(function))
+            .find(|switch| self.dynamics.is_dry(switch.contact()));
         // Contacts with restitution are refused: no bounce is too low.
         let lowest = LowestBounce {
             velocity: None,
@@ -285,7 +294,7 @@ impl<'a> FixedRun<'a> {
             t,
             &mut self.y,
             &impact.resting,
-            None,
+            vanished,
             contact_mode::Outlook {
                 moment: h,
                 skipped: 0,
@@ -295,16 +304,20 @@ impl<'a> FixedRun<'a> {
         if self.result.initial_modes.is_empty() {
             self.result.initial_modes = self.dynamics.contact_modes();
         }
-        for i in 0..self.dynamics.contacts {
-            let (was, is) = (previously.contains(&i), self.dynamics.is_active(i));
+        for (i, &was) in previously.iter().enumerate() {
+            let is = self.dynamics.state(i);
             let kind = if impact.struck.contains(&i) {
                 EventKind::Impact
-            } else if was && !is {
-                EventKind::LiftOff
-            } else if is && !was && t > 0.0 {
-                EventKind::Contact
-            } else {
+            } else if t == 0.0 || was == is {
                 continue;
+            } else if is.is_open() {
+                EventKind::LiftOff
+            } else if was.is_open() {
+                EventKind::Contact
+            } else if is.is_stuck() {
+                EventKind::Stick
+            } else {
+                EventKind::Slip
             };
             self.result.events.push(Event {
                 time: t,
@@ -331,6 +344,10 @@ impl<'a> FixedRun<'a> {
             &self.dynamics.u,
             &self.forces,
         );
+        if self.dynamics.laws.declares_friction {
+            let frictions = self.friction_forces.clone();
+            self.result.trajectory.friction_force.push(frictions);
+        }
         let residuals = &mut self.result.residuals;
         for value in &self.dynamics.switching.values {
             residuals.dual = residuals.dual.max(-value);

@@ -251,7 +251,7 @@ impl<'a> TimeStepping<'a> {
             .iter()
             .map(|a| h * a)
             .collect();
-        let (normal, tangential) = self.contact_velocities(closed, &change);
+        let (normal, tangential) = self.contact_velocities(closed, &change, h);
         let mut velocities = change.iter().chain(&normal).chain(&tangential);
         if velocities.any(|v| !v.is_finite()) {
             return Err(self.not_finite(t, closed.first()));
@@ -292,7 +292,9 @@ impl<'a> TimeStepping<'a> {
             self.forces[i] = impulses.p[slot] / (h * inertia);
             self.friction_forces[i] = impulses.s[slot] / (h * inertia);
         }
-        self.numerical_time += largest(&impulses.p) / self.settings.auxiliary_acceleration;
+        let surfaces = closed.iter().filter(|&&i| !self.dynamics.is_dry(i));
+        let jumps = largest(&impulses.p[..surfaces.count()]);
+        self.numerical_time += jumps / self.settings.auxiliary_acceleration;
     }
 
     fn diagnosis(&self, time: f64, contact: Option<&usize>, message: String) -> Diagnosis {
@@ -339,15 +341,19 @@ impl<'a> TimeStepping<'a> {
     }
 
     /// Normal velocities `n' v+ + restitution min(n' v, 0)` and sliding velocities `v_t+` that a change of the
-    /// velocity without impulses gives.
-    fn contact_velocities(&self, closed: &[usize], change: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    /// velocity without impulses gives. The impulse of dry friction is given, `p = h r`.
+    fn contact_velocities(&self, closed: &[usize], change: &[f64], h: f64) -> (Vec<f64>, Vec<f64>) {
         closed
             .iter()
             .map(|&i| {
                 let dynamics = &self.dynamics;
                 let before = dynamics.point(i)[contact_point::NORMAL_VELOCITY];
                 let returned = dynamics.laws.restitution[i] * before.min(0.0);
-                let normal = before + dot(dynamics.normal(i), change) + returned;
+                let normal = if dynamics.is_dry(i) {
+                    h * dynamics.point(i)[contact_point::CURVATURE]
+                } else {
+                    before + dot(dynamics.normal(i), change) + returned
+                };
                 let tangential = if dynamics.has_friction(i) {
                     dynamics.sliding_velocity(i) + dot(dynamics.tangent(i), change)
                 } else {

@@ -266,6 +266,19 @@ impl InitialValueProblem {
                     contact.name, contact.unit
                 )));
             }
+            if contact.dry {
+                let pressed = -point[contact_point::CURVATURE];
+                finite(
+                    &format!("bound of dry friction `{}` at the start", contact.name),
+                    pressed,
+                )?;
+                if pressed < 0.0 {
+                    return Err(InputError::new(format!(
+                        "{} (E10)",
+                        negative_bound(contact.name)
+                    )));
+                }
+            }
             let restitution = model.restitution(i);
             if !(0.0..=1.0).contains(&restitution) {
                 return Err(refusal::out_of_range(
@@ -288,11 +301,12 @@ impl InitialValueProblem {
         Ok(())
     }
 
-    /// Refuses a scene with a contact that bounces or rubs, for methods that treat neither.
+    /// Refuses a scene with a surface that bounces or rubs, for methods that treat neither.
     pub(crate) fn check_inelastic(model: &dyn Model, method: &str) -> Result<(), InputError> {
         let contacts = model.declaration().contacts;
-        let beyond =
-            |c: &&ContactDeclaration| c.law != ImpactLaw::Inelastic || c.friction.is_some();
+        let beyond = |c: &&ContactDeclaration| {
+            c.law != ImpactLaw::Inelastic || c.friction.is_some() && !c.dry
+        };
         match contacts.iter().find(beyond) {
             None => Ok(()),
             Some(contact) => Err(refusal::unsupported_law(method, contact.name)),
@@ -310,6 +324,14 @@ impl InitialValueProblem {
             .write_checked(0.0, &mut x[2 * n..2 * n + declaration.controls.len()]);
         x
     }
+}
+
+/// What is wrong where the bound of a dry friction falls below zero.
+pub(crate) fn negative_bound(name: &str) -> String {
+    format!(
+        "the bound of dry friction `{name}` is negative, so that no force obeys it; write one that is 0 or more all along \
+         the motion"
+    )
 }
 
 fn finite(what: &str, value: f64) -> Result<(), InputError> {

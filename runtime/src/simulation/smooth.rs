@@ -9,7 +9,7 @@ use super::fixed::check_gaps;
 use super::other_grid::{self, OtherGrid};
 use super::watch::Watch;
 use super::{
-    ContactMode, ControlSignal, Diagnosis, InitialValueProblem, InputError, Simulation,
+    ContactMode, ControlSignal, Diagnosis, Direction, InitialValueProblem, InputError, Simulation,
     SimulationStatus, Simulator,
 };
 use crate::Observer;
@@ -32,6 +32,7 @@ const LANDINGS: usize = 50;
 /// gamma_i = H(-g_i) H(-v_n,i),   H(x) = (1 + tanh(x / width)) / 2
 /// ```
 ///
+/// and `v' = p (a - sum_i e_i r_i tanh(v_t,i / width)) + ...` with dry friction of the given normal acceleration `r_i`,
 /// by DOP853 with step size control; it ends where the physical clock `t` reaches the horizon. The error
 /// is proportional to the width (a body at rest hovers some widths above the ground), the number of
 /// steps to its inverse, because contact becomes stiff like `a_bar / width`. There are no events. The error
@@ -147,6 +148,8 @@ struct SmoothSystem<'a> {
     auxiliary_acceleration: f64,
     /// `gamma_i / p a_bar`, the normal contact accelerations in physical time, at the last evaluation.
     contact_accelerations: Vec<f64>,
+    /// Those of dry friction, 0 for surfaces.
+    friction_accelerations: Vec<f64>,
 }
 
 impl<'a> SmoothSystem<'a> {
@@ -154,6 +157,7 @@ impl<'a> SmoothSystem<'a> {
         let dynamics = Dynamics::new(model, settings.auxiliary_acceleration);
         Self {
             contact_accelerations: vec![0.0; dynamics.contacts],
+            friction_accelerations: vec![0.0; dynamics.contacts],
             dynamics,
             controls: &problem.controls,
             width: settings.width,
@@ -164,6 +168,14 @@ impl<'a> SmoothSystem<'a> {
     /// Contacts within the width of the step functions are closed, at the state just evaluated.
     fn modes(&self) -> Vec<ContactMode> {
         let mode = |i| {
+            if self.dynamics.is_dry(i) {
+                let velocity = self.dynamics.sliding_velocity(i);
+                return if velocity.abs() <= self.width {
+                    ContactMode::Stick
+                } else {
+                    ContactMode::Slip(Direction::of(velocity))
+                };
+            }
             let point = self.dynamics.point(i);
             let rests = point[contact_point::NORMAL_VELOCITY].abs() <= self.width;
             let acts = !self.dynamics.pieces.is_idle(i);
@@ -191,7 +203,7 @@ impl System for SmoothSystem<'_> {
         self.dynamics.choose_pieces();
         self.dynamics.evaluate_free_acceleration();
         let mut free = 1.0;
-        for i in 0..self.dynamics.contacts {
+        for i in 0..self.dynamics.surfaces {
             self.dynamics.evaluate_contact(i);
             if self.dynamics.pieces.is_idle(i) {
                 self.contact_accelerations[i] = 0.0;
@@ -207,7 +219,21 @@ impl System for SmoothSystem<'_> {
             dy[k] = free * y[n + k];
             dy[n + k] = free * self.dynamics.free_acceleration()[k];
         }
-        for i in 0..self.dynamics.contacts {
+        for i in self.dynamics.surfaces..self.dynamics.contacts {
+            self.dynamics.evaluate_sides(i);
+            let pressed = -self.dynamics.point(i)[contact_point::CURVATURE];
+            let slip = (self.dynamics.sliding_velocity(i) / self.width).tanh();
+            let friction = -pressed * slip;
+            for (dv, e) in dy[n..2 * n]
+                .iter_mut()
+                .zip(self.dynamics.friction_direction(i))
+            {
+                *dv += free * e * friction;
+            }
+            self.contact_accelerations[i] = pressed;
+            self.friction_accelerations[i] = friction;
+        }
+        for i in 0..self.dynamics.surfaces {
             for (dv, d) in dy[n..2 * n].iter_mut().zip(self.dynamics.direction(i)) {
                 *dv += d * self.contact_accelerations[i];
             }
@@ -367,12 +393,17 @@ fn land(
 /// Appends the state just evaluated.
 fn record(system: &SmoothSystem<'_>, result: &mut Simulation, numerical_time: f64, y: &[f64]) {
     let n = system.dynamics.n;
-    let forces: Vec<f64> = (0..system.dynamics.contacts)
-        .map(|i| {
-            system.contact_accelerations[i]
-                / system.dynamics.point(i)[contact_point::INVERSE_INERTIA]
-        })
-        .collect();
+    let of_accelerations = |accelerations: &[f64]| -> Vec<f64> {
+        let forces = accelerations.iter().enumerate();
+        forces
+            .map(|(i, a)| a / system.dynamics.point(i)[contact_point::INVERSE_INERTIA])
+            .collect()
+    };
+    let forces = of_accelerations(&system.contact_accelerations);
+    if system.dynamics.laws.declares_friction {
+        let frictions = of_accelerations(&system.friction_accelerations);
+        result.trajectory.friction_force.push(frictions);
+    }
     for i in 0..system.dynamics.contacts {
         let penetration = -system.dynamics.point(i)[contact_point::GAP];
         result.residuals.dual = result.residuals.dual.max(penetration);

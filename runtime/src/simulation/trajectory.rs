@@ -39,7 +39,7 @@ pub struct Trajectory {
     pub v: Vec<Vec<f64>>,
     /// Controls, one vector an instant.
     pub u: Vec<Vec<f64>>,
-    /// Normal contact forces [N for a gap in metres], one vector an instant, 0 for open contacts.
+    /// Normal contact forces [N for a gap in metres], one vector an instant, 0 for open contacts; of dry friction its bound.
     pub contact_force: Vec<Vec<f64>>,
     /// Tangential contact forces, one vector an instant, 0 for contacts that carry none; no vector at
     /// all if no contact declares friction.

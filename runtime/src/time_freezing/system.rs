@@ -1,7 +1,8 @@
 //! Fields and switching functions of the time-freezing system at a point, with derivatives.
 
 use crate::model::{
-    FrictionDeclaration, ImpactLaw, Model, contact_point, friction_coefficients, tangent_point,
+    FrictionDeclaration, ImpactLaw, Model, contact_point, friction_coefficients, surfaces,
+    tangent_point,
 };
 
 /// The time-freezing system of a scene, with the memory for one evaluation.
@@ -93,9 +94,19 @@ impl<'a> TimeFreezingSystem<'a> {
         self.acceleration.len()
     }
 
-    /// Number of contacts.
+    /// Number of contacts, dry friction among them.
     pub(crate) fn contacts(&self) -> usize {
         self.contact_jacobians.len()
+    }
+
+    /// Number of contacts that are surfaces; the others, behind them, are dry friction.
+    pub(crate) fn surfaces(&self) -> usize {
+        surfaces(self.model)
+    }
+
+    /// The given normal acceleration of a dry friction at the last evaluation.
+    pub(crate) fn pressed(&self, contact: usize) -> f64 {
+        -self.point(contact)[contact_point::CURVATURE]
     }
 
     fn point(&self, contact: usize) -> &[f64] {

@@ -182,15 +182,19 @@ fn sliding_effort(count: usize, share: f64, h: f64) -> f64 {
     mass * mass * h * square
 }
 
+/// The same for the best number and share of intervals of this `length` together.
+pub(crate) fn least_sliding_effort(intervals: usize, length: f64) -> f64 {
+    (2..=intervals)
+        .flat_map(|count| (1..=1000).map(move |i| (count, f64::from(i) / 1000.0)))
+        .map(|(count, share)| sliding_effort(count, share, length / intervals as f64))
+        .fold(f64::INFINITY, f64::min)
+}
+
 #[test]
 #[ignore = "long"]
 fn block_with_time_to_spare_sticks_for_a_while() {
     let intervals = 10;
-    let h = 2.5 / intervals as f64;
-    let best = (2..=intervals)
-        .flat_map(|count| (1..=1000).map(move |i| (count, f64::from(i) / 1000.0)))
-        .map(|(count, share)| sliding_effort(count, share, h))
-        .fold(f64::INFINITY, f64::min);
+    let best = least_sliding_effort(intervals, 2.5);
     let solution = solve(&Patient::default(), intervals, &one_start());
     // The grid of the search is fine enough for a millionth of the effort near a minimum.
     assert!(

@@ -2,6 +2,7 @@
 
 mod common;
 mod conformance;
+mod dry_friction;
 mod edges;
 mod event_contact_modes;
 mod event_driven;

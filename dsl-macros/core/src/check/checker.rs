@@ -48,11 +48,27 @@ pub(super) struct Checker<'a> {
     /// Generalized force in SI units, by coordinate.
     pub(super) forces: Vec<(usize, Sym)>,
     pub(super) surfaces: Vec<Surface>,
-    pub(super) impacts: Vec<CheckedLaw>,
+    pub(super) laws: Laws,
     pub(super) start: Vec<Assignment>,
     pub(super) horizon: Option<Sym>,
     pub(super) task: Task,
     pub(super) shown: Shown,
+}
+
+/// Laws of contact.
+#[derive(Default)]
+pub(super) struct Laws {
+    pub(super) impacts: Vec<CheckedLaw>,
+    pub(super) dry: Vec<DryFriction>,
+}
+
+/// Dry friction without a surface.
+pub(super) struct DryFriction {
+    pub(super) documentation: Documentation,
+    pub(super) name: Name,
+    /// Largest force, in SI units.
+    pub(super) bound: Sym,
+    pub(super) sliding: Sym,
 }
 
 /// What is recorded and drawn.

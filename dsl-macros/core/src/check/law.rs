@@ -52,6 +52,7 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
     let friction = friction.zip(law.friction.as_ref());
     for surface in surfaces {
         if let Some(known) = checker
+            .laws
             .impacts
             .iter()
             .find(|known| known.surface.text == surface.text)
@@ -64,7 +65,7 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
             );
             continue;
         }
-        checker.impacts.push(CheckedLaw {
+        checker.laws.impacts.push(CheckedLaw {
             surface: surface.clone(),
             restitution,
             friction: friction
@@ -120,7 +121,7 @@ pub(super) fn velocities(expr: &Expr) -> &[Expr] {
 }
 
 /// The sliding velocity, which must be `b(q, t)' v + c(q, t)`: `c` is the velocity of a ground that moves.
-fn sliding(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
+pub(super) fn sliding(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
     let sliding = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
     if let Some(variable) = graph::variables(&[sliding])
         .into_iter()
@@ -242,7 +243,7 @@ fn shown_coefficient(checker: &Checker<'_>, friction: &CheckedFriction) -> Strin
 /// E20: one law for each surface, no law without a surface.
 pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
     let before = checker.diagnostics.mistakes();
-    let laws = std::mem::take(&mut checker.impacts);
+    let laws = std::mem::take(&mut checker.laws.impacts);
     let surfaces = std::mem::take(&mut checker.surfaces);
     for law in &laws {
         let text = &law.surface.text;
@@ -381,6 +382,7 @@ pub(super) fn contacts(
             held: law.held,
             restitution: law.restitution,
             friction,
+            bound: None,
         });
     }
     if failed { Err(Reported) } else { Ok(contacts) }

@@ -2,6 +2,7 @@
 
 mod checker;
 mod dependence;
+mod dry;
 mod law;
 mod names;
 mod optimal_control;
@@ -22,7 +23,7 @@ use crate::evaluate::expression;
 use crate::evaluate::{Meaning, Role, Scope, UserFunction};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, CheckedScene};
-use checker::{Abbreviation, Checker, Shown, Surface, Task};
+use checker::{Abbreviation, Checker, Laws, Shown, Surface, Task};
 use std::collections::HashSet;
 use std::rc::Rc;
 
@@ -41,7 +42,7 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         dissipation: None,
         forces: Vec::new(),
         surfaces: Vec::new(),
-        impacts: Vec::new(),
+        laws: Laws::default(),
         start: Vec::new(),
         horizon: None,
         task: Task::default(),
@@ -82,6 +83,12 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
             right,
         } => surface(checker, documentation, name, left, *relation, right),
         Statement::Impact { surfaces, law } => law::impact(checker, surfaces, law),
+        Statement::Dry {
+            documentation,
+            name,
+            bound,
+            sliding,
+        } => dry::friction(checker, (documentation, name), bound, sliding),
         Statement::Start(assignments) => values::start_statement(checker, assignments),
         Statement::Horizon { keyword, value } => values::horizon(checker, *keyword, value),
         Statement::Minimize { keyword, value } => {
@@ -167,18 +174,7 @@ fn surface(
     relation: Relation,
     right: &Expr,
 ) -> Checked<()> {
-    if checker
-        .surfaces
-        .iter()
-        .any(|known| known.name.text == name.text)
-        || checker.diagnostics.is_poisoned(&name.text)
-    {
-        return Err(checker.diagnostics.report(
-            "E20",
-            name.place(),
-            format!("surface `{}` is declared twice; rename one", name.text),
-        ));
-    }
+    dry::new_contact(checker, name, "surface")?;
     checker.scope.role = Role::Surface;
     let left_value = expression::scalar(&mut checker.scope, left, checker.diagnostics);
     let right_value = expression::scalar(&mut checker.scope, right, checker.diagnostics);
@@ -250,12 +246,14 @@ fn finish(
         dependence::gaps(contacts, &mut checker);
     }
     rules::unused(&mut checker);
-    let contacts = contacts?;
+    let mut contacts = contacts?;
+    dry::append(&mut checker, &units.gaps, &mut contacts);
     let forces = total_forces(&checker);
     let mut dynamics: Vec<Sym> = vec![lagrangian];
     dynamics.extend(&forces);
     for contact in &contacts {
         dynamics.push(contact.gap);
+        dynamics.extend(contact.bound);
         dynamics.extend(contact.along.iter().flatten());
         dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
     }

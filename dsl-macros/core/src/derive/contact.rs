@@ -9,7 +9,7 @@
 
 use super::implicit::{self, Implicit};
 use super::ldl::Factorization;
-use super::residual::{self, Bordered};
+use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};
 use crate::check::normal;
 use crate::evaluate::velocity_direction;
@@ -18,7 +18,8 @@ use crate::scene::{Contact, Friction};
 
 /// What belongs to one contact.
 pub(crate) struct ContactEquations {
-    /// Gap, normal velocity, and if it is a formula, the contact direction.
+    /// Gap, normal velocity, and if it is a formula, the contact direction; of dry friction zeros, with the given normal
+    /// acceleration in place of the normal velocity.
     pub(crate) rows: Explicit,
     pub(crate) curvature: Sym,
     pub(crate) normal: Vec<Sym>,
@@ -140,14 +141,13 @@ pub(super) struct Mechanism<'a> {
 
 impl Mechanism<'_> {
     pub(super) fn contact(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
+        if let (Some(bound), Some(friction)) = (contact.bound, &contact.friction) {
+            return Ok(self.dry(bound, friction));
+        }
         let n = self.momenta.len();
         let (mut rows, curvature, normal) = geometry(contact, n);
         let singular = |coordinate| Failure::SingularMass { coordinate };
-        let inertia = implicit::Locked {
-            mass: self.mass,
-            momenta: self.momenta,
-            held: &contact.held,
-        };
+        let inertia = self.holding(&contact.held);
         let (locked, locked_factors) = match (self.formulas, self.written_out) {
             _ if contact.held.is_empty() => (None, None),
             (formulas, factors) => (
@@ -182,7 +182,9 @@ impl Mechanism<'_> {
                 vec![sliding],
                 formula,
                 || implicit::friction(&inertia, &normal, &tangent, self.inputs),
-                factors.map(|factors| Bordered::new(factors, columns.to_vec())),
+                factors
+                    .map(|factors| Bordered::new(factors, columns.to_vec()))
+                    .as_ref(),
             );
             FrictionEquations {
                 rows,
@@ -202,7 +204,9 @@ impl Mechanism<'_> {
                     .zip(divisor)
                     .map(|(inverse, divisor)| over(&inverse, divisor)),
                 || implicit::direction(&inertia, &normal, self.inputs),
-                factors.map(|factors| Bordered::new(factors, vec![inertia.free_part(&normal)])),
+                factors
+                    .map(|factors| Bordered::new(factors, vec![inertia.free_part(&normal)]))
+                    .as_ref(),
             ),
         };
         Ok(ContactEquations {
@@ -215,6 +219,50 @@ impl Mechanism<'_> {
         })
     }
 
+    /// The inertia with coordinates locked.
+    fn holding<'h>(&'h self, held: &'h [usize]) -> implicit::Locked<'h> {
+        implicit::Locked {
+            mass: self.mass,
+            momenta: self.momenta,
+            held,
+        }
+    }
+
+    /// Dry friction: no gap and no normal, the given normal acceleration `D f` for a force `f`, and the direction
+    /// `e = M^-1 b / D`, with the scale `D = sum_k b_k^2 / M_kk`, which is `b' M^-1 b` for one coordinate.
+    fn dry(&self, bound: Sym, friction: &Friction) -> ContactEquations {
+        let n = self.momenta.len();
+        let (sliding, curvature, tangent) = slip(friction, n);
+        let terms = tangent.iter().enumerate();
+        let scale = terms.map(|(k, &b)| b * b * self.mass[k * n + k].power(-2));
+        let scale = simplify(scale.sum());
+        let pressed = simplify(scale * bound);
+        let inertia = self.holding(&[]);
+        let (rows, direction) = self.directed(
+            vec![sliding],
+            self.formulas
+                .map(|formulas| over(&formulas.solve(&tangent), scale)),
+            || implicit::of_force(&inertia, over(&tangent, scale), self.inputs),
+            self.written_out,
+        );
+        let friction = FrictionEquations {
+            rows,
+            curvature,
+            tangent,
+            direction,
+        };
+        let mut values = vec![Sym::ZERO, pressed];
+        values.resize(2 + n, Sym::ZERO);
+        ContactEquations {
+            rows: Explicit::new(values, self.inputs),
+            curvature: simplify(-pressed),
+            normal: vec![Sym::ZERO; n],
+            inverse_inertia: InverseInertia::Formula(scale),
+            direction: None,
+            friction: Some(friction),
+        }
+    }
+
     /// Some rows followed by a direction: a formula, or the first part of the solution of a system. What
     /// has no formulas at all is left to be solved at run time.
     fn directed(
@@ -222,7 +270,7 @@ impl Mechanism<'_> {
         rows: Vec<Sym>,
         formula: Option<Vec<Sym>>,
         system: impl Fn() -> Implicit,
-        elimination: Option<Bordered<'_>>,
+        elimination: Option<&impl Elimination>,
     ) -> (Explicit, Option<Implicit>) {
         let Some(elimination) = elimination else {
             return (Explicit::new(rows, self.inputs), Some(system()));
@@ -231,7 +279,7 @@ impl Mechanism<'_> {
             let weights: Vec<Sym> = (0..self.momenta.len())
                 .map(|i| Implicit::multiplier(rows.len() + i))
                 .collect();
-            let direction = residual::derivatives(&system(), &elimination, &weights, self.inputs);
+            let direction = residual::derivatives(&system(), elimination, &weights, self.inputs);
             Explicit::new(rows.clone(), self.inputs).followed_by(direction)
         };
         let rows = match formula {

@@ -247,6 +247,15 @@ pub(super) fn friction(
     bordered(inertia, normal, &[tangent], inputs)
 }
 
+/// The acceleration `a` by a generalized force: `M a = f`.
+pub(super) fn of_force(inertia: &Locked<'_>, force: Vec<Sym>, inputs: &[Variable]) -> Implicit {
+    let n = inertia.size();
+    let products = inertia.times(|i| Implicit::unknown(n, i));
+    let residual: Vec<Sym> = products.iter().zip(&force).map(|(&a, &f)| a - f).collect();
+    let transposed = inertia.times(Implicit::multiplier);
+    Implicit::new(inertia.matrix(), force, &residual, &transposed, inputs)
+}
+
 /// Unknowns `e` for each of the tangents, then `d` and `r`.
 fn bordered(
     inertia: &Locked<'_>,

@@ -21,13 +21,16 @@ pub struct Contact {
     pub held: Vec<usize>,
     /// Contacts that are pieces of the same maximum of gaps; empty for most.
     pub alternatives: Vec<usize>,
+    /// Whether it is dry friction without a surface.
+    pub dry: bool,
     /// Kernel of the gap.
     pub gap: usize,
     /// Kernel of what is known at a point, as far as it is formulas.
     pub point: usize,
     /// Whether the inverse inertia along the normal comes from the system of motion.
     pub inertia_from_motion: bool,
-    /// The rows gap, normal velocity and direction, with their derivatives.
+    /// The rows gap, normal velocity and direction, with their derivatives; of dry friction the given normal acceleration
+    /// between zeros.
     pub rows: Rows,
     /// Kernel of the coefficient of restitution; none for an inelastic contact.
     pub restitution: Option<usize>,
@@ -79,7 +82,9 @@ pub(super) fn contact(
     let name = &declared.name.text.replace('.', "__");
     let rows = &contact.rows;
     let gap = builder.kernel(&format!("gap_{name}"), &rows.values[..1]);
-    let mut point = vec![rows.values[0], rows.values[1], contact.curvature];
+    let dry = declared.bound.is_some();
+    let normal_velocity = if dry { Sym::ZERO } else { rows.values[1] };
+    let mut point = vec![rows.values[0], normal_velocity, contact.curvature];
     point.push(match contact.inverse_inertia {
         InverseInertia::Formula(inverse_inertia) => inverse_inertia,
         InverseInertia::Solved => Sym::ZERO,
@@ -98,6 +103,7 @@ pub(super) fn contact(
         custom_direction: declared.along.is_some(),
         held: declared.held.clone(),
         alternatives: declared.alternatives.clone(),
+        dry,
         gap,
         point,
         inertia_from_motion: solves && solved.is_none(),

@@ -31,7 +31,10 @@ pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<[Stri
         list.free_dynamics(equations);
     }
     for (contact, derived) in scene.contacts.iter().zip(&equations.contacts) {
-        list.auxiliary_dynamics(contact, derived);
+        // Dry friction acts in the free dynamics.
+        if contact.bound.is_none() {
+            list.auxiliary_dynamics(contact, derived);
+        }
     }
     if let (Some(task), Some(derived)) = (&scene.optimal_control, &equations.optimal_control) {
         list.optimal_control(task, derived);
@@ -91,6 +94,15 @@ impl List<'_> {
 
     fn contact(&mut self, contact: &Contact, derived: &ContactEquations) {
         let name = &contact.name.text;
+        if let (Some(bound), Some(derived)) = (contact.bound, &derived.friction) {
+            self.add(format!("slip({name})"), derived.rows.values[0]);
+            self.add(format!("bound({name})"), bound);
+            let law = format!(
+                "|friction_force({name})| <= bound({name}), against slip({name}) where that is not 0"
+            );
+            self.all.push((format!("dry friction({name})"), law));
+            return;
+        }
         self.add(format!("gap({name})"), derived.rows.values[0]);
         self.add(format!("gap({name})'"), derived.rows.values[1]);
         if let InverseInertia::Formula(inverse_inertia) = derived.inverse_inertia

@@ -115,7 +115,7 @@ fn contacts(contacts: &[Contact], code: &mut String) {
         let _ = write!(
             code,
             "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
-             ::hangtime::model::ImpactLaw::{}, friction: {friction}, custom_direction: {}, held: &{:?}, \
+             ::hangtime::model::ImpactLaw::{}, friction: {friction}, dry: {}, custom_direction: {}, held: &{:?}, \
              alternatives: &{:?}, jacobian: {}, hessian: {}, documentation: {:?} }},",
             contact.name,
             contact.unit,
@@ -124,6 +124,7 @@ fn contacts(contacts: &[Contact], code: &mut String) {
             } else {
                 "Inelastic"
             },
+            contact.dry,
             contact.custom_direction,
             contact.held,
             contact.alternatives,

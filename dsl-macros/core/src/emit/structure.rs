@@ -262,6 +262,9 @@ fn optimal_control(scene: &CheckedScene, task: &OptimalControl) -> String {
 
 /// The law of a contact in words.
 fn law(scene: &CheckedScene, contact: &Contact) -> String {
+    if let Some(bound) = contact.bound {
+        return format!("dry friction, bound {}", formula(scene, bound));
+    }
     let mut text = match contact.restitution {
         None => "inelastic".to_owned(),
         Some(coefficient) => format!("restitution {}", formula(scene, coefficient)),

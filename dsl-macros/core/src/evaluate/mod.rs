@@ -13,5 +13,6 @@ mod value;
 pub(crate) use expression::{BUDGET, TOO_LARGE, unrepresentable};
 pub(crate) use functions::velocity_direction;
 pub(crate) use kink::Kink;
+pub(crate) use recorded::FIRST_DRY;
 pub(crate) use scope::{Meaning, Role, Scope, UserFunction};
 pub(crate) use value::Value;

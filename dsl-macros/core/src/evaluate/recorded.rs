@@ -7,6 +7,9 @@ use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
 use crate::graph::{Sym, Variable};
 use crate::words;
 
+/// Number of the first dry friction in forces, until the number of contacts before it is known.
+pub(crate) const FIRST_DRY: u16 = 1 << 15;
+
 /// `force(surface)` or `friction_force(surface)`.
 pub(super) fn contact_force(
     scope: &mut Scope,
@@ -33,6 +36,18 @@ pub(super) fn contact_force(
             return Err(diagnostics.report("E02", whole.place, message));
         }
     };
+    let normal = text == words::CONTACT_FUNCTIONS[0];
+    if let Some(index) = scope.dry.iter().position(|name| *name == surface.text) {
+        if normal {
+            let message = format!(
+                "dry friction `{0}` has no normal force; its own is `friction_force({0})`",
+                surface.text
+            );
+            return Err(diagnostics.report("E24", whole.place, message));
+        }
+        let force = Variable::FrictionForce(FIRST_DRY + index as u16);
+        return Ok(Value::Scalar(Sym::variable(force)));
+    }
     let known = scope
         .surfaces
         .iter()
@@ -55,7 +70,6 @@ pub(super) fn contact_force(
         };
         return Err(diagnostics.report("E01", surface.place(), message));
     };
-    let normal = text == words::CONTACT_FUNCTIONS[0];
     if !normal {
         scope.rubbing.push((contacts.start, whole.place));
     }

@@ -49,6 +49,8 @@ pub(crate) struct Scope {
     pub(crate) later: HashSet<String>,
     /// Surfaces declared so far, in order, with the contacts that they are.
     pub(crate) surfaces: Vec<(String, Range<usize>)>,
+    /// Dry frictions declared so far, in order.
+    pub(crate) dry: Vec<String>,
     /// Maxima and minima in the surface being evaluated.
     pub(crate) kinks: Vec<Kink>,
     /// Contacts of which the friction is recorded.

@@ -1,9 +1,10 @@
-//! Impact laws: `impact surface, ...: part, part, ...`, the parts in any order.
+//! Impact laws: `impact surface, ...: part, part, ...`, the parts in any order; and dry friction in the same way:
+//! `dry friction name: bound f, sliding v`.
 
 use super::cursor::{Cursor, unexpected};
 use super::expression::expression;
 use super::pieces::name;
-use crate::ast::{Expr, Law, Name, Statement};
+use crate::ast::{Documentation, Expr, Law, Name, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
 
@@ -201,6 +202,7 @@ fn needed(word: &str) -> &'static str {
         "restitution" => "its coefficient, as in `restitution 0.5`",
         "friction" => "its coefficient, as in `friction 0.3`",
         "sliding" => "the sliding velocity, as in `sliding dot(y)`",
+        "bound" => "the largest force, as in `bound 2 [N]`",
         _ => "the direction of the impulse, as in `along (0, 1)`",
     }
 }
@@ -219,5 +221,92 @@ fn held(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Vec<Name>
         }
         *cursor = ahead;
         names.push(name(cursor, "a coordinate", diagnostics)?);
+    }
+}
+
+/// Parses what stands behind the word `dry`.
+pub(super) fn dry_friction(
+    cursor: &mut Cursor,
+    documentation: Documentation,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
+    if !cursor.eat_word("friction") {
+        let wanted = "`friction` behind `dry`, as in `dry friction hinge: bound f, sliding dot(q)`";
+        return Err(unexpected(cursor, diagnostics, wanted));
+    }
+    let name = name(cursor, "the name of the friction", diagnostics)?;
+    match dry_parts(cursor, &name, diagnostics) {
+        Ok([bound, sliding]) => Ok(Statement::Dry {
+            documentation,
+            name,
+            bound,
+            sliding,
+        }),
+        Err(Reported) => {
+            diagnostics.poison(&name.text);
+            Err(Reported)
+        }
+    }
+}
+
+/// Bound and sliding velocity.
+fn dry_parts(
+    cursor: &mut Cursor,
+    name: &Name,
+    diagnostics: &mut Diagnostics,
+) -> Checked<[Expr; 2]> {
+    if !cursor.eat_symbol(":") {
+        let wanted = "`:` behind the name, as in `dry friction hinge: bound f, sliding dot(q)`";
+        return Err(unexpected(cursor, diagnostics, wanted));
+    }
+    let (mut bound, mut sliding) = (None, None);
+    loop {
+        let place = cursor.place();
+        let Some(word) = cursor.eat_name() else {
+            return Err(unexpected(cursor, diagnostics, "`bound` or `sliding`"));
+        };
+        let slot = match word.text.as_str() {
+            "bound" => &mut bound,
+            "sliding" => &mut sliding,
+            other => {
+                let message = format!(
+                    "unknown part `{other}` of dry friction; write `dry friction {}: bound f, sliding dot(q)`, with the \
+                     largest force and the velocity that it brakes",
+                    name.text
+                );
+                return Err(diagnostics.syntax(place, message));
+            }
+        };
+        if !value(slot, &word.text, place, cursor, diagnostics)? {
+            let message = format!("`{}` stands twice in one dry friction; keep one", word.text);
+            return Err(diagnostics.report("E20", place, message));
+        }
+        if cursor.eat_symbol(",") {
+            continue;
+        }
+        let part =
+            |ident: &proc_macro2::Ident| words::DRY_PARTS.contains(&ident.to_string().as_str());
+        if cursor.ident().is_some_and(part) {
+            let message = format!("a comma is missing before {}", cursor.describe());
+            return Err(diagnostics.syntax(cursor.place(), message));
+        }
+        break;
+    }
+    match (bound, sliding) {
+        (Some((_, bound)), Some((_, sliding))) => Ok([bound, sliding]),
+        (None, _) => {
+            let message = format!(
+                "dry friction `{}` does not say how large its force may be; add `bound f`",
+                name.text
+            );
+            Err(diagnostics.report("E20", name.place(), message))
+        }
+        (_, None) => {
+            let message = format!(
+                "dry friction `{}` does not say which velocity it brakes; add `sliding dot(q)`",
+                name.text
+            );
+            Err(diagnostics.report("E20", name.place(), message))
+        }
     }
 }

@@ -115,7 +115,9 @@ pub(super) fn missing_operator(left: &Expr, right: &str, list: bool) -> String {
         long if long.chars().count() > 24 => "...".to_owned(),
         short => short,
     };
-    if list {
+    if right == words::DRY_PARTS[0] {
+        format!("a comma is missing before `{right}`; a product is written `{shown}*{right}`")
+    } else if list {
         format!(
             "an operator or a comma is missing before `{right}`; write a product as `{shown}*{right}`, components as \
              `{shown}, {right}`"

@@ -99,6 +99,7 @@ fn statement(
         "forces" => Ok(Statement::Forces(assignments(cursor, &word, diagnostics)?)),
         "surface" => surface(cursor, documentation, diagnostics),
         "impact" => law::impact(cursor, diagnostics),
+        "dry" => law::dry_friction(cursor, documentation, diagnostics),
         "start" => Ok(Statement::Start(assignments(cursor, &word, diagnostics)?)),
         "horizon" => {
             let value = expression(cursor, diagnostics)?;
@@ -121,6 +122,11 @@ fn statement(
 fn unknown_statement(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnostics) -> Reported {
     let text = word.text.as_str();
     let message = match closest(text, words::STATEMENTS) {
+        _ if text == "friction" => {
+            "`friction` is part of an impact law; write `impact name: ..., friction mu`, or \
+             `dry friction name: bound f, sliding dot(q)` for friction without a surface"
+                .to_owned()
+        }
         _ if words::LAW_PARTS.contains(&text) => format!(
             "`{text}` is part of an impact law; write `impact name: ..., {text} ...`, with commas \
              between the parts"

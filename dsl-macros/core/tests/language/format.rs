@@ -17,7 +17,7 @@ fn text_in_any_layout_gets_the_settled_style() {
         coordinates { y:m,z : m in 0 ..=3[m],  a } controls{u:N}// pushes\n\
         // Where it is.\nlet p=( y,z ) ; fn h( w )=-r*cos( 2 *w/r)\n\
         lagrangian |dot( p )| ^ 2*m/2-m*g*z+m*r^2/4*dot(a)^2\n\n  +\n  -0.5[N]*y // sum\n\
-        forces {y:u-2 [N],}\nsurface floor:z>=h( y )impact floor :inelastic ,friction 0.3,\n  sliding dot(y)-h(0)*-dot(a)\n\
+        forces {y:u-2 [N],}\ndry   friction rail :bound 2 [N]*y/1 [m],sliding dot(y)-dot(z) surface floor:z>=h( y )impact floor :inelastic ,friction 0.3,\n  sliding dot(y)-h(0)*-dot(a)\n\
         start{ z:1 }\n\n\n// The end.\noutputs { v:m/s=|dot(p)|, push=force( floor )-m*g }\n\
         picture {\npoint p, rectangle box at (y , -z) size (r,2*r) angle -a, link p to (0,0),\n\
         polygon a at p corners((0,0),(r,0),(0,r)) angle a - 1, curve c:( w,h(w) ) over w in 0[m]..=r }\n// Last.";
@@ -37,6 +37,7 @@ let p = (y, z)
 fn h(w) = -r*cos(2*w/r)
 lagrangian |dot(p)|^2*m/2 - m*g*z + m*r^2/4*dot(a)^2 + -0.5[N]*y // sum
 forces { y: u - 2 [N] }
+dry friction rail: bound 2[N]*y/1[m], sliding dot(y) - dot(z)
 surface floor: z >= h(y)
 impact floor: inelastic, friction 0.3, sliding dot(y) - h(0)*-dot(a)
 start { z: 1 }

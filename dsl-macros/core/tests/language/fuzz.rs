@@ -15,7 +15,8 @@ const SCENES: [&str; 8] = [
      -1..=1 } fn track(y) = a*(1 - cos(k*y)) let p = (y, track(y) + s) lagrangian m/2*|dot(p)|^2 forces { s: \
      u } surface ground: s >= 0 impact ground: inelastic, along (-diff(track)(y), 1) }",
     "pub(crate) Two { parameters { c = 2 } coordinates { q, p } lagrangian dot(q)^2/2 + c*dot(p)^2*(2 + \
-     sin(q)) - exp(q/3) + t*q dissipation c/2*dot(p)^2 surface wall: q <= 3 impact wall: inelastic }",
+     sin(q)) - exp(q/3) + t*q dissipation c/2*dot(p)^2 surface wall: q <= 3 impact wall: inelastic \
+     dry friction rail: bound c*exp(q/9), sliding dot(p) - q*dot(q) outputs { rub = friction_force(rail) } }",
     "V { parameters { e = 2 } coordinates { x, y, z } let p = (x, y, z) lagrangian |dot(p)|^2/2 - dot(p, p) \
      + cross((x, y), (y, z))^e + p[0]*p.z + p . p + atan2(y, 3 + x) }",
     "Top { parameters { m: kg = 2, j: kg m^2 = 1, l: m = 0.3 } coordinates { a: rad, b: rad } let r = \
@@ -52,7 +53,7 @@ impl Random {
     }
 }
 
-const WORDS: [&str; 63] = [
+const WORDS: [&str; 65] = [
     "rotation",
     "rotation_x",
     "transpose",
@@ -68,6 +69,8 @@ const WORDS: [&str; 63] = [
     "lagrangian",
     "surface",
     "impact",
+    "dry",
+    "bound",
     "inelastic",
     "along",
     "parameters",

@@ -350,7 +350,48 @@ texts! {
     friction_as_a_statement: beside "surface a: y >= 0 impact a: inelastic friction a: 0.3" =>
         "a comma is missing before `friction`";
     friction_far_from_its_law: beside "surface a: y >= 0 impact a: inelastic horizon 3 [s]; friction a: 0.3" =>
-        "`friction` is part of an impact law; write `impact name: ..., friction ...`, with commas between the parts";
+        "`friction` is part of an impact law; write `impact name: ..., friction mu`, or `dry friction name: bound f, sliding dot(q)` for friction without a surface";
+
+    // dry friction
+    dry_friction_in_any_order: beside "dry friction rail: bound m*g/10, sliding dot(y) dry friction post: sliding dot(z) - dot(y), bound 2 [N] + m*g*t/1 [s] outputs { rub: N = friction_force(post) }" => "accepted";
+    bound_is_no_word_of_the_language: messages
+        "S { parameters { bound = 1 } coordinates { y } lagrangian dot(y)^2/2 dry friction rail: bound bound, sliding dot(y) }" => "accepted";
+    dry_friction_without_a_bound: beside "dry friction rail: sliding dot(y)" =>
+        "E20: dry friction `rail` does not say how large its force may be; add `bound f`";
+    dry_friction_without_a_velocity: beside "dry friction rail: bound 2 [N]" =>
+        "E20: dry friction `rail` does not say which velocity it brakes; add `sliding dot(q)`";
+    dry_friction_without_commas: beside "dry friction rail: bound 2 [N] sliding dot(y) dry friction post: sliding dot(z) bound 2 [N]" =>
+        "a comma is missing before `sliding`",
+        "a comma is missing before `bound`; a product is written `dot(z)*bound`";
+    dry_friction_with_a_part_twice: beside "dry friction rail: bound 2 [N], bound 3 [N], sliding dot(y)" =>
+        "E20: `bound` stands twice in one dry friction; keep one";
+    dry_friction_with_a_coefficient: beside "dry friction rail: friction 0.3, sliding dot(y)" =>
+        "unknown part `friction` of dry friction; write `dry friction rail: bound f, sliding dot(q)`, with the largest force and the velocity that it brakes";
+    dry_friction_without_its_words: beside "dry rail: bound 2 [N], sliding dot(y)" =>
+        "expected `friction` behind `dry`, as in `dry friction hinge: bound f, sliding dot(q)`, found `rail`";
+    dry_friction_without_a_force: beside "dry friction rail: bound, sliding dot(y)" =>
+        "`bound` needs the largest force, as in `bound 2 [N]`";
+    bounds_in_other_units: beside "dry friction rail: bound 2 [m], sliding dot(y) dry friction post: bound 2 [N], sliding dot(z)/1 [m]" =>
+        "E03: units differ: `2 [m]` is in m, where N is needed (the bound of `rail` is the Lagrangian's unit over that of its sliding velocity times s)",
+        "E03: units differ: `2 [N]` is in N, where J is needed (the bound of `post` is the Lagrangian's unit over that of its sliding velocity times s)";
+    bound_that_depends_on_the_velocity: beside "dry friction rail: bound 2 [N s/m]*dot(y), sliding dot(y)" =>
+        "E07: the bound of dry friction `rail` depends on the velocity `dot(y)`; it may depend on positions and the time only";
+    bound_that_depends_on_a_control: cart "dry friction rail: bound u, sliding dot(y)" =>
+        "E07: the bound of dry friction `rail` depends on the control `u`; it may depend on positions and the time only";
+    bound_below_zero: beside "dry friction rail: bound -m*g, sliding dot(y)" =>
+        "E10: the bound of dry friction `rail` is -9.81 < 0: the force would drive the sliding instead of braking it; change its sign";
+    bound_with_a_kink: beside "dry friction rail: bound |2 [N]*y/1 [m]|, sliding dot(y)" =>
+        "E12: `|2 [N]*y/1 [m]|` of a number has a kink at 0; square it, or declare a `surface` where the motion switches";
+    place_instead_of_a_velocity: beside "dry friction rail: bound 2 [N], sliding y" =>
+        "E07: the sliding velocity `y` contains no velocity; write e.g. `dot(y)`";
+    dry_friction_with_a_law: beside "dry friction rail: bound 2 [N], sliding dot(y) impact rail: inelastic" =>
+        "E20: there is no surface `rail`; declare it by `surface rail: ... >= ...`";
+    dry_friction_named_like_a_surface: beside "surface rail: z >= 0 impact rail: inelastic dry friction rail: bound 2 [N], sliding dot(y)" =>
+        "E20: dry friction `rail` is declared twice; rename one";
+    surface_named_like_dry_friction: beside "dry friction rail: bound 2 [N], sliding dot(y) surface rail: z >= 0 impact rail: inelastic" =>
+        "E20: surface `rail` is declared twice; rename one";
+    normal_force_of_dry_friction: beside "dry friction rail: bound 2 [N], sliding dot(y) outputs { push: N = force(rail) }" =>
+        "E24: dry friction `rail` has no normal force; its own is `friction_force(rail)`";
 
     // E21
     product_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*3e250*2e140" =>

@@ -159,8 +159,24 @@ fn friction_entries(
     }
     add(row, place(SLIP_PLUS), 1.0);
     add(row, place(SLIP_MINUS), 1.0);
-    for (pressing, factor) in dcs.pressing(contact).into_iter().flatten() {
-        add(row, pressing, -factor);
+    if dcs.layout.is_dry(contact) {
+        let a_bar = dcs.system.auxiliary_acceleration;
+        let theta = dcs.layout.theta();
+        for (_, column, value) in dcs.system.contact_jacobian(contact) {
+            let speed = theta.map_or(1.0, |place| xi[place]);
+            add(
+                row,
+                dcs.layout.local_of_input(column),
+                -speed * value / a_bar,
+            );
+        }
+        if let Some(place) = theta {
+            add(row, place, -dcs.system.pressed(contact) / a_bar);
+        }
+    } else {
+        for (pressing, factor) in dcs.pressing(contact).into_iter().flatten() {
+            add(row, pressing, -factor);
+        }
     }
     add(row + 1, place(C_PLUS), -1.0);
     add(row + 1, place(C_MINUS), 1.0);
@@ -362,5 +378,36 @@ fn friction_curvature(
             add(dcs.layout.friction_place(r, SLIP_PLUS), column, -weight);
             add(dcs.layout.friction_place(r, SLIP_MINUS), column, weight);
         }
+    }
+    if dcs.layout.is_dry(contact) {
+        pressed_curvature(dcs, xi, (contact, weights[dcs.layout.friction_row(r)]), add);
+    }
+}
+
+/// What the given normal acceleration of a dry friction adds, whose row has a weight.
+fn pressed_curvature(
+    dcs: &mut HeavisideSystem<'_>,
+    xi: &[f64],
+    (contact, weight): (usize, f64),
+    add: &mut impl FnMut(usize, usize, f64),
+) {
+    let weight = -weight / dcs.system.auxiliary_acceleration;
+    let theta = dcs.layout.theta();
+    let speed = theta.map_or(1.0, |place| xi[place]);
+    let none = std::iter::repeat_n(0.0, dcs.layout.n);
+    let weights = [0.0, weight * speed];
+    dcs.system
+        .evaluate_contact_hessian(contact, &dcs.input, weights, none);
+    let declared = &dcs.system.model.declaration().contacts[contact];
+    let entries = declared.hessian.entries.iter();
+    for (&(i, j), &value) in entries.zip(&dcs.system.contact_hessians[contact]) {
+        let place = |input: u32| dcs.layout.local_of_input(input as usize);
+        add(place(i), place(j), value);
+    }
+    let Some(theta) = theta else {
+        return;
+    };
+    for (_, column, value) in dcs.system.contact_jacobian(contact) {
+        add(theta, dcs.layout.local_of_input(column), weight * value);
     }
 }

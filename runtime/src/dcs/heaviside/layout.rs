@@ -35,7 +35,7 @@ pub(crate) struct Group {
 pub(crate) struct Layout {
     /// Number of coordinates.
     pub(super) n: usize,
-    /// Number of contacts.
+    /// Number of contacts that are surfaces. The others, behind them, are dry friction.
     pub(super) contacts: usize,
     /// Number of controls.
     pub(super) controls: usize,
@@ -56,9 +56,19 @@ impl Layout {
         self.controls
     }
 
-    /// Number of contacts.
+    /// Number of contacts that are surfaces.
     pub(crate) fn contacts(&self) -> usize {
         self.contacts
+    }
+
+    /// Number of contacts with friction, dry friction among them.
+    pub(crate) fn frictions(&self) -> usize {
+        self.rough.len()
+    }
+
+    /// Whether a contact is dry friction, which has a friction alone.
+    pub(crate) fn is_dry(&self, contact: usize) -> bool {
+        contact >= self.contacts
     }
 
     /// Length of `z`.

@@ -25,7 +25,7 @@ impl<'a> HeavisideSystem<'a> {
         Self {
             layout: Layout {
                 n: system.coordinates(),
-                contacts: system.contacts(),
+                contacts: system.surfaces(),
                 controls: declaration.controls.len(),
                 rough: contacts
                     .clone()
@@ -61,8 +61,13 @@ impl<'a> HeavisideSystem<'a> {
         }
     }
 
-    /// Weight with which a contact presses, in units of `a_bar`.
+    /// Weight with which a contact presses, in units of `a_bar`. Dry friction presses at the speed of the clock: it
+    /// belongs to the free dynamics.
     pub(crate) fn pressure(&self, xi: &[f64], contact: usize) -> f64 {
+        if self.layout.is_dry(contact) {
+            let theta = self.layout.theta().map_or(1.0, |place| xi[place]);
+            return theta * self.system.pressed(contact) / self.system.auxiliary_acceleration;
+        }
         let terms = self.pressing(contact).into_iter().flatten();
         terms.map(|(place, factor)| factor * xi[place]).sum()
     }
@@ -196,6 +201,10 @@ impl<'a> HeavisideSystem<'a> {
                 xi[self.layout.rebound_place(j, RISE)] = 1.0 - alpha - fall;
             }
         }
+        for count in 2..=self.layout.contacts {
+            xi[self.layout.product(count)] =
+                xi[self.layout.product(count - 1)] * xi[self.layout.algebraic(count - 1, ALPHA)];
+        }
         for r in 0..self.layout.rough.len() {
             let contact = self.layout.rough[r];
             let pressure = self.pressure(xi, contact);
@@ -203,10 +212,6 @@ impl<'a> HeavisideSystem<'a> {
             let (plus, minus) = parts(self.system.sliding_velocity(contact));
             let first = self.layout.friction_place(r, SLIP_PLUS);
             xi[first..first + PER_FRICTION].copy_from_slice(&[slip, pressure - slip, plus, minus]);
-        }
-        for count in 2..=self.layout.contacts {
-            xi[self.layout.product(count)] =
-                xi[self.layout.product(count - 1)] * xi[self.layout.algebraic(count - 1, ALPHA)];
         }
         self.rows(xi, &mut rows);
     }
@@ -226,7 +231,8 @@ impl<'a> HeavisideSystem<'a> {
         };
         let alphas: Vec<f64> = (0..self.layout.contacts).map(|i| step(margin(i))).collect();
         let where_closed = |contact: usize, share: f64| {
-            if alphas[contact] == 1.0 { 0.5 } else { share }
+            let open = alphas.get(contact).is_some_and(|alpha| *alpha == 1.0);
+            if open { 0.5 } else { share }
         };
         let frictions = self
             .layout

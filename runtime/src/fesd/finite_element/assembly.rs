@@ -5,7 +5,7 @@ use super::{FiniteElement, numerical_time};
 /// The Newton matrix at the present stages.
 pub(super) fn assemble(element: &mut FiniteElement<'_>) {
     let (n, h, block) = (element.n, element.length, element.block());
-    let (contacts, forces) = (element.active().len(), element.constraints.count());
+    let (contacts, forces) = (element.constraints.normals(), element.constraints.count());
     let stages = element.tableau.stages();
     let size = stages * block;
     element.matrix.clear();
@@ -43,6 +43,20 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 let gradient = &constraints.gradients[i * n..(i + 1) * n];
                 let turning = &constraints.turning[i * n..(i + 1) * n];
                 let velocity_row = (rows + n + i) * size + columns;
+                if constraints.is_given(i) {
+                    for (entry, turning) in element.matrix[velocity_row..].iter_mut().zip(turning) {
+                        *entry = -second * turning;
+                    }
+                    for other in 0..contacts {
+                        let correction = &element.corrections[other * n..(other + 1) * n];
+                        let turned: f64 = turning.iter().zip(correction).map(|(a, b)| a * b).sum();
+                        element.matrix[velocity_row + n + forces + other] = -h * shift * turned;
+                    }
+                    if m == j {
+                        element.matrix[velocity_row + n + i] = 1.0;
+                    }
+                    continue;
+                }
                 for k in 0..n {
                     element.matrix[velocity_row + k] =
                         (second * turning[k] + first * gradient[k]) / h;

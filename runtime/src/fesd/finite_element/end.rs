@@ -49,7 +49,7 @@ pub(super) fn finish(element: &mut FiniteElement<'_>) -> Result<(), ElementError
 fn project_end(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
     let (n, contacts, forces) = (
         element.n,
-        element.active().len(),
+        element.constraints.normals(),
         element.constraints.count(),
     );
     let mut x = element.stage_input(element.tableau.stages() - 1).to_vec();
@@ -64,6 +64,12 @@ fn project_end(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
         let constraints = &element.constraints;
         let gap = constraints.gaps.iter().fold(0.0_f64, |g, v| g.max(v.abs()));
         for i in 0..forces {
+            if constraints.is_given(i) {
+                // Nothing is held: no shift.
+                matrix[i * forces..(i + 1) * forces].fill(0.0);
+                matrix[i * forces + i] = 1.0;
+                continue;
+            }
             for j in 0..forces {
                 let gradient = &constraints.gradients[i * n..(i + 1) * n];
                 let direction = &constraints.directions[j * n..(j + 1) * n];
@@ -73,6 +79,7 @@ fn project_end(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
         dense::factorize(&mut matrix, &mut pivots).map_err(|_| ElementError::Singular)?;
         if gap <= 4.0 * constraints.gap_rounding || iteration + 1 == MAX_ITERATIONS {
             shift.copy_from_slice(&constraints.velocities);
+            shift[contacts..constraints.active().len()].fill(0.0);
             dense::solve(&matrix, &pivots, &mut shift);
             subtract(&constraints.directions, &shift, &mut element.end.v);
             return Ok(());

@@ -19,13 +19,14 @@
 //! v' = ... + e_i(q) s_i                           0 = v_t,i(q, v)
 //! ```
 //!
-//! which has index 2 as well, so that the order stays.
+//! which has index 2 as well, so that the order stays. The force `r_i` of dry friction is given, `r_i = D_i f(q, t)`; it has
+//! neither `d_i` nor `eta_i`.
 //!
 //! In *numerical time* ([`FiniteElement::in_numerical_time`]) the same equations are those of the time-freezing system in
 //! a sliding mode, whose right-hand side a contact slows down by the speed of the clock (`numerical_time`).
 //!
 //! Unknowns of stage `m`: accelerations `A_m` (`n_q`), then the forces: `r_m` of each active contact and
-//! `s_m` of each that sticks; then `eta_m`, one an active contact. [`newton`] solves for them, with the matrix of `assembly`
+//! `s_m` of each that sticks; then `eta_m`, one an active surface. [`newton`] solves for them, with the matrix of `assembly`
 //! and the end state of `end`.
 
 mod assembly;
@@ -178,7 +179,7 @@ impl<'a> FiniteElement<'a> {
 
     /// Unknowns of one stage.
     fn block(&self) -> usize {
-        self.n + self.constraints.count() + self.active().len()
+        self.n + self.constraints.count() + self.constraints.normals()
     }
 
     /// Unknowns of the element without its length.
@@ -196,10 +197,10 @@ impl<'a> FiniteElement<'a> {
         self.length
     }
 
-    /// Normal contact accelerations of the active contacts at stage `m`.
+    /// Normal contact accelerations of the active surfaces at stage `m`.
     pub(crate) fn stage_forces(&self, m: usize) -> &[f64] {
         let begin = m * self.block() + self.n;
-        &self.unknowns[begin..begin + self.active().len()]
+        &self.unknowns[begin..begin + self.constraints.normals()]
     }
 
     /// Forces of all constraints at stage `m`: normals, then the friction of contacts that stick.
@@ -245,8 +246,9 @@ impl<'a> FiniteElement<'a> {
         self.unknowns.resize(size, 0.0);
         self.residual.resize(size, 0.0);
         self.pivots.resize(size, 0);
-        self.corrections.resize(active.len() * self.n, 0.0);
-        self.clock.set_mode(self.tableau.stages(), active.len());
+        let normals = self.constraints.normals();
+        self.corrections.resize(normals * self.n, 0.0);
+        self.clock.set_mode(self.tableau.stages(), normals);
         self.has_previous = false;
         self.factorized = false;
     }

@@ -219,7 +219,7 @@ fn update_stages(element: &mut FiniteElement<'_>) {
     }
 }
 
-/// Residuals of all stages: `A - a - sum d r - sum e s`, `v_n / h`, `v_t / h`, `g / h^2`.
+/// Residuals of all stages: `A - a - sum d r - sum e s`, `v_n / h` or `r - D f`, `v_t / h`, `g / h^2`.
 fn evaluate_residual(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
     update_stages(element);
     let (n, h, block, forces) = (
@@ -253,7 +253,11 @@ fn evaluate_residual(element: &mut FiniteElement<'_>) -> Result<(), ElementError
                 residual[k] -= force;
                 element.acceleration_scale = element.acceleration_scale.max(force.abs());
             }
-            residual[n + i] = element.constraints.velocities[i] / h;
+            residual[n + i] = if element.constraints.is_given(i) {
+                unknown[n + i] - element.constraints.velocities[i]
+            } else {
+                element.constraints.velocities[i] / h
+            };
         }
         for (target, gap) in residual[n + forces..]
             .iter_mut()

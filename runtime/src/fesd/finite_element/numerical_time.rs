@@ -189,6 +189,10 @@ pub(super) fn add_to_rows(element: &mut FiniteElement<'_>, m: usize) {
         for i in 0..forces {
             let own = i * n..(i + 1) * n;
             let turned = product(&element.constraints.turning[own.clone()], q);
+            if element.constraints.is_given(i) {
+                add(n + i, -turned);
+                continue;
+            }
             let velocity = turned + product(&element.constraints.gradients[own.clone()], v);
             add(n + i, velocity / h);
             if i < contacts {

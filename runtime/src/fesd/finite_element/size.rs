@@ -1,7 +1,7 @@
 //! How large the system of an element is, from the patterns of the model.
 
 use crate::fesd::active_contact::{ActiveContact, Tangential};
-use crate::model::{Model, contact_point, tangent_point};
+use crate::model::{Model, contact_point, surfaces, tangent_point};
 use crate::size::{Purpose, SizeGroup, Tally};
 
 /// Which entries of the blocks of a Newton matrix are not always 0.
@@ -106,12 +106,13 @@ impl Pattern {
 }
 
 /// Purposes of the unknowns of a stage, which are those of its equations: accelerations, forces, corrections.
-fn purposes(n: usize, active: &[ActiveContact]) -> Vec<Purpose> {
+fn purposes(n: usize, active: &[ActiveContact], normals: usize) -> Vec<Purpose> {
     let sticking = active.iter().filter(|held| held.sticks()).count();
+    let forces = active.len() + sticking;
     let mut purposes = vec![Purpose::State; n];
-    purposes.resize(n + active.len(), Purpose::ContactForce);
-    purposes.resize(n + active.len() + sticking, Purpose::Friction);
-    purposes.resize(n + 2 * active.len() + sticking, Purpose::Gap);
+    purposes.resize(n + normals, Purpose::ContactForce);
+    purposes.resize(n + forces, Purpose::Friction);
+    purposes.resize(n + forces + normals, Purpose::Gap);
     purposes
 }
 
@@ -125,8 +126,10 @@ pub(crate) fn groups(
     x: &[f64],
 ) -> Vec<SizeGroup> {
     let pattern = Pattern::of(model, active, x);
-    let (n, contacts, forces) = (pattern.n, active.len(), pattern.directions.len());
-    let purposes = purposes(n, active);
+    let surfaces = surfaces(model);
+    let contacts = active.iter().filter(|held| held.contact < surfaces).count();
+    let (n, forces) = (pattern.n, pattern.directions.len());
+    let purposes = purposes(n, active, contacts);
     let row_of = |matrix: &[bool], k: usize| matrix[k * n..(k + 1) * n].to_vec();
     let explicit_time = model.declaration().explicit_time;
     // Whether an entry is in all blocks, and whether in those of a stage with itself.
@@ -142,6 +145,10 @@ pub(crate) fn groups(
             let gradient = &pattern.gradients[row - n - forces];
             (gradient.clone(), gradient.clone())
         };
+        if column == row && (n + contacts..n + active.len()).contains(&row) {
+            // A given force.
+            return (false, true);
+        }
         let through = clock && (row_by_state.contains(&true) || (row < n && explicit_time));
         if column < n {
             (row_by_state[column], row == column)
@@ -168,8 +175,10 @@ pub(crate) fn groups(
     // One sign of the gap or the force of each contact is watched, and one of each friction.
     for contact in 0..model.declaration().contacts.len() {
         let held = active.iter().find(|held| held.contact == contact);
-        let sign = held.map_or(Purpose::Gap, |_| Purpose::ContactForce);
-        tally.of(sign).inequalities += stages;
+        if contact < surfaces {
+            let sign = held.map_or(Purpose::Gap, |_| Purpose::ContactForce);
+            tally.of(sign).inequalities += stages;
+        }
         if held.is_some_and(|held| held.tangential != Tangential::Idle) {
             tally.of(Purpose::Friction).inequalities += stages;
         }

@@ -199,7 +199,8 @@ fn undecided(transcription: &mut Transcription<'_>, state: &[f64], elapsed: f64)
     local.resize(transcription.local.len(), 0.0);
     transcription.dcs.rows(&local, &mut transcription.rows);
     let system = &transcription.dcs.system;
-    point.extend((0..system.contacts()).map(|contact| system.gap(contact)));
+    let contacts = 0..transcription.dcs.layout.contacts();
+    point.extend(contacts.map(|contact| system.gap(contact)));
     point.resize(states + transcription.groups.len(), 0.5);
     point
 }

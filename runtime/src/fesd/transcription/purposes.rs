@@ -8,9 +8,7 @@ use crate::size::{Purpose, SizeGroup, groups_of};
 /// Numbers of contacts, and of those with friction.
 fn counts(transcription: &Transcription<'_>) -> (usize, usize) {
     let layout = &transcription.dcs.layout;
-    let contacts = layout.contacts();
-    let rough = (0..contacts).filter(|&i| layout.slip_group(i).is_some());
-    (contacts, rough.count())
+    (layout.contacts(), layout.frictions())
 }
 
 /// What the state `k` is there for.

@@ -260,6 +260,7 @@ pub(in crate::ocp) fn at_start(
 
 #[cfg(test)]
 mod tests {
+    use crate::model::Model;
     use crate::ocp::collocation::discretization::{Places, Setting, parabolas};
     use crate::ocp::collocation::layout::{Cut, CutKind};
     use crate::ocp::collocation::transcribe::transcribe;
@@ -309,6 +310,23 @@ mod tests {
         }
     }
 
+    crate::model! {
+        /// A sledge on rough waves with a mass on a rail that is the drier the further it is pulled out.
+        Railed {
+            parameters { m: kg = 2, g: m/s^2 = 9.81, w: 1/m = 3, mu = 0.4, f: N = 3 }
+            coordinates { y: m, z: m, r: m }
+            controls { u: N in -5..=5, p: N in -3..=3 }
+            lagrangian m/2*(dot(y)^2 + dot(z)^2 + dot(y + r)^2) - m*g*z
+            forces { y: u*cos(w*y), r: p }
+            surface ground: z >= 0.1[m]*sin(w*y)
+            impact ground: friction mu, inelastic, sliding dot(y) + 0.1[m]*w*cos(w*y)*dot(z)
+            dry friction rail: bound f*(2 + sin(w*r)*cos(w*y) + t/1[s]), sliding dot(r)*(2 + cos(w*r)) - dot(z)
+            minimize time
+            finally { y == 1.5 [m] }
+            start { z: 0.5 [m], dot(y): 1 [m/s] }
+        }
+    }
+
     #[test]
     fn coordinate_that_friction_acts_on_is_no_parabola() {
         assert_eq!(parabolas(&Flat::default(), &[0.0; 6]), [false, false, true]);
@@ -351,20 +369,75 @@ mod tests {
         sequence
     }
 
+    /// A sledge that lands, sticks and slips, with a mass on a dry rail that slips from the start, rests, and slips again.
+    fn sequence_with_a_rail() -> Sequence {
+        use ContactMode::{Open, Stick};
+        let forward = ContactMode::Slip(Direction::Forward);
+        let backward = ContactMode::Slip(Direction::Backward);
+        let switch = |contact, closes, mode, place, time: f64| Switch {
+            contact,
+            closes,
+            mode,
+            impulse: mode,
+            accompanies: false,
+            interval: time.floor() as usize,
+            place,
+            time,
+        };
+        let sequence = Sequence {
+            initially: vec![Open, forward],
+            switches: vec![
+                switch(1, false, Stick, Place::Inside, 0.4),
+                switch(0, true, forward, Place::Inside, 0.7),
+                Switch {
+                    accompanies: true,
+                    ..switch(1, false, backward, Place::Inside, 0.7)
+                },
+                switch(1, false, Stick, Place::Inside, 1.3),
+                switch(1, false, forward, Place::Start, 2.0),
+                switch(0, false, Stick, Place::Inside, 2.5),
+            ],
+        };
+        sequence.ordered(4).unwrap()
+    }
+
     #[test]
     fn derivatives_with_friction_in_all_modes_agree_with_differences() {
-        let model = Rough::default();
-        let problem = Problem::of(&model, 4);
-        let (lower, upper) = bounds(&model);
+        let cuts = [
+            (0, CutKind::Cone(0, Direction::Forward)),
+            (0, CutKind::Slip(0)),
+        ];
+        compare_derivatives(&Rough::default(), &sequence_of_all_modes(), cuts, (10, 3));
+    }
+
+    #[test]
+    fn derivatives_with_dry_friction_agree_with_differences() {
+        let cuts = [
+            (1, CutKind::Cone(1, Direction::Forward)),
+            (2, CutKind::Slip(1)),
+        ];
+        compare_derivatives(&Railed::default(), &sequence_with_a_rail(), cuts, (10, 1));
+    }
+
+    /// Compares the derivatives of the programs of a sequence with elements in its second interval, with cuts in phases
+    /// of the first one; `counts` are its phases, and the contacts with friction in its impacts.
+    fn compare_derivatives(
+        model: &dyn Model,
+        sequence: &Sequence,
+        cuts: [(usize, CutKind); 2],
+        counts: (usize, usize),
+    ) {
+        let problem = Problem::of(model, 4);
+        let (lower, upper) = bounds(model);
         let bounds = (&lower[..], &upper[..]);
-        let guessed = guess(&model, &problem, &Guess::Perturbed(3), bounds).unwrap();
-        let units = Units::new(&model, &guessed, bounds);
+        let guessed = guess(model, &problem, &Guess::Perturbed(3), bounds).unwrap();
+        let units = Units::new(model, &guessed, bounds);
         let tableau = ButcherTableau::new(Scheme::RadauIia, 3).unwrap();
         let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
-        let parabolas = parabolas(&model, &start);
+        let parabolas = parabolas(model, &start);
         assert_eq!(parabolas, [false; 3]);
         let setting = |shape| Setting {
-            model: &model,
+            model,
             shape,
             problem: &problem,
             tableau: &tableau,
@@ -380,21 +453,16 @@ mod tests {
         let compared = check_derivatives(&mut coarse.program, None).unwrap();
         assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
 
-        let sequence = sequence_of_all_modes();
-        let cut = |phase, interval, kind| Cut {
-            interval,
-            phase,
+        let cuts = cuts.map(|(phase, kind)| Cut {
+            interval: 0,
+            phase: (phase, 3),
             theta: 0.3,
             kind,
-        };
-        let cuts = [
-            cut((1, 3), 0, CutKind::Cone(0, Direction::Forward)),
-            cut((2, 3), 0, CutKind::Slip(0)),
-        ];
+        });
         for shape in [ControlShape::Constant, ControlShape::Linear] {
             let setting = setting(shape);
-            let mut fine = transcribe(setting, &sequence, &guessed, &cuts, &[1, 2, 1, 1]);
-            assert_eq!((fine.phases.len(), fine.impacts.len()), (10, 3));
+            let mut fine = transcribe(setting, sequence, &guessed, &cuts, &[1, 2, 1, 1]);
+            assert_eq!((fine.phases.len(), fine.impacts.len()), counts);
             let compared = check_derivatives(&mut fine.program, None).unwrap();
             assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
         }

@@ -78,10 +78,12 @@ pub(super) fn enter(builder: &mut Builder, instant: &Instant) {
 /// The impact map where a contact closes or is touched, `v_n+ = -e v_n-` for all contacts that are closed then, but
 /// for companions that it lifts. The impact ends the part of the motion that `label` names, at a time of the guess.
 pub(super) fn close(builder: &mut Builder, instant: &Instant, label: &str, time: f64) {
+    let contacts = builder.setting.model.declaration().contacts;
     let modes = builder.modes.iter().enumerate();
     let laws: Vec<(usize, ContactMode)> = modes
         .map(|(contact, &mode)| (contact, instant.law(contact, mode)))
-        .filter(|(_, mode)| !mode.is_open())
+        // Dry friction has no impulses.
+        .filter(|&(contact, mode)| !mode.is_open() && !contacts[contact].dry)
         .collect();
     let (after, rows) = velocities_after(builder, label, time);
     let uses = |rows: &[usize]| -> Vec<(usize, usize, f64)> {

@@ -130,8 +130,13 @@ fn unknowns(
             let name = model.declaration().contacts[i].name;
             let program = &mut builder.program;
             let unit = units.force[i] * length;
+            let what = if model.declaration().contacts[i].dry {
+                "friction bound"
+            } else {
+                "force"
+            };
             let force = program.variable(
-                format!("force of `{name}` {at}"),
+                format!("{what} of `{name}` {at}"),
                 (0.0, f64::INFINITY),
                 sample[2 * builder.n + i] * length,
                 unit,
@@ -146,8 +151,10 @@ fn unknowns(
             };
             let tangential = friction_rows::tangential(program, model, &normal, &at);
             stage.tangential.extend(tangential);
-            let name = format!("correction of `{name}` {at}");
-            shifts.push(program.variable(name, FREE, 0.0, units.gap[i]));
+            if !model.declaration().contacts[i].dry {
+                let name = format!("correction of `{name}` {at}");
+                shifts.push(program.variable(name, FREE, 0.0, units.gap[i]));
+            }
         }
         corrections.push(shifts);
         phase.stages.push(stage);
@@ -219,15 +226,47 @@ fn stage_rows(
             let turns = element.turns;
             friction_rows::constrain(tangential, program, model, [q, v, &u], turns, last, &at);
         }
-        let (kernel, forces) = (
-            Kernel::Push(phase.closed.clone()),
-            &phase.stages[stage].forces,
-        );
-        program.block(&kernel, [q, &[], &u, forces], None, pushes);
-        program.block(&kernel, [q, &[], &u, corrections], None, moves);
+        // Each surface has a correction; dry friction, which stands behind them, has no normal.
+        let surfaces = phase.closed[..corrections.len()].to_vec();
+        let forces = &phase.stages[stage].forces[..corrections.len()];
+        if !surfaces.is_empty() {
+            let kernel = Kernel::Push(surfaces);
+            program.block(&kernel, [q, &[], &u, forces], None, pushes);
+            program.block(&kernel, [q, &[], &u, corrections], None, moves);
+        }
+        given_forces(builder, element, phase, stage, corrections.len());
     }
     phase.stages[stage].tangential = tangentials;
     phase.stages[stage].gap_rows = gap_rows(builder, element, phase, stage);
+}
+
+/// Adds the rows of the given forces of dry friction, the closed contacts from `first` on.
+fn given_forces(
+    builder: &mut Builder,
+    element: &Element,
+    phase: &Phase,
+    stage: usize,
+    first: usize,
+) {
+    let Setting { model, units, .. } = builder.setting;
+    let place = format!("stage {stage}, {}", element.label());
+    let Stage {
+        state,
+        drive,
+        forces,
+        ..
+    } = &phase.stages[stage];
+    let (q, v) = state.split_at(builder.n);
+    let program = &mut builder.program;
+    for (&contact, &force) in phase.closed.iter().zip(forces).skip(first) {
+        let name = model.declaration().contacts[contact].name;
+        let name = format!("friction bound of `{name}`, {place}");
+        let row = program.row_in(units.gap_rows[contact], name, 0.0, 0.0);
+        program.linear(row, force, 1.0);
+        let uses = vec![(row, 1, -element.factor)];
+        let kernel = Kernel::Contact(contact);
+        program.block(&kernel, [q, v, drive, &[]], Some(element.scale), uses);
+    }
 }
 
 /// Adds the collocation rows of a stage with all that is linear in the unknowns, and the velocities.
@@ -277,7 +316,8 @@ fn gap_rows(builder: &mut Builder, element: &Element, phase: &Phase, stage: usiz
     let Stage { state, drive, .. } = &phase.stages[stage];
     let (q, v) = state.split_at(builder.n);
     let mut rows = Vec::with_capacity(builder.modes.len());
-    for (i, contact) in model.declaration().contacts.iter().enumerate() {
+    let surfaces = model.declaration().contacts.iter().filter(|c| !c.dry);
+    for (i, contact) in surfaces.enumerate() {
         let closed = phase.closed.contains(&i);
         let closes = last && element.closing.contains(&i);
         let upper = if closed || closes { 0.0 } else { f64::INFINITY };
@@ -343,7 +383,11 @@ fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) 
     let mut values = vec![0.0; tableau.stages()];
     tableau.lagrange_values(0.0, &mut values);
     for (slot, &i) in phase.closed.iter().enumerate() {
-        let name = model.declaration().contacts[i].name;
+        let declared = &model.declaration().contacts[i];
+        if declared.dry {
+            continue;
+        }
+        let name = declared.name;
         let name = format!("force of `{name}` at the start of {}", element.label());
         let row = program.row_in(units.gap_rows[i], name, 0.0, f64::INFINITY);
         for (stage, weight) in phase.stages.iter().zip(&values) {

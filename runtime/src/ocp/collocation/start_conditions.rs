@@ -48,7 +48,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder) {
             let row = builder.program.row_in(units.gap_rows[i], name, 0.0, upper);
             uses.push((row, 0, 1.0));
         }
-        if closed && reads(1) {
+        if closed && reads(1) && !contact.dry {
             let name = format!("normal velocity of `{}` at the start", contact.name);
             let row = builder.program.row_in(units.gap_rows[i], name, 0.0, 0.0);
             uses.push((row, 1, 1.0));

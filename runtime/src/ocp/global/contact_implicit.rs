@@ -34,7 +34,8 @@ use crate::simulation::{ContactMode, Direction};
 /// Unknowns of a contact in an element.
 struct Contact {
     force: usize,
-    gap: usize,
+    /// None of dry friction, whose force is given.
+    gap: Option<usize>,
     /// Forward and backward, of a contact with friction.
     sliding: Option<[Side; 2]>,
 }
@@ -152,7 +153,7 @@ impl<'a> ContactImplicit<'a> {
     /// its unit, and those slip whose velocity exceeds what is left of the cone.
     pub(in crate::ocp) fn modes(&self, x: &[f64]) -> Vec<Vec<ContactMode>> {
         let mode = |contact: &Contact| {
-            if x[contact.force] <= x[contact.gap] {
+            if contact.gap.is_some_and(|gap| x[contact.force] <= x[gap]) {
                 return ContactMode::Open;
             }
             let Some(sliding) = contact.sliding else {
@@ -222,6 +223,7 @@ fn contacts(program: &mut Program, setting: Setting, element: &Element) -> Vec<C
         time,
         sample,
         q,
+        v,
         u,
         ..
     } = element;
@@ -231,23 +233,40 @@ fn contacts(program: &mut Program, setting: Setting, element: &Element) -> Vec<C
         .map(|(contact, declared)| {
             let name = declared.name;
             let force = program.variable(
-                format!("force of `{name}` in element {index}"),
+                format!(
+                    "{} of `{name}` in element {index}",
+                    if declared.dry {
+                        "friction bound"
+                    } else {
+                        "force"
+                    }
+                ),
                 (0.0, f64::INFINITY),
                 sample[2 * n + contact],
                 units.force[contact],
             );
-            let gap = program.variable(
-                format!("gap `{name}` after element {index}"),
-                (0.0, f64::INFINITY),
-                gap(model, contact, &sample[..2 * n], time),
-                units.gap[contact],
-            );
-            let label = format!("gap `{name}`, element {index}");
-            let row = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
-            program.linear(row, gap, -1.0);
-            let block = Kernel::Contact(contact);
-            program.block(&block, [q, &[], u, &[]], None, vec![(row, 0, 1.0)]);
-            program.pair(force, gap);
+            let gap = if declared.dry {
+                let label = format!("friction bound of `{name}`, element {index}");
+                let row = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
+                program.linear(row, force, -1.0);
+                let block = Kernel::Contact(contact);
+                program.block(&block, [q, v, u, &[]], None, vec![(row, 1, 1.0)]);
+                None
+            } else {
+                let gap = program.variable(
+                    format!("gap `{name}` after element {index}"),
+                    (0.0, f64::INFINITY),
+                    gap(model, contact, &sample[..2 * n], time),
+                    units.gap[contact],
+                );
+                let label = format!("gap `{name}`, element {index}");
+                let row = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
+                program.linear(row, gap, -1.0);
+                let block = Kernel::Contact(contact);
+                program.block(&block, [q, &[], u, &[]], None, vec![(row, 0, 1.0)]);
+                program.pair(force, gap);
+                Some(gap)
+            };
             let sliding = is_frictional(model, contact)
                 .then(|| friction(program, setting, element, contact, force));
             Contact {
@@ -303,8 +322,10 @@ fn motion(
             program.block(&kernel, [q, &[], u, &[side.reserve]], Some(horizon), uses);
         }
     }
-    let forces: Vec<usize> = contacts.iter().map(|contact| contact.force).collect();
-    let kernel = Kernel::Acceleration((0..contacts.len()).collect());
+    // Dry friction, which has no normal, stands behind the surfaces.
+    let surfaces = contacts.iter().filter(|contact| contact.gap.is_some());
+    let forces: Vec<usize> = surfaces.map(|contact| contact.force).collect();
+    let kernel = Kernel::Acceleration((0..forces.len()).collect());
     program.block(&kernel, [q, v, u, &forces], Some(horizon), uses);
 }
 

@@ -250,7 +250,11 @@ impl<'a> Evaluator<'a> {
             Kernel::Contact(contact) => {
                 self.model.contact(*contact, plain, &mut self.point);
                 self.outputs[0] = self.point[contact_point::GAP];
-                self.outputs[1] = self.point[contact_point::NORMAL_VELOCITY];
+                self.outputs[1] = if self.model.declaration().contacts[*contact].dry {
+                    -self.point[contact_point::CURVATURE]
+                } else {
+                    self.point[contact_point::NORMAL_VELOCITY]
+                };
             }
             Kernel::Sliding(contact) => {
                 let point = &mut self.point[..tangent_point::length(self.coordinates)];

@@ -183,13 +183,17 @@ pub(in crate::ocp) fn insertions(pressure: &Pressure) -> Vec<Sequence> {
         };
         for (m, (stage, c)) in phase.stages.iter().zip(tableau.c()).enumerate() {
             let last = m + 1 == phase.stages.len();
+            let dry = |contact: usize| contact >= stage.gap_rows.len();
             for (&contact, &force) in phase.closed.iter().zip(&stage.forces) {
+                if dry(contact) {
+                    break;
+                }
                 let exits = last && opens == Some(contact);
                 if !exits && pressure.solution.multipliers_lower[force] > threshold {
                     places.push((contact, false, phase.modes[contact], time(*c)));
                 }
             }
-            for contact in (0..contacts).filter(|i| !phase.closed.contains(i)) {
+            for contact in (0..contacts).filter(|i| !dry(*i) && !phase.closed.contains(i)) {
                 let row = stage.gap_rows[contact];
                 let closes = last && phase.closing.contains(&contact);
                 if !closes

@@ -45,6 +45,9 @@ pub(in crate::ocp) fn read_replay(
         Some(forces) => forces.iter().map(|&force| force > 0.0).collect(),
         None => Vec::new(),
     };
+    for (closed, contact) in closed.iter_mut().zip(model.declaration().contacts) {
+        *closed |= contact.dry;
+    }
     let start = trajectory.start(model, problem);
     let mut input = vec![0.0; model.declaration().inputs()];
     input[..start.len()].copy_from_slice(&start);

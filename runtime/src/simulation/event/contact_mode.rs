@@ -7,6 +7,7 @@ use super::coulomb::{CoulombSolution, TangentialLaw};
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::impact::Undetermined;
+use crate::simulation::problem::negative_bound;
 
 /// Accelerations below this share of those they balance are compared by what follows a moment later: event
 /// times carry rounding error, and the force its rate times that.
@@ -196,6 +197,12 @@ fn candidates(
     for &i in resting {
         dynamics.evaluate_sides(i);
         let (acceleration, terms) = dynamics.free_normal_acceleration(i);
+        // Where it vanishes and goes on falling, its force was about to change its sign.
+        let released = vanished == Some(Switch::NormalForce(i));
+        if dynamics.is_dry(i) && (acceleration > 0.0 || released) {
+            let name = dynamics.model.declaration().contacts[i].name;
+            return Err(negative_bound(name));
+        }
         normal.push(acceleration);
         if !dynamics.has_friction(i) {
             tangential.push(0.0);
@@ -236,7 +243,12 @@ fn candidates(
                 BIACTIVE * normal.max(floor),
                 BIACTIVE * tangential.max(floor),
             );
-            candidate(contact, laws[slot], &solution, slot, zeros, vanished)
+            let mut candidate = candidate(contact, laws[slot], &solution, slot, zeros, vanished);
+            if dynamics.is_dry(contact) {
+                // It acts always, if only with a force of zero.
+                candidate.states.retain(|state| !state.is_open());
+            }
+            candidate
         })
         .collect())
 }

@@ -30,11 +30,13 @@ impl ContactProblem<'_> {
         dynamics: &Dynamics<'_>,
     ) -> Result<CoulombSolution, String> {
         let matrix = self.matrix(dynamics);
+        let surfaces = self.contacts.iter().filter(|&&i| !dynamics.is_dry(i));
         let problem = CoulombProblem {
             matrix: &matrix,
             normal: self.normal,
             tangential: self.tangential,
             laws: self.laws,
+            surfaces: surfaces.count(),
         };
         if problem.decisions() > MOST_DECISIONS {
             return Err(format!(
@@ -88,10 +90,10 @@ impl ContactProblem<'_> {
         let mut matrix = vec![0.0; 4 * m * m];
         for (row, &i) in self.contacts.iter().enumerate() {
             for (column, &j) in self.contacts.iter().enumerate() {
+                matrix[2 * m * row + column] = dynamics.coupling(i, j);
                 let mut set = |row: usize, column: usize, covector: &[f64], direction: &[f64]| {
                     matrix[2 * m * row + column] = dot(covector, direction);
                 };
-                set(row, column, dynamics.normal(i), dynamics.direction(j));
                 if dynamics.has_friction(j) {
                     let e = dynamics.friction_direction(j);
                     set(row, m + column, dynamics.normal(i), e);

@@ -59,6 +59,8 @@ pub(in crate::simulation) struct CoulombProblem<'a> {
     pub(in crate::simulation) tangential: &'a [f64],
     /// Tangential law of each contact.
     pub(in crate::simulation) laws: &'a [TangentialLaw],
+    /// Number of contacts that may open; the others, behind them, are dry friction.
+    pub(in crate::simulation) surfaces: usize,
 }
 
 /// A solution of the problem.
@@ -77,22 +79,27 @@ pub(in crate::simulation) struct CoulombSolution {
 }
 
 impl CoulombProblem<'_> {
-    /// Number of binary decisions; at most [`MOST_DECISIONS`] can be solved.
+    /// Number of binary decisions, rounded up; at most [`MOST_DECISIONS`] can be solved.
     pub(in crate::simulation) fn decisions(&self) -> usize {
-        self.laws
-            .iter()
-            .map(|law| law.states().len().ilog2() as usize)
-            .sum()
+        let choices = (0..self.laws.len()).map(|contact| self.states(contact).count() as f64);
+        choices.map(f64::log2).sum::<f64>().ceil() as usize
+    }
+
+    /// The states that a contact may have.
+    fn states(&self, contact: usize) -> impl Iterator<Item = ContactState> + use<> {
+        let opens = contact < self.surfaces;
+        let states = self.laws[contact].states().iter().copied();
+        states.filter(move |state| opens || !state.is_open())
     }
 
     /// All basic solutions: fewest closed contacts first, then fewest sliding ones. Empty if there is none.
     pub(in crate::simulation) fn solutions(&self) -> Vec<CoulombSolution> {
         let mut combinations = vec![Vec::new()];
-        for law in self.laws.iter().rev() {
+        for contact in (0..self.laws.len()).rev() {
             // The first contact varies fastest.
             let shorter = std::mem::take(&mut combinations);
             for rest in &shorter {
-                for &state in law.states() {
+                for state in self.states(contact) {
                     let mut longer = vec![state];
                     longer.extend_from_slice(rest);
                     combinations.push(longer);
@@ -241,6 +248,7 @@ mod tests {
             normal: q,
             tangential: &vec![0.0; m],
             laws: &vec![TangentialLaw::None; m],
+            surfaces: m,
         }
         .solutions()
     }
@@ -252,6 +260,7 @@ mod tests {
             normal: &q[..1],
             tangential: &q[1..],
             laws: &[law],
+            surfaces: 1,
         }
         .solutions()
     }
@@ -341,6 +350,7 @@ mod tests {
                 normal: &q[..2],
                 tangential: &q[2..],
                 laws: &laws,
+                surfaces: 2,
             };
             let found = problem.solutions();
             prop_assert!(!found.is_empty());

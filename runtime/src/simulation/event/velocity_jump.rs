@@ -26,7 +26,10 @@ pub(in crate::simulation) fn impact(
     closing: Option<usize>,
     lowest: LowestBounce,
 ) -> Result<Impact, Undetermined> {
-    let mut closed = closed_contacts(dynamics, t, y, closing);
+    // Dry friction has no impulses; it acts before and after.
+    let (mut closed, dry): (Vec<usize>, Vec<usize>) = closed_contacts(dynamics, t, y, closing)
+        .into_iter()
+        .partition(|&i| !dynamics.is_dry(i));
     let mut velocities: Vec<f64> = closed
         .iter()
         .map(|&i| dynamics.point(i)[contact_point::NORMAL_VELOCITY])
@@ -69,5 +72,6 @@ pub(in crate::simulation) fn impact(
             outcome.resting.push(i);
         }
     }
+    outcome.resting.extend(dry);
     Ok(outcome)
 }

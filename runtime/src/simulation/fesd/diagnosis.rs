@@ -6,6 +6,7 @@ use super::stop::Stop;
 use crate::fesd::active_contact::find;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
+use crate::simulation::problem::negative_bound;
 use crate::simulation::{Diagnosis, EventKind, SimulationStatus};
 
 /// Switches within a hundredth of the horizon before the contact mode counts as ambiguous. A ball that keeps
@@ -197,6 +198,10 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
         Stop::Mode(ModeError::Jammed) => {
             let (contact, why) = jamming(driver);
             SimulationStatus::AmbiguousContact(diagnosis(driver, step, contact, describe(&why)))
+        }
+        &Stop::Mode(ModeError::NegativeBound(contact)) => {
+            let why = describe(&negative_bound(driver.setup.name(contact)));
+            SimulationStatus::AmbiguousContact(diagnosis(driver, step, Some(contact), why))
         }
         Stop::Mode(ModeError::Dependent) => SimulationStatus::AmbiguousContact(diagnosis(
             driver,

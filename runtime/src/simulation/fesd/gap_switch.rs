@@ -269,6 +269,9 @@ pub(super) fn first_exit(
     }
     for (slot, held) in active.iter().enumerate() {
         let i = held.contact;
+        if contacts.is_dry(i) {
+            continue;
+        }
         let (before, after) = (
             detector.previous_forces[slot].max(0.0),
             detector.forces[slot],
@@ -335,6 +338,8 @@ fn dip(
 pub(super) fn beyond(error: ModeError) -> Stop {
     Stop::Element(match error {
         ModeError::NotFinite => ElementError::NotFinite,
-        ModeError::Jammed | ModeError::Dependent => ElementError::Singular,
+        ModeError::Jammed | ModeError::Dependent | ModeError::NegativeBound(_) => {
+            ElementError::Singular
+        }
     })
 }

@@ -190,7 +190,8 @@ pub(super) fn earlier_violation(driver: &Driver<'_>, located: Switch) -> Option<
         .zip(frictions)
     {
         let i = held.contact;
-        let found = if r < -CROSSED * driver.now.contacts.phi_scale(i) {
+        let opens = r < -CROSSED * driver.now.contacts.phi_scale(i);
+        let found = if opens && !driver.now.contacts.is_dry(i) {
             other(SwitchKind::Exit, i, located.slope)
         } else if held.sticks() {
             let margin = driver.now.contacts.friction(i) * r - s.abs();

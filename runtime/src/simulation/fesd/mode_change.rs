@@ -65,12 +65,16 @@ pub(super) fn settle(driver: &mut Driver<'_>, switched: &[usize]) -> Result<(), 
     driver.now.contacts.remember_sizes(&driver.now.x);
     let touching = touching(driver, switched);
     let v_before = driver.now.state.v.clone();
-    let impact = impacts::carry_out(driver, &touching)?;
+    // Dry friction has no impulses, and it acts always.
+    let dry = touching.iter().position(|&i| driver.now.contacts.is_dry(i));
+    let (surfaces, dry) = touching.split_at(dry.unwrap_or(touching.len()));
+    let impact = impacts::carry_out(driver, surfaces)?;
     let previous = driver.now.active.clone();
     let now = &mut driver.now;
-    let touching = impact.cluster.as_ref().unwrap_or(&touching);
+    let surfaces = impact.cluster.as_deref().unwrap_or(surfaces);
+    let touching = [surfaces, dry].concat();
     let time = now.state.time;
-    contact_mode::select(&mut now.contacts, &now.x, touching, time, &mut now.active)?;
+    contact_mode::select(&mut now.contacts, &now.x, &touching, time, &mut now.active)?;
     bounces::end_cascades(driver, &impact.ended);
     if !driver.now.active.is_empty() {
         let active: Vec<usize> = driver.now.active.iter().map(|held| held.contact).collect();

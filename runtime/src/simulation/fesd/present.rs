@@ -101,6 +101,7 @@ impl<'a> Present<'a> {
         self.contacts.evaluate(&self.x, 0..self.gaps.len());
         self.contacts.remember_sizes(&self.x);
         self.contacts.remember_scales();
+        self.contacts.check_bounds()?;
         self.forces.resize(force_count(&self.active), 0.0);
         self.contacts
             .contact_forces(&self.active, &mut self.forces)?;

@@ -86,6 +86,7 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             noted(walk, name, result)
         }
         Statement::Impact { surfaces, law } => impact_law(walk, surfaces, law),
+        Statement::Dry { .. } => dry_friction(walk, statement),
         Statement::Minimize { value, .. } => walk.scalar(value).map(|_| ()),
         Statement::Constraint { name, condition } => {
             let what = format!("both sides of constraint `{}`", name.text);
@@ -303,6 +304,29 @@ fn impact_law(walk: &mut Walk<'_>, surfaces: &[Name], law: &Law) -> Checked<()> 
         Some(direction) => impulse_direction(walk, direction),
         None => Ok(()),
     }
+}
+
+/// A force does work along the way on which it brakes.
+fn dry_friction(walk: &mut Walk<'_>, statement: &Statement) -> Checked<()> {
+    let Statement::Dry {
+        name,
+        bound,
+        sliding,
+        ..
+    } = statement
+    else {
+        return Ok(());
+    };
+    let (own, velocity) = (walk.scalar(bound), walk.scalar(sliding));
+    let (own, velocity) = (own?, velocity?);
+    let way = velocity.times(&Dimension::second());
+    let wanted = walk.energy.over(&way);
+    walk.gaps.push((name.text.clone(), way));
+    let reason = format!(
+        "the bound of `{}` is the Lagrangian's unit over that of its sliding velocity times s",
+        name.text
+    );
+    walk.expect(bound, &own, &wanted, &reason)
 }
 
 /// Sliding velocities are measured like the gaps, over seconds.

@@ -13,7 +13,9 @@ pub(in crate::simulation) mod switching;
 pub(in crate::simulation) use switch::Switch;
 
 use super::contact_state::{ContactState, Direction};
-use crate::model::{ControlPiece, Model, Pieces, contact_point, contains_ground, tangent_point};
+use crate::model::{
+    ControlPiece, Model, Pieces, contact_point, contains_ground, surfaces, tangent_point,
+};
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
     SimulationStatus, Trajectory,
@@ -36,8 +38,9 @@ pub(in crate::simulation) struct Dynamics<'a> {
     pub(in crate::simulation) model: &'a dyn Model,
     /// Number of coordinates.
     pub(in crate::simulation) n: usize,
-    /// Number of contacts.
+    /// Number of contacts, and of those that are surfaces; the others, behind them, are dry friction.
     pub(in crate::simulation) contacts: usize,
+    pub(in crate::simulation) surfaces: usize,
     pub(in crate::simulation) laws: Laws,
     pub(in crate::simulation) mode: Mode,
     pub(in crate::simulation) switching: SwitchingFunctions,
@@ -166,6 +169,7 @@ impl<'a> Dynamics<'a> {
             model,
             n,
             contacts,
+            surfaces: surfaces(model),
             mode: Mode {
                 states: vec![ContactState::Open; contacts],
                 active: Vec::with_capacity(contacts),
@@ -325,7 +329,22 @@ impl<'a> Dynamics<'a> {
     /// tangential force is `ratio` times as large. Not above zero, friction jams the contact.
     pub(in crate::simulation) fn gain(&self, contact: usize, ratio: f64) -> f64 {
         let normal = self.normal(contact);
-        dot(normal, self.direction(contact)) + ratio * dot(normal, self.friction_direction(contact))
+        self.coupling(contact, contact) + ratio * dot(normal, self.friction_direction(contact))
+    }
+
+    /// Normal acceleration of a contact for one unit of the force along the direction of another, as last evaluated. That
+    /// of dry friction is its force less the given one.
+    pub(in crate::simulation) fn coupling(&self, contact: usize, other: usize) -> f64 {
+        if contact == other && self.is_dry(contact) {
+            1.0
+        } else {
+            dot(self.normal(contact), self.direction(other))
+        }
+    }
+
+    /// Whether a contact is dry friction without a surface, whose normal force is given.
+    pub(in crate::simulation) fn is_dry(&self, contact: usize) -> bool {
+        contact >= self.surfaces
     }
 
     /// The sliding contact with the smallest [`gain`](Self::gain), and that.

@@ -27,7 +27,8 @@ pub(in crate::simulation) fn holds(dynamics: &mut Dynamics<'_>, contact: usize) 
             } else {
                 dynamics.friction_direction(contact)
             };
-            matrix[row * order + column] = dot(covector, direction);
+            let given = row == column && rows::is_given(dynamics, row);
+            matrix[row * order + column] = if given { 1.0 } else { dot(covector, direction) };
         }
     }
     small_system::solve(&mut matrix, &mut vec![0.0; order]).is_none()
@@ -91,15 +92,14 @@ pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mu
 /// `s_i = r_i / a_bar` over the active contacts: the weight of the free dynamics is `p`, those of
 /// the auxiliary dynamics `gamma_i = s_i p`.
 fn speed_of_numerical_time(dynamics: &Dynamics<'_>) -> f64 {
-    let shares = || {
-        dynamics
-            .mode
-            .active
-            .iter()
-            .map(|&i| dynamics.equations.r[i])
+    // Dry friction belongs to the free dynamics.
+    let surfaces = || {
+        let active = dynamics.mode.active.iter();
+        active.filter(|&&i| !dynamics.is_dry(i))
     };
+    let shares = || surfaces().map(|&i| dynamics.equations.r[i]);
     let sum: f64 = shares().map(|r| r / dynamics.auxiliary_acceleration).sum();
-    if dynamics.mode.active.len() < 2 {
+    if surfaces().count() < 2 {
         return 1.0 + sum;
     }
     // The residual p - prod(1 - s p) increases with p and 1 / (1 + sum s) lies below its root.

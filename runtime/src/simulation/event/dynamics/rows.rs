@@ -13,6 +13,12 @@ pub(super) fn constraint<'a>(dynamics: &'a Dynamics<'_>, row: usize) -> &'a [f64
     }
 }
 
+/// Whether the unknown of a row is the given normal force of dry friction.
+pub(super) fn is_given(dynamics: &Dynamics<'_>, row: usize) -> bool {
+    let contact = dynamics.mode.active.get(row);
+    contact.is_some_and(|&contact| dynamics.is_dry(contact))
+}
+
 /// Direction of the unknown of a row; with `slipping` that of a sliding contact is the direction of its
 /// whole force.
 pub(super) fn force_direction<'a>(
@@ -34,10 +40,15 @@ pub(super) fn force_direction<'a>(
 pub(super) fn solve_rows(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> Option<f64> {
     for row in 0..rows {
         for column in 0..rows {
-            dynamics.equations.matrix[row * rows + column] = dot(
-                constraint(dynamics, row),
-                force_direction(dynamics, column, slipping),
-            );
+            dynamics.equations.matrix[row * rows + column] =
+                if row == column && is_given(dynamics, row) {
+                    1.0
+                } else {
+                    dot(
+                        constraint(dynamics, row),
+                        force_direction(dynamics, column, slipping),
+                    )
+                };
         }
     }
     small_system::solve(
@@ -106,9 +117,13 @@ pub(super) fn store_forces(dynamics: &mut Dynamics<'_>, rows: usize) {
 pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
     let normals = dynamics.mode.active.len();
     for slot in 0..normals {
-        dynamics.equations.right[slot] = -dynamics
-            .contact_accelerations(dynamics.mode.active[slot], a)
-            .0;
+        // A given force leaves no rounding error.
+        dynamics.equations.right[slot] = if is_given(dynamics, slot) {
+            0.0
+        } else {
+            let contact = dynamics.mode.active[slot];
+            -dynamics.contact_accelerations(contact, a).0
+        };
     }
     for slot in normals..rows {
         let contact = dynamics.mode.sticking[slot - normals];

@@ -1,0 +1,112 @@
+//! Dry friction without a surface: a contact whose normal force is given.
+
+use super::checker::{Checker, DryFriction};
+use super::law;
+use crate::ast::{Documentation, Expr, Name};
+use crate::diagnostics::Checked;
+use crate::evaluate::{FIRST_DRY, expression};
+use crate::graph::{self, Sym, Variable};
+use crate::scene::{Contact, Friction};
+use hangtime_units::Unit;
+use std::collections::HashMap;
+
+/// E20: a surface or a dry friction has a name of its own.
+pub(super) fn new_contact(checker: &mut Checker<'_>, name: &Name, what: &str) -> Checked<()> {
+    let text = &name.text;
+    let dry = checker.scope.dry.contains(text);
+    let mut surfaces = checker.surfaces.iter().map(|known| &known.name.text);
+    if dry || surfaces.any(|known| known == text) || checker.diagnostics.is_poisoned(text) {
+        let message = format!("{what} `{text}` is declared twice; rename one");
+        let reported = checker.diagnostics.report("E20", name.place(), message);
+        if dry {
+            // What its law says is no second mistake.
+            checker.diagnostics.poison(text);
+        }
+        return Err(reported);
+    }
+    Ok(())
+}
+
+pub(super) fn friction(
+    checker: &mut Checker<'_>,
+    (documentation, name): (&Documentation, &Name),
+    bound: &Expr,
+    sliding: &Expr,
+) -> Checked<()> {
+    new_contact(checker, name, "dry friction")?;
+    let bound = self::bound(checker, name, bound);
+    let sliding = law::sliding(checker, sliding);
+    let (Ok(bound), Ok(sliding)) = (bound, sliding) else {
+        return checker.poison(name);
+    };
+    checker.scope.dry.push(name.text.clone());
+    checker.laws.dry.push(DryFriction {
+        documentation: documentation.clone(),
+        name: name.clone(),
+        bound,
+        sliding,
+    });
+    Ok(())
+}
+
+/// E07 and E10: the bound depends on positions and time only, and is not negative.
+fn bound(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<Sym> {
+    let bound = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+    let moving =
+        |variable: &Variable| matches!(variable, Variable::Velocity(_) | Variable::Control(_));
+    if let Some(variable) = graph::variables(&[bound]).into_iter().find(moving) {
+        let message = format!(
+            "the bound of dry friction `{}` depends on {}; it may depend on positions and the time only",
+            name.text,
+            checker.in_words(variable)
+        );
+        return Err(checker.diagnostics.report("E07", expr.place, message));
+    }
+    match checker.at_default(bound) {
+        Some(value) if value < 0.0 => {
+            let message = format!(
+                "the bound of dry friction `{}` is {value} < 0: the force would drive the sliding instead of braking \
+                 it; change its sign",
+                name.text
+            );
+            Err(checker.diagnostics.report("E10", expr.place, message))
+        }
+        _ => Ok(bound),
+    }
+}
+
+/// Adds the dry frictions behind the surfaces, with units in which their velocities are integrated, and lets the outputs
+/// know their places.
+pub(super) fn append(
+    checker: &mut Checker<'_>,
+    units: &HashMap<String, Unit>,
+    contacts: &mut Vec<Contact>,
+) {
+    let surfaces = contacts.len() as u16;
+    for output in &mut checker.shown.outputs {
+        let placed = graph::substitute(&[output.value], |variable| match variable {
+            Variable::FrictionForce(i) if i >= FIRST_DRY => Some(Sym::variable(
+                Variable::FrictionForce(i - FIRST_DRY + surfaces),
+            )),
+            _ => None,
+        });
+        output.value = placed[0];
+    }
+    for dry in std::mem::take(&mut checker.laws.dry) {
+        contacts.push(Contact {
+            unit: units.get(&dry.name.text).copied(),
+            name: dry.name,
+            documentation: dry.documentation,
+            gap: Sym::ZERO,
+            alternatives: Vec::new(),
+            along: None,
+            held: Vec::new(),
+            restitution: None,
+            friction: Some(Friction {
+                coefficient: Sym::ONE,
+                sliding: dry.sliding,
+            }),
+            bound: Some(dry.bound),
+        });
+    }
+}
