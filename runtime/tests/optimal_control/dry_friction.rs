@@ -10,7 +10,7 @@ use hangtime::ocp::{
     self, ControlShape, Formulation, Problem, Settings, Solution, Status, TimeFreezingSettings,
     program_sizes,
 };
-use hangtime::simulation::{EventKind, Purpose};
+use hangtime::simulation::EventKind;
 
 /// The solver's tolerance is 1e-9, that of the re-simulation 1e-12.
 const DIGITS: f64 = 1e-7;
@@ -200,10 +200,7 @@ fn rail_has_neither_height_nor_gap() {
         &one_start(),
     );
     for size in gaps.unwrap() {
-        let gap = size
-            .groups
-            .iter()
-            .find(|group| group.purpose == Purpose::Gap);
+        let gap = size.groups.iter().find(|group| group.name == "gap");
         assert!(gap.is_none(), "{}", size.formulation);
     }
 }

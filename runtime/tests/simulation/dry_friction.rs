@@ -337,12 +337,14 @@ fn agree(model: &dyn Model, problem: &InitialValueProblem) -> Result<(), TestCas
     let event = run(&event, model, problem);
     prop_assert_eq!(&event.status, &SimulationStatus::Solved);
     for formulation in [StepFormulation::ActiveSet, StepFormulation::TimeFreezing] {
-        let fesd = Fesd::default()
-            .with_scheme(Scheme::RadauIia, 5)
-            .with_grid(1, 1)
-            .with_tolerance(1e-12)
-            .with_formulation(formulation)
-            .with_rest_velocity(1e-3);
+        let fesd = Fesd {
+            rest_velocity: Some(1e-3),
+            ..Fesd::default()
+                .with_scheme(Scheme::RadauIia, 5)
+                .with_grid(1, 1)
+                .with_tolerance(1e-12)
+                .with_formulation(formulation)
+        };
         let fesd = run(&fesd, model, problem);
         prop_assert_eq!(&fesd.status, &SimulationStatus::Solved);
         prop_assert_eq!(fesd.counts.fallbacks, 0);
