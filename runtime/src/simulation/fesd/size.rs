@@ -22,7 +22,7 @@ use crate::time_freezing::TimeFreezingSystem;
 /// # Examples
 /// ```
 /// use hangtime::prelude::*;
-/// use hangtime::simulation::{InitialValueProblem, Purpose, step_sizes};
+/// use hangtime::simulation::{InitialValueProblem, step_sizes};
 ///
 /// # hangtime::model! {
 /// #     /// A ball above a floor.
@@ -39,7 +39,9 @@ use crate::time_freezing::TimeFreezingSystem;
 /// let ball = Ball::default();
 /// let sizes = step_sizes(&ball, &InitialValueProblem::of(&ball, None)?, &Fesd::default())?;
 /// assert_eq!(sizes[0].size().variables, 6);
-/// assert_eq!(sizes[1].of(Purpose::ContactForce).variables, 6);
+/// let mut groups = sizes[1].groups.iter();
+/// let forces = groups.find(|group| group.name == "contact force");
+/// assert_eq!(forces.map(|group| group.size.variables), Some(6));
 /// # Ok::<(), InputError>(())
 /// ```
 pub fn step_sizes(
