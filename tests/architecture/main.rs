@@ -6,7 +6,7 @@
 //! all re-exports. A `mod` declaration is no arrow; neither is a re-export by the root of a folder (`mod.rs`, `lib.rs`)
 //! that does not use the name itself. What is compiled for tests only (`#[cfg(test)]`) draws none.
 //!
-//! `HANGTIME_ARROWS=runtime/src/nlp cargo test --test architecture` looks at one folder.
+//! `HANGTIME_ARROWS=solver/src/nlp cargo test --test architecture` looks at one folder.
 
 use std::env;
 use std::fs;
