@@ -12,6 +12,7 @@ mod published_results;
 mod pump_track;
 mod readme;
 mod scene_files;
+#[path = "../stability/mod.rs"]
 mod stability;
 mod teaching_models;
 mod zoo;
