@@ -3,7 +3,7 @@
 use cpu_time::ProcessTime;
 use hangtime::ocp::{self, Formulation, Problem, Settings, Solution, Status, TimeFreezingSettings};
 
-use super::side_by_side::side_by_side;
+use super::side_by_side::{side_by_side, workers};
 use super::verdict::{Row, Verdict};
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
@@ -15,7 +15,7 @@ use crate::{HardOptimum, RightOptimum};
 const INTERVALS: usize = 12;
 /// Distance from the least objective that the tolerances of the programs explain, relative, or absolute below one.
 const NEAR: f64 = 1e-6;
-/// CPU time of the program after which a solve counts as one that does not end [s]; two that run side by side share it.
+/// CPU time after which a solve counts as one that does not end [s], where those that run beside it take as much.
 const PATIENCE: f64 = 60.0;
 
 /// A way to solve a problem: its name, and its settings.
@@ -64,6 +64,8 @@ fn row(problem: &HardOptimum, bounds: &Bounds) -> Result<Row, BadInput> {
     let scene = load_text(problem.name, problem.text)?;
     let chosen = ChosenScene::new(scene, &[])?;
     let model = chosen.model.as_ref();
+    // The clock is that of the whole program.
+    let patience = PATIENCE * workers() as f64;
     let verdicts = WAYS.iter().map(|(_, settings)| {
         let start = ProcessTime::try_now();
         let spent = || start.as_ref().ok()?.try_elapsed().ok();
@@ -71,7 +73,7 @@ fn row(problem: &HardOptimum, bounds: &Bounds) -> Result<Row, BadInput> {
             model,
             &Problem::of(model, INTERVALS),
             &settings(),
-            &mut |_| bounds.asked().is_none() && spent().is_none_or(|s| s.as_secs_f64() < PATIENCE),
+            &mut |_| bounds.asked().is_none() && spent().is_none_or(|s| s.as_secs_f64() < patience),
         );
         match ended {
             Err(error) if error.is_unsupported() => Verdict::NotApplicable,

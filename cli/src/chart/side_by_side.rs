@@ -9,6 +9,11 @@ use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::progress::Progress;
 
+/// How many pieces are worked on at a time.
+pub(super) fn workers() -> usize {
+    thread::available_parallelism().map_or(1, NonZero::get)
+}
+
 /// What `each` makes of the pieces, in their order, under a bar with a title that says what is done; without the last
 /// ones where a bound is reached.
 pub(super) fn side_by_side<T: Sync, R: Send>(
@@ -37,9 +42,8 @@ pub(super) fn side_by_side<T: Sync, R: Send>(
             show(index + 1);
         }
     };
-    let cores = thread::available_parallelism().map_or(1, NonZero::get);
     let mut done: Vec<(usize, Result<R, BadInput>)> = thread::scope(|scope| {
-        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(worker)).collect();
+        let workers: Vec<_> = (0..workers()).map(|_| scope.spawn(worker)).collect();
         let ended = workers.into_iter().map(|worker| worker.join());
         ended
             .flat_map(|own| own.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
