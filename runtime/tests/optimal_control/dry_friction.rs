@@ -4,34 +4,10 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use crate::friction::least_sliding_effort;
-use crate::support::one_start;
+use crate::support::{DIGITS, attempt, kinds, linear, one_start, solve, time_freezing};
 use hangtime::model::Model;
-use hangtime::ocp::{
-    self, ControlShape, Formulation, Problem, Settings, Solution, Status, TimeFreezingSettings,
-    program_sizes,
-};
+use hangtime::ocp::{Problem, program_sizes};
 use hangtime::simulation::EventKind;
-
-/// The solver's tolerance is 1e-9, that of the re-simulation 1e-12.
-const DIGITS: f64 = 1e-7;
-
-fn solve(model: &dyn Model, intervals: usize, settings: &Settings) -> Solution {
-    let problem = Problem::of(model, intervals);
-    let solution = ocp::solve(model, &problem, settings, &mut |_| true).unwrap();
-    assert_eq!(
-        solution.status,
-        Status::Solved,
-        "{:?}",
-        solution.diagnosis()
-    );
-    assert!(solution.resimulation_error < DIGITS);
-    solution
-}
-
-fn kinds(solution: &Solution) -> Vec<EventKind> {
-    let events = solution.planned_events.iter();
-    events.map(|event| event.1).collect()
-}
 
 fn assert_close(found: f64, expected: f64) {
     assert!(
@@ -100,12 +76,6 @@ hangtime::model! {
     }
 }
 
-fn time_freezing() -> Settings {
-    let mut settings = one_start();
-    settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
-    settings
-}
-
 #[test]
 fn mass_from_rest_to_rest_brakes_with_the_help_of_friction() {
     // It gains speed with a = (10 - 5)/2 and loses it with b = (10 + 5)/2.
@@ -135,9 +105,7 @@ fn least_effort_against_a_constant_force_has_its_closed_form() {
     // While it slides, u = f + m a with a linear in time: f^2 T + 12 m^2 d^2/T^3.
     let (mass, force, way, length) = (2.0_f64, 5.0_f64, 1.0_f64, 1.2_f64);
     let effort = force * force * length + 12.0 * (mass * way).powi(2) / length.powi(3);
-    let mut settings = one_start();
-    settings.controls = ControlShape::Linear;
-    let solution = solve(&Rail::default(), 4, &settings);
+    let solution = solve(&Rail::default(), 4, &linear());
     assert_close(solution.objective, effort);
     assert!(solution.planned_events.is_empty());
 }
@@ -145,13 +113,9 @@ fn least_effort_against_a_constant_force_has_its_closed_form() {
 #[test]
 #[ignore = "long"]
 fn least_effort_is_that_of_a_block_on_a_rough_floor() {
-    let mut settings = one_start();
-    settings.controls = ControlShape::Linear;
-    let rail = solve(&Rail::default(), 4, &settings);
+    let rail = solve(&Rail::default(), 4, &linear());
     // Whatever is proved of the neighbours of its sequence, which are more.
-    let block = Block::default();
-    let problem = Problem::of(&block, 4);
-    let solution = ocp::solve(&block, &problem, &settings, &mut |_| true).unwrap();
+    let solution = attempt(&Block::default(), 4, &linear());
     assert_close(solution.objective, rail.objective);
 }
 

@@ -2,27 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::one_start;
-use hangtime::model::Model;
-use hangtime::ocp::{
-    self, ControlShape, Formulation, Problem, Settings, Solution, Status, TimeFreezingSettings,
-};
+use crate::support::{linear, one_start, solve, time_freezing};
+use hangtime::ocp::ControlShape;
 use hangtime::simulation::EventKind;
 
 /// The solver's tolerance is 1e-9, that of the re-simulation 1e-12.
 const DIGITS: f64 = 1e-8;
-
-fn solve(model: &dyn Model, intervals: usize, settings: &Settings) -> Solution {
-    let problem = Problem::of(model, intervals);
-    let solution = ocp::solve(model, &problem, settings, &mut |_| true).unwrap();
-    assert_eq!(
-        solution.status,
-        Status::Solved,
-        "{:?}",
-        solution.diagnosis()
-    );
-    solution
-}
 
 hangtime::model! {
     /// A cart in a wind that grows.
@@ -50,11 +35,7 @@ fn least_time_in_a_growing_wind_is_that_of_the_closed_form() {
         }
     }
     let sail = Sail::default();
-    let mut linear = one_start();
-    linear.controls = ControlShape::Linear;
-    let mut freezing = one_start();
-    freezing.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
-    for settings in [one_start(), linear, freezing] {
+    for settings in [one_start(), linear(), time_freezing()] {
         let solution = solve(&sail, 3, &settings);
         assert!(
             (solution.horizon - lower).abs() < DIGITS,

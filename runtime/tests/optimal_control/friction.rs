@@ -2,41 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::one_start;
-use hangtime::model::Model;
-use hangtime::ocp::{
-    self, ControlShape, Formulation, Guess, Problem, Settings, Solution, Status,
-    TimeFreezingSettings,
-};
+use crate::support::{DIGITS, attempt, kinds, linear, one_start, solve, time_freezing};
+use hangtime::ocp::{Formulation, Guess, Settings, Status, TimeFreezingSettings};
 use hangtime::simulation::EventKind;
-
-/// The solver's tolerance is 1e-9, that of the re-simulation 1e-12.
-const DIGITS: f64 = 1e-7;
-
-fn attempt(model: &dyn Model, intervals: usize, settings: &Settings) -> Solution {
-    let problem = Problem::of(model, intervals);
-    ocp::solve(model, &problem, settings, &mut |_| true).unwrap()
-}
-
-fn solve(model: &dyn Model, intervals: usize, settings: &Settings) -> Solution {
-    let solution = attempt(model, intervals, settings);
-    assert_eq!(
-        solution.status,
-        Status::Solved,
-        "{:?}",
-        solution.diagnosis()
-    );
-    assert!(solution.resimulation_error < DIGITS);
-    solution
-}
-
-fn kinds(solution: &Solution) -> Vec<EventKind> {
-    solution
-        .planned_events
-        .iter()
-        .map(|event| event.1)
-        .collect()
-}
 
 hangtime::model! {
     /// A block that is pushed over a floor with friction, as fast as possible from rest to rest.
@@ -243,15 +211,11 @@ fn puck_that_lands_sliding_loses_speed_to_the_friction_of_the_impact() {
 #[test]
 fn puck_is_found_by_the_time_freezing_formulation_and_with_linear_controls_too() {
     let time = landing_time();
-    let mut settings = one_start();
-    settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
-    let solution = solve(&Puck::default(), 6, &settings);
+    let solution = solve(&Puck::default(), 6, &time_freezing());
     assert!((solution.horizon - time).abs() < DIGITS);
     let report = solution.time_freezing.unwrap();
     assert!(report.residuals.complementarity < 1.1e-6 && report.residuals.primal < 1e-6);
-    let mut settings = one_start();
-    settings.controls = ControlShape::Linear;
-    let solution = solve(&Puck::default(), 6, &settings);
+    let solution = solve(&Puck::default(), 6, &linear());
     assert!((solution.horizon - time).abs() < DIGITS);
 }
 

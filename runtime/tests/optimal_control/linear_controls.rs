@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::one_start;
+use crate::support::{linear, one_start};
 use hangtime::model::Model;
 use hangtime::ocp::{
     self, ControlShape, Formulation, Guess, Problem, Settings, Solution, Status,
@@ -12,12 +12,6 @@ use hangtime::simulation::EventKind;
 
 /// The solver's tolerance is 1e-9, that of the re-simulation 1e-12.
 const DIGITS: f64 = 1e-8;
-
-fn linear() -> Settings {
-    let mut settings = one_start();
-    settings.controls = ControlShape::Linear;
-    settings
-}
 
 fn solve(model: &dyn Model, problem: &Problem, settings: &Settings) -> Solution {
     let solution = ocp::solve(model, problem, settings, &mut |_| true).unwrap();

@@ -1,10 +1,58 @@
 //! What the tests share.
 
-use hangtime::ocp::Settings;
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+use hangtime::model::Model;
+use hangtime::ocp::{
+    self, ControlShape, Formulation, Problem, Settings, Solution, Status, TimeFreezingSettings,
+};
+use hangtime::simulation::EventKind;
+
+/// Digits of an objective or a final time: the solver's tolerance is 1e-9, that of the re-simulation 1e-12.
+pub(crate) const DIGITS: f64 = 1e-7;
 
 /// The settings of a search from one start, where a test is about what comes after the exploration.
 pub(crate) fn one_start() -> Settings {
     let mut settings = Settings::default();
     settings.starts = Some(1);
     settings
+}
+
+/// The same with controls that are linear in between.
+pub(crate) fn linear() -> Settings {
+    let mut settings = one_start();
+    settings.controls = ControlShape::Linear;
+    settings
+}
+
+/// The same by time-freezing.
+pub(crate) fn time_freezing() -> Settings {
+    let mut settings = one_start();
+    settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
+    settings
+}
+
+/// A result, whatever it is.
+pub(crate) fn attempt(model: &dyn Model, intervals: usize, settings: &Settings) -> Solution {
+    let problem = Problem::of(model, intervals);
+    ocp::solve(model, &problem, settings, &mut |_| true).unwrap()
+}
+
+/// A certified result that its re-simulation confirms.
+pub(crate) fn solve(model: &dyn Model, intervals: usize, settings: &Settings) -> Solution {
+    let solution = attempt(model, intervals, settings);
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    assert!(solution.resimulation_error < DIGITS);
+    solution
+}
+
+/// The kinds of the switches of a plan.
+pub(crate) fn kinds(solution: &Solution) -> Vec<EventKind> {
+    let events = solution.planned_events.iter();
+    events.map(|event| event.1).collect()
 }

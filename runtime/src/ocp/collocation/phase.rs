@@ -8,7 +8,7 @@ use super::stage_inputs::{Elapsed, drive_at, drive_within};
 use super::turns::Turns;
 use super::{cut_rows, friction_rows, start_conditions};
 use crate::ocp::motion::control_grid::ControlShape;
-use crate::ocp::program::frame::state_name;
+use crate::ocp::program::frame::{force_name, state_name};
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::settings::PathPoints;
 
@@ -127,16 +127,11 @@ fn unknowns(
         let mut shifts = Vec::new();
         let (model, length) = (builder.setting.model, element.to - element.from);
         for &i in &closed {
-            let name = model.declaration().contacts[i].name;
+            let declared = &model.declaration().contacts[i];
             let program = &mut builder.program;
             let unit = units.force[i] * length;
-            let what = if model.declaration().contacts[i].dry {
-                "friction bound"
-            } else {
-                "force"
-            };
             let force = program.variable(
-                format!("{what} of `{name}` {at}"),
+                format!("{} {at}", force_name(declared)),
                 (0.0, f64::INFINITY),
                 sample[2 * builder.n + i] * length,
                 unit,
@@ -151,8 +146,8 @@ fn unknowns(
             };
             let tangential = friction_rows::tangential(program, model, &normal, &at);
             stage.tangential.extend(tangential);
-            if !model.declaration().contacts[i].dry {
-                let name = format!("correction of `{name}` {at}");
+            if !declared.dry {
+                let name = format!("correction of `{}` {at}", declared.name);
                 shifts.push(program.variable(name, FREE, 0.0, units.gap[i]));
             }
         }
@@ -259,8 +254,8 @@ fn given_forces(
     let (q, v) = state.split_at(builder.n);
     let program = &mut builder.program;
     for (&contact, &force) in phase.closed.iter().zip(forces).skip(first) {
-        let name = model.declaration().contacts[contact].name;
-        let name = format!("friction bound of `{name}`, {place}");
+        let declared = &model.declaration().contacts[contact];
+        let name = format!("{}, {place}", force_name(declared));
         let row = program.row_in(units.gap_rows[contact], name, 0.0, 0.0);
         program.linear(row, force, 1.0);
         let uses = vec![(row, 1, -element.factor)];

@@ -26,7 +26,7 @@ use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::mode::{is_frictional, sliding_velocity};
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::trajectory::Trajectory;
-use crate::ocp::program::frame::{Frame, state_name};
+use crate::ocp::program::frame::{Frame, force_name, state_name};
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::program::sparse_program::Program;
 use crate::simulation::{ContactMode, Direction};
@@ -233,20 +233,13 @@ fn contacts(program: &mut Program, setting: Setting, element: &Element) -> Vec<C
         .map(|(contact, declared)| {
             let name = declared.name;
             let force = program.variable(
-                format!(
-                    "{} of `{name}` in element {index}",
-                    if declared.dry {
-                        "friction bound"
-                    } else {
-                        "force"
-                    }
-                ),
+                format!("{} in element {index}", force_name(declared)),
                 (0.0, f64::INFINITY),
                 sample[2 * n + contact],
                 units.force[contact],
             );
             let gap = if declared.dry {
-                let label = format!("friction bound of `{name}`, element {index}");
+                let label = format!("{}, element {index}", force_name(declared));
                 let row = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
                 program.linear(row, force, -1.0);
                 let block = Kernel::Contact(contact);

@@ -114,8 +114,8 @@ impl<'a> TimeFreezing<'a> {
     }
 
     /// Length of each element in numerical time \[s\], at the point `x` of the program.
-    #[must_use]
-    pub fn numerical_lengths(&self, x: &[f64]) -> Vec<f64> {
+    #[cfg(test)]
+    fn numerical_lengths(&self, x: &[f64]) -> Vec<f64> {
         let program = &self.transcription;
         (0..program.elements())
             .map(|e| program.numerical_length(x, e))

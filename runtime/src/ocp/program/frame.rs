@@ -3,7 +3,7 @@
 use super::kernel::Kernel;
 use super::sparse_program::{OBJECTIVE, Program};
 use super::units::Units;
-use crate::model::{ConstraintDeclaration, Model};
+use crate::model::{ConstraintDeclaration, ContactDeclaration, Model};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
@@ -176,6 +176,16 @@ fn row(program: &mut Program, constraint: &ConstraintDeclaration, place: &str) -
         f64::INFINITY
     };
     program.row(format!("`{}` {place}", constraint.name), 0.0, upper)
+}
+
+/// Name of the normal force of a contact; of dry friction it is the bound.
+pub(in crate::ocp) fn force_name(contact: &ContactDeclaration) -> String {
+    let what = if contact.dry {
+        "friction bound"
+    } else {
+        "force"
+    };
+    format!("{what} of `{}`", contact.name)
 }
 
 /// Name of component `k` of `(q, v)`.
