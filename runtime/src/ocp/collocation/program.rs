@@ -7,6 +7,7 @@ use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::sparse_program::Program;
 use crate::rk::ButcherTableau;
+use hangtime_solver::nlp::{self, NlpProblem};
 
 /// The program with its phases.
 pub(in crate::ocp) struct Collocation<'a> {
@@ -20,6 +21,8 @@ pub(in crate::ocp) struct Collocation<'a> {
     pub(in crate::ocp) touches: Vec<(Switch, usize)>,
     pub(in crate::ocp) distances: Vec<Distance>,
     pub(in crate::ocp) tableau: &'a ButcherTableau,
+    /// Numbers of variables and rows before each interval, and before what follows the last one.
+    pub(in crate::ocp) spans: Vec<(usize, usize)>,
     pub(in crate::ocp) horizon: usize,
     /// Variables of the controls on each interval, or at each node.
     pub(in crate::ocp) controls: Vec<Vec<usize>>,
@@ -30,6 +33,39 @@ impl Collocation<'_> {
     /// Length of the motion, from physical values.
     pub(in crate::ocp) fn horizon_at(&self, physical: &[f64]) -> f64 {
         physical[self.horizon]
+    }
+
+    /// A start from the solution of the program of another sequence: what intervals with the same switches have in common.
+    pub(in crate::ocp) fn start_from(
+        &self,
+        other: &Collocation,
+        solution: &nlp::Solution,
+        barrier: f64,
+    ) -> nlp::WarmStart {
+        let (variables, rows) = self.program.extent();
+        let mut known = (vec![None; variables], vec![None; rows]);
+        let parts = |program: &Collocation| {
+            let ends = program.spans.iter().copied();
+            let ends = ends.chain([program.program.extent()]);
+            let begins = std::iter::once((0, 0)).chain(program.spans.iter().copied());
+            begins.zip(ends).collect::<Vec<_>>()
+        };
+        for (own, of_other) in parts(self).into_iter().zip(parts(other)) {
+            let variables = (own.0.0..own.1.0, of_other.0.0..of_other.1.0);
+            let rows = (own.0.1..own.1.1, of_other.0.1..of_other.1.1);
+            if self.program.is_like(&other.program, &variables, &rows) {
+                for (i, j) in variables.0.zip(variables.1) {
+                    known.0[i] = Some(j);
+                }
+                for (i, j) in rows.0.zip(rows.1) {
+                    known.1[i] = Some(j);
+                }
+            }
+        }
+        let mut x = vec![0.0; variables];
+        self.program.initial_point(&mut x);
+        let unit = other.program.objective_unit() / self.program.objective_unit();
+        nlp::WarmStart::carried(solution, unit, x, (&known.0, &known.1), barrier)
     }
 
     /// Start, length and states of every phase at a solver's point.

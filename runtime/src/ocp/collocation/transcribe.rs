@@ -48,9 +48,12 @@ pub(in crate::ocp) fn transcribe<'a>(
         n: problem.q.len(),
     };
     start_conditions::add(&mut builder);
+    let mut spans = Vec::with_capacity(problem.intervals);
     for interval in 0..problem.intervals {
+        spans.push(builder.program.extent());
         interval::add(&mut builder, interval, &sequence.switches);
     }
+    spans.push(builder.program.extent());
     let last = |switch: &Switch| switch.interval == problem.intervals;
     for (index, switch) in sequence.switches.iter().enumerate() {
         if last(switch) && !switch.accompanies {
@@ -61,7 +64,7 @@ pub(in crate::ocp) fn transcribe<'a>(
     let (frame, mut program) = (builder.frame, builder.program);
     frame.finish(&mut program, &builder.state);
     Collocation {
-        program: program.finish(&frame.controls),
+        program: program.finish(&frame.controls, setting.units),
         model,
         sequence: sequence.clone(),
         phases: builder.phases,
@@ -69,6 +72,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         touches: builder.touches,
         distances: builder.distances,
         tableau: setting.tableau,
+        spans,
         horizon: frame.horizon,
         controls: frame.controls,
         shape: setting.shape,

@@ -140,7 +140,7 @@ impl<'a> ContactImplicit<'a> {
         }
         frame.finish(&mut program, &before);
         Self {
-            program: program.finish(&frame.controls),
+            program: program.finish(&frame.controls, setting.units),
             horizon: frame.horizon,
             controls: frame.controls,
             elements,

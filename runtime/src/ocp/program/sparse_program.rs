@@ -7,11 +7,13 @@
 //! and the objective as a sum of kernels, where `scale` is a variable (a duration) or 1. Values that callers give and get are physical; the
 //! solver sees each variable divided by its own unit, so that all of them are of order one.
 
+use std::ops::Range;
+
 use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::{NlpProblem, Pattern};
 
 use super::kernel::{Evaluator, Kernel};
-use super::units::nearest_power;
+use super::units::Units;
 use crate::model::Model;
 
 /// The row of the objective in the uses of a kernel.
@@ -122,6 +124,22 @@ impl<'a> Program<'a> {
         self.variables.names.len() - 1
     }
 
+    /// Numbers of variables and rows so far.
+    pub(in crate::ocp) fn extent(&self) -> (usize, usize) {
+        (self.variables.names.len(), self.rows.names.len())
+    }
+
+    /// Whether a part of the variables and rows is the same as one of another program, by their names.
+    pub(in crate::ocp) fn is_like(
+        &self,
+        other: &Program,
+        variables: &(Range<usize>, Range<usize>),
+        rows: &(Range<usize>, Range<usize>),
+    ) -> bool {
+        self.variables.names[variables.0.clone()] == other.variables.names[variables.1.clone()]
+            && self.rows.names[rows.0.clone()] == other.rows.names[rows.1.clone()]
+    }
+
     /// Bounds of a variable.
     pub(in crate::ocp) fn bounds(&self, variable: usize) -> (f64, f64) {
         (
@@ -207,15 +225,26 @@ impl<'a> Program<'a> {
         });
     }
 
+    /// Distance of each row from the nearest of its bounds, in its unit, at a solver's point.
+    pub(in crate::ocp) fn slacks(&mut self, x: &[f64]) -> Vec<f64> {
+        let count = self.rows.names.len();
+        let (mut lower, mut upper, mut c) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+        self.constraint_bounds(&mut lower, &mut upper);
+        self.constraint_values(x, &mut c);
+        let rows = c.iter().zip(lower).zip(upper);
+        rows.map(|((c, lower), upper)| (c - lower).min(upper - c).max(0.0))
+            .collect()
+    }
+
     /// Declares the pair `0 <= x_i _|_ x_j >= 0`.
     pub(in crate::ocp) fn pair(&mut self, i: usize, j: usize) {
         self.pairs.push((i, j));
     }
 
-    /// What the solver divides the objective by: the power of a million nearest to its largest derivative by an unknown
+    /// What the solver divides the objective by: the power nearest to its largest derivative by an unknown
     /// in its unit, where the `controls` are one unit off the guess. The solver itself takes derivatives above 100
     /// back to that.
-    fn measure_objective(&mut self, controls: &[Vec<usize>]) {
+    fn measure_objective(&mut self, controls: &[Vec<usize>], units: &Units) {
         let mut x = vec![0.0; self.variables.names.len()];
         let mut gradient = vec![0.0; x.len()];
         self.initial_point(&mut x);
@@ -224,7 +253,7 @@ impl<'a> Program<'a> {
         }
         self.gradient(&x, &mut gradient);
         let largest = gradient.iter().fold(0.0, |largest, g| g.abs().max(largest));
-        self.objective_unit = nearest_power(1e6, largest);
+        self.objective_unit = units.objective(largest);
     }
 
     /// What the solver's objective is in units of.
@@ -233,8 +262,8 @@ impl<'a> Program<'a> {
     }
 
     /// Fixes the patterns and the unit of the objective; call once, after everything is added.
-    pub(in crate::ocp) fn finish(mut self, controls: &[Vec<usize>]) -> Self {
-        self.measure_objective(controls);
+    pub(in crate::ocp) fn finish(mut self, controls: &[Vec<usize>], units: &Units) -> Self {
+        self.measure_objective(controls, units);
         let mut additions = Vec::new();
         self.visit_jacobian(&mut |row, column, _| additions.push((row, column)), None);
         self.jacobian = Pattern::new(&additions);

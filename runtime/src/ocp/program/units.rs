@@ -4,7 +4,8 @@
 //! Controls, times, forces and gap variables are measured by their own size: the range of a control, the guess of the
 //! horizon, the acceleration of a contact at the start. Coordinates, velocities and gaps in rows are measured in the
 //! *power of a thousand* nearest to their size, as a person would choose between millimetres, metres and kilometres:
-//! numbers between 0.03 and 30 stay as they are. The objective is measured in a power of a million. So a scene in
+//! numbers between 0.03 and 30 stay as they are. The objective is measured in a power of a million while motions are looked
+//! for, and of ten where one is known and has to be exact: a large unit weighs feasibility more. So a scene in
 //! millimetres and kilonewtons gives the solver the same numbers as one in metres and newtons.
 
 use crate::model::Model;
@@ -12,6 +13,9 @@ use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::motion::trajectory::Trajectory;
 
 const THOUSAND: f64 = 1e3;
+/// Bases of the units of the objective.
+const MILLION: f64 = 1e6;
+const TEN: f64 = 10.0;
 /// A control without bounds that is so many times its unit is measured anew: in the unit of the program its stationarity
 /// may be no more than a small number.
 const FAR: f64 = 1e3;
@@ -32,6 +36,8 @@ pub(in crate::ocp) struct Units {
     pub(in crate::ocp) states: Vec<f64>,
     /// Rows of gaps and, per second, of normal velocities, powers of a thousand.
     pub(in crate::ocp) gap_rows: Vec<f64>,
+    /// Base of the powers that the objective is measured in.
+    objective: f64,
 }
 
 impl Units {
@@ -92,6 +98,7 @@ impl Units {
                 .iter()
                 .map(|&force| nearest_power(THOUSAND, reach(force)))
                 .collect(),
+            objective: MILLION,
             force,
         }
     }
@@ -108,6 +115,22 @@ impl Units {
             self.controls[i] = nearest_power(THOUSAND, size);
         }
         self
+    }
+
+    /// The same with the objective measured as exactly as it can be.
+    pub(in crate::ocp) fn exact(self) -> Self {
+        let objective = TEN;
+        Self { objective, ..self }
+    }
+
+    /// Whether it is.
+    pub(in crate::ocp) fn is_exact(&self) -> bool {
+        self.objective == TEN
+    }
+
+    /// The unit of an objective with derivatives up to `largest`.
+    pub(super) fn objective(&self, largest: f64) -> f64 {
+        nearest_power(self.objective, largest)
     }
 
     /// Whether the controls of a plan are of the size of their units, or small.

@@ -66,6 +66,8 @@ struct Tried {
 pub(in crate::ocp) struct Local<'a> {
     pub(in crate::ocp) program: Collocation<'a>,
     pub(in crate::ocp) solution: nlp::Solution,
+    /// Distance of each row from the nearest of its bounds.
+    pub(super) slacks: Vec<f64>,
     pub(in crate::ocp) trajectory: Trajectory,
     pub(in crate::ocp) sequence: Sequence,
     pub(in crate::ocp) cuts: Vec<Cut>,
@@ -181,8 +183,10 @@ impl<'a, 'e> Attempts<'a, 'e> {
                 // What is left after the last round is for the re-simulation to judge.
                 if new.is_empty() || last {
                     let (trajectory, sequence) = program.result(&solved.x);
+                    let slacks = program.program.slacks(&solved.x);
                     self.best = Some(Local {
                         program,
+                        slacks,
                         solution: solved,
                         trajectory,
                         sequence,
@@ -209,7 +213,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
         })
     }
 
-    /// The first stage of a program: from the point of an earlier one, if there is any, or else from the first barrier
+    /// The first stage of a program: at first from what it shares with the best, if there is any, then from the first barrier
     /// parameter that works. The reason if none does.
     fn first(
         &self,
@@ -243,9 +247,15 @@ impl<'a, 'e> Attempts<'a, 'e> {
             settings.tolerance = FIRST_TOLERANCE.max(settings.tolerance);
             settings.initial_barrier_parameter = barrier;
             settings.maximum_iterations = settings.maximum_iterations.min(iterations);
+            let near = self.best.as_ref().filter(|_| index == 0 && !after_cut);
+            let start = near.map(|best| program.start_from(&best.program, &best.solution, barrier));
+            if start.is_some() {
+                settings.bound_push = barrier;
+                settings.bound_fraction = barrier;
+            }
             let run = Run {
                 settings: &settings,
-                start: None,
+                start: start.as_ref(),
                 gives_up,
                 best: self.best_objective(),
             };

@@ -1,7 +1,7 @@
 //! Neighbours of a sequence in which contacts stick or slip elsewhere: where a solution presses against the edge of a
 //! friction cone, or against the direction of a slip.
 
-use super::neighbours::{ENTRY, INSERTED, STUCK};
+use super::neighbours::{ENTRY, STUCK};
 use super::pressure::Pressure;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
 use crate::simulation::{ContactMode, Direction};
@@ -243,10 +243,10 @@ fn inserted(pressure: &Pressure, changes: &[Change], place: Place, time: f64) ->
         return None;
     }
     let mut sequence = pressure.sequence.clone();
-    let until = time + INSERTED;
+    let until = time + pressure.inserted;
     let from = match place {
         Place::Start => time.round(),
-        Place::Inside => (time - INSERTED).max(0.0),
+        Place::Inside => (time - pressure.inserted).max(0.0),
     };
     for (index, change) in changes.iter().enumerate() {
         let accompanies = index > 0;

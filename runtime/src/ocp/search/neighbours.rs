@@ -18,8 +18,8 @@ const TOUCH: f64 = 1.5;
 /// Where a moved switch is started, as a distance from the end it came through.
 pub(in crate::ocp) const ENTRY: f64 = 0.05;
 
-/// Half the length of an inserted contact or flight, in intervals.
-pub(in crate::ocp) const INSERTED: f64 = 0.2;
+/// Half the length of an inserted contact or flight, in intervals, and that of a second attempt.
+pub(in crate::ocp) const INSERTED: [f64; 2] = [0.2, 0.03];
 
 /// Sequences that the solution points to, the most promising first: without a pair of switches that
 /// are close to each other, with a switch that sticks to the end of its interval moved through it or
@@ -52,7 +52,6 @@ pub(in crate::ocp) fn directed(pressure: &Pressure) -> Vec<Sequence> {
             found.extend(pressure.moved(index, Some(nearest as usize), Place::Start, nearest));
         }
     }
-    let threshold = pressure.threshold();
     for (index, switch) in switches.iter().enumerate() {
         if switch.accompanies || switch.place != Place::Start {
             continue;
@@ -76,9 +75,7 @@ pub(in crate::ocp) fn directed(pressure: &Pressure) -> Vec<Sequence> {
         let after = phases.iter().find(|phase| phase.interval == k);
         let pressed = after.is_some_and(|phase| {
             let mut rows = phase.openings.iter().chain(&phase.pulled);
-            rows.any(|&(contact, row)| {
-                contact == switch.contact && pressure.solution.multipliers[row].abs() > threshold
-            })
+            rows.any(|&(contact, row)| contact == switch.contact && pressure.presses(row))
         });
         if pressed {
             found.extend(pressure.moved(index, Some(k), Place::Inside, k as f64 + ENTRY));
@@ -90,9 +87,8 @@ pub(in crate::ocp) fn directed(pressure: &Pressure) -> Vec<Sequence> {
             }
             let slot = phase.closed.iter().position(|&i| i == switch.contact);
             let stage = phase.stages.last();
-            slot.zip(stage).is_some_and(|(slot, stage)| {
-                pressure.solution.multipliers_lower[stage.forces[slot]] > threshold
-            })
+            slot.zip(stage)
+                .is_some_and(|(slot, stage)| pressure.is_held(stage.forces[slot]))
         });
         if pressed {
             let time = k as f64 - ENTRY;
@@ -116,13 +112,12 @@ fn touches_and_contacts(pressure: &Pressure) -> Vec<Sequence> {
             found.extend(sequence.ordered(pressure.intervals));
         }
     }
-    let threshold = pressure.threshold();
     for (index, switch) in switches.iter().enumerate().filter(|(_, s)| s.touches()) {
         let mut touches = pressure.program.touches.iter();
         let grazes = touches.any(|(touch, row)| {
             (touch.contact, touch.interval, touch.place)
                 == (switch.contact, switch.interval, switch.place)
-                && pressure.solution.multipliers[*row].abs() > threshold
+                && pressure.presses(*row)
         });
         if grazes {
             let mut sequence = pressure.sequence.clone();
@@ -132,13 +127,11 @@ fn touches_and_contacts(pressure: &Pressure) -> Vec<Sequence> {
         let phases = pressure.program.phases.iter();
         let pressed = phases
             .flat_map(|phase| &phase.openings)
-            .any(|&(contact, row)| {
-                contact == switch.contact && pressure.solution.multipliers[row].abs() > threshold
-            });
+            .any(|&(contact, row)| contact == switch.contact && pressure.presses(row));
         if pressed {
             let mut sequence = pressure.sequence.clone();
             sequence.switches[index].mode = switch.impulse;
-            let time = (switch.time + INSERTED).min(pressure.intervals as f64 - STUCK);
+            let time = (switch.time + pressure.inserted).min(pressure.intervals as f64 - STUCK);
             sequence.switches.push(Switch {
                 closes: false,
                 mode: ContactMode::Open,
@@ -165,7 +158,6 @@ pub(in crate::ocp) fn shortened(pressure: &Pressure) -> Option<Sequence> {
 /// are the places where gap and force vanish together. A flight that passes a surface at the gap margin is
 /// none of them.
 pub(in crate::ocp) fn insertions(pressure: &Pressure) -> Vec<Sequence> {
-    let threshold = pressure.threshold();
     let mut places: Vec<(usize, bool, ContactMode, f64)> = Vec::new();
     let contacts = pressure.sequence.initially.len();
     let tableau = pressure.program.tableau;
@@ -189,7 +181,7 @@ pub(in crate::ocp) fn insertions(pressure: &Pressure) -> Vec<Sequence> {
                     break;
                 }
                 let exits = last && opens == Some(contact);
-                if !exits && pressure.solution.multipliers_lower[force] > threshold {
+                if !exits && pressure.is_held(force) {
                     places.push((contact, false, phase.modes[contact], time(*c)));
                 }
             }
@@ -197,7 +189,7 @@ pub(in crate::ocp) fn insertions(pressure: &Pressure) -> Vec<Sequence> {
                 let row = stage.gap_rows[contact];
                 let closes = last && phase.closing.contains(&contact);
                 if !closes
-                    && pressure.solution.multipliers[row].abs() > threshold
+                    && pressure.presses(row)
                     && pressure.gap(contact, stage, &x) < pressure.touching
                 {
                     let seconds = solved.start + c * solved.length;
@@ -213,8 +205,15 @@ pub(in crate::ocp) fn insertions(pressure: &Pressure) -> Vec<Sequence> {
     let intervals = pressure.intervals as f64;
     for (contact, closes, mode, time) in places {
         let mut sequence = pressure.sequence.clone();
-        for (closes, time) in [(closes, time - INSERTED), (!closes, time + INSERTED)] {
-            let time = time.clamp(0.0, intervals - STUCK);
+        for (closes, time) in [
+            (closes, time - pressure.inserted),
+            (!closes, time + pressure.inserted),
+        ] {
+            // What begins near the end of the motion lasts until there.
+            if time >= intervals {
+                continue;
+            }
+            let time = time.max(0.0);
             sequence.switches.push(Switch {
                 contact,
                 closes,

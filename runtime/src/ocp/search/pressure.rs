@@ -14,25 +14,46 @@ const NEAR: f64 = 0.6;
 /// Multipliers above this share of the largest one belong to conditions that matter.
 const ACTIVE: f64 = 1e-6;
 
+/// A condition that is met with a distance to spare is active only where the multiplier, as a share of the largest one, is
+/// above this share of that distance: the product of both is what the solver leaves of complementarity, so that a
+/// small multiplier at a distance means nothing.
+pub(super) const DISTANT: f64 = 1e-2;
+
 /// What a solved program says about its sequence.
 pub(in crate::ocp) struct Pressure<'a, 'm> {
     pub(in crate::ocp) program: &'a Collocation<'m>,
     pub(in crate::ocp) solution: &'a nlp::Solution,
+    /// [`DISTANT`], or 0 where every multiplier counts.
+    pub(in crate::ocp) distant: f64,
+    /// Distance of each row from the nearest of its bounds.
+    pub(in crate::ocp) slacks: &'a [f64],
     /// The sequence with its times.
     pub(in crate::ocp) sequence: &'a Sequence,
     pub(in crate::ocp) intervals: usize,
+    /// Half the length of an inserted contact or flight, in intervals.
+    pub(in crate::ocp) inserted: f64,
     /// Gap below which a flight counts as touching.
     pub(in crate::ocp) touching: f64,
 }
 
 impl Pressure<'_, '_> {
-    pub(in crate::ocp) fn threshold(&self) -> f64 {
-        let all = self.solution.multipliers.iter();
-        ACTIVE * all.fold(f64::MIN_POSITIVE, |largest, y| largest.max(y.abs()))
+    /// Whether the solution presses against a bound of a row.
+    pub(super) fn presses(&self, row: usize) -> bool {
+        self.is_active(self.solution.multipliers[row].abs(), self.slacks[row])
     }
 
-    pub(super) fn presses(&self, row: usize) -> bool {
-        self.solution.multipliers[row].abs() > self.threshold()
+    /// Whether the solution presses against the lower bound of a variable.
+    pub(super) fn is_held(&self, variable: usize) -> bool {
+        let multiplier = self.solution.multipliers_lower[variable];
+        let program = &self.program.program;
+        let lower = program.bounds(variable).0 / program.unit(variable);
+        self.is_active(multiplier, self.solution.x[variable] - lower)
+    }
+
+    fn is_active(&self, multiplier: f64, distance: f64) -> bool {
+        let all = self.solution.multipliers.iter();
+        let largest = all.fold(f64::MIN_POSITIVE, |largest, y| largest.max(y.abs()));
+        multiplier > largest * ACTIVE.max(self.distant * distance)
     }
 
     /// Whether a contact switches near a time.

@@ -3,7 +3,7 @@
 use hangtime_solver::mpcc::Stationarity;
 
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
-use super::pressure::Pressure;
+use super::pressure::{DISTANT, Pressure};
 use super::{friction_neighbours, neighbours};
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::touching_gap;
@@ -42,6 +42,8 @@ pub(super) fn repair(
 /// The sequences around the best, and its motion to start them from.
 struct Around {
     neighbours: Vec<Sequence>,
+    /// The same with shorter contacts and flights where some are inserted.
+    nearer: Vec<Sequence>,
     /// No neighbours, but often in another basin: nothing is claimed about them.
     explored: Vec<Sequence>,
     guess: Trajectory,
@@ -53,16 +55,26 @@ impl Around {
         let pressure = Pressure {
             program: &best.program,
             solution: &best.solution,
+            slacks: &best.slacks,
+            // Where motions are looked for, sequences that nothing presses for are worth a try.
+            distant: if attempts.setting.units.is_exact() {
+                DISTANT
+            } else {
+                0.0
+            },
             sequence: &best.sequence,
             intervals: attempts.setting.problem.intervals,
+            inserted: neighbours::INSERTED[0],
             touching: touching_gap(runner.settings),
         };
-        let inserted = neighbours::insertions(&pressure).into_iter();
-        let neighbours = neighbours::directed(&pressure).into_iter();
-        let sliding = friction_neighbours::sliding(&pressure);
         let shifted = friction_neighbours::shifted(&pressure);
+        let nearer = Pressure {
+            inserted: neighbours::INSERTED[1],
+            ..pressure
+        };
         Self {
-            neighbours: neighbours.chain(inserted).chain(sliding).collect(),
+            neighbours: neighbours_of(&pressure),
+            nearer: neighbours_of(&nearer),
             explored: neighbours::shortened(&pressure)
                 .into_iter()
                 .chain(shifted)
@@ -80,6 +92,13 @@ impl Around {
             purpose,
         }
     }
+}
+
+fn neighbours_of(pressure: &Pressure) -> Vec<Sequence> {
+    let mut neighbours = neighbours::directed(pressure);
+    neighbours.extend(neighbours::insertions(pressure));
+    neighbours.extend(friction_neighbours::sliding(pressure));
+    neighbours
 }
 
 /// What the comparison with the neighbours came to.
@@ -112,7 +131,7 @@ fn compare(
             None if purpose == Purpose::Explore && attempts.was_tried(neighbour) => {
                 Verdict::Undecided
             }
-            None => attempts.attempt(runner, around.attempt(neighbour, purpose))?,
+            None => decide(runner, attempts, around, neighbour, purpose)?,
         };
         match verdict {
             Verdict::Better => return Ok(Compared::Improved),
@@ -129,6 +148,29 @@ fn compare(
     } else {
         Compared::Best
     })
+}
+
+/// Attempts a neighbour, where that has to be decided from two starts.
+fn decide(
+    runner: &mut Runner,
+    attempts: &mut Attempts,
+    around: &Around,
+    neighbour: &Sequence,
+    purpose: Purpose,
+) -> Result<Verdict, InputError> {
+    let verdict = attempts.attempt(runner, around.attempt(neighbour, purpose))?;
+    let signature = neighbour.signature();
+    let mut nearer = around.nearer.iter();
+    match nearer.find(|nearer| nearer.signature() == signature) {
+        Some(nearer)
+            if nearer != neighbour
+                && purpose == Purpose::Compare
+                && verdict == Verdict::Undecided =>
+        {
+            attempts.attempt(runner, around.attempt(nearer, purpose))
+        }
+        _ => Ok(verdict),
+    }
 }
 
 /// Whether one of the explored sequences is better.

@@ -72,6 +72,11 @@ pub(super) fn solve_round<'s>(
         None => guessed,
     };
     let units = Units::new(model, &guessed, bounds).measured_by(known, bounds);
+    let units = if start.effort == Effort::Certify && coarser.is_some() {
+        units.exact()
+    } else {
+        units
+    };
     let stages = (settings.stages..=ButcherTableau::MAX_STAGES).step_by(MORE_STAGES);
     let tableaus: Vec<ButcherTableau> = stages
         .filter_map(|stages| ButcherTableau::new(Scheme::RadauIia, stages))
