@@ -57,7 +57,7 @@ impl ResultFiles<'_> {
             ),
             (
                 format!("{stem}-events.csv"),
-                events_csv(declaration, &simulation.events),
+                events_csv(model, &simulation.events),
             ),
         ];
         let mut figures = Vec::new();

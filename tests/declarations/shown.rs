@@ -24,6 +24,7 @@ hangtime::model! {
             lost: W = -friction_force(ground)*dot(y),
             elapsed: min = t,
             limit: N = 3,
+            hit: kN s = impulse(ground) + 2*impulse(wall) - friction_impulse(ground),
         }
         constraint slow: power <= 5 [W]
         minimize integral(power^2)/1 [W^2] + time
@@ -86,17 +87,28 @@ fn outputs_are_their_formulas_in_their_units() {
         ("lost", "W"),
         ("elapsed", "min"),
         ("limit", "N"),
+        ("hit", "kN s"),
     ];
     assert_eq!(units, wanted);
     assert_eq!(wheel.outputs()[0].documentation, "How fast its centre is.");
-    let mut values = [f64::NAN; 7];
-    // Normal forces of both contacts, then their friction forces.
-    wheel.output_values(&AT, &[300.0, 50.0, -7.0, 0.0], &mut values);
+    let mut values = [f64::NAN; 8];
+    // Normal forces of both contacts, their friction forces, and the same of impulses.
+    let contacts = [300.0, 50.0, -7.0, 0.0, 400.0, 20.0, -60.0, 0.0];
+    wheel.output_values(&AT, &contacts, &mut values);
     let power = 1.2 * 20.0_f64.to_radians();
     let speed = 3.6 * 1.5_f64.hypot(-0.3);
     assert_close(
         &values,
-        &[speed, power, 2.0 * 9.81, 0.4, 7.0 * 1.5, 2.5 / 60.0, 3.0],
+        &[
+            speed,
+            power,
+            2.0 * 9.81,
+            0.4,
+            7.0 * 1.5,
+            2.5 / 60.0,
+            3.0,
+            0.5,
+        ],
     );
 }
 

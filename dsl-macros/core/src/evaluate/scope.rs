@@ -53,9 +53,9 @@ pub(crate) struct Scope {
     pub(crate) dry: Vec<String>,
     /// Maxima and minima in the surface being evaluated.
     pub(crate) kinks: Vec<Kink>,
-    /// Contacts of which the friction is recorded.
-    pub(crate) rubbing: Vec<(usize, Place)>,
-    /// Outputs that contain contact forces.
+    /// Contacts of which the friction is recorded, by which function.
+    pub(crate) rubbing: Vec<(usize, String, Place)>,
+    /// Outputs that contain forces or impulses of contacts.
     pub(crate) recorded: HashSet<String>,
     /// Arguments of the functions being evaluated, innermost last.
     pub(super) frames: Vec<Vec<(String, Value)>>,
@@ -80,8 +80,8 @@ impl Scope {
                 if self.role != Role::Record && self.recorded.contains(&name.text) =>
             {
                 let message = format!(
-                    "`{}` contains the force of a contact, which follows from the motion; it can be used in `outputs` \
-                     only",
+                    "`{}` contains the force or the impulse of a contact, which follows from the motion; it can be used \
+                     in `outputs` only",
                     name.text
                 );
                 Err(diagnostics.report("E24", name.place(), message))

@@ -392,6 +392,8 @@ texts! {
         "E20: surface `rail` is declared twice; rename one";
     normal_force_of_dry_friction: beside "dry friction rail: bound 2 [N], sliding dot(y) outputs { push: N = force(rail) }" =>
         "E24: dry friction `rail` has no normal force; its own is `friction_force(rail)`";
+    impulse_of_dry_friction: beside "dry friction rail: bound 2 [N], sliding dot(y) outputs { hit: N s = friction_impulse(rail) }" =>
+        "E24: dry friction `rail` has no impulse, as its force is bounded; its own is `friction_force(rail)`";
 
     // E21
     product_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*3e250*2e140" =>

@@ -30,7 +30,8 @@ texts! {
     everything_is_accepted:
         "outputs { /// How fast it is.
              speed: km/h = |dot(p)|, power: W = u*dot(y), height = z - r, limit: N = 3, \
-             push: N = force(floor), rub = friction_force(floor)/m, both: N = push + force(wall) } \
+             push: N = force(floor), rub = friction_force(floor)/m, both: N = push + force(wall), \
+             hit: N s = impulse(wall), scraped: kg m/s = friction_impulse(floor) + hit } \
          minimize integral(power) + 1 [W]*time constraint slow: power <= 90 [W] finally { height == 0 } \
          picture { circle ball at p radius r angle a, point p, rectangle box at (y, r + z) size (r, 2*r), \
              polygon roof at (0, 1[m]) angle a/2 corners ((0, 0), (r, 0), (0, r)), link ball to (0, 0), \
@@ -46,6 +47,22 @@ texts! {
         "E03: units differ: `z` is in m, where m/s is needed (output `height` is declared so)";
     force_in_another_unit: "outputs { push: J = force(floor) }" =>
         "E03: units differ: `force(floor)` is in N, where J is needed (output `push` is declared so)";
+    impulse_in_the_unit_of_a_force: "outputs { hit: N = impulse(wall) }" =>
+        "E03: units differ: `impulse(wall)` is in N s, where N is needed (output `hit` is declared so)";
+    impulse_of_nothing: "outputs { hit: N s = impulse(flor), all: N s = impulse() }" =>
+        "E01: there is no surface `flor` above; did you mean `floor`?",
+        "E02: `impulse` takes the name of a surface, as in `impulse(ground)`";
+    friction_impulse_of_a_contact_without: "outputs { rub: N s = friction_impulse(wall) }" =>
+        "E24: contact `wall` has no friction; declare it by `impact wall: ..., friction mu`, or leave \
+         `friction_impulse(wall)` out";
+    impulse_at_the_end: "finally { impulse(floor) <= 3 [N s] }" =>
+        "E24: `impulse` of a contact follows from the motion; it can be used in `outputs` only";
+    output_of_an_impulse_in_a_constraint:
+        "outputs { hit: N s = impulse(floor) } constraint soft: hit <= 3 [N s]" =>
+        "E24: `hit` contains the force or the impulse of a contact, which follows from the motion; it can be used in \
+         `outputs` only";
+    rate_of_an_impulse: "outputs { push: N = dot(impulse(floor)) }" =>
+        "`dot(impulse(floor))` needs the derivative of what a contact does, which may jump; take `dot` of positions only";
     output_twice: "outputs { z: m = y, height: m = z, height: m = z }" =>
         "E19: `z` is declared twice; rename this output",
         "E19: `height` is declared twice; rename this output";
@@ -68,9 +85,10 @@ texts! {
     force_in_the_dynamics: "dissipation force(floor)*dot(y)^2" =>
         "E24: `force` of a contact follows from the motion; it can be used in `outputs` only";
     output_of_a_force_in_an_objective: "outputs { push: N = force(floor) } minimize integral(push^2)" =>
-        "E24: `push` contains the force of a contact, which follows from the motion; it can be used in `outputs` only";
+        "E24: `push` contains the force or the impulse of a contact, which follows from the motion; it can be used in \
+         `outputs` only";
     rate_of_a_force: "outputs { push: N/s = dot(force(floor)) }" =>
-        "`dot(force(floor))` needs the derivative of a contact force, which may jump; take `dot` of positions only";
+        "`dot(force(floor))` needs the derivative of what a contact does, which may jump; take `dot` of positions only";
 
     // Pictures.
     unknown_shape: "picture { points p, ellipse q }" =>

@@ -401,7 +401,7 @@ impl Walk<'_> {
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
                 Ok(Units::Scalar(self.pure(argument, text)?))
             }
-            // A force does work on a change of the gap.
+            // A force does work on a change of the gap, an impulse is a force for a time.
             (
                 _,
                 [
@@ -413,7 +413,11 @@ impl Walk<'_> {
             ) if words::CONTACT_FUNCTIONS.contains(&text) => {
                 let gap = self.gaps.iter().find(|(name, _)| *name == surface.text);
                 let gap = gap.map(|(_, gap)| gap.clone()).ok_or(Reported)?;
-                Ok(Units::Scalar(self.energy.over(&gap)))
+                let force = self.energy.over(&gap);
+                Ok(Units::Scalar(match text {
+                    "force" | "friction_force" => force,
+                    _ => force.times(&Dimension::second()),
+                }))
             }
             _ if words::MATRIX_FUNCTIONS.contains(&text) => {
                 self.matrix_function(function, arguments)
