@@ -48,7 +48,6 @@ impl ResultFiles<'_> {
             facts,
         } = self;
         let model = chosen.model.as_ref();
-        let declaration = model.declaration();
         let mut files = vec![
             (format!("{stem}.json"), json.to_owned()),
             (

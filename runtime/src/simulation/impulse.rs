@@ -8,7 +8,8 @@
 //!
 //! with the normal impulse `P_i` and the tangential one `S_i` \[N s for a gap in metres\]. A contact that slides
 //! afterwards has `s_i = -mu p_i sign(v_t,i+)`, see [`Contacts`]. Where the directions are dependent, so that many impulses
-//! give the same jump, the smallest are taken, by the proximal point method: those of equal contacts are equal.
+//! give the same jump, the smallest are taken, by the proximal point method: those of equal contacts are equal, and those
+//! that stick share friction by their loads.
 
 use super::recorder::Impulses;
 use super::{ContactMode, Event, EventKind, Simulation, Trajectory};
@@ -21,6 +22,8 @@ const STICKS: f64 = 1e-8;
 /// Share of the jump of a sliding velocity that the law of friction may miss: where several impacts are one event, each
 /// had its own.
 const MISSED: f64 = 1e-6;
+/// Share of the largest normal impulse below which a contact carries no friction.
+const UNLOADED: f64 = 1e-9;
 /// Weight of the size of the impulses in one step of the proximal point method, as a share of what their equations weigh.
 const PROXIMAL: f64 = 1e-6;
 /// Its steps. Each leaves this weight of the error, or half of it where directions agree to their sixth digit.
@@ -180,56 +183,80 @@ impl Jump<'_> {
         }
     }
 
-    /// The lines of the impulses: one of a contact that slides afterwards, unless it `may_stick`, two of one that sticks.
-    fn lines(&self, may_stick: bool) -> Vec<Line> {
+    /// The lines of the impulses, and the weights of their sizes: one of a contact that slides afterwards, unless it
+    /// `may_stick`, two of one that sticks under a share of the `loads`.
+    fn lines(&self, may_stick: bool, loads: &[f64]) -> Vec<(Line, f64)> {
         let contacts = &self.contacts;
         let mut lines = Vec::with_capacity(2 * self.together.len());
-        for &contact in &self.together {
+        for (&contact, &load) in self.together.iter().zip(loads) {
             let friction = contacts.friction(contact);
-            if friction == 0.0 {
-                let slope = 0.0;
-                lines.push(Line::Normal { contact, slope });
-                continue;
-            }
-            let after = contacts.sliding_velocity(contact);
+            let after = match friction {
+                0.0 => 0.0,
+                _ => contacts.sliding_velocity(contact),
+            };
             let size = self.tangential[contact].abs() + self.normal[contact].abs();
-            let sticks = may_stick || after.abs() <= STICKS * size;
-            let slope = if sticks {
+            let sticks = friction > 0.0 && (may_stick || after.abs() <= STICKS * size);
+            let slope = if sticks || friction == 0.0 {
                 0.0
             } else {
                 -friction * after.signum()
             };
-            lines.push(Line::Normal { contact, slope });
-            if sticks {
+            lines.push((Line::Normal { contact, slope }, 1.0));
+            if sticks && load > UNLOADED {
                 let sense = 1.0;
-                lines.push(Line::Tangent { contact, sense });
+                lines.push((Line::Tangent { contact, sense }, load.sqrt()));
             }
         }
         lines
     }
 
-    /// The impulses along these lines; `None` where they miss the jump of a sliding velocity.
+    /// The impulses; `None` where they miss the jump of a sliding velocity.
     fn impulses(&self, may_stick: bool) -> Option<Vec<(Line, f64)>> {
-        let lines = self.lines(may_stick);
+        // Contacts that stick together share their friction by their loads, so that it lies within the law.
+        let mut loads = vec![1.0; self.together.len()];
+        let first = self.along(&self.lines(may_stick, &loads))?;
+        let largest = first.iter().fold(0.0_f64, |largest, (line, impulse)| {
+            largest.max(match line {
+                Line::Normal { .. } => *impulse,
+                Line::Tangent { .. } => 0.0,
+            })
+        });
+        let normal = first.iter().filter_map(|(line, impulse)| match line {
+            Line::Normal { .. } => Some(*impulse),
+            Line::Tangent { .. } => None,
+        });
+        for (load, impulse) in loads.iter_mut().zip(normal) {
+            *load = (impulse / largest).max(0.0);
+        }
+        let impulses = self.along(&self.lines(may_stick, &loads))?;
+        (may_stick || self.explains(&impulses)).then_some(impulses)
+    }
+
+    /// The smallest impulses along these lines, each size divided by its weight.
+    fn along(&self, weighted: &[(Line, f64)]) -> Option<Vec<(Line, f64)>> {
+        let lines: Vec<Line> = weighted.iter().map(|&(line, _)| line).collect();
         // Measured by the inertia of its contact, each equation weighs the same: 1.
         let unit = |line: Line| self.contacts.force(line.contact(), 1.0).sqrt();
         let jump = |line: Line| match line {
             Line::Normal { contact, .. } => self.normal[contact],
             Line::Tangent { contact, .. } => self.tangential[contact],
         };
-        let rows = lines.iter().map(|&line| unit(line) * jump(line));
+        let rows = weighted
+            .iter()
+            .map(|&(line, weight)| weight * unit(line) * jump(line));
+        let rows: Vec<f64> = rows.collect();
         let couplings = self.contacts.couplings(&lines);
-        let scaled = couplings.chunks_exact(lines.len()).zip(&lines);
-        let scaled = scaled.flat_map(|(row, &line)| {
-            let columns = row.iter().zip(&lines);
-            columns.map(move |(coupling, &column)| unit(line) * coupling / unit(column))
-        });
-        let found = smallest(&scaled.collect::<Vec<f64>>(), &rows.collect::<Vec<f64>>())?;
-        let impulses = lines.iter().zip(found);
-        let impulses: Vec<(Line, f64)> = impulses
-            .map(|(&line, value)| (line, unit(line) * value))
-            .collect();
-        (may_stick || self.explains(&impulses)).then_some(impulses)
+        let mut matrix = Vec::with_capacity(couplings.len());
+        for (row, &(line, weight)) in couplings.chunks_exact(lines.len()).zip(weighted) {
+            let columns = row.iter().zip(weighted);
+            matrix.extend(columns.map(|(coupling, &(column, its))| {
+                weight * unit(line) * coupling * its / unit(column)
+            }));
+        }
+        let found = smallest(&matrix, &rows)?;
+        let impulses = weighted.iter().zip(found);
+        let impulses = impulses.map(|(&(line, weight), value)| (line, weight * unit(line) * value));
+        Some(impulses.collect())
     }
 
     /// Whether the impulses make the sliding velocities jump as they do.
@@ -250,8 +277,9 @@ impl Jump<'_> {
 
     /// Not a number for every contact that takes part.
     fn unknown(&self) -> Vec<(Line, f64)> {
-        let lines = self.lines(true).into_iter();
-        lines.map(|line| (line, f64::NAN)).collect()
+        let lines = self.lines(true, &vec![1.0; self.together.len()]);
+        let lines = lines.into_iter();
+        lines.map(|(line, _)| (line, f64::NAN)).collect()
     }
 }
 

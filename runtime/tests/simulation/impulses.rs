@@ -20,7 +20,7 @@ hangtime::model! {
         impact floor: restitution e
         outputs { given: N s = impulse(floor), both: N s = 2*given + 1 [N s] }
         start { z: height }
-        horizon 1.2 [s]
+        horizon 1 [s]
     }
 }
 
@@ -48,7 +48,7 @@ hangtime::model! {
         surface floor: z_1 >= 0
         surface top: z_2 - z_1 >= 0
         impact floor, top: inelastic
-        outputs { floor: N s = impulse(floor), top: N s = impulse(top) }
+        outputs { below: N s = impulse(floor), above: N s = impulse(top) }
         start { z_1: 0, z_2: height }
         horizon 0.6 [s]
     }
@@ -62,7 +62,7 @@ hangtime::model! {
         lagrangian m/2*|dot((y, z))|^2 - m*g*z
         surface floor: z >= 0
         impact floor: inelastic, friction mu
-        outputs { down: N s = impulse(floor), along: N s = friction_impulse(floor) }
+        outputs { down: N s = impulse(floor), rub: N s = friction_impulse(floor) }
         start { z: height, dot(y): speed }
         horizon 0.46 [s]
     }
@@ -76,7 +76,7 @@ hangtime::model! {
         lagrangian m/2*|dot((y, z))|^2 + j/2*dot(phi)^2 - m*g*z
         surface left: z - a*sin(phi) >= 0
         surface right: z + b*sin(phi) >= 0
-        impact left, right: restitution e, friction mu, sliding (dot(y), dot(y))
+        impact left, right: restitution e, friction mu, sliding dot(y)
         start { z: 1, dot(y): 3 }
         horizon 0.46 [s]
     }
@@ -90,7 +90,7 @@ fn run(method: &dyn Simulator, model: &dyn Model) -> Simulation {
 }
 
 /// The methods that know impacts, with the accuracy to which they know their times and velocities here.
-fn methods() -> [(Box<dyn Simulator>, f64); 4] {
+fn methods() -> [(Box<dyn Simulator>, f64); 3] {
     let formulated = |formulation, steps| Fesd {
         formulation,
         steps,
@@ -101,11 +101,6 @@ fn methods() -> [(Box<dyn Simulator>, f64); 4] {
         (
             Box::new(formulated(StepFormulation::TimeFreezing, None)),
             1e-9,
-        ),
-        // A step with an impact is solved to the residuals of its program, 1e-7.
-        (
-            Box::new(formulated(StepFormulation::Complementarity, Some(6))),
-            1e-5,
         ),
         (Box::new(EventDriven::default()), 1e-9),
     ]
@@ -141,7 +136,7 @@ fn bounce_of_a_ball_gives_mass_times_both_velocities() {
         assert!(run.events[0].friction_impulse.is_empty());
         let longer = ball.clone();
         let mut problem = InitialValueProblem::of(&longer, None).unwrap();
-        problem.horizon = 2.0;
+        problem.horizon = 1.4;
         let run = method.simulate(&longer, &problem, &mut |_| true).unwrap();
         let (first, second) = (run.events[0].time, run.events[1].time);
         let given = |time: f64| run.at(time).unwrap()["given"];
@@ -152,12 +147,12 @@ fn bounce_of_a_ball_gives_mass_times_both_velocities() {
             given(first),
             given(0.5 * (first + second)),
             given(second),
-            given(2.0),
+            given(1.4),
         ];
         let steps = [0.0, 0.0, wanted[0], wanted[0], sum, sum];
         assert_near(&found, &steps, 2.0 * tolerance, name);
         assert_near(
-            &[run.at(2.0).unwrap()["both"]],
+            &[run.at(1.4).unwrap()["both"]],
             &[2.0 * sum + 1.0],
             1e-4,
             name,
@@ -188,7 +183,7 @@ fn contact_that_rests_takes_part_in_the_impact_of_another() {
     let fixed: (Box<dyn Simulator>, f64) = (Box::new(FixedStep::default()), 4e-2);
     for (method, tolerance) in methods().into_iter().chain([fixed]) {
         let run = run(method.as_ref(), &stack);
-        let found = last(&run, ["floor", "top"]);
+        let found = last(&run, ["below", "above"]);
         assert_near(&found, &[wanted; 2], tolerance, method.name());
     }
 }
@@ -203,7 +198,7 @@ fn friction_impulse_is_that_of_sliding_or_of_sticking() {
         };
         for (method, tolerance) in methods() {
             let run = run(method.as_ref(), &ball);
-            let found = last(&run, ["down", "along"]);
+            let found = last(&run, ["down", "rub"]);
             assert_near(&found, &[2.0 * fall, along], tolerance, method.name());
             assert_near(&run.events[0].friction_impulse, &found[1..], 0.0, "event");
         }
@@ -276,13 +271,28 @@ fn impulses_of_tumbling_planks_are_the_change_of_momentum_within_the_laws() {
                     *rest -= load * point[contact_point::NORMAL + k];
                     *rest -= rub * tangent[tangent_point::TANGENT + k];
                 }
-                // Rounding of momenta of some kg m/s.
-                assert!(load >= -1e-9 && rub.abs() <= plank.mu * load + 1e-9);
+                // Bounces of some 1e-6 m/s are ended, whatever the law would make of them.
+                assert!(load >= -1e-5 && rub.abs() <= plank.mu * load + 1e-5);
             }
-            assert_near(&rest, &[0.0; 3], 1e-9, "momentum");
+            // Rounding of momenta of some kg m/s.
+            assert_near(&rest, &[0.0; 3], 1e-12, "momentum");
         }
     }
     assert!(impacts >= 100, "{impacts}");
+}
+
+#[test]
+fn step_as_complementarity_problem_knows_impulses_to_the_length_of_an_element() {
+    let method = Fesd {
+        formulation: StepFormulation::Complementarity,
+        steps: Some(60),
+        ..Fesd::default()
+    };
+    let run = run(&method, &Bouncing::default());
+    // A step of 17 ms, in which 2 kg fall.
+    let wanted = 2.0 * 1.7 * (2.0 * G).sqrt();
+    let found = run["given"].last().unwrap();
+    assert_near(&[*found], &[wanted], 2.0 * G / 60.0, "bounce");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::{units, values};
 use crate::ast::{Expr, Quantity};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::expression;
-use crate::evaluate::{Meaning, Role, Value};
+use crate::evaluate::{Meaning, Role, Value, has_edge};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, Contact};
 
@@ -59,6 +59,9 @@ fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
     }
     if graph::depends_on(value, Variable::is_of_contact) {
         checker.scope.recorded.insert(name.text.clone());
+    }
+    if has_edge(&[value]) {
+        checker.scope.edged.insert(name.text.clone());
     }
     let meaning = Meaning::Value(Value::Scalar(value));
     checker.scope.names.insert(name.text.clone(), meaning);

@@ -286,7 +286,7 @@ fn component(
 
 fn norm(scope: &mut Scope, inner: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
     match value(scope, inner, diagnostics)? {
-        Value::Scalar(part) if scope.role == Role::Surface => {
+        Value::Scalar(part) if edges::admitted(scope.role) => {
             Ok(edges::call(scope, "abs", vec![part]))
         }
         Value::Scalar(_) => Err(diagnostics.report(

@@ -63,6 +63,27 @@ texts! {
          `outputs` only";
     rate_of_an_impulse: "outputs { push: N = dot(impulse(floor)) }" =>
         "`dot(impulse(floor))` needs the derivative of what a contact does, which may jump; take `dot` of positions only";
+    edges_are_recorded_and_drawn:
+        "fn roof(w) = max(-w, w/2, r) outputs { depth: m = max(r - z, 0 [m], y), far: m = |y| + abs(z) - min(y, z) } \
+         picture { circle ball at (|y|, roof(y)) radius min(r, 1 [m]) angle |a|, curve top: (w, roof(w)) over w }"
+        => "accepted";
+    edges_of_other_units: "outputs { depth: m = max(r - z, 0) } picture { point ball at (max(y, 1 [s]), z) }" =>
+        "E03: units differ: `y` is in m, `1 [s]` is in s; the arguments of `max` must agree";
+    output_with_an_edge_in_an_objective:
+        "outputs { depth: m = max(r - z, 0) } minimize integral(depth)" =>
+        "E12: `depth` contains `max`, `min` or `|x|`, which have no derivative at the edge; it can be used in `outputs` and \
+         `picture` only";
+    output_with_an_edge_at_the_end: "outputs { depth: m = max(r - z, 0) } finally { depth == 0 [m] }" =>
+        "E12: `depth` contains `max`, `min` or `|x|`, which have no derivative at the edge; it can be used in `outputs` and \
+         `picture` only";
+    output_with_an_edge_in_a_surface: "outputs { depth: m = max(r - z, 0) } surface roof: depth >= y" =>
+        "E12: `depth` contains `max`, `min` or `|x|`, which have no derivative at the edge; it can be used in `outputs` and \
+         `picture` only";
+    rate_of_an_edge: "outputs { speed: m/s = dot(|y|) }" =>
+        "E12: `|y|` contains `max`, `min` or `|x|`, which have no derivative at the edge; differentiate the pieces";
+    jump_in_an_output: "outputs { way = sign(dot(y)) }" =>
+        "E12: `sign` has a kink or a jump, which smooth dynamics must not have; declare a `surface` where the motion \
+         switches";
     output_twice: "outputs { z: m = y, height: m = z, height: m = z }" =>
         "E19: `z` is declared twice; rename this output",
         "E19: `height` is declared twice; rename this output";
