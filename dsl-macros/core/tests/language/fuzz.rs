@@ -53,7 +53,7 @@ impl Random {
     }
 }
 
-const WORDS: [&str; 65] = [
+const WORDS: [&str; 69] = [
     "rotation",
     "rotation_x",
     "transpose",
@@ -106,7 +106,6 @@ const WORDS: [&str; 65] = [
     "friction_force",
     "impulse",
     "friction_impulse",
-    "abs",
     "max",
     "min",
     "picture",

@@ -136,6 +136,11 @@ texts! {
         "E06: the mass matrix is singular whatever the parameters: `z` carries no inertia of its own; add its kinetic energy or leave the coordinate out";
 
     // E07, E09
+    surface_with_two_relations: beside "surface wall: 0 [m] <= y <= 2 [m] impact wall: inelastic" =>
+        "a surface compares two sides; declare two surfaces, the second one with `y` on its left";
+    start_value_of_another_one: messages
+        "S { coordinates { y, z } lagrangian dot(y)^2/2 + dot(z)^2/2 start { y: 2, z: y^2 + 1 } }" =>
+        "the start value of `z` depends on the coordinate `y`; make the start value of `y` a parameter, and use that in both";
     surface_without_coordinate: beside "surface wall: m >= 3 [kg] impact wall: inelastic" =>
         "E07: surface `wall` depends on no coordinate; use one of `y`, `z`";
     surface_with_velocity: beside "surface wall: dot(y) >= 0 impact wall: inelastic" =>

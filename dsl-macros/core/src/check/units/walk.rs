@@ -409,9 +409,7 @@ impl Walk<'_> {
                         ..
                     },
                 ],
-            ) if words::CONTACT_FUNCTIONS.contains(&text) => {
-                self.of_contact(text, &surface.text)
-            }
+            ) if words::CONTACT_FUNCTIONS.contains(&text) => self.of_contact(text, &surface.text),
             _ if words::MATRIX_FUNCTIONS.contains(&text) => {
                 self.matrix_function(function, arguments)
             }
