@@ -32,8 +32,8 @@ const STEPS: usize = 40;
 /// Records the impulses of all impacts of a run, at their events and along its trajectory.
 pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
     let contacts = model.declaration().contacts.len();
-    let rubs = model.declaration().contacts;
-    let rubs = rubs.iter().any(|known| known.friction.is_some());
+    let mut declared = model.declaration().contacts.iter();
+    let rubs = declared.any(|known| known.friction.is_some());
     let mut sums = vec![vec![0.0; 2 * contacts]];
     let mut impacts: Vec<(f64, Vec<f64>)> = Vec::new();
     let mut at_start = true;
@@ -119,11 +119,7 @@ fn of_impact(
         *time = event.time;
     }
     contacts.evaluate_contacts(&input, surfaces.clone());
-    let closed = |modes: &[ContactMode], i: usize| {
-        modes
-            .get(i)
-            .is_some_and(|mode| !matches!(mode, ContactMode::Open))
-    };
+    let closed = |modes: &[ContactMode], i: usize| modes.get(i).is_some_and(|mode| !mode.is_open());
     let struck = |i: usize| events.iter().any(|event| event.contact == i);
     // What touched before the start is told by its gap alone.
     let gaps = events.iter().map(|event| contacts.gap(event.contact).abs());

@@ -189,6 +189,22 @@ fn contact_that_rests_takes_part_in_the_impact_of_another() {
 }
 
 #[test]
+fn impact_at_the_start_counts_with_what_rests_there() {
+    let stack = Stacked::default();
+    for (method, tolerance) in methods() {
+        let mut problem = InitialValueProblem::of(&stack, None).unwrap();
+        problem.q = vec![0.0; 2];
+        problem.v = vec![0.0, -1.0];
+        let run = method.simulate(&stack, &problem, &mut |_| true).unwrap();
+        for time in [0.0, 0.1] {
+            let state = run.at(time).unwrap();
+            let found = [state["below"], state["above"]];
+            assert_near(&found, &[2.0; 2], tolerance, method.name());
+        }
+    }
+}
+
+#[test]
 fn friction_impulse_is_that_of_sliding_or_of_sticking() {
     let fall = (2.0 * G).sqrt();
     for (mu, along) in [(0.2, -0.2 * 2.0 * fall), (0.9, -6.0)] {
