@@ -48,7 +48,6 @@ impl ResultFiles<'_> {
             facts,
         } = self;
         let model = chosen.model.as_ref();
-        let declaration = model.declaration();
         let mut files = vec![
             (format!("{stem}.json"), json.to_owned()),
             (
@@ -57,7 +56,7 @@ impl ResultFiles<'_> {
             ),
             (
                 format!("{stem}-events.csv"),
-                events_csv(declaration, &simulation.events),
+                events_csv(model, &simulation.events),
             ),
         ];
         let mut figures = Vec::new();

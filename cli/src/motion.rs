@@ -51,6 +51,12 @@ pub(crate) fn picture(
         })
     });
     let bodies = drawing.bodies.iter().enumerate();
+    // A body that stands still is not marked where others strike.
+    let moves = |index: usize| {
+        let mut places = path.windows(2);
+        places.any(|pair| pair[0].places[index] != pair[1].places[index])
+    };
+    let moving: Vec<usize> = (0..drawing.bodies.len()).filter(|&i| moves(i)).collect();
     let events = simulation.events.iter();
     let impacts = events.filter(|event| event.kind == EventKind::Impact);
     Motion {
@@ -80,9 +86,8 @@ pub(crate) fn picture(
         impacts: impacts
             .take(MOST_MARKS)
             .flat_map(|event| {
-                drawing
-                    .placed(&event.q, &event.v_after, &[], event.time)
-                    .places
+                let placed = drawing.placed(&event.q, &event.v_after, &[], event.time);
+                moving.iter().map(move |&index| placed.places[index])
             })
             .collect(),
         published: published.points.clone(),

@@ -31,6 +31,8 @@ pub(crate) struct State {
     pub(crate) contact_force: Vec<f64>,
     /// Tangential contact forces; empty in a scene without friction.
     pub(crate) friction_force: Vec<f64>,
+    /// Impulses of all impacts so far.
+    pub(crate) impulses: Vec<f64>,
     /// What the scene declares in `outputs`.
     pub(crate) outputs: Vec<f64>,
 }
@@ -62,6 +64,7 @@ impl State {
                 .get(k)
                 .cloned()
                 .unwrap_or_default(),
+            impulses: trajectory.impulses(k),
             outputs: Vec::new(),
         };
         state.recorded(model)
@@ -75,11 +78,12 @@ impl State {
         }
         let mut x = self.q.clone();
         x.extend(self.v.iter().chain(&self.u).chain([&self.time]));
-        let mut forces = self.contact_force.clone();
-        forces.extend(&self.friction_force);
-        forces.resize(2 * self.contact_force.len(), 0.0);
+        let mut contacts = self.contact_force.clone();
+        contacts.extend(&self.friction_force);
+        contacts.resize(2 * self.contact_force.len(), 0.0);
+        contacts.extend(&self.impulses);
         let mut outputs = vec![f64::NAN; count];
-        model.output_values(&x, &forces, &mut outputs);
+        model.output_values(&x, &contacts, &mut outputs);
         Self { outputs, ..self }
     }
 
@@ -118,6 +122,7 @@ impl State {
             u: straight(&trajectory.u),
             contact_force: straight(&trajectory.contact_force),
             friction_force: straight(&trajectory.friction_force),
+            impulses: trajectory.impulses(k),
             outputs: Vec::new(),
         };
         state.recorded(model)

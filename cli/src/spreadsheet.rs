@@ -74,11 +74,31 @@ pub(crate) fn trajectory_csv(model: &dyn Model, trajectory: &Trajectory, most: u
     )
 }
 
-/// The events.
-pub(crate) fn events_csv(declaration: &Declaration, events: &[Event]) -> String {
+/// The events; those that are no impacts have no impulses.
+pub(crate) fn events_csv(model: &dyn Model, events: &[Event]) -> String {
+    let declaration = model.declaration();
     let mut header: Vec<String> = ["time [s]", "event", "contact"].map(str::to_owned).into();
     header.extend(state_names(declaration, " before"));
     header.extend(state_names(declaration, " after").split_off(declaration.coordinates.len()));
+    let surfaces: Vec<usize> = (0..declaration.contacts.len())
+        .filter(|&contact| !declaration.contacts[contact].dry)
+        .collect();
+    let rubbing = surfaces.iter().copied();
+    let rubbing = rubbing.filter(|&contact| declaration.contacts[contact].friction.is_some());
+    let rubbing: Vec<usize> = rubbing.collect();
+    for (contacts, kind) in [(&surfaces, "impulse"), (&rubbing, "friction impulse")] {
+        header.extend(contacts.iter().map(|&contact| {
+            let force = quantity::unit(model, Quantity::ContactForce(contact));
+            let unit = match force.as_str() {
+                "" => String::new(),
+                force => format!("{force} s"),
+            };
+            headed(
+                &format!("{kind} {}", declaration.contacts[contact].name),
+                &unit,
+            )
+        }));
+    }
     csv_text(
         &header,
         events.iter().map(|event| {
@@ -93,7 +113,16 @@ pub(crate) fn events_csv(declaration: &Declaration, events: &[Event]) -> String 
                 .chain(&event.v_before)
                 .chain(&event.v_after)
                 .map(f64::to_string);
-            names.into_iter().chain(numbers).collect()
+            let impulses = [
+                (&surfaces, &event.contact_impulse),
+                (&rubbing, &event.friction_impulse),
+            ];
+            let impulses = impulses.into_iter().flat_map(|(contacts, values)| {
+                contacts
+                    .iter()
+                    .map(|&contact| values.get(contact).map_or(String::new(), f64::to_string))
+            });
+            names.into_iter().chain(numbers).chain(impulses).collect()
         }),
     )
 }

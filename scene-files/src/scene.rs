@@ -432,9 +432,9 @@ impl Model for TextScene {
         self.shared.outputs
     }
 
-    fn output_values(&self, x: &[f64], forces: &[f64], values: &mut [f64]) {
+    fn output_values(&self, x: &[f64], contacts: &[f64], values: &mut [f64]) {
         if let Some(outputs) = &self.description().outputs {
-            self.evaluate(outputs.kernel, x, forces, values);
+            self.evaluate(outputs.kernel, x, contacts, values);
         }
     }
 

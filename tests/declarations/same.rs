@@ -145,7 +145,7 @@ fn assert_shown(pair: Pair<'_>, w: &[f64]) {
         .rev()
         .copied()
         .cycle()
-        .take(2 * declaration.contacts.len())
+        .take(4 * declaration.contacts.len())
         .collect();
     pair.both("outputs", pair.0[0].outputs().len(), |model, out| {
         model.output_values(&x, &forces, out);

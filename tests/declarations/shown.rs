@@ -24,18 +24,20 @@ hangtime::model! {
             lost: W = -friction_force(ground)*dot(y),
             elapsed: min = t,
             limit: N = 3,
+            far: cm = max(|y| - z/2, min(y, z, r), 3 [cm]),
+            hit: kN s = impulse(ground) + 2*impulse(wall) - friction_impulse(ground),
         }
         constraint slow: power <= 5 [W]
         minimize integral(power^2)/1 [W^2] + time
         finally { y == 1 [m], dot(a) <= 2 [deg/s] }
         picture {
-            circle wheel at p radius r angle a,
+            circle wheel at p radius min(r, 1 [m]) angle a,
             rectangle board at (y + speed*1[s], z) size (r, 2*r),
             polygon flag at (0, t*1[m/s]) corners ((0, 0), (r, 0), (0, r)) angle -a,
             point hub at p,
             spring (0, 0) to hub,
             link wheel to board,
-            curve hill: (w, -slope*w) over w,
+            curve hill: (w, -slope*max(w, -w - 1 [cm])) over w,
             curve arc: (r*cos(s), m*1[m/kg] + r*sin(s)) over s in slope..=pi,
         }
         start { z: 0.5 }
@@ -86,17 +88,30 @@ fn outputs_are_their_formulas_in_their_units() {
         ("lost", "W"),
         ("elapsed", "min"),
         ("limit", "N"),
+        ("far", "cm"),
+        ("hit", "kN s"),
     ];
     assert_eq!(units, wanted);
     assert_eq!(wheel.outputs()[0].documentation, "How fast its centre is.");
-    let mut values = [f64::NAN; 7];
-    // Normal forces of both contacts, then their friction forces.
-    wheel.output_values(&AT, &[300.0, 50.0, -7.0, 0.0], &mut values);
+    let mut values = [f64::NAN; 9];
+    // Normal forces of both contacts, their friction forces, and the same of impulses.
+    let contacts = [300.0, 50.0, -7.0, 0.0, 400.0, 20.0, -60.0, 0.0];
+    wheel.output_values(&AT, &contacts, &mut values);
     let power = 1.2 * 20.0_f64.to_radians();
     let speed = 3.6 * 1.5_f64.hypot(-0.3);
     assert_close(
         &values,
-        &[speed, power, 2.0 * 9.81, 0.4, 7.0 * 1.5, 2.5 / 60.0, 3.0],
+        &[
+            speed,
+            power,
+            2.0 * 9.81,
+            0.4,
+            7.0 * 1.5,
+            2.5 / 60.0,
+            3.0,
+            50.0,
+            0.5,
+        ],
     );
 }
 

@@ -211,6 +211,7 @@ mod tests {
             u: vec![0.0; declaration.controls.len()],
             contact_force,
             friction_force: Vec::new(),
+            impulses: Vec::new(),
             outputs: Vec::new(),
         };
         let model = chosen.model.as_ref();

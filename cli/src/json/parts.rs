@@ -96,6 +96,12 @@ pub(super) struct EventEntry<'a> {
     q: &'a [f64],
     v_before: &'a [f64],
     v_after: &'a [f64],
+    /// Only of impacts.
+    #[serde(skip_serializing_if = "<[f64]>::is_empty")]
+    contact_impulse: &'a [f64],
+    /// Only of impacts in scenes with friction.
+    #[serde(skip_serializing_if = "<[f64]>::is_empty")]
+    friction_impulse: &'a [f64],
 }
 
 impl<'a> EventEntry<'a> {
@@ -107,6 +113,8 @@ impl<'a> EventEntry<'a> {
             q: &event.q,
             v_before: &event.v_before,
             v_after: &event.v_after,
+            contact_impulse: &event.contact_impulse,
+            friction_impulse: &event.friction_impulse,
         }
     }
 }

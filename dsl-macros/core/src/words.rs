@@ -99,8 +99,10 @@ pub(crate) const MATRIX_FUNCTIONS: [&str; 6] = [
     "diagonal",
 ];
 
-/// Functions of a contact in `outputs`: its normal and its tangential force; their names may be taken by declarations.
-pub(crate) const CONTACT_FUNCTIONS: [&str; 2] = ["force", "friction_force"];
+/// Functions of a contact in `outputs`: its normal and its tangential force, and the same of the impulses of its impacts;
+/// their names may be taken by declarations.
+pub(crate) const CONTACT_FUNCTIONS: [&str; 4] =
+    ["force", "friction_force", "impulse", "friction_impulse"];
 
 /// Words that begin an entry of `picture`.
 pub(crate) const SHAPES: [&str; 7] = [

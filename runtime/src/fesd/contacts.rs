@@ -50,7 +50,7 @@ pub(crate) enum Line {
 }
 
 impl Line {
-    pub(super) fn contact(self) -> usize {
+    pub(crate) fn contact(self) -> usize {
         match self {
             Self::Normal { contact, .. } | Self::Tangent { contact, .. } => contact,
         }
@@ -376,7 +376,7 @@ impl<'a> Contacts<'a> {
     }
 
     /// Acceleration of line `row` for a unit force on line `column`.
-    pub(super) fn coupling(&self, row: Line, column: Line) -> f64 {
+    pub(crate) fn coupling(&self, row: Line, column: Line) -> f64 {
         let sign = match row {
             Line::Normal { .. } => 1.0,
             Line::Tangent { sense, .. } => sense,
@@ -406,7 +406,7 @@ impl<'a> Contacts<'a> {
     }
 
     /// Couplings of `lines`, row-major.
-    pub(super) fn couplings(&self, lines: &[Line]) -> Vec<f64> {
+    pub(crate) fn couplings(&self, lines: &[Line]) -> Vec<f64> {
         let mut matrix = Vec::with_capacity(lines.len() * lines.len());
         for &row in lines {
             for &column in lines {

@@ -198,9 +198,9 @@ pub trait Model: Send + Sync {
     }
 
     /// Values of [`outputs`](Self::outputs), in their units, where the motion is at `x = (q, v, u, t)`; the physical
-    /// time `t` stands there in every scene. `forces` are the normal forces of all contacts, then their tangential
-    /// ones; its length is `2 n_c`.
-    fn output_values(&self, _x: &[f64], _forces: &[f64], _values: &mut [f64]) {}
+    /// time `t` stands there in every scene. `contacts` holds the normal forces of all contacts, then their tangential
+    /// forces, and then the same two of the impulses of all impacts until now; its length is `4 n_c`.
+    fn output_values(&self, _x: &[f64], _contacts: &[f64], _values: &mut [f64]) {}
 
     /// How the motion is drawn; `None` unless the scene declares a `picture`.
     fn picture(&self) -> Option<Picture> {

@@ -7,6 +7,7 @@ use super::event::dop853::{Dop853, System};
 use super::event::dynamics::{Dynamics, motion};
 use super::event::impact::{LowestBounce, Undetermined};
 use super::event::velocity_jump;
+use super::impulse;
 use super::other_grid::{self, OtherGrid};
 use super::watch::Watch;
 use super::{
@@ -133,6 +134,7 @@ impl Simulator for FixedStep {
             &mut watch,
             |settings, watch| FixedRun::new(settings, model, problem).run(watch),
         );
+        impulse::record(model, &mut result);
         watch.finish(model, &mut result);
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             result.seconds.total = elapsed.as_secs_f64();
@@ -328,6 +330,8 @@ impl<'a> FixedRun<'a> {
                 q: self.y[..n].to_vec(),
                 v_before: before.clone(),
                 v_after: self.y[n..2 * n].to_vec(),
+                contact_impulse: Vec::new(),
+                friction_impulse: Vec::new(),
             });
         }
         Ok(())

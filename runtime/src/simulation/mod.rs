@@ -11,6 +11,7 @@ mod event;
 mod fesd;
 mod fixed;
 mod impact_cluster;
+mod impulse;
 mod moreau;
 mod other_grid;
 mod problem;

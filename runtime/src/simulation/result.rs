@@ -183,6 +183,7 @@ impl Simulation {
             contact_force: row(&trajectory.contact_force),
             friction_force: row(&trajectory.friction_force),
             outputs: trajectory.outputs_at(index),
+            impulses: trajectory.impulses(index),
             declaration: self.declaration,
             recorder: trajectory.recorder.clone(),
         }
@@ -351,6 +352,14 @@ pub struct Event {
     pub v_before: Vec<f64>,
     /// Velocities just after.
     pub v_after: Vec<f64>,
+    /// Normal impulse of every contact in the impact \[N s for a gap in metres\], 0 for those that take no part; events
+    /// that are found together share it. Empty unless this is an impact.
+    ///
+    /// It follows from the jump of the velocities. Where contacts are so many that different impulses give the same
+    /// jump, it is the smallest.
+    pub contact_impulse: Vec<f64>,
+    /// The same along the sliding velocities; empty if no contact declares friction as well.
+    pub friction_impulse: Vec<f64>,
 }
 
 /// Kinds of events.

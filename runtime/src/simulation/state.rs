@@ -52,6 +52,8 @@ pub struct State {
     pub friction_force: Vec<f64>,
     /// What the scene declares in `outputs`, in order of declaration.
     pub outputs: Vec<f64>,
+    /// Impulses of all impacts so far, normal and then tangential.
+    pub(super) impulses: Vec<f64>,
     pub(super) declaration: &'static Declaration,
     pub(super) recorder: Option<Recorder>,
 }
@@ -99,6 +101,7 @@ impl State {
             contact_force: linear(&from.contact_force, &to.contact_force),
             friction_force: linear(&from.friction_force, &to.friction_force),
             outputs: Vec::new(),
+            impulses: from.impulses.clone(),
             declaration: from.declaration,
             recorder: from.recorder.clone(),
         };
@@ -110,6 +113,7 @@ impl State {
                 u: &state.u,
                 contact_force: &state.contact_force,
                 friction_force: &state.friction_force,
+                impulses: &state.impulses,
             });
         }
         state

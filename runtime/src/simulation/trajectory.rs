@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::recorder::{Instant, Recorder};
+use super::recorder::{Impulses, Instant, Recorder};
 use crate::model::VariableDeclaration;
 
 /// States over time; entry `k` of every field belongs to the same instant.
@@ -48,6 +48,8 @@ pub struct Trajectory {
     columns: OnceLock<Vec<Vec<f64>>>,
     /// What is recorded along it, and the columns of that.
     pub(super) recorder: Option<Recorder>,
+    /// Impulses of its impacts, if the method knows them.
+    pub(super) impulses: Option<Impulses>,
     outputs: OnceLock<Vec<Vec<f64>>>,
 }
 
@@ -119,19 +121,51 @@ impl Trajectory {
         self.recorder.as_ref().map_or(&[], Recorder::declared)
     }
 
+    /// Impulses of all impacts until instant `k`: of the contacts along their normals and then along their sliding
+    /// velocities, `2 n_c` numbers \[N s for a gap in metres\]; not numbers where the method does not tell impacts from
+    /// lasting forces, as [`Moreau`](super::Moreau) and [`Smooth`](super::Smooth).
+    #[must_use]
+    pub fn impulses(&self, k: usize) -> Vec<f64> {
+        let contacts = self.contact_force.get(k).map_or(0, Vec::len);
+        match &self.impulses {
+            None => vec![f64::NAN; 2 * contacts],
+            Some(impulses) => {
+                let sums = impulses.at(k).map(<[f64]>::to_vec);
+                sums.unwrap_or_else(|| vec![0.0; 2 * contacts])
+            }
+        }
+    }
+
+    /// Whether an output depends on impulses, which the method does not know.
+    pub(super) fn misses_impulses(&self) -> bool {
+        let recorder = self.recorder.as_ref();
+        self.impulses.is_none()
+            && !self.time.is_empty()
+            && recorder.is_some_and(|recorder| {
+                recorder.misses_impulses(self.instant(0, &self.impulses(0)))
+            })
+    }
+
     /// What is recorded at an instant.
     pub(super) fn outputs_at(&self, k: usize) -> Vec<f64> {
+        let recorder = self.recorder.as_ref();
+        recorder.map_or_else(Vec::new, |recorder| {
+            recorder.values(self.instant(k, &self.impulses(k)))
+        })
+    }
+
+    /// Instant `k`.
+    fn instant<'t>(&'t self, k: usize, impulses: &'t [f64]) -> Instant<'t> {
         let friction = self.friction_force.get(k);
-        let instant = Instant {
+        Instant {
             time: self.time[k],
             q: &self.q[k],
             v: &self.v[k],
             u: &self.u[k],
             contact_force: &self.contact_force[k],
             friction_force: friction.map_or(&[], Vec::as_slice),
-        };
-        let recorder = self.recorder.as_ref();
-        recorder.map_or_else(Vec::new, |recorder| recorder.values(instant))
+            impulses,
+        }
     }
 
     /// All values of an output.

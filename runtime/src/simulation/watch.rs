@@ -103,6 +103,13 @@ impl<'o> Watch<'o> {
     /// Says in the result what was left out, and what the scene records.
     pub(super) fn finish(&self, model: &dyn Model, result: &mut Simulation) {
         result.trajectory.recorder = Recorder::of(model);
+        if result.trajectory.misses_impulses() {
+            result.notes.push(
+                "this method does not tell impacts from lasting forces: outputs with impulses are no numbers; take one \
+                 with events"
+                    .into(),
+            );
+        }
         if self.stride > 1 {
             result.notes.push(format!(
                 "the trajectory keeps one of {} points between events, to stay below {} points; raise `points` of \

@@ -15,6 +15,7 @@ hangtime::model! {
         forces { y: u + p*g }
         surface plate: z >= y
         impact plate: restitution 0.4
+        outputs { given: N s = impulse(plate) }
         minimize integral(u^2)
         finally { z == 0.3[m], y == 0.3[m], dot(z) == 0[m/s], dot(y) == 0[m/s] }
         start { z: 1 [m] }
@@ -51,7 +52,17 @@ fn landing_that_bounces_for_a_moment_is_confirmed() {
         .events
         .iter()
         .filter(|event| event.kind == EventKind::Impact);
-    assert!(impacts.count() > 3, "{:?}", motion.events);
+    let impacts: Vec<_> = impacts.collect();
+    assert!(impacts.len() > 3, "{:?}", motion.events);
+    // Each impulse is the change of the momentum of the egg, and they add up.
+    let mut sum = 0.0;
+    for event in impacts {
+        let jump = 0.1 * (event.v_after[0] - event.v_before[0]);
+        assert!((event.contact_impulse[0] - jump).abs() < 1e-12, "{event:?}");
+        sum += jump;
+    }
+    let given = motion["given"].last().unwrap();
+    assert!((given - sum).abs() < 1e-11, "{given} {sum}");
     // A catch without any bounce, at the same speed, costs more.
     assert!(solution.objective < 68.0, "{}", solution.objective);
 }

@@ -314,7 +314,7 @@ fn force_of_a_surface_is_that_of_its_pieces() {
     let table = Table::default();
     let run = simulate(&table).run().unwrap();
     let (x, mut load) = ([0.1, 0.8, 1.5, 0.0, 0.05], [0.0]);
-    table.output_values(&x, &[3.0, 4.0, 0.0, 0.0], &mut load);
+    table.output_values(&x, &[3.0, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], &mut load);
     assert_eq!(load, [7.0]);
     assert!((run.trajectory.contact_force[0][0] - table.m * G).abs() < 1e-12);
 }

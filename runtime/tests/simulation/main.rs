@@ -23,6 +23,7 @@ mod friction_time_stepping;
 mod front_door;
 mod hidden_switches;
 mod impact_clusters;
+mod impulses;
 mod linear_controls;
 mod modes_after_events;
 mod moving_ground;

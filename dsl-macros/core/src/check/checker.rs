@@ -136,6 +136,9 @@ impl Checker<'_> {
             Variable::ContactForce(_) | Variable::FrictionForce(_) => {
                 "the force of a contact".to_owned()
             }
+            Variable::ContactImpulse(_) | Variable::FrictionImpulse(_) => {
+                "the impulse of a contact".to_owned()
+            }
             _ => "a parameter".to_owned(),
         }
     }

@@ -5,7 +5,7 @@ use super::{units, values};
 use crate::ast::{Expr, Quantity};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::expression;
-use crate::evaluate::{Meaning, Role, Value};
+use crate::evaluate::{Meaning, Role, Value, has_edge};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, Contact};
 
@@ -57,8 +57,11 @@ fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
         let message = format!("a scene has at most {MOST} outputs");
         return Err(checker.diagnostics.syntax(name.place(), message));
     }
-    if graph::depends_on(value, is_contact_force) {
+    if graph::depends_on(value, Variable::is_of_contact) {
         checker.scope.recorded.insert(name.text.clone());
+    }
+    if has_edge(&[value]) {
+        checker.scope.edged.insert(name.text.clone());
     }
     let meaning = Meaning::Value(Value::Scalar(value));
     checker.scope.names.insert(name.text.clone(), meaning);
@@ -99,26 +102,19 @@ fn recorded(checker: &mut Checker<'_>, expr: &Expr, quantity: &Quantity) -> Chec
     value
 }
 
-fn is_contact_force(variable: Variable) -> bool {
-    matches!(
-        variable,
-        Variable::ContactForce(_) | Variable::FrictionForce(_)
-    )
-}
-
-/// Units that follow from the expressions, and whether the contacts have the forces that are recorded.
+/// Units that follow from the expressions, and whether the contacts have the friction that is recorded.
 pub(super) fn finish(checker: &mut Checker<'_>, contacts: &[Contact], units: &units::Inferred) {
     for (output, unit) in checker.shown.outputs.iter_mut().zip(&units.outputs) {
         output.inferred = *unit;
     }
-    for (index, place) in std::mem::take(&mut checker.scope.rubbing) {
+    for (index, function, place) in std::mem::take(&mut checker.scope.rubbing) {
         if let Some(contact) = contacts.get(index)
             && contact.friction.is_none()
         {
             let name = &contact.name.text;
             let message = format!(
                 "contact `{name}` has no friction; declare it by `impact {name}: ..., friction mu`, or leave \
-                 `friction_force({name})` out"
+                 `{function}({name})` out"
             );
             checker.diagnostics.report("E24", place, message);
         }

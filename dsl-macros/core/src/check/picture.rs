@@ -4,7 +4,7 @@ use super::checker::Checker;
 use crate::ast::{self, Expr, Kind, Name};
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::expression;
-use crate::evaluate::{Meaning, Value};
+use crate::evaluate::{Meaning, Role, Value};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, Form, Picture, Point, Shape};
 use hangtime_units::Unit;
@@ -34,6 +34,7 @@ pub(super) fn picture(
         unit: unit_of_length(checker),
         ..Picture::default()
     };
+    checker.scope.role = Role::Draw;
     for shape in shapes {
         // Each reports its own mistakes; the next one is checked all the same.
         match (checked(checker, &picture, shape), shape) {
@@ -44,6 +45,7 @@ pub(super) fn picture(
             (Err(Reported), _) => {}
         }
     }
+    checker.scope.role = Role::Motion;
     if checker.diagnostics.mistakes() > before {
         return Err(Reported);
     }

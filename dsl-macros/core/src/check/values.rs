@@ -234,6 +234,24 @@ impl StartValues {
     }
 }
 
+/// A start value, of parameters only.
+fn start_value(checker: &mut Checker<'_>, sym: Sym, expr: &Expr, shown: &str) -> Checked<Sym> {
+    let variables = graph::variables(&[sym]);
+    let mut coordinates = variables.into_iter();
+    let Some(index) = coordinates.find_map(|variable| match variable {
+        Variable::Coordinate(index) => Some(usize::from(index)),
+        _ => None,
+    }) else {
+        return checker.constant(sym, expr, &format!("the start value of `{shown}`"));
+    };
+    let name = &checker.coordinates[index].name.text;
+    let message = format!(
+        "the start value of `{shown}` depends on the coordinate `{name}`; make the start value of `{name}` a parameter, \
+         and use that in both"
+    );
+    Err(checker.diagnostics.syntax(expr.place, message))
+}
+
 /// Checks and evaluates what `start` says.
 pub(super) fn start_values(checker: &mut Checker<'_>) -> StartValues {
     let n = checker.coordinates.len();
@@ -252,13 +270,8 @@ pub(super) fn start_values(checker: &mut Checker<'_>) -> StartValues {
         } else {
             name.clone()
         };
-        let value = in_declared_unit(checker, &assignment.value, unit.as_ref()).and_then(|sym| {
-            checker.constant(
-                sym,
-                &assignment.value,
-                &format!("the start value of `{shown}`"),
-            )
-        });
+        let value = in_declared_unit(checker, &assignment.value, unit.as_ref())
+            .and_then(|sym| start_value(checker, sym, &assignment.value, &shown));
         let Ok(value) = value else {
             failed = true;
             continue;

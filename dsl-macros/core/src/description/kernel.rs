@@ -138,6 +138,9 @@ impl Kernel {
 fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Operation {
     let (n, m) = (scene.coordinates.len(), scene.controls.len());
     let input = |i: usize| Operation::Input(i as u32);
+    let of_contact = |group: usize, i: u16| {
+        Operation::Weight((group * scene.contacts.len() + usize::from(i)) as u32)
+    };
     match variable {
         Variable::Parameter(i) => Operation::Parameter(u32::from(i)),
         Variable::Coordinate(i) => input(usize::from(i)),
@@ -145,10 +148,10 @@ fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Operatio
         Variable::Control(i) => input(2 * n + usize::from(i)),
         Variable::Time if at_the_end => input(2 * n),
         Variable::Time => input(2 * n + m),
-        Variable::ContactForce(i) => Operation::Weight(u32::from(i)),
-        Variable::FrictionForce(i) => {
-            Operation::Weight((scene.contacts.len() + usize::from(i)) as u32)
-        }
+        Variable::ContactForce(i) => of_contact(0, i),
+        Variable::FrictionForce(i) => of_contact(1, i),
+        Variable::ContactImpulse(i) => of_contact(2, i),
+        Variable::FrictionImpulse(i) => of_contact(3, i),
         Variable::Multiplier(i) | Variable::Unknown(i) | Variable::Argument(i) => {
             Operation::Weight(u32::from(i))
         }

@@ -256,6 +256,8 @@ impl Printer<'_> {
             Variable::Control(i) => named(&self.scene.controls, i, ""),
             Variable::ContactForce(i) => format!("force({})", self.contact(i)),
             Variable::FrictionForce(i) => format!("friction_force({})", self.contact(i)),
+            Variable::ContactImpulse(i) => format!("impulse({})", self.contact(i)),
+            Variable::FrictionImpulse(i) => format!("friction_impulse({})", self.contact(i)),
             Variable::Time => "t".to_owned(),
             Variable::Multiplier(i) => format!("lambda{i}"),
             Variable::Unknown(i) => format!("a{i}"),

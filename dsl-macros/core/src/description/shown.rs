@@ -12,7 +12,7 @@ pub struct Outputs {
     /// Name, unit and documentation of each.
     pub quantities: Vec<super::Variable>,
     /// Kernel of their values, of `(q, v, u, t)`, the time always among them; the normal and then the tangential forces
-    /// of all contacts are the weights.
+    /// of all contacts are the weights, and behind them the same of the impulses so far.
     pub kernel: usize,
 }
 

@@ -167,9 +167,9 @@ fn shown(derived: &Description) -> String {
         let _ = write!(
             written,
             "fn outputs(&self) -> &'static [::hangtime::model::VariableDeclaration] {{ &[{}] }}
-            fn output_values(&self, x: &[__f64], forces: &[__f64], values: &mut [__f64]) {{ {} }}",
+            fn output_values(&self, x: &[__f64], contacts: &[__f64], values: &mut [__f64]) {{ {} }}",
             declaration::variables(&outputs.quantities),
-            methods::call(derived, outputs.kernel, "x", "forces", "values")
+            methods::call(derived, outputs.kernel, "x", "contacts", "values")
         );
     }
     if let Some(picture) = &derived.picture {

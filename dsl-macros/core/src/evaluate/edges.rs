@@ -1,12 +1,17 @@
-//! `max`, `min` and `|x|`, which a surface may contain.
+//! `max`, `min` and `|x|`, which may stand in a surface, and in what is recorded and drawn.
 
 use super::kink::Kink;
 use super::scope::{Role, Scope};
 use super::value::Value;
 use crate::ast::Expr;
 use crate::diagnostics::{Checked, Diagnostics, Place};
-use crate::graph::{self, Sym, Variable};
+use crate::graph::{self, Compose, Function, Node, Sym, Variable};
 use crate::words;
+
+/// Whether `max`, `min` and `|x|` may stand there.
+pub(super) fn admitted(role: Role) -> bool {
+    matches!(role, Role::Surface | Role::Record | Role::Draw)
+}
 
 /// Whether a function with a kink or a jump may stand here, with so many arguments; E12 otherwise.
 pub(super) fn admit(
@@ -16,7 +21,7 @@ pub(super) fn admit(
     diagnostics: &mut Diagnostics,
 ) -> Checked<()> {
     let known = words::EDGES.contains(&text);
-    if !known || scope.role != Role::Surface {
+    if !known || !admitted(scope.role) {
         let remedy = if known {
             "; declare a `surface`, which may contain it, where the motion switches"
         } else {
@@ -37,8 +42,11 @@ pub(super) fn admit(
     Err(diagnostics.report("E02", whole.place, message))
 }
 
-/// What `max`, `min` or `abs` of some parts is: a variable, the same one for the same parts.
+/// What `max`, `min` or `abs` of some parts is: in a surface a variable, the same one for the same parts.
 pub(super) fn call(scope: &mut Scope, text: &str, mut parts: Vec<Sym>) -> Value {
+    if scope.role != Role::Surface {
+        return Value::Scalar(computed(text, &parts));
+    }
     if let ("abs", [part]) = (text, &parts[..]) {
         parts.push(-*part);
     }
@@ -59,6 +67,26 @@ pub(super) fn call(scope: &mut Scope, text: &str, mut parts: Vec<Sym>) -> Value 
     Value::Scalar(Sym::variable(variable))
 }
 
+/// The same as a number: `max(a, b) = (a + b + |a - b|)/2`.
+fn computed(text: &str, parts: &[Sym]) -> Sym {
+    let sign = if text == "min" { -1.0 } else { 1.0 };
+    let mut parts = parts.iter().copied();
+    let first = parts.next().unwrap_or(Sym::ZERO);
+    if text == "abs" {
+        return first.call(Function::Abs);
+    }
+    parts.fold(first, |largest, part| {
+        let apart = (largest - part).call(Function::Abs).scaled(sign);
+        (largest + part + apart).scaled(0.5)
+    })
+}
+
+/// Whether an expression that is computed contains an edge.
+pub(crate) fn has_edge(components: &[Sym]) -> bool {
+    let mut parts = graph::reachable(components).into_iter();
+    parts.any(|part| matches!(part.node(), Node::Call(Function::Abs, _)))
+}
+
 /// E12: what has an edge has no derivative there.
 pub(super) fn differentiable(
     scope: &Scope,
@@ -67,7 +95,7 @@ pub(super) fn differentiable(
     diagnostics: &mut Diagnostics,
 ) -> Checked<()> {
     let edge = |variable| scope.kinks.iter().any(|kink| kink.variable == variable);
-    if !graph::variables(components).into_iter().any(edge) {
+    if !graph::variables(components).into_iter().any(edge) && !has_edge(components) {
         return Ok(());
     }
     let message = format!(

@@ -286,7 +286,7 @@ fn component(
 
 fn norm(scope: &mut Scope, inner: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
     match value(scope, inner, diagnostics)? {
-        Value::Scalar(part) if scope.role == Role::Surface => {
+        Value::Scalar(part) if edges::admitted(scope.role) => {
             Ok(edges::call(scope, "abs", vec![part]))
         }
         Value::Scalar(_) => Err(diagnostics.report(
@@ -382,7 +382,7 @@ fn call(
         return matrix::call(function, &values, diagnostics);
     }
     if words::CONTACT_FUNCTIONS.contains(&text) {
-        return recorded::contact_force(scope, whole, text, arguments, diagnostics);
+        return recorded::of_contact(scope, whole, text, arguments, diagnostics);
     }
     let wanted = match text {
         "dot" if arguments.len() == 2 => 2,
@@ -538,8 +538,8 @@ fn time_derivative(
                 "`dot({argument})` would be an acceleration, which follows from the Lagrangian; \
                  take `dot` once, of positions only"
             ),
-            Variable::ContactForce(_) | Variable::FrictionForce(_) => format!(
-                "`dot({argument})` needs the derivative of a contact force, which may jump; take `dot` \
+            known if known.is_of_contact() => format!(
+                "`dot({argument})` needs the derivative of what a contact does, which may jump; take `dot` \
                  of positions only"
             ),
             Variable::Control(_) => format!(

@@ -10,6 +10,7 @@ mod recorded;
 mod scope;
 mod value;
 
+pub(crate) use edges::has_edge;
 pub(crate) use expression::{BUDGET, TOO_LARGE, unrepresentable};
 pub(crate) use functions::velocity_direction;
 pub(crate) use kink::Kink;

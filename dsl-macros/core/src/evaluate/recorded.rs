@@ -1,17 +1,26 @@
-//! Contact forces in what is recorded.
+//! Forces and impulses of contacts in what is recorded.
 
 use super::scope::{Role, Scope};
 use super::value::Value;
 use crate::ast::{Expr, Kind};
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
 use crate::graph::{Sym, Variable};
-use crate::words;
 
 /// Number of the first dry friction in forces, until the number of contacts before it is known.
 pub(crate) const FIRST_DRY: u16 = 1 << 15;
 
-/// `force(surface)` or `friction_force(surface)`.
-pub(super) fn contact_force(
+/// What a name of [`CONTACT_FUNCTIONS`](crate::words::CONTACT_FUNCTIONS) is of a contact.
+fn quantity(text: &str) -> (fn(u16) -> Variable, bool) {
+    match text {
+        "force" => (Variable::ContactForce, true),
+        "friction_force" => (Variable::FrictionForce, false),
+        "impulse" => (Variable::ContactImpulse, true),
+        _ => (Variable::FrictionImpulse, false),
+    }
+}
+
+/// `force(surface)`, `friction_force(surface)`, `impulse(surface)` or `friction_impulse(surface)`.
+pub(super) fn of_contact(
     scope: &mut Scope,
     whole: &Expr,
     text: &str,
@@ -36,12 +45,17 @@ pub(super) fn contact_force(
             return Err(diagnostics.report("E02", whole.place, message));
         }
     };
-    let normal = text == words::CONTACT_FUNCTIONS[0];
+    let (variable, normal) = quantity(text);
     if let Some(index) = scope.dry.iter().position(|name| *name == surface.text) {
-        if normal {
+        if text != "friction_force" {
             let message = format!(
-                "dry friction `{0}` has no normal force; its own is `friction_force({0})`",
-                surface.text
+                "dry friction `{0}` has no {1}; its own is `friction_force({0})`",
+                surface.text,
+                if text == "force" {
+                    "normal force"
+                } else {
+                    "impulse, as its force is bounded"
+                }
             );
             return Err(diagnostics.report("E24", whole.place, message));
         }
@@ -71,15 +85,11 @@ pub(super) fn contact_force(
         return Err(diagnostics.report("E01", surface.place(), message));
     };
     if !normal {
-        scope.rubbing.push((contacts.start, whole.place));
+        scope
+            .rubbing
+            .push((contacts.start, text.to_owned(), whole.place));
     }
-    // The forces of all pieces.
-    let force = contacts.map(|index| {
-        Sym::variable(if normal {
-            Variable::ContactForce(index as u16)
-        } else {
-            Variable::FrictionForce(index as u16)
-        })
-    });
-    Ok(Value::Scalar(force.sum()))
+    // That of all pieces.
+    let parts = contacts.map(|index| Sym::variable(variable(index as u16)));
+    Ok(Value::Scalar(parts.sum()))
 }

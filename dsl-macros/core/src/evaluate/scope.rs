@@ -35,8 +35,10 @@ pub(crate) enum Role {
     Running,
     /// What counts at the final instant: final cost and terminal conditions, which know the final time.
     End,
-    /// What is recorded of a motion, which knows the contact forces as well.
+    /// What is recorded of a motion, which knows the contact forces as well, and may have edges.
     Record,
+    /// What is drawn, which may have edges.
+    Draw,
 }
 
 /// All names in force, and which of them have been used.
@@ -53,10 +55,12 @@ pub(crate) struct Scope {
     pub(crate) dry: Vec<String>,
     /// Maxima and minima in the surface being evaluated.
     pub(crate) kinks: Vec<Kink>,
-    /// Contacts of which the friction is recorded.
-    pub(crate) rubbing: Vec<(usize, Place)>,
-    /// Outputs that contain contact forces.
+    /// Contacts of which the friction is recorded, by which function.
+    pub(crate) rubbing: Vec<(usize, String, Place)>,
+    /// Outputs that contain forces or impulses of contacts.
     pub(crate) recorded: HashSet<String>,
+    /// Outputs that contain edges.
+    pub(crate) edged: HashSet<String>,
     /// Arguments of the functions being evaluated, innermost last.
     pub(super) frames: Vec<Vec<(String, Value)>>,
     /// Functions being evaluated.
@@ -80,11 +84,22 @@ impl Scope {
                 if self.role != Role::Record && self.recorded.contains(&name.text) =>
             {
                 let message = format!(
-                    "`{}` contains the force of a contact, which follows from the motion; it can be used in `outputs` \
-                     only",
+                    "`{}` contains the force or the impulse of a contact, which follows from the motion; it can be used \
+                     in `outputs` only",
                     name.text
                 );
                 Err(diagnostics.report("E24", name.place(), message))
+            }
+            Some(Meaning::Value(_))
+                if !matches!(self.role, Role::Record | Role::Draw)
+                    && self.edged.contains(&name.text) =>
+            {
+                let message = format!(
+                    "`{}` contains `max`, `min` or `|x|`, which have no derivative at the edge; it can be used in `outputs` \
+                     and `picture` only",
+                    name.text
+                );
+                Err(diagnostics.report("E12", name.place(), message))
             }
             Some(Meaning::Value(value)) => {
                 self.used.insert(name.text.clone());

@@ -29,6 +29,8 @@ pub enum Function {
     Ln,
     /// Cube root.
     Cbrt,
+    /// Absolute value, of what is recorded and drawn only.
+    Abs,
     /// A function given by points.
     Profile(Profile),
 }
@@ -62,6 +64,7 @@ impl Function {
             Self::Exp => "exp",
             Self::Ln => "ln",
             Self::Cbrt => "cbrt",
+            Self::Abs => "abs",
             Self::Profile(profile) => profile.name(),
         }
     }
@@ -82,6 +85,7 @@ impl Function {
             Self::Exp => x.exp(),
             Self::Ln => x.ln(),
             Self::Cbrt => x.cbrt(),
+            Self::Abs => x.abs(),
             Self::Profile(profile) => profile.value(x),
         }
     }
@@ -91,12 +95,13 @@ impl Function {
         match self {
             Self::Sin | Self::Tan | Self::Asin | Self::Atan => Some(-1.0),
             Self::Sinh | Self::Tanh | Self::Cbrt => Some(-1.0),
-            Self::Cos | Self::Cosh => Some(1.0),
+            Self::Cos | Self::Cosh | Self::Abs => Some(1.0),
             Self::Acos | Self::Exp | Self::Ln | Self::Profile(_) => None,
         }
     }
 }
 
+/// Those that stand for themselves wherever they are written.
 const ALL: [Function; 12] = [
     Function::Sin,
     Function::Cos,

@@ -35,8 +35,25 @@ pub(crate) enum Variable {
     ContactForce(u16),
     /// Tangential force of a contact, in SI units.
     FrictionForce(u16),
+    /// Normal impulse of all impacts of a contact so far, in SI units.
+    ContactImpulse(u16),
+    /// Tangential impulse of all impacts of a contact so far, in SI units.
+    FrictionImpulse(u16),
     /// Stands for the argument of a function while it is differentiated.
     Argument(u16),
+}
+
+impl Variable {
+    /// Whether it follows from the contacts of a motion: it is known of what is recorded only.
+    pub(crate) fn is_of_contact(self) -> bool {
+        matches!(
+            self,
+            Self::ContactForce(_)
+                | Self::FrictionForce(_)
+                | Self::ContactImpulse(_)
+                | Self::FrictionImpulse(_)
+        )
+    }
 }
 
 /// An expression whose parts are expressions.

@@ -85,7 +85,7 @@ fn relation(cursor: &mut Cursor) -> Option<Relation> {
     .find_map(|(symbol, relation)| cursor.eat_symbol(symbol).then_some(relation))
 }
 
-fn relation_follows(cursor: &Cursor) -> bool {
+pub(super) fn relation_follows(cursor: &Cursor) -> bool {
     relation(&mut cursor.clone()).is_some()
 }
 

@@ -306,6 +306,12 @@ fn surface_after_name(
         return Err(unexpected(cursor, diagnostics, "`>=` or `<=`"));
     };
     let right = expression(cursor, diagnostics)?;
+    if control::relation_follows(cursor) {
+        return Err(diagnostics.syntax(
+            cursor.place(),
+            format!("a surface compares two sides; declare two surfaces, the second one with `{right}` on its left"),
+        ));
+    }
     Ok(Statement::Surface {
         documentation,
         name,

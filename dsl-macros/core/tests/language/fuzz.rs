@@ -35,7 +35,7 @@ const SCENES: [&str; 8] = [
      dot(p.y) minimize integral(a^2 + dot(b)) + time }",
     "Shown { parameters { m: kg = 1, r: m = 0.1 } coordinates { y: m, z: m, a: rad } lagrangian m/2*|dot((y, z))|^2 + \
      m*r^2/4*dot(a)^2 surface floor: z >= r impact floor: inelastic, friction 0.3, sliding dot(y + r*a) start { z: 1 } outputs { speed: km/h = |dot((y, \
-     z))|, push: N = force(floor), rub = friction_force(floor)/m } picture { circle ball at (y, z) radius r angle a, \
+     z))|, push: N = force(floor), rub = friction_force(floor)/m, hit: N s = impulse(floor), far: m = max(|y|, z) } picture { circle ball at (y, z) radius r angle a, \
      point p at (y, z), rectangle box at (y, r) size (r, 2*r), polygon roof at (0, r) corners ((0, 0), (r, 0), (0, r)), \
      link ball to (0, 0), spring p to roof, curve ground: (w, r*sin(w/r)) over w, curve arc: (r*cos(s), r) over s in \
      0..=2*pi } constraint slow: speed^2 <= 9 [m^2/s^2] }",
@@ -53,7 +53,7 @@ impl Random {
     }
 }
 
-const WORDS: [&str; 65] = [
+const WORDS: [&str; 69] = [
     "rotation",
     "rotation_x",
     "transpose",
@@ -104,6 +104,10 @@ const WORDS: [&str; 65] = [
     "outputs",
     "force",
     "friction_force",
+    "impulse",
+    "friction_impulse",
+    "max",
+    "min",
     "picture",
     "point",
     "at",

@@ -136,6 +136,11 @@ texts! {
         "E06: the mass matrix is singular whatever the parameters: `z` carries no inertia of its own; add its kinetic energy or leave the coordinate out";
 
     // E07, E09
+    surface_with_two_relations: beside "surface wall: 0 [m] <= y <= 2 [m] impact wall: inelastic" =>
+        "a surface compares two sides; declare two surfaces, the second one with `y` on its left";
+    start_value_of_another_one: messages
+        "S { coordinates { y, z } lagrangian dot(y)^2/2 + dot(z)^2/2 start { y: 2, z: y^2 + 1 } }" =>
+        "the start value of `z` depends on the coordinate `y`; make the start value of `y` a parameter, and use that in both";
     surface_without_coordinate: beside "surface wall: m >= 3 [kg] impact wall: inelastic" =>
         "E07: surface `wall` depends on no coordinate; use one of `y`, `z`";
     surface_with_velocity: beside "surface wall: dot(y) >= 0 impact wall: inelastic" =>
@@ -392,6 +397,8 @@ texts! {
         "E20: surface `rail` is declared twice; rename one";
     normal_force_of_dry_friction: beside "dry friction rail: bound 2 [N], sliding dot(y) outputs { push: N = force(rail) }" =>
         "E24: dry friction `rail` has no normal force; its own is `friction_force(rail)`";
+    impulse_of_dry_friction: beside "dry friction rail: bound 2 [N], sliding dot(y) outputs { hit: N s = friction_impulse(rail) }" =>
+        "E24: dry friction `rail` has no impulse, as its force is bounded; its own is `friction_force(rail)`";
 
     // E21
     product_that_overflows: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*3e250*2e140" =>

@@ -30,7 +30,8 @@ texts! {
     everything_is_accepted:
         "outputs { /// How fast it is.
              speed: km/h = |dot(p)|, power: W = u*dot(y), height = z - r, limit: N = 3, \
-             push: N = force(floor), rub = friction_force(floor)/m, both: N = push + force(wall) } \
+             push: N = force(floor), rub = friction_force(floor)/m, both: N = push + force(wall), \
+             hit: N s = impulse(wall), scraped: kg m/s = friction_impulse(floor) + hit } \
          minimize integral(power) + 1 [W]*time constraint slow: power <= 90 [W] finally { height == 0 } \
          picture { circle ball at p radius r angle a, point p, rectangle box at (y, r + z) size (r, 2*r), \
              polygon roof at (0, 1[m]) angle a/2 corners ((0, 0), (r, 0), (0, r)), link ball to (0, 0), \
@@ -46,6 +47,43 @@ texts! {
         "E03: units differ: `z` is in m, where m/s is needed (output `height` is declared so)";
     force_in_another_unit: "outputs { push: J = force(floor) }" =>
         "E03: units differ: `force(floor)` is in N, where J is needed (output `push` is declared so)";
+    impulse_in_the_unit_of_a_force: "outputs { hit: N = impulse(wall) }" =>
+        "E03: units differ: `impulse(wall)` is in N s, where N is needed (output `hit` is declared so)";
+    impulse_of_nothing: "outputs { hit: N s = impulse(flor), all: N s = impulse() }" =>
+        "E01: there is no surface `flor` above; did you mean `floor`?",
+        "E02: `impulse` takes the name of a surface, as in `impulse(ground)`";
+    friction_impulse_of_a_contact_without: "outputs { rub: N s = friction_impulse(wall) }" =>
+        "E24: contact `wall` has no friction; declare it by `impact wall: ..., friction mu`, or leave \
+         `friction_impulse(wall)` out";
+    impulse_at_the_end: "finally { impulse(floor) <= 3 [N s] }" =>
+        "E24: `impulse` of a contact follows from the motion; it can be used in `outputs` only";
+    output_of_an_impulse_in_a_constraint:
+        "outputs { hit: N s = impulse(floor) } constraint soft: hit <= 3 [N s]" =>
+        "E24: `hit` contains the force or the impulse of a contact, which follows from the motion; it can be used in \
+         `outputs` only";
+    rate_of_an_impulse: "outputs { push: N = dot(impulse(floor)) }" =>
+        "`dot(impulse(floor))` needs the derivative of what a contact does, which may jump; take `dot` of positions only";
+    edges_are_recorded_and_drawn:
+        "fn roof(w) = max(-w, w/2, r) outputs { depth: m = max(r - z, 0 [m], y), far: m = |y| + abs(z) - min(y, z) } \
+         picture { circle ball at (|y|, roof(y)) radius min(r, 1 [m]) angle |a|, curve top: (w, roof(w)) over w }"
+        => "accepted";
+    edges_of_other_units: "outputs { depth: m = max(r - z, 0) } picture { point ball at (max(y, 1 [s]), z) }" =>
+        "E03: units differ: `y` is in m, `1 [s]` is in s; the arguments of `max` must agree";
+    output_with_an_edge_in_an_objective:
+        "outputs { depth: m = max(r - z, 0) } minimize integral(depth)" =>
+        "E12: `depth` contains `max`, `min` or `|x|`, which have no derivative at the edge; it can be used in `outputs` and \
+         `picture` only";
+    output_with_an_edge_at_the_end: "outputs { depth: m = max(r - z, 0) } finally { depth == 0 [m] }" =>
+        "E12: `depth` contains `max`, `min` or `|x|`, which have no derivative at the edge; it can be used in `outputs` and \
+         `picture` only";
+    output_with_an_edge_in_a_surface: "outputs { depth: m = max(r - z, 0) } surface roof: depth >= y" =>
+        "E12: `depth` contains `max`, `min` or `|x|`, which have no derivative at the edge; it can be used in `outputs` and \
+         `picture` only";
+    rate_of_an_edge: "outputs { speed: m/s = dot(|y|) }" =>
+        "E12: `|y|` contains `max`, `min` or `|x|`, which have no derivative at the edge; differentiate the pieces";
+    jump_in_an_output: "outputs { way = sign(dot(y)) }" =>
+        "E12: `sign` has a kink or a jump, which smooth dynamics must not have; declare a `surface` where the motion \
+         switches";
     output_twice: "outputs { z: m = y, height: m = z, height: m = z }" =>
         "E19: `z` is declared twice; rename this output",
         "E19: `height` is declared twice; rename this output";
@@ -68,9 +106,10 @@ texts! {
     force_in_the_dynamics: "dissipation force(floor)*dot(y)^2" =>
         "E24: `force` of a contact follows from the motion; it can be used in `outputs` only";
     output_of_a_force_in_an_objective: "outputs { push: N = force(floor) } minimize integral(push^2)" =>
-        "E24: `push` contains the force of a contact, which follows from the motion; it can be used in `outputs` only";
+        "E24: `push` contains the force or the impulse of a contact, which follows from the motion; it can be used in \
+         `outputs` only";
     rate_of_a_force: "outputs { push: N/s = dot(force(floor)) }" =>
-        "`dot(force(floor))` needs the derivative of a contact force, which may jump; take `dot` of positions only";
+        "`dot(force(floor))` needs the derivative of what a contact does, which may jump; take `dot` of positions only";
 
     // Pictures.
     unknown_shape: "picture { points p, ellipse q }" =>

@@ -503,6 +503,8 @@ impl<'a> Integration<'a> {
             q: self.y[..n].to_vec(),
             v_before: before.to_vec(),
             v_after: self.y[n..2 * n].to_vec(),
+            contact_impulse: Vec::new(),
+            friction_impulse: Vec::new(),
         });
     }
 

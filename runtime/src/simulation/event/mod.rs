@@ -31,7 +31,7 @@ pub use settings::EventDriven;
 use integration::Integration;
 
 use super::watch::Watch;
-use super::{InitialValueProblem, InputError, Simulation, Simulator};
+use super::{InitialValueProblem, InputError, Simulation, Simulator, impulse};
 use crate::model::Model;
 use crate::refusal;
 use crate::{Observer, Progress};
@@ -50,6 +50,7 @@ impl Simulator for EventDriven {
         check(self, model, problem)?;
         let mut watch = Watch::new(problem, observer);
         let mut result = accuracy::promised(self, (model, problem), &mut watch);
+        impulse::record(model, &mut result);
         watch.finish(model, &mut result);
         Ok(result)
     }
@@ -73,6 +74,7 @@ pub(crate) fn simulate_once(
     let mut unseen = |_: &Progress| true;
     let mut watch = Watch::new(problem, &mut unseen);
     let mut result = Integration::new(settings, model, problem).run(&mut watch);
+    impulse::record(model, &mut result);
     watch.finish(model, &mut result);
     Ok(result)
 }

@@ -262,6 +262,8 @@ impl<'a> Driver<'a> {
             q: state.q.clone(),
             v_before,
             v_after: state.v.clone(),
+            contact_impulse: Vec::new(),
+            friction_impulse: Vec::new(),
         });
     }
 

@@ -48,7 +48,7 @@ pub use settings::{Fesd, StepFormulation};
 pub use size::step_sizes;
 
 use super::watch::Watch;
-use super::{InitialValueProblem, InputError, Simulation, Simulator};
+use super::{InitialValueProblem, InputError, Simulation, Simulator, impulse};
 use crate::Observer;
 use crate::model::{Model, edge};
 use crate::refusal;
@@ -85,6 +85,7 @@ impl Simulator for Fesd {
             }
             None => estimate::estimated(self, &tableau, (model, problem), &mut watch),
         };
+        impulse::record(model, &mut result);
         watch.finish(model, &mut result);
         Ok(result)
     }

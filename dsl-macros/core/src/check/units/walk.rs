@@ -401,7 +401,6 @@ impl Walk<'_> {
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
                 Ok(Units::Scalar(self.pure(argument, text)?))
             }
-            // A force does work on a change of the gap.
             (
                 _,
                 [
@@ -410,16 +409,24 @@ impl Walk<'_> {
                         ..
                     },
                 ],
-            ) if words::CONTACT_FUNCTIONS.contains(&text) => {
-                let gap = self.gaps.iter().find(|(name, _)| *name == surface.text);
-                let gap = gap.map(|(_, gap)| gap.clone()).ok_or(Reported)?;
-                Ok(Units::Scalar(self.energy.over(&gap)))
-            }
+            ) if words::CONTACT_FUNCTIONS.contains(&text) => self.of_contact(text, &surface.text),
             _ if words::MATRIX_FUNCTIONS.contains(&text) => {
                 self.matrix_function(function, arguments)
             }
             _ => Err(Reported),
         }
+    }
+
+    /// Units of a force or an impulse of a contact: a force does work on a change of the gap, an impulse is a force for a
+    /// time.
+    fn of_contact(&self, text: &str, surface: &str) -> Checked<Units> {
+        let gap = self.gaps.iter().find(|(name, _)| name == surface);
+        let gap = gap.map(|(_, gap)| gap.clone()).ok_or(Reported)?;
+        let force = self.energy.over(&gap);
+        Ok(Units::Scalar(match text {
+            "force" | "friction_force" => force,
+            _ => force.times(&Dimension::second()),
+        }))
     }
 
     /// Units of the largest or smallest of some numbers.
