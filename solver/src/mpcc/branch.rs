@@ -19,6 +19,7 @@ const FEASIBLE: f64 = 1e-9;
 /// Most iterations of an attempt; it gets as many again if its violation is below `ALMOST` then, as multipliers of
 /// dependent rows converge slowly.
 const ITERATIONS: usize = 40;
+const PATIENT_ITERATIONS: usize = 300;
 const ALMOST: f64 = 1e-6;
 /// Size of multipliers up to which the optimality error has to be within tolerance, not only relative to them, and
 /// what complementarity may be relative to the tolerance: multipliers of a branch without a constraint qualification
@@ -33,6 +34,18 @@ pub(crate) struct Attempt {
     /// Damps the steps of programs with dependent rows or more equations than variables: the larger, the fewer
     /// iterations most of them take. It is reduced where it makes convergence slow.
     dual_shift: f64,
+    patience: Patience,
+}
+
+/// What ends an attempt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Patience {
+    /// Few iterations, or short steps.
+    Little,
+    /// Many iterations.
+    Much,
+    /// Many iterations, or a feasible point, optimal or not.
+    UntilFeasible,
 }
 
 impl Attempt {
@@ -40,39 +53,92 @@ impl Attempt {
         Self {
             barrier_parameter,
             dual_shift,
+            patience: Patience::Little,
+        }
+    }
+
+    /// An attempt that only its iterations end.
+    pub(crate) const fn patient(barrier_parameter: f64, dual_shift: f64) -> Self {
+        Self {
+            patience: Patience::Much,
+            ..Self::new(barrier_parameter, dual_shift)
+        }
+    }
+
+    /// The same with any feasible point as its aim.
+    pub(crate) fn until_feasible(self) -> Self {
+        Self {
+            patience: Patience::UntilFeasible,
+            ..self
+        }
+    }
+
+    fn iterations(self) -> usize {
+        match self.patience {
+            Patience::Little => ITERATIONS,
+            _ => PATIENT_ITERATIONS,
         }
     }
 }
 
 /// Watches the steps of a run.
-#[derive(Default)]
 struct Progress {
+    patience: Patience,
+    /// Whether the dual shift can be reduced.
+    can_reduce: bool,
     /// Steps in a row cut to nothing: a wrong choice of sides.
     short: usize,
     /// Steps in a row that hardly reduced the violation: the dual shift is too large.
     slow: usize,
+    /// Whole steps in a row at a feasible point that hardly reduced the optimality error: multipliers grow, and the shift
+    /// holds them back.
+    held: usize,
     violation: f64,
+    error: f64,
     barrier_parameter: f64,
 }
 
 impl Progress {
+    fn new(patience: Patience, can_reduce: bool) -> Self {
+        Self {
+            patience,
+            can_reduce,
+            short: 0,
+            slow: 0,
+            held: 0,
+            violation: 0.0,
+            error: 0.0,
+            barrier_parameter: 0.0,
+        }
+    }
+
     /// Takes in an iteration; `false` if the run shall stop.
     fn goes_on(&mut self, info: &nlp::IterationInfo) -> bool {
         let step = info.step_length_primal;
         let short = info.iteration > 0 && step < SHORT;
-        let slow = info.iteration > 0
-            && info.barrier_parameter == self.barrier_parameter
-            && step > 0.3
-            && info.primal_infeasibility > SLOW * self.violation;
+        let same = info.iteration > 0 && info.barrier_parameter == self.barrier_parameter;
+        let slow = same && step > 0.3 && info.primal_infeasibility > SLOW * self.violation;
+        let held = same
+            && step > 0.9
+            && info.primal_infeasibility <= FEASIBLE
+            && info.dual_infeasibility > SLOW * self.error;
         self.short = if short { self.short + 1 } else { 0 };
         self.slow = if slow { self.slow + 1 } else { 0 };
+        self.held = if held { self.held + 1 } else { 0 };
         self.violation = info.primal_infeasibility;
+        self.error = info.dual_infeasibility;
         self.barrier_parameter = info.barrier_parameter;
-        self.short < SHORT_STEPS && !self.is_slow()
+        let enough = self.patience == Patience::UntilFeasible && self.violation <= 1e-1 * FEASIBLE;
+        let jams = self.patience == Patience::Little && self.short >= SHORT_STEPS;
+        !enough && !jams && !self.is_slow()
     }
 
     fn is_slow(&self) -> bool {
-        self.slow >= SLOW_STEPS && (FEASIBLE..NEAR).contains(&self.violation)
+        let violation = self.slow >= SLOW_STEPS && (FEASIBLE..NEAR).contains(&self.violation);
+        match self.patience {
+            Patience::Little => violation,
+            _ => self.can_reduce && (violation || self.held >= SLOW_STEPS),
+        }
     }
 }
 
@@ -95,7 +161,7 @@ pub(crate) fn solve_branch(
         ..start.clone()
     };
     let mut dual_shift = attempt.dual_shift;
-    let mut left = ITERATIONS;
+    let mut left = attempt.iterations();
     let mut extended = false;
     let tolerance = settings.interior_point.tolerance;
     let solution = loop {
@@ -115,7 +181,7 @@ pub(crate) fn solve_branch(
             permanent_dual_shift: dual_shift,
             ..settings.interior_point.clone()
         };
-        let mut progress = Progress::default();
+        let mut progress = Progress::new(attempt.patience, dual_shift > LEAST_SHIFT);
         let solution = watch
             .run(
                 Purpose::Crossover,
@@ -128,7 +194,7 @@ pub(crate) fn solve_branch(
             .ok()?;
         left = left.saturating_sub(solution.counts.iterations);
         if left == 0 && !extended && solution.residuals.primal < ALMOST {
-            (extended, left) = (true, ITERATIONS);
+            (extended, left) = (true, attempt.iterations());
         } else if !progress.is_slow() || dual_shift <= LEAST_SHIFT || left == 0 {
             break solution;
         }
@@ -141,10 +207,11 @@ pub(crate) fn solve_branch(
     // failed line search at an exact solution
     let multipliers = solution.multipliers.iter();
     let scale = multipliers.fold(1.0, |a: f64, y| a.max(y.abs()));
-    let accepted = solution.residuals.primal <= FEASIBLE
-        && solution.residuals.dual <= tolerance * (scale / LARGE_MULTIPLIERS).max(1.0)
-        && solution.residuals.complementarity
-            <= COMPLEMENTARITY * tolerance * solution.objective.abs().max(1.0);
+    let optimal = attempt.patience == Patience::UntilFeasible
+        || solution.residuals.dual <= tolerance * (scale / LARGE_MULTIPLIERS).max(1.0)
+            && solution.residuals.complementarity
+                <= COMPLEMENTARITY * tolerance * solution.objective.abs().max(1.0);
+    let accepted = solution.residuals.primal <= FEASIBLE && optimal;
     accepted.then_some(solution)
 }
 

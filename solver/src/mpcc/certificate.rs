@@ -1,7 +1,7 @@
 //! What kind of stationary point a feasible point is.
 
 use super::Mpcc;
-use super::linear_program::LinearProgram;
+use super::linear_program::{LinearProgram, Outcome};
 use super::watch::Watch;
 use crate::nlp;
 
@@ -236,13 +236,14 @@ impl<'a> Certifier<'a> {
                 let side = if first { i } else { j };
                 program.upper[side] = program.lower[side];
             }
-            let Some((d, value)) = program.solve(watch) else {
-                certificate.b_stationary = None;
-                continue;
+            let d = match program.solve_below(-self.least, watch) {
+                Outcome::Solution(d, value) if value < -self.least => d,
+                Outcome::Failed => {
+                    certificate.b_stationary = None;
+                    continue;
+                }
+                _ => continue,
             };
-            if value >= -self.least {
-                continue;
-            }
             let off = |i: usize| d[i] - self.lower[i];
             let violated = certificate
                 .biactive

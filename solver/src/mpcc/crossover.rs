@@ -88,6 +88,9 @@ const NEAR: [Attempt; 3] = [
     Attempt::new(1e-2, 1e-8),
 ];
 
+/// Where no rule has found a certified point: each of these may take many iterations.
+const PATIENT: [Attempt; 2] = [Attempt::patient(1e-4, 1e-7), Attempt::patient(1e-1, 1e-8)];
+
 /// Which variables to fix at zero: the choice of the problem if it has one, else the smaller side of each
 /// pair.
 fn vanishing_sides(problem: &dyn Mpcc, x: &[f64], nu: &[f64]) -> Vec<bool> {
@@ -130,9 +133,8 @@ pub(crate) fn cross_over(
     watch: &mut Watch<'_>,
 ) -> Option<Exact> {
     let attempts: &[Attempt] = if is_last { &FINAL } else { &PAUSED };
-    let mut vanishes = vanishing_sides(problem, &relaxed.x, &relaxed.multipliers_lower);
-    mark_forced(problem, &relaxed.x, &mut vanishes);
     let start = nlp::WarmStart::from_solution(relaxed);
+    let mut vanishes = choose(problem, &start);
     let attempt_all = |problem: &mut dyn Mpcc, vanishes: &[bool], start: &_, watch: &mut _| {
         let mut attempts = attempts.iter();
         attempts
@@ -149,9 +151,20 @@ pub(crate) fn cross_over(
             attempt_all(problem, &vanishes, &start, watch)?
         }
     };
-    let mut exact = Exact::new(problem, settings, vanishes, point, watch);
+    let exact = Exact::new(problem, settings, vanishes, point, watch);
+    Some(descend(problem, settings, exact, &NEAR, watch))
+}
+
+/// Repairs while the certificate finds descent.
+fn descend(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    mut exact: Exact,
+    attempts: &[Attempt],
+    watch: &mut Watch<'_>,
+) -> Exact {
     while exact.repairs < MOST_REPAIRS {
-        let Some(next) = repair(problem, settings, &exact, watch) else {
+        let Some(next) = repair(problem, settings, &exact, attempts, watch) else {
             break;
         };
         exact = Exact {
@@ -159,7 +172,51 @@ pub(crate) fn cross_over(
             ..next
         };
     }
-    Some(exact)
+    exact
+}
+
+/// The sides that vanish near a point, with what linear rows force to zero besides.
+pub(crate) fn choose(problem: &mut dyn Mpcc, at: &nlp::WarmStart) -> Vec<bool> {
+    let mut vanishes = vanishing_sides(problem, &at.x, &at.multipliers_lower);
+    mark_forced(problem, &at.x, &mut vanishes);
+    vanishes
+}
+
+/// A feasible point of the program of a choice of sides.
+pub(crate) fn feasible_point(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    vanishes: &[bool],
+    start: &nlp::WarmStart,
+    watch: &mut Watch<'_>,
+) -> Option<nlp::Solution> {
+    let mut attempts = PATIENT.iter().map(|attempt| attempt.until_feasible());
+    attempts.find_map(|attempt| solve_branch(problem, settings, vanishes, start, attempt, watch))
+}
+
+/// Solves the program of a choice of sides with many iterations.
+pub(crate) fn patient_point(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    vanishes: &[bool],
+    start: &nlp::WarmStart,
+    watch: &mut Watch<'_>,
+) -> Option<nlp::Solution> {
+    let mut attempts = PATIENT.iter();
+    attempts.find_map(|&attempt| solve_branch(problem, settings, vanishes, start, attempt, watch))
+}
+
+/// The certificate of a point of a choice of sides, or of a lower one, with as many iterations.
+pub(crate) fn descend_from(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    vanishes: Vec<bool>,
+    point: nlp::Solution,
+    watch: &mut Watch<'_>,
+) -> Exact {
+    let exact = Exact::new(problem, settings, vanishes, point, watch);
+    let attempts = [NEAR[0], NEAR[1], PATIENT[0], PATIENT[1]];
+    descend(problem, settings, exact, &attempts, watch)
 }
 
 /// The sides that stay at zero along a descent direction of the certificate. A side may belong to several pairs, and what one
@@ -193,6 +250,7 @@ fn repair(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     exact: &Exact,
+    attempts: &[Attempt],
     watch: &mut Watch<'_>,
 ) -> Option<Exact> {
     let descent = exact.certificate.descent.as_ref()?;
@@ -204,7 +262,7 @@ fn repair(
     }
     let objective = exact.point.objective;
     let lower = objective - ROUNDING * objective.abs();
-    let point = NEAR.iter().find_map(|&attempt| {
+    let point = attempts.iter().find_map(|&attempt| {
         solve_branch(problem, settings, &vanishes, &start, attempt, watch)
             .filter(|next| next.objective < lower)
     })?;
