@@ -9,6 +9,10 @@ const LEAST_SHIFT: f64 = 1e-12;
 /// Steps in a row that leave more than this share of the violation ask for a smaller dual shift.
 const SLOW: f64 = 0.5;
 const SLOW_STEPS: usize = 4;
+/// Steps in a row at a feasible point that leave the optimality error as it is end a barrier problem of a patient run: there are
+/// no multipliers to converge to, and later steps lead away. The last barrier problem is one that leaves sides clear.
+const HELD_STEPS: usize = 16;
+const HELD_BARRIER: f64 = 1e-10;
 /// Violation below which slow steps are those of the shift, not those of a program that is far from linear.
 const NEAR: f64 = 1e-1;
 /// Steps cut below 0.05 in a row that end a run.
@@ -26,6 +30,9 @@ const ALMOST: f64 = 1e-6;
 /// grow without bound, and would let any point pass.
 const LARGE_MULTIPLIERS: f64 = 100.0;
 const COMPLEMENTARITY: f64 = 10.0;
+
+/// Optimality error up to which a point of a patient run is one to certify.
+const ROUGHLY: f64 = 1e-4;
 
 /// How a program is solved.
 #[derive(Debug, Clone, Copy)]
@@ -119,7 +126,7 @@ impl Progress {
         let same = info.iteration > 0 && info.barrier_parameter == self.barrier_parameter;
         let slow = same && step > 0.3 && info.primal_infeasibility > SLOW * self.violation;
         let held = same
-            && step > 0.9
+            && step > 0.3
             && info.primal_infeasibility <= FEASIBLE
             && info.dual_infeasibility > SLOW * self.error;
         self.short = if short { self.short + 1 } else { 0 };
@@ -130,7 +137,11 @@ impl Progress {
         self.barrier_parameter = info.barrier_parameter;
         let enough = self.patience == Patience::UntilFeasible && self.violation <= 1e-1 * FEASIBLE;
         let jams = self.patience == Patience::Little && self.short >= SHORT_STEPS;
-        !enough && !jams && !self.is_slow()
+        !enough && !jams && !self.is_held() && !self.is_slow()
+    }
+
+    fn is_held(&self) -> bool {
+        self.patience == Patience::Much && self.held >= HELD_STEPS
     }
 
     fn is_slow(&self) -> bool {
@@ -195,13 +206,19 @@ pub(crate) fn solve_branch(
         left = left.saturating_sub(solution.counts.iterations);
         if left == 0 && !extended && solution.residuals.primal < ALMOST {
             (extended, left) = (true, attempt.iterations());
-        } else if !progress.is_slow() || dual_shift <= LEAST_SHIFT || left == 0 {
+        } else if left == 0
+            || !(progress.is_slow() && dual_shift > LEAST_SHIFT
+                || progress.is_held() && solution.barrier_parameter > HELD_BARRIER)
+        {
             break solution;
         }
         if progress.is_slow() {
             dual_shift = (1e-2 * dual_shift).max(LEAST_SHIFT);
         }
         warm = WarmStart::from_solution(&solution);
+        if progress.is_held() {
+            warm.barrier_parameter = (1e-2 * warm.barrier_parameter).max(HELD_BARRIER);
+        }
     };
     // residuals decide, not the status: a program with as many equations as variables may end with a
     // failed line search at an exact solution
@@ -211,7 +228,11 @@ pub(crate) fn solve_branch(
         || solution.residuals.dual <= tolerance * (scale / LARGE_MULTIPLIERS).max(1.0)
             && solution.residuals.complementarity
                 <= COMPLEMENTARITY * tolerance * solution.objective.abs().max(1.0);
-    let accepted = solution.residuals.primal <= FEASIBLE && optimal;
+    // with patience the linear programs of the certificate decide, and give the multipliers
+    let rough = attempt.patience == Patience::Much
+        && solution.residuals.dual <= ROUGHLY * scale
+        && solution.residuals.complementarity <= ROUGHLY * solution.objective.abs().max(1.0);
+    let accepted = solution.residuals.primal <= FEASIBLE && (optimal || rough);
     accepted.then_some(solution)
 }
 

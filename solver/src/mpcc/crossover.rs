@@ -37,6 +37,9 @@ impl Exact {
         clean(problem, &vanishes, &mut point);
         let mut judge = Judge::new(problem, settings, vanishes.clone(), point);
         let certificate = judge.certify(problem, watch);
+        if certificate.b_stationary == Some(true) {
+            judge.take_multipliers(problem, watch);
+        }
         Self {
             certificate,
             point: judge.point,
@@ -339,6 +342,8 @@ fn clean(problem: &dyn Mpcc, vanishes: &[bool], solution: &mut nlp::Solution) {
 /// Sides up to this many roots of the barrier parameter may vanish at the solution: a side with a zero multiplier ends at
 /// `sqrt(mu / h)`, `h` the curvature of the Lagrangian along it.
 const NEARNESS: f64 = 1e3;
+/// Sides of this many roots of it that no program could be solved without are positive.
+const CLEAR: f64 = 10.0;
 /// Sides larger than this never vanish.
 const MOST_NEAR: f64 = 1e-2;
 /// Radius of the linear programs of the certificate, so that such sides can be left.
@@ -409,6 +414,13 @@ impl<'s> Judge<'s> {
         larger > ZERO
     }
 
+    /// Whether the larger side of pair `k` is positive as far as the end of the path can tell.
+    fn is_clear(&self, k: usize) -> bool {
+        let (i, j) = self.pairs[k];
+        let larger = self.point.x[i].max(self.point.x[j]);
+        larger > CLEAR * self.point.barrier_parameter.sqrt()
+    }
+
     /// Variables without a pair that are fixed at zero, as linear rows with vanishing sides force them there.
     fn held_by_rows(&self) -> Vec<usize> {
         let mut held = self.vanishes.clone();
@@ -432,6 +444,20 @@ impl<'s> Judge<'s> {
             certificate.biactive.sort_unstable();
         }
         certificate
+    }
+
+    /// Takes the multipliers of the certificate where those of the point are rough.
+    fn take_multipliers(&mut self, problem: &mut dyn Mpcc, watch: &mut Watch<'_>) {
+        let certifier = Certifier::new(problem, &self.pairs, &self.point, RADIUS);
+        if let Some((rows, variables, left)) = certifier.multipliers(watch) {
+            self.point.multipliers = rows;
+            for (i, z) in variables.into_iter().enumerate() {
+                self.point.multipliers_lower[i] = z.max(0.0);
+                self.point.multipliers_upper[i] = (-z).max(0.0);
+            }
+            clean(problem, &self.vanishes, &mut self.point);
+            self.point.residuals.dual = left;
+        }
     }
 
     /// The certificate without the pairs that leave nothing to decide.
@@ -473,9 +499,16 @@ impl<'s> Judge<'s> {
                     .copied()
                     .filter(|&k| used(k))
                     .collect();
-                if used.iter().any(|&k| self.undecided[k]) {
+                let (vague, used): (Vec<usize>, Vec<usize>) =
+                    used.into_iter().partition(|&k| self.undecided[k]);
+                let positive = vague.iter().all(|&k| self.is_clear(k));
+                if !positive {
                     certificate.b_stationary = None;
                     return certificate;
+                }
+                if !vague.is_empty() {
+                    vague.iter().for_each(|&k| self.open[k] = false);
+                    continue;
                 }
                 if used.is_empty() {
                     return certificate;

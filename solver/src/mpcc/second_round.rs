@@ -9,7 +9,7 @@ use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
 use crate::nlp::{self, InputError};
 
 /// Where no rule ended at a certified point: crossovers with more patience from where they ended, the best first; then the same from
-/// exact points near these, found without the objective.
+/// exact points near these and near the point of the problem, found without the objective.
 pub(crate) fn second_round(
     problem: &mut dyn Mpcc,
     settings: &Settings,
@@ -18,23 +18,30 @@ pub(crate) fn second_round(
     watch: &mut Watch<'_>,
 ) -> Result<(), InputError> {
     let first = best.solution.clone();
-    let starts: Vec<&Solution> = std::iter::once(&first)
-        .chain(others.iter().map(|ended| &ended.solution))
+    let ends = std::iter::once(&first).chain(others.iter().map(|ended| &ended.solution));
+    // where the violation is stationary there is nothing to start from
+    let ends: Vec<&Solution> = ends
+        .filter(|end| end.status != Status::Infeasible)
         .collect();
-    for start in &starts {
-        let from = warm(start);
+    for end in &ends {
+        let from = warm(end);
         let vanishes = choose(problem, &from);
-        try_sides(problem, settings, (start, vanishes, &from), best, watch);
+        try_sides(problem, settings, (end, vanishes, &from), best, watch);
         if best.solution.status.is_solved() || watch.stop.is_some() {
             return Ok(());
         }
     }
-    for start in &starts {
+    let mut points: Vec<(&Solution, Vec<f64>)> =
+        ends.iter().map(|&end| (end, end.x.clone())).collect();
+    let mut initial = vec![0.0; first.x.len()];
+    problem.initial_point(&mut initial);
+    points.push((&first, initial));
+    for (end, x) in &points {
         for rule in [RelaxationRule::RollOff, RelaxationRule::Elastic] {
-            let Some((vanishes, from)) = nearest(problem, settings, rule, start, watch)? else {
+            let Some((vanishes, from)) = nearest(problem, settings, rule, x, watch)? else {
                 continue;
             };
-            try_sides(problem, settings, (start, vanishes, &from), best, watch);
+            try_sides(problem, settings, (end, vanishes, &from), best, watch);
             if best.solution.status.is_solved() || watch.stop.is_some() {
                 return Ok(());
             }
@@ -79,14 +86,14 @@ fn nearest(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     rule: RelaxationRule,
-    start: &Solution,
+    to: &[f64],
     watch: &mut Watch<'_>,
 ) -> Result<Option<(Vec<bool>, nlp::WarmStart)>, InputError> {
     let relaxed = Settings {
         crossover: false,
         ..settings.clone()
     };
-    let mut near = Nearest::new(problem, &start.x);
+    let mut near = Nearest::new(problem, to);
     let ended = solve_with(&mut near, &relaxed, rule, watch)?;
     if ended.solution.status != Status::Relaxed {
         return Ok(None);

@@ -151,7 +151,7 @@ pub fn solve_observed(
         && settings.crossover
         && watch.stop.is_none()
         && !best.solution.status.is_solved()
-        && best.solution.status != Status::Infeasible
+        && !is_infeasible_without_pairs(problem, &best.solution)
     {
         others.sort_by(|a, b| compare(&a.solution, &b.solution));
         second_round(problem, settings, best, &others, &mut watch)?;
@@ -194,7 +194,9 @@ fn complete(
 /// Whether no pair had a part in the infeasibility of a point.
 fn is_infeasible_without_pairs(problem: &dyn Mpcc, solution: &Solution) -> bool {
     let mut pairs = problem.complementarities().iter();
-    pairs.all(|&(i, j)| solution.x[i] * solution.x[j] < BINDING * solution.relaxation_parameter)
+    solution.status == Status::Infeasible
+        && pairs
+            .all(|&(i, j)| solution.x[i] * solution.x[j] < BINDING * solution.relaxation_parameter)
 }
 
 fn check_pairs(problem: &dyn Mpcc) -> Result<(), InputError> {
