@@ -2,6 +2,7 @@
 
 use super::watch::{Purpose, Watch};
 use super::{Mpcc, Settings};
+use crate::linalg::norms::norm_inf;
 use crate::nlp::{self, NlpProblem, WarmStart};
 
 /// Dual shift below which convergence is fast even for dependent rows.
@@ -31,7 +32,9 @@ const ALMOST: f64 = 1e-6;
 const LARGE_MULTIPLIERS: f64 = 100.0;
 const COMPLEMENTARITY: f64 = 10.0;
 
-/// Optimality error up to which a point of a patient run is one to certify.
+/// Multipliers of rows that exceed the gradient of the objective by this factor seem to have no limit; gradient of the Lagrangian
+/// relative to them up to which a point of a patient run is one to certify.
+const ABSENT: f64 = 1e3;
 const ROUGHLY: f64 = 1e-4;
 
 /// How a program is solved.
@@ -220,20 +223,36 @@ pub(crate) fn solve_branch(
             warm.barrier_parameter = (1e-2 * warm.barrier_parameter).max(HELD_BARRIER);
         }
     };
-    // residuals decide, not the status: a program with as many equations as variables may end with a
-    // failed line search at an exact solution
-    let multipliers = solution.multipliers.iter();
-    let scale = multipliers.fold(1.0, |a: f64, y| a.max(y.abs()));
-    let optimal = attempt.patience == Patience::UntilFeasible
-        || solution.residuals.dual <= tolerance * (scale / LARGE_MULTIPLIERS).max(1.0)
-            && solution.residuals.complementarity
-                <= COMPLEMENTARITY * tolerance * solution.objective.abs().max(1.0);
-    // with patience the linear programs of the certificate decide, and give the multipliers
-    let rough = attempt.patience == Patience::Much
-        && solution.residuals.dual <= ROUGHLY * scale
-        && solution.residuals.complementarity <= ROUGHLY * solution.objective.abs().max(1.0);
-    let accepted = solution.residuals.primal <= FEASIBLE && (optimal || rough);
-    accepted.then_some(solution)
+    accepts(branch.problem, &solution, attempt, tolerance).then_some(solution)
+}
+
+/// Whether a point is one to certify. Residuals decide, not the status: a program with as many equations as variables may end with
+/// a failed line search at an exact solution.
+fn accepts(
+    problem: &mut dyn Mpcc,
+    solution: &nlp::Solution,
+    attempt: Attempt,
+    tolerance: f64,
+) -> bool {
+    let nlp::Residuals {
+        primal,
+        dual,
+        complementarity,
+    } = solution.residuals;
+    if primal > FEASIBLE || attempt.patience == Patience::UntilFeasible {
+        return primal <= FEASIBLE;
+    }
+    let scale = norm_inf(&solution.multipliers).max(1.0);
+    let optimal = dual <= tolerance * (scale / LARGE_MULTIPLIERS).max(1.0);
+    // where there are no multipliers, the linear programs of the certificate decide, and give some
+    let mut rough = || {
+        let mut gradient = vec![0.0; solution.x.len()];
+        problem.gradient(&solution.x, &mut gradient);
+        let absent = scale > ABSENT * norm_inf(&gradient).max(1.0);
+        attempt.patience == Patience::Much && absent && dual <= ROUGHLY * scale
+    };
+    complementarity <= COMPLEMENTARITY * tolerance * solution.objective.abs().max(1.0)
+        && (optimal || rough())
 }
 
 /// A complementarity problem without its pairs, with some variables fixed at zero.

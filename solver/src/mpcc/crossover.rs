@@ -398,13 +398,16 @@ impl<'s> Judge<'s> {
         }
     }
 
+    /// Root of the barrier parameter where the path ends, as far as side `i` is concerned.
+    fn root(&self, i: usize) -> f64 {
+        // the barrier parameter is one of the scaled objective; the product is in the caller's unit
+        let product = self.point.x[i] * self.point.multipliers_lower[i];
+        self.point.barrier_parameter.max(product).sqrt()
+    }
+
     /// Whether side `i` may vanish where the path goes to.
     fn is_near(&self, i: usize) -> bool {
-        let x = self.point.x[i];
-        // the barrier parameter is one of the scaled objective; the product is in the caller's unit
-        let product = x * self.point.multipliers_lower[i];
-        let mu = self.point.barrier_parameter.max(product);
-        x <= (NEARNESS * mu.sqrt()).clamp(ZERO, MOST_NEAR)
+        self.point.x[i] <= (NEARNESS * self.root(i)).clamp(ZERO, MOST_NEAR)
     }
 
     /// Whether pair `k` may be biactive, though a side is not zero.
@@ -417,8 +420,9 @@ impl<'s> Judge<'s> {
     /// Whether the larger side of pair `k` is positive as far as the end of the path can tell.
     fn is_clear(&self, k: usize) -> bool {
         let (i, j) = self.pairs[k];
-        let larger = self.point.x[i].max(self.point.x[j]);
-        larger > CLEAR * self.point.barrier_parameter.sqrt()
+        [i, j]
+            .iter()
+            .any(|&i| self.point.x[i] > CLEAR * self.root(i))
     }
 
     /// Variables without a pair that are fixed at zero, as linear rows with vanishing sides force them there.

@@ -18,6 +18,11 @@ pub(crate) fn second_round(
     watch: &mut Watch<'_>,
 ) -> Result<(), InputError> {
     let first = best.solution.clone();
+    let diverging = Status::Failed(nlp::Status::Diverging);
+    if first.status == diverging || others.iter().any(|o| o.solution.status == diverging) {
+        // unbounded
+        return Ok(());
+    }
     let ends = std::iter::once(&first).chain(others.iter().map(|ended| &ended.solution));
     // where the violation is stationary there is nothing to start from
     let ends: Vec<&Solution> = ends

@@ -151,7 +151,7 @@ pub fn solve_observed(
         && settings.crossover
         && watch.stop.is_none()
         && !best.solution.status.is_solved()
-        && !is_infeasible_without_pairs(problem, &best.solution)
+        && best.solution.status != Status::Infeasible
     {
         others.sort_by(|a, b| compare(&a.solution, &b.solution));
         second_round(problem, settings, best, &others, &mut watch)?;
