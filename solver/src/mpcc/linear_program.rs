@@ -87,10 +87,8 @@ struct Method {
     entries: Vec<Entry>,
     /// Right-hand sides of `A w = b`.
     right: Vec<f64>,
-    /// Rows of the program that these are, with their scales.
-    rows: Vec<(usize, f64)>,
-    /// Number of rows of the program.
-    all_rows: usize,
+    /// For each row of the program its number here, if it says anything, and its scale.
+    rows: Vec<Option<(usize, f64)>>,
     /// Number of variables without slacks.
     own: usize,
     solver: RefinedSolver<MultifrontalLdl>,
@@ -121,8 +119,8 @@ impl Method {
             largest[row] = largest[row].max(value.abs());
         }
         let (mut lower, mut upper) = (program.lower.clone(), program.upper.clone());
-        let mut index = vec![None; m];
-        let (mut right, mut rows) = (Vec::new(), Vec::new());
+        let mut rows = vec![None; m];
+        let mut right = Vec::new();
         let mut slacks = Vec::new();
         for row in 0..m {
             let (below, above) = (program.row_lower[row], program.row_upper[row]);
@@ -130,8 +128,7 @@ impl Method {
             if !bounded || largest[row] == 0.0 {
                 continue;
             }
-            index[row] = Some(right.len());
-            rows.push((row, largest[row]));
+            rows[row] = Some((right.len(), largest[row]));
             if below == above {
                 right.push(below / largest[row]);
             } else {
@@ -142,7 +139,8 @@ impl Method {
             }
         }
         let kept = |(&(row, variable), &value): (&(usize, usize), &f64)| {
-            Some((index[row]?, variable, value / largest[row]))
+            let (row, scale): (usize, f64) = rows[row]?;
+            Some((row, variable, value / scale))
         };
         let mut entries: Vec<(usize, usize, f64)> = program
             .pattern
@@ -184,7 +182,6 @@ impl Method {
             upper,
             right,
             rows,
-            all_rows: m,
         })
     }
 
@@ -264,11 +261,10 @@ impl Method {
 
     /// Multipliers of the rows of the program.
     fn in_program(&self, y: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; self.all_rows];
-        for (&(row, scale), y) in self.rows.iter().zip(y) {
-            all[row] = self.cost_scale * y / scale;
-        }
-        all
+        let multiplier = |&(row, scale): &(usize, f64)| self.cost_scale * y[row] / scale;
+        let rows = self.rows.iter();
+        rows.map(|row| row.as_ref().map_or(0.0, multiplier))
+            .collect()
     }
 
     /// Average product of distances to bounds and their multipliers, after a step.

@@ -113,3 +113,70 @@ impl Mpcc for Nearest<'_> {
         self.problem.vanishing_sides(x, vanishes)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Settings, solve};
+    use super::*;
+
+    /// A pair whose sides add up to two.
+    struct Sum;
+
+    impl NlpProblem for Sum {
+        fn variables(&self) -> usize {
+            2
+        }
+        fn constraints(&self) -> usize {
+            1
+        }
+        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+            lower.fill(0.0);
+            upper.fill(f64::INFINITY);
+        }
+        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+            lower[0] = 2.0;
+            upper[0] = 2.0;
+        }
+        fn initial_point(&self, x: &mut [f64]) {
+            x.fill(1.0);
+        }
+        fn objective(&mut self, x: &[f64]) -> f64 {
+            x[1]
+        }
+        fn gradient(&mut self, _: &[f64], gradient: &mut [f64]) {
+            gradient.copy_from_slice(&[0.0, 1.0]);
+        }
+        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
+            c[0] = x[0] + x[1];
+        }
+        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
+            vec![(0, 0), (0, 1)]
+        }
+        fn jacobian_values(&mut self, _: &[f64], values: &mut [f64]) {
+            values.fill(1.0);
+        }
+        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
+            vec![(1, 1)]
+        }
+        fn hessian_values(&mut self, _: &[f64], _: f64, _: &[f64], values: &mut [f64]) {
+            values[0] = 0.0;
+        }
+    }
+
+    impl Mpcc for Sum {
+        fn complementarities(&self) -> &[(usize, usize)] {
+            &[(0, 1)]
+        }
+    }
+
+    #[test]
+    fn nearest_point_is_exact_and_forgets_the_objective() {
+        // the objective asks for (2, 0), the distance to (0.5, 4) for (0, 2): 1/2 (0.5^2 + (2/4)^2) there
+        let to = [0.5, 4.0];
+        let solution = solve(&mut Nearest::new(&mut Sum, &to), &Settings::default());
+        let solution = solution.expect("a valid program");
+        assert!(solution.status.is_solved());
+        assert_eq!(solution.x[0], 0.0);
+        assert!((solution.x[1] - 2.0).abs() < 1e-8 && (solution.objective - 0.25).abs() < 1e-8);
+    }
+}
