@@ -9,7 +9,8 @@ use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
 use crate::nlp::{self, Fault, InputError};
 
 /// Solves a mathematical program with complementarity constraints from its own starting point: the rules of
-/// [`Settings::rules`] one after the other, until one ends at a certified point.
+/// [`Settings::rules`] one after the other, until one ends at a certified point; where none does, a second round from where
+/// they ended.
 ///
 /// A problem is called infeasible if the rows and bounds are infeasible without its pairs, if the elastic mode and
 /// another rule both end at a stationary point of the violation, or if all rules do.
