@@ -1,7 +1,7 @@
 //! What kind of stationary point a feasible point is.
 
 use super::Mpcc;
-use super::linear_program::LinearProgram;
+use super::linear_program::{LinearProgram, Outcome};
 use super::watch::Watch;
 use crate::nlp;
 
@@ -49,6 +49,9 @@ const GRADIENT: f64 = 1e-2;
 /// How far variables may move, in units of the distance of a side from zero, for that side to vanish.
 const NEIGHBOURHOOD: f64 = 100.0;
 
+/// Gradient of the Lagrangian from which on the multipliers of a point are too rough for a certificate.
+const ROUGH: f64 = 1e-6;
+
 /// Most linear programs of a certificate.
 const MOST_PROGRAMS: usize = 200;
 
@@ -72,6 +75,8 @@ fn classify_pair(nu: [f64; 2], tolerance: [f64; 2]) -> StationarityType {
 /// The derivatives of a problem at a point, and the pairs that count as biactive there.
 pub(crate) struct Certifier<'a> {
     point: &'a nlp::Solution,
+    /// Whether the multipliers of the point are too rough for their signs to count.
+    is_rough: bool,
     pairs: &'a [(usize, usize)],
     gradient: Vec<f64>,
     /// Rate of descent of the linear programs that counts as none.
@@ -134,6 +139,7 @@ impl<'a> Certifier<'a> {
         }
         Self {
             least: NO_DESCENT * (GRADIENT * largest).max(1.0),
+            is_rough: point.residuals.dual > ROUGH,
             point,
             pairs,
             gradient,
@@ -201,12 +207,16 @@ impl<'a> Certifier<'a> {
             programs: 0,
         };
         let stay = forced.iter().all(|&i| self.stays(i));
-        if stationarity != StationarityType::Strong || !stay {
+        if stationarity != StationarityType::Strong || !stay || self.is_rough {
             self.search_descent(&mut certificate, watch);
             // The first program leaves the pairs out: without descent there, multipliers of the right signs exist.
             let relaxed = certificate.b_stationary == Some(true) && certificate.programs == 1;
-            if !stay && !relaxed {
-                certificate.stationarity = StationarityType::Weak;
+            if self.is_rough || !stay {
+                certificate.stationarity = match relaxed {
+                    true if self.is_rough => StationarityType::Strong,
+                    true => stationarity,
+                    false => StationarityType::Weak,
+                };
             }
         }
         certificate
@@ -236,13 +246,14 @@ impl<'a> Certifier<'a> {
                 let side = if first { i } else { j };
                 program.upper[side] = program.lower[side];
             }
-            let Some((d, value)) = program.solve(watch) else {
-                certificate.b_stationary = None;
-                continue;
+            let d = match program.solve_below(-self.least, watch) {
+                Outcome::Solution(d, value) if value < -self.least => d,
+                Outcome::Failed => {
+                    certificate.b_stationary = None;
+                    continue;
+                }
+                _ => continue,
             };
-            if value >= -self.least {
-                continue;
-            }
             let off = |i: usize| d[i] - self.lower[i];
             let violated = certificate
                 .biactive
@@ -267,6 +278,30 @@ impl<'a> Certifier<'a> {
                 }
             }
         }
+    }
+
+    /// Multipliers of rows and variables that prove a point whose own are too rough to be stationary in its branch, with
+    /// what is left of optimality: the largest multiplier of a bound times the distance to it, in units of the radius.
+    pub(crate) fn multipliers(&self, watch: &mut Watch<'_>) -> Option<(Vec<f64>, Vec<f64>, f64)> {
+        if !self.is_rough {
+            return None;
+        }
+        let program = self.linear_program(&[]);
+        let Outcome::Above(y) = program.solve_below(-self.least, watch) else {
+            return None;
+        };
+        let mut reduced = self.gradient.clone();
+        for (&(row, column), value) in self.pattern.iter().zip(&self.values) {
+            reduced[column] -= value * y[row];
+        }
+        let rooms = (program.lower.iter().zip(&program.upper)).zip(&reduced);
+        let rows = (program.row_lower.iter().zip(&program.row_upper)).zip(&y);
+        let left = rooms.chain(rows).map(|((lower, upper), z)| {
+            let room = if *z > 0.0 { -lower } else { *upper };
+            if *z == 0.0 { 0.0 } else { z.abs() * room }
+        });
+        let left = left.fold(0.0, f64::max);
+        Some((y.iter().map(|y| -y).collect(), reduced, left))
     }
 
     /// The linear program without the complementarity of the biactive pairs.

@@ -37,6 +37,9 @@ impl Exact {
         clean(problem, &vanishes, &mut point);
         let mut judge = Judge::new(problem, settings, vanishes.clone(), point);
         let certificate = judge.certify(problem, watch);
+        if certificate.b_stationary == Some(true) {
+            judge.take_multipliers(problem, watch);
+        }
         Self {
             certificate,
             point: judge.point,
@@ -88,6 +91,9 @@ const NEAR: [Attempt; 3] = [
     Attempt::new(1e-2, 1e-8),
 ];
 
+/// Where no rule has found a certified point: each of these may take many iterations.
+const PATIENT: [Attempt; 2] = [Attempt::patient(1e-4, 1e-7), Attempt::patient(1e-1, 1e-8)];
+
 /// Which variables to fix at zero: the choice of the problem if it has one, else the smaller side of each
 /// pair.
 fn vanishing_sides(problem: &dyn Mpcc, x: &[f64], nu: &[f64]) -> Vec<bool> {
@@ -130,9 +136,8 @@ pub(crate) fn cross_over(
     watch: &mut Watch<'_>,
 ) -> Option<Exact> {
     let attempts: &[Attempt] = if is_last { &FINAL } else { &PAUSED };
-    let mut vanishes = vanishing_sides(problem, &relaxed.x, &relaxed.multipliers_lower);
-    mark_forced(problem, &relaxed.x, &mut vanishes);
     let start = nlp::WarmStart::from_solution(relaxed);
+    let mut vanishes = choose(problem, &start);
     let attempt_all = |problem: &mut dyn Mpcc, vanishes: &[bool], start: &_, watch: &mut _| {
         let mut attempts = attempts.iter();
         attempts
@@ -149,9 +154,20 @@ pub(crate) fn cross_over(
             attempt_all(problem, &vanishes, &start, watch)?
         }
     };
-    let mut exact = Exact::new(problem, settings, vanishes, point, watch);
+    let exact = Exact::new(problem, settings, vanishes, point, watch);
+    Some(descend(problem, settings, exact, &NEAR, watch))
+}
+
+/// Repairs while the certificate finds descent.
+fn descend(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    mut exact: Exact,
+    attempts: &[Attempt],
+    watch: &mut Watch<'_>,
+) -> Exact {
     while exact.repairs < MOST_REPAIRS {
-        let Some(next) = repair(problem, settings, &exact, watch) else {
+        let Some(next) = repair(problem, settings, &exact, attempts, watch) else {
             break;
         };
         exact = Exact {
@@ -159,7 +175,51 @@ pub(crate) fn cross_over(
             ..next
         };
     }
-    Some(exact)
+    exact
+}
+
+/// The sides that vanish near a point, with what linear rows force to zero besides.
+pub(crate) fn choose(problem: &mut dyn Mpcc, at: &nlp::WarmStart) -> Vec<bool> {
+    let mut vanishes = vanishing_sides(problem, &at.x, &at.multipliers_lower);
+    mark_forced(problem, &at.x, &mut vanishes);
+    vanishes
+}
+
+/// A feasible point of the program of a choice of sides.
+pub(crate) fn feasible_point(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    vanishes: &[bool],
+    start: &nlp::WarmStart,
+    watch: &mut Watch<'_>,
+) -> Option<nlp::Solution> {
+    let mut attempts = PATIENT.iter().map(|attempt| attempt.until_feasible());
+    attempts.find_map(|attempt| solve_branch(problem, settings, vanishes, start, attempt, watch))
+}
+
+/// Solves the program of a choice of sides with many iterations.
+pub(crate) fn patient_point(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    vanishes: &[bool],
+    start: &nlp::WarmStart,
+    watch: &mut Watch<'_>,
+) -> Option<nlp::Solution> {
+    let mut attempts = PATIENT.iter();
+    attempts.find_map(|&attempt| solve_branch(problem, settings, vanishes, start, attempt, watch))
+}
+
+/// The certificate of a point of a choice of sides, or of a lower one, with as many iterations.
+pub(crate) fn descend_from(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    vanishes: Vec<bool>,
+    point: nlp::Solution,
+    watch: &mut Watch<'_>,
+) -> Exact {
+    let exact = Exact::new(problem, settings, vanishes, point, watch);
+    let attempts = [NEAR[0], NEAR[1], PATIENT[0], PATIENT[1]];
+    descend(problem, settings, exact, &attempts, watch)
 }
 
 /// The sides that stay at zero along a descent direction of the certificate. A side may belong to several pairs, and what one
@@ -193,6 +253,7 @@ fn repair(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     exact: &Exact,
+    attempts: &[Attempt],
     watch: &mut Watch<'_>,
 ) -> Option<Exact> {
     let descent = exact.certificate.descent.as_ref()?;
@@ -204,7 +265,7 @@ fn repair(
     }
     let objective = exact.point.objective;
     let lower = objective - ROUNDING * objective.abs();
-    let point = NEAR.iter().find_map(|&attempt| {
+    let point = attempts.iter().find_map(|&attempt| {
         solve_branch(problem, settings, &vanishes, &start, attempt, watch)
             .filter(|next| next.objective < lower)
     })?;
@@ -281,6 +342,8 @@ fn clean(problem: &dyn Mpcc, vanishes: &[bool], solution: &mut nlp::Solution) {
 /// Sides up to this many roots of the barrier parameter may vanish at the solution: a side with a zero multiplier ends at
 /// `sqrt(mu / h)`, `h` the curvature of the Lagrangian along it.
 const NEARNESS: f64 = 1e3;
+/// Sides of this many roots of it that no program could be solved without are positive.
+const CLEAR: f64 = 10.0;
 /// Sides larger than this never vanish.
 const MOST_NEAR: f64 = 1e-2;
 /// Radius of the linear programs of the certificate, so that such sides can be left.
@@ -335,13 +398,16 @@ impl<'s> Judge<'s> {
         }
     }
 
+    /// Root of the barrier parameter where the path ends, as far as side `i` is concerned.
+    fn root(&self, i: usize) -> f64 {
+        // the barrier parameter is one of the scaled objective; the product is in the caller's unit
+        let product = self.point.x[i] * self.point.multipliers_lower[i];
+        self.point.barrier_parameter.max(product).sqrt()
+    }
+
     /// Whether side `i` may vanish where the path goes to.
     fn is_near(&self, i: usize) -> bool {
-        let x = self.point.x[i];
-        // the barrier parameter is one of the scaled objective; the product is in the caller's unit
-        let product = x * self.point.multipliers_lower[i];
-        let mu = self.point.barrier_parameter.max(product);
-        x <= (NEARNESS * mu.sqrt()).clamp(ZERO, MOST_NEAR)
+        self.point.x[i] <= (NEARNESS * self.root(i)).clamp(ZERO, MOST_NEAR)
     }
 
     /// Whether pair `k` may be biactive, though a side is not zero.
@@ -349,6 +415,14 @@ impl<'s> Judge<'s> {
         let (i, j) = self.pairs[k];
         let larger = self.point.x[i].max(self.point.x[j]);
         larger > ZERO
+    }
+
+    /// Whether the larger side of pair `k` is positive as far as the end of the path can tell.
+    fn is_clear(&self, k: usize) -> bool {
+        let (i, j) = self.pairs[k];
+        [i, j]
+            .iter()
+            .any(|&i| self.point.x[i] > CLEAR * self.root(i))
     }
 
     /// Variables without a pair that are fixed at zero, as linear rows with vanishing sides force them there.
@@ -374,6 +448,20 @@ impl<'s> Judge<'s> {
             certificate.biactive.sort_unstable();
         }
         certificate
+    }
+
+    /// Takes the multipliers of the certificate where those of the point are rough.
+    fn take_multipliers(&mut self, problem: &mut dyn Mpcc, watch: &mut Watch<'_>) {
+        let certifier = Certifier::new(problem, &self.pairs, &self.point, RADIUS);
+        if let Some((rows, variables, left)) = certifier.multipliers(watch) {
+            self.point.multipliers = rows;
+            for (i, z) in variables.into_iter().enumerate() {
+                self.point.multipliers_lower[i] = z.max(0.0);
+                self.point.multipliers_upper[i] = (-z).max(0.0);
+            }
+            clean(problem, &self.vanishes, &mut self.point);
+            self.point.residuals.dual = left;
+        }
     }
 
     /// The certificate without the pairs that leave nothing to decide.
@@ -415,9 +503,16 @@ impl<'s> Judge<'s> {
                     .copied()
                     .filter(|&k| used(k))
                     .collect();
-                if used.iter().any(|&k| self.undecided[k]) {
+                let (vague, used): (Vec<usize>, Vec<usize>) =
+                    used.into_iter().partition(|&k| self.undecided[k]);
+                let positive = vague.iter().all(|&k| self.is_clear(k));
+                if !positive {
                     certificate.b_stationary = None;
                     return certificate;
+                }
+                if !vague.is_empty() {
+                    vague.iter().for_each(|&k| self.open[k] = false);
+                    continue;
                 }
                 if used.is_empty() {
                     return certificate;

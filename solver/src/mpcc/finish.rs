@@ -113,6 +113,34 @@ pub(crate) fn finish(
     }
 }
 
+/// The better one of two results is less.
+pub(crate) fn compare(a: &Solution, b: &Solution) -> std::cmp::Ordering {
+    let ((a_rank, a_value), (b_rank, b_value)) = (rank(a), rank(b));
+    let by_objective = a.objective.total_cmp(&b.objective);
+    a_rank
+        .cmp(&b_rank)
+        .then(a_value.total_cmp(&b_value))
+        .then(by_objective)
+}
+
+/// The smaller the better.
+fn rank(solution: &Solution) -> (u8, f64) {
+    match solution.status {
+        Status::Solved => (0, 0.0),
+        Status::Uncertified => (1, 0.0),
+        Status::NotStationary => (2, 0.0),
+        Status::Relaxed => (3, 0.0),
+        Status::Failed(nlp::Status::Acceptable) => (4, 0.0),
+        Status::Failed(_) | Status::Infeasible => (
+            5,
+            solution
+                .residuals
+                .primal
+                .max(solution.residuals.complementarity),
+        ),
+    }
+}
+
 /// Measures complementarity at a relaxed point, and adds the pairs that violate it to the violations.
 fn name_pairs(problem: &dyn Mpcc, settings: &Settings, solution: &mut Solution) {
     let infeasible = solution.status == Status::Infeasible;

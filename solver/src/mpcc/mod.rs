@@ -44,6 +44,11 @@
 //! None means B-stationary: certified. A direction leads to another choice of sides and a lower point. Last, choices
 //! next to the certified one that the problem knows of ([`Mpcc::neighbour`]) are tried for a better objective.
 //!
+//! Where no rule ends at a certified point, a *second round* crosses over with many more iterations from where they ended, and
+//! from exact points near these that are found without the objective. Its programs often have no multipliers (vanishing elements,
+//! equations that determine a point twice); their runs end where nothing moves any more, and the linear programs of the
+//! certificate, whose dual solutions prove that there is no descent, give the multipliers.
+//!
 //! # How a solve ends
 //! Every end has a [`Status`]. *Infeasible* is said of a problem only where runs converged to stationary points of the
 //! violation, with the rows and pairs that are to blame; runs that end otherwise, by a limit among them, have *failed*, and
@@ -56,9 +61,11 @@ mod elastic;
 mod finish;
 mod forced;
 mod linear_program;
+mod nearest;
 mod problem;
 mod relaxation;
 mod run;
+mod second_round;
 mod settings;
 mod sides;
 mod solution;

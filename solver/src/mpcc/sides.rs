@@ -85,29 +85,14 @@ pub(crate) fn choose_sides(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Settings, linear_program::LinearProgram};
+    use super::super::Settings;
     use super::*;
     use crate::nlp::NlpProblem;
 
     const PAIRS: [(usize, usize); 3] = [(0, 1), (2, 3), (4, 5)];
 
     /// `x_1 + x_2 = 1.7e-4`, `x_0 + x_5 = 2.3e-4` over three pairs `(0, 1)`, `(2, 3)`, `(4, 5)`, minimize `x_0`.
-    #[derive(Clone)]
     struct TwoSums;
-
-    impl TwoSums {
-        fn program() -> LinearProgram {
-            LinearProgram {
-                gradient: vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-                pattern: vec![(0, 1), (0, 2), (1, 0), (1, 5)],
-                values: vec![1.0; 4],
-                row_lower: vec![1.7e-4, 2.3e-4],
-                row_upper: vec![1.7e-4, 2.3e-4],
-                lower: vec![0.0; 6],
-                upper: vec![f64::INFINITY; 6],
-            }
-        }
-    }
 
     impl NlpProblem for TwoSums {
         fn variables(&self) -> usize {
@@ -117,28 +102,30 @@ mod tests {
             2
         }
         fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            Self::program().variable_bounds(lower, upper);
+            lower.fill(0.0);
+            upper.fill(f64::INFINITY);
         }
         fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            Self::program().constraint_bounds(lower, upper);
+            lower.copy_from_slice(&[1.7e-4, 2.3e-4]);
+            upper.copy_from_slice(&[1.7e-4, 2.3e-4]);
         }
         fn initial_point(&self, x: &mut [f64]) {
             x.fill(1e-4);
         }
         fn objective(&mut self, x: &[f64]) -> f64 {
-            Self::program().objective(x)
+            x[0]
         }
-        fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
-            Self::program().gradient(x, gradient);
+        fn gradient(&mut self, _: &[f64], gradient: &mut [f64]) {
+            gradient.copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         }
         fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-            Self::program().constraint_values(x, c);
+            c.copy_from_slice(&[x[1] + x[2], x[0] + x[5]]);
         }
         fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-            Self::program().jacobian_pattern()
+            vec![(0, 1), (0, 2), (1, 0), (1, 5)]
         }
-        fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
-            Self::program().jacobian_values(x, values);
+        fn jacobian_values(&mut self, _: &[f64], values: &mut [f64]) {
+            values.fill(1.0);
         }
         fn hessian_pattern(&self) -> Vec<(usize, usize)> {
             Vec::new()

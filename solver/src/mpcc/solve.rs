@@ -1,14 +1,16 @@
 //! The entry points: rules one after the other.
 
 use super::crossover::improve;
-use super::finish::{BINDING, Ended};
+use super::finish::{BINDING, Ended, compare};
 use super::run::solve_with;
+use super::second_round::second_round;
 use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
 use crate::nlp::{self, Fault, InputError};
 
 /// Solves a mathematical program with complementarity constraints from its own starting point: the rules of
-/// [`Settings::rules`] one after the other, until one ends at a certified point.
+/// [`Settings::rules`] one after the other, until one ends at a certified point; where none does, a second round from where
+/// they ended.
 ///
 /// A problem is called infeasible if the rows and bounds are infeasible without its pairs, if the elastic mode and
 /// another rule both end at a stationary point of the violation, or if all rules do.
@@ -114,6 +116,7 @@ pub fn solve_observed(
     check_pairs(problem)?;
     let mut watch = Watch::new(settings, observer);
     let mut best: Option<Ended> = None;
+    let mut others: Vec<Ended> = Vec::new();
     let mut infeasible = 0;
     for &rule in &settings.rules {
         let ended = solve_with(problem, settings, rule, &mut watch)?;
@@ -132,12 +135,27 @@ pub fn solve_observed(
                 _ => false,
             };
         best = Some(match best {
-            Some(best) if compare(&best.solution, &ended.solution).is_le() => best,
-            _ => ended,
+            Some(best) if compare(&best.solution, &ended.solution).is_le() => {
+                others.push(ended);
+                best
+            }
+            best => {
+                others.extend(best);
+                ended
+            }
         });
         if finished {
             break;
         }
+    }
+    if let Some(best) = &mut best
+        && settings.crossover
+        && watch.stop.is_none()
+        && !best.solution.status.is_solved()
+        && best.solution.status != Status::Infeasible
+    {
+        others.sort_by(|a, b| compare(&a.solution, &b.solution));
+        second_round(problem, settings, best, &others, &mut watch)?;
     }
     let best = best.map(|ended| complete(problem, settings, ended, &mut watch));
     // the list of rules is not empty
@@ -177,35 +195,9 @@ fn complete(
 /// Whether no pair had a part in the infeasibility of a point.
 fn is_infeasible_without_pairs(problem: &dyn Mpcc, solution: &Solution) -> bool {
     let mut pairs = problem.complementarities().iter();
-    pairs.all(|&(i, j)| solution.x[i] * solution.x[j] < BINDING * solution.relaxation_parameter)
-}
-
-/// The better one of two results is less.
-fn compare(a: &Solution, b: &Solution) -> std::cmp::Ordering {
-    let ((a_rank, a_value), (b_rank, b_value)) = (rank(a), rank(b));
-    let by_objective = a.objective.total_cmp(&b.objective);
-    a_rank
-        .cmp(&b_rank)
-        .then(a_value.total_cmp(&b_value))
-        .then(by_objective)
-}
-
-/// The smaller the better.
-fn rank(solution: &Solution) -> (u8, f64) {
-    match solution.status {
-        Status::Solved => (0, 0.0),
-        Status::Uncertified => (1, 0.0),
-        Status::NotStationary => (2, 0.0),
-        Status::Relaxed => (3, 0.0),
-        Status::Failed(nlp::Status::Acceptable) => (4, 0.0),
-        Status::Failed(_) | Status::Infeasible => (
-            5,
-            solution
-                .residuals
-                .primal
-                .max(solution.residuals.complementarity),
-        ),
-    }
+    solution.status == Status::Infeasible
+        && pairs
+            .all(|&(i, j)| solution.x[i] * solution.x[j] < BINDING * solution.relaxation_parameter)
 }
 
 fn check_pairs(problem: &dyn Mpcc) -> Result<(), InputError> {

@@ -13,8 +13,6 @@ pub(crate) enum Purpose {
     Relaxed,
     /// The smooth program that remains when sides are fixed.
     Crossover,
-    /// A linear program of the certificate.
-    Certificate,
 }
 
 /// Every interior point run of a solve goes through here: the caller's observer sees its iterations, and the limits
@@ -86,7 +84,6 @@ impl<'o> Watch<'o> {
                 self.iterations += iterations;
                 self.crossover_iterations += iterations;
             }
-            Purpose::Certificate => self.certificate_iterations += iterations,
         }
         if interrupted {
             self.stop = Some(nlp::Status::Interrupted);
@@ -96,5 +93,23 @@ impl<'o> Watch<'o> {
             self.stop = Some(nlp::Status::IterationLimit);
         }
         Ok(solution)
+    }
+
+    /// Counts an iteration of a linear program of the certificate; `false` if the solve has to end.
+    pub(crate) fn certificate_iteration(&mut self, info: &IterationInfo) -> bool {
+        if self.stop.is_none() && self.iterations_left() == 0 {
+            self.stop = Some(nlp::Status::IterationLimit);
+        }
+        if self.stop.is_some() {
+            return false;
+        }
+        self.certificate_iterations += 1;
+        self.factorizations += 1;
+        if !(self.observer)(info) {
+            self.stop = Some(nlp::Status::Interrupted);
+        } else if self.start.elapsed().as_secs_f64() >= self.maximum_seconds {
+            self.stop = Some(nlp::Status::TimeLimit);
+        }
+        self.stop.is_none()
     }
 }

@@ -116,3 +116,15 @@ fn time_limit_ends_the_solve_and_not_only_a_run() {
     // one run that stopped at its first look at the clock, none by the other rules
     assert!(solution.iterations <= 1, "{}", solution.iterations);
 }
+
+#[test]
+fn rules_cut_short_leave_a_second_round_that_certifies() {
+    // each rule is stopped after three iterations, far from its end; patient crossovers start from there
+    let text = "problem projection 2\nstart 5 4\nbounds 1 0 inf\nbounds 2 0 inf\n\
+                minimize (x1 + 1)^2 + (x2 - 1)^2\npair 1 2";
+    let mut settings = Settings::default();
+    settings.interior_point.maximum_iterations = 3;
+    let solution = mpcc::solve(&mut read_problems(text)[0], &settings).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+    assert!(solution.x[0] == 0.0 && (solution.x[1] - 1.0).abs() < 1e-8);
+}

@@ -1,0 +1,119 @@
+//! What is tried where no rule ended at a certified point.
+
+use super::crossover::{choose, descend_from, feasible_point, patient_point};
+use super::finish::{Ended, compare};
+use super::nearest::Nearest;
+use super::run::solve_with;
+use super::watch::Watch;
+use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
+use crate::nlp::{self, InputError};
+
+/// Where no rule ended at a certified point: crossovers with more patience from where they ended, the best first; then the same from
+/// exact points near these and near the point of the problem, found without the objective.
+pub(crate) fn second_round(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    best: &mut Ended,
+    others: &[Ended],
+    watch: &mut Watch<'_>,
+) -> Result<(), InputError> {
+    let first = best.solution.clone();
+    let diverging = Status::Failed(nlp::Status::Diverging);
+    if first.status == diverging || others.iter().any(|o| o.solution.status == diverging) {
+        // unbounded
+        return Ok(());
+    }
+    let ends = std::iter::once(&first).chain(others.iter().map(|ended| &ended.solution));
+    // where the violation is stationary there is nothing to start from
+    let ends: Vec<&Solution> = ends
+        .filter(|end| end.status != Status::Infeasible)
+        .collect();
+    for end in &ends {
+        let from = warm(end);
+        let vanishes = choose(problem, &from);
+        try_sides(problem, settings, (end, vanishes, &from), best, watch);
+        if best.solution.status.is_solved() || watch.stop.is_some() {
+            return Ok(());
+        }
+    }
+    let mut points: Vec<(&Solution, Vec<f64>)> =
+        ends.iter().map(|&end| (end, end.x.clone())).collect();
+    let mut initial = vec![0.0; first.x.len()];
+    problem.initial_point(&mut initial);
+    points.push((&first, initial));
+    for (end, x) in &points {
+        for rule in [RelaxationRule::RollOff, RelaxationRule::Elastic] {
+            let Some((vanishes, from)) = nearest(problem, settings, rule, x, watch)? else {
+                continue;
+            };
+            try_sides(problem, settings, (end, vanishes, &from), best, watch);
+            if best.solution.status.is_solved() || watch.stop.is_some() {
+                return Ok(());
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A point to start from.
+fn warm(solution: &Solution) -> nlp::WarmStart {
+    nlp::WarmStart {
+        x: solution.x.clone(),
+        multipliers: solution.multipliers.clone(),
+        multipliers_lower: solution.multipliers_lower.clone(),
+        multipliers_upper: solution.multipliers_upper.clone(),
+        barrier_parameter: 0.0,
+    }
+}
+
+/// Solves the program of a choice of sides and goes down from there; takes the point over where it is better.
+fn try_sides(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    (start, vanishes, from): (&Solution, Vec<bool>, &nlp::WarmStart),
+    best: &mut Ended,
+    watch: &mut Watch<'_>,
+) {
+    let Some(point) = patient_point(problem, settings, &vanishes, from, watch) else {
+        return;
+    };
+    let exact = descend_from(problem, settings, vanishes, point, watch);
+    let mut solution = start.clone();
+    solution.repairs = exact.repairs;
+    let vanishes = exact.describe(problem, &mut solution);
+    if compare(&solution, &best.solution).is_lt() {
+        (best.solution, best.vanishes) = (solution, vanishes);
+    }
+}
+
+/// A choice of sides that has a point near a given one, and that point.
+fn nearest(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    rule: RelaxationRule,
+    to: &[f64],
+    watch: &mut Watch<'_>,
+) -> Result<Option<(Vec<bool>, nlp::WarmStart)>, InputError> {
+    let relaxed = Settings {
+        crossover: false,
+        ..settings.clone()
+    };
+    let mut near = Nearest::new(problem, to);
+    let ended = solve_with(&mut near, &relaxed, rule, watch)?;
+    if ended.solution.status != Status::Relaxed {
+        return Ok(None);
+    }
+    let from = warm(&ended.solution);
+    let vanishes = choose(&mut near, &from);
+    let point = feasible_point(&mut near, settings, &vanishes, &from, watch);
+    Ok(point.map(|point| {
+        let from = nlp::WarmStart {
+            // those of the distance say nothing about the objective
+            multipliers: vec![0.0; point.multipliers.len()],
+            multipliers_lower: vec![0.0; point.x.len()],
+            multipliers_upper: vec![0.0; point.x.len()],
+            ..nlp::WarmStart::from_solution(&point)
+        };
+        (vanishes, from)
+    }))
+}
