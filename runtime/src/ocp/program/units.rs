@@ -5,7 +5,7 @@
 //! horizon, the acceleration of a contact at the start. Coordinates, velocities and gaps in rows are measured in the
 //! *power of a thousand* nearest to their size, as a person would choose between millimetres, metres and kilometres:
 //! numbers between 0.03 and 30 stay as they are. The objective is measured in a power of a million while motions are looked
-//! for, and of ten where one is known and has to be exact: a large unit weighs feasibility more. So a scene in
+//! for; where one is known and has to be exact, in one of ten if that is smaller: a large unit weighs feasibility more. So a scene in
 //! millimetres and kilonewtons gives the solver the same numbers as one in metres and newtons.
 
 use crate::model::Model;
@@ -13,7 +13,6 @@ use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::motion::trajectory::Trajectory;
 
 const THOUSAND: f64 = 1e3;
-/// Bases of the units of the objective.
 const MILLION: f64 = 1e6;
 const TEN: f64 = 10.0;
 /// A control without bounds that is so many times its unit is measured anew: in the unit of the program its stationarity
@@ -36,8 +35,8 @@ pub(in crate::ocp) struct Units {
     pub(in crate::ocp) states: Vec<f64>,
     /// Rows of gaps and, per second, of normal velocities, powers of a thousand.
     pub(in crate::ocp) gap_rows: Vec<f64>,
-    /// Base of the powers that the objective is measured in.
-    objective: f64,
+    /// Whether the objective is measured as exactly as it can be.
+    is_exact: bool,
 }
 
 impl Units {
@@ -98,7 +97,7 @@ impl Units {
                 .iter()
                 .map(|&force| nearest_power(THOUSAND, reach(force)))
                 .collect(),
-            objective: MILLION,
+            is_exact: false,
             force,
         }
     }
@@ -119,18 +118,24 @@ impl Units {
 
     /// The same with the objective measured as exactly as it can be.
     pub(in crate::ocp) fn exact(self) -> Self {
-        let objective = TEN;
-        Self { objective, ..self }
+        let is_exact = true;
+        Self { is_exact, ..self }
     }
 
     /// Whether it is.
     pub(in crate::ocp) fn is_exact(&self) -> bool {
-        self.objective == TEN
+        self.is_exact
     }
 
-    /// The unit of an objective with derivatives up to `largest`.
+    /// The unit of an objective with derivatives up to `largest`: a power of a million, or of ten where that is smaller
+    /// and it has to be exact.
     pub(super) fn objective(&self, largest: f64) -> f64 {
-        nearest_power(self.objective, largest)
+        let unit = nearest_power(MILLION, largest);
+        if self.is_exact {
+            unit.min(nearest_power(TEN, largest))
+        } else {
+            unit
+        }
     }
 
     /// Whether the controls of a plan are of the size of their units, or small.

@@ -213,7 +213,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
         })
     }
 
-    /// The first stage of a program: at first from what it shares with the best, if there is any, then from the first barrier
+    /// The first stage of a program: of a neighbour at first from what it shares with the best, then from the first barrier
     /// parameter that works. The reason if none does.
     fn first(
         &self,
@@ -234,12 +234,17 @@ impl<'a, 'e> Attempts<'a, 'e> {
             (Some(_), Purpose::Compare) => &NEIGHBOUR,
             (Some(_), Purpose::Explore) => &EXPLORED,
         };
-        let gives_up = purpose == Purpose::Compare && self.best.is_some();
-        let tries = after_cut.then_some((AFTER_CUT, true)).into_iter();
-        let later = barriers.iter().enumerate();
-        let later = later.map(|(index, &run)| (run, gives_up && index + 1 < barriers.len()));
+        let near = self.best.as_ref().filter(|_| purpose == Purpose::Compare);
+        let gives_up = near.is_some();
+        let before = after_cut.then_some((AFTER_CUT, true, None)).into_iter();
+        let warm = near
+            .filter(|_| !after_cut)
+            .map(|best| (NEIGHBOUR[0], true, Some(best)));
+        let cold = barriers.iter().enumerate();
+        let cold = cold.map(|(index, &run)| (run, gives_up && index + 1 < barriers.len(), None));
         let mut status = nlp::Status::Interrupted;
-        for (index, ((barrier, iterations), gives_up)) in tries.chain(later).enumerate() {
+        let tries = before.chain(warm).chain(cold);
+        for (index, ((barrier, iterations), gives_up, near)) in tries.enumerate() {
             if runner.stopped() && (index > 0 || !after_cut) {
                 break;
             }
@@ -247,7 +252,6 @@ impl<'a, 'e> Attempts<'a, 'e> {
             settings.tolerance = FIRST_TOLERANCE.max(settings.tolerance);
             settings.initial_barrier_parameter = barrier;
             settings.maximum_iterations = settings.maximum_iterations.min(iterations);
-            let near = self.best.as_ref().filter(|_| index == 0 && !after_cut);
             let start = near.map(|best| program.start_from(&best.program, &best.solution, barrier));
             if start.is_some() {
                 settings.bound_push = barrier;
