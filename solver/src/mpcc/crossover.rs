@@ -185,28 +185,23 @@ pub(crate) fn choose(problem: &mut dyn Mpcc, at: &nlp::WarmStart) -> Vec<bool> {
     vanishes
 }
 
-/// A feasible point of the program of a choice of sides.
-pub(crate) fn feasible_point(
-    problem: &mut dyn Mpcc,
-    settings: &Settings,
-    vanishes: &[bool],
-    start: &nlp::WarmStart,
-    watch: &mut Watch<'_>,
-) -> Option<nlp::Solution> {
-    let mut attempts = PATIENT.iter().map(|attempt| attempt.until_feasible());
-    attempts.find_map(|attempt| solve_branch(problem, settings, vanishes, start, attempt, watch))
-}
-
-/// Solves the program of a choice of sides with many iterations.
+/// Solves the program of a choice of sides with many iterations, or looks for a feasible point of it only.
 pub(crate) fn patient_point(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     vanishes: &[bool],
     start: &nlp::WarmStart,
+    until_feasible: bool,
     watch: &mut Watch<'_>,
 ) -> Option<nlp::Solution> {
-    let mut attempts = PATIENT.iter();
-    attempts.find_map(|&attempt| solve_branch(problem, settings, vanishes, start, attempt, watch))
+    PATIENT.iter().find_map(|&attempt| {
+        let attempt = if until_feasible {
+            attempt.until_feasible()
+        } else {
+            attempt
+        };
+        solve_branch(problem, settings, vanishes, start, attempt, watch)
+    })
 }
 
 /// The certificate of a point of a choice of sides, or of a lower one, with as many iterations.

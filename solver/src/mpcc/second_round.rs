@@ -1,6 +1,6 @@
 //! What is tried where no rule ended at a certified point.
 
-use super::crossover::{choose, descend_from, feasible_point, patient_point};
+use super::crossover::{choose, descend_from, patient_point};
 use super::finish::{Ended, compare};
 use super::nearest::Nearest;
 use super::run::solve_with;
@@ -74,7 +74,7 @@ fn try_sides(
     best: &mut Ended,
     watch: &mut Watch<'_>,
 ) {
-    let Some(point) = patient_point(problem, settings, &vanishes, from, watch) else {
+    let Some(point) = patient_point(problem, settings, &vanishes, from, false, watch) else {
         return;
     };
     let exact = descend_from(problem, settings, vanishes, point, watch);
@@ -105,7 +105,7 @@ fn nearest(
     }
     let from = warm(&ended.solution);
     let vanishes = choose(&mut near, &from);
-    let point = feasible_point(&mut near, settings, &vanishes, &from, watch);
+    let point = patient_point(&mut near, settings, &vanishes, &from, true, watch);
     Ok(point.map(|point| {
         let from = nlp::WarmStart {
             // those of the distance say nothing about the objective

@@ -30,11 +30,8 @@ impl WarmStart {
     }
 
     /// From the solution of another problem: `variables[i]` is the variable there that the variable `i` here is, if there
-    /// is one, and `rows` says the same of the constraints; `unit` is what the objective there is multiplied by. `x` is the point of those that are new; what is not known of
-    /// them otherwise is 0.
-    ///
-    /// # Panics
-    /// If an index is not one of the solution.
+    /// is one, and `rows` says the same of the constraints; `unit` is what the objective there is multiplied by to be the
+    /// one here. `x` is the point of those that are new; the multipliers of these are 0.
     #[must_use]
     pub fn carried(
         solution: &Solution,
@@ -43,16 +40,13 @@ impl WarmStart {
         (variables, rows): (&[Option<usize>], &[Option<usize>]),
         barrier_parameter: f64,
     ) -> Self {
-        for (x, known) in x.iter_mut().zip(variables) {
-            if let Some(known) = known {
-                *x = solution.x[*known];
-            }
+        let known = |values: &[f64], known: Option<usize>| values.get(known?).copied();
+        for (x, &variable) in x.iter_mut().zip(variables) {
+            *x = known(&solution.x, variable).unwrap_or(*x);
         }
-        let taken = |values: &[f64], known: &[Option<usize>]| -> Vec<f64> {
-            let known = known.iter();
-            known
-                .map(|known| known.map_or(0.0, |i| unit * values[i]))
-                .collect()
+        let taken = |values: &[f64], from: &[Option<usize>]| -> Vec<f64> {
+            let multipliers = from.iter().map(|&from| known(values, from));
+            multipliers.map(|z| unit * z.unwrap_or(0.0)).collect()
         };
         Self {
             x,
@@ -61,5 +55,82 @@ impl WarmStart {
             multipliers_upper: taken(&solution.multipliers_upper, variables),
             barrier_parameter,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::nlp::{self, NlpProblem, Settings};
+
+    /// `min weight x_0` subject to `x_0 + x_1 >= 1` and `x_1 <= 1/4`.
+    struct Least {
+        weight: f64,
+    }
+
+    impl NlpProblem for Least {
+        fn variables(&self) -> usize {
+            2
+        }
+        fn constraints(&self) -> usize {
+            1
+        }
+        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+            lower.fill(0.0);
+            upper.copy_from_slice(&[f64::INFINITY, 0.25]);
+        }
+        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+            (lower[0], upper[0]) = (1.0, f64::INFINITY);
+        }
+        fn initial_point(&self, x: &mut [f64]) {
+            x.fill(0.0);
+        }
+        fn objective(&mut self, x: &[f64]) -> f64 {
+            self.weight * x[0]
+        }
+        fn gradient(&mut self, _: &[f64], gradient: &mut [f64]) {
+            gradient.copy_from_slice(&[self.weight, 0.0]);
+        }
+        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
+            c[0] = x[0] + x[1];
+        }
+        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
+            vec![(0, 0), (0, 1)]
+        }
+        fn jacobian_values(&mut self, _: &[f64], values: &mut [f64]) {
+            values.fill(1.0);
+        }
+        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
+            Vec::new()
+        }
+        fn hessian_values(&mut self, _: &[f64], _: f64, _: &[f64], _: &mut [f64]) {}
+    }
+
+    #[test]
+    fn what_is_known_is_carried_in_the_unit_of_the_objective_here() {
+        let settings = Settings::default();
+        let there = nlp::solve(&mut Least { weight: 1.0 }, &settings).unwrap();
+        let maps = ([Some(1), None, Some(0), Some(7)], [None, Some(0)]);
+        let carried = WarmStart::carried(&there, 5.0, vec![3.0; 4], (&maps.0, &maps.1), 1e-4);
+        assert_eq!(carried.x, [there.x[1], 3.0, there.x[0], 3.0]);
+        assert_eq!(carried.multipliers, [0.0, 5.0 * there.multipliers[0]]);
+        let upper = &there.multipliers_upper;
+        assert_eq!(
+            carried.multipliers_upper,
+            [5.0 * upper[1], 0.0, 5.0 * upper[0], 0.0]
+        );
+        // The solution of the other problem is that of this one.
+        let same = [Some(0), Some(1)];
+        let start = WarmStart::carried(&there, 5.0, vec![0.0; 2], (&same, &[Some(0)]), 1e-8);
+        let settings = Settings {
+            bound_push: 1e-8,
+            bound_fraction: 1e-8,
+            ..settings
+        };
+        let mut five = Least { weight: 5.0 };
+        let warm = nlp::solve_from(&mut five, &settings, Some(&start), None).unwrap();
+        let cold = nlp::solve(&mut five, &Settings::default()).unwrap();
+        assert!((warm.objective - 3.75).abs() < 1e-7 && (cold.objective - 3.75).abs() < 1e-7);
+        assert!(warm.counts.iterations < cold.counts.iterations);
     }
 }

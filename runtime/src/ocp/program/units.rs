@@ -171,7 +171,32 @@ pub(in crate::ocp) fn nearest_power(base: f64, size: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::nearest_power;
+    use super::{Units, nearest_power};
+
+    #[test]
+    fn objective_of_a_known_motion_is_measured_in_no_larger_unit() {
+        let rough = Units {
+            time: 1.0,
+            controls: Vec::new(),
+            force: Vec::new(),
+            gap: Vec::new(),
+            states: Vec::new(),
+            gap_rows: Vec::new(),
+            is_exact: false,
+        };
+        let exact = rough.clone().exact();
+        for (largest, unit, exactly) in [
+            (2400.0, 1e6, 1e3),
+            (5.0, 1.0, 1.0),
+            (200.0, 1.0, 1.0),
+            (0.04, 1.0, 0.1),
+            (0.0, 1.0, 1.0),
+        ] {
+            let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+            assert!(close(rough.objective(largest), unit), "{largest}");
+            assert!(close(exact.objective(largest), exactly), "{largest}");
+        }
+    }
 
     #[test]
     fn nearest_power_of_a_thousand_leaves_ordinary_numbers_alone() {

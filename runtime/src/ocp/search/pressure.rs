@@ -25,6 +25,8 @@ pub(in crate::ocp) struct Pressure<'a, 'm> {
     pub(in crate::ocp) solution: &'a nlp::Solution,
     /// [`DISTANT`], or 0 where every multiplier counts.
     pub(in crate::ocp) distant: f64,
+    /// The largest multiplier of a row.
+    pub(in crate::ocp) largest: f64,
     /// Distance of each row from the nearest of its bounds.
     pub(in crate::ocp) slacks: &'a [f64],
     /// The sequence with its times.
@@ -51,9 +53,7 @@ impl Pressure<'_, '_> {
     }
 
     fn is_active(&self, multiplier: f64, distance: f64) -> bool {
-        let all = self.solution.multipliers.iter();
-        let largest = all.fold(f64::MIN_POSITIVE, |largest, y| largest.max(y.abs()));
-        multiplier > largest * ACTIVE.max(self.distant * distance)
+        multiplier > self.largest * ACTIVE.max(self.distant * distance)
     }
 
     /// Whether a contact switches near a time.

@@ -42,7 +42,7 @@ pub(super) fn repair(
 /// The sequences around the best, and its motion to start them from.
 struct Around {
     neighbours: Vec<Sequence>,
-    /// The same with shorter contacts and flights where some are inserted.
+    /// The same with shorter contacts and flights where some are inserted; of a proof only.
     nearer: Vec<Sequence>,
     /// No neighbours, but often in another basin: nothing is claimed about them.
     explored: Vec<Sequence>,
@@ -52,10 +52,12 @@ struct Around {
 
 impl Around {
     fn of(best: &Local, attempts: &Attempts, runner: &Runner) -> Self {
+        let multipliers = best.solution.multipliers.iter();
         let pressure = Pressure {
             program: &best.program,
             solution: &best.solution,
             slacks: &best.slacks,
+            largest: multipliers.fold(f64::MIN_POSITIVE, |largest, y| largest.max(y.abs())),
             // Where motions are looked for, sequences that nothing presses for are worth a try.
             distant: if attempts.setting.units.is_exact() {
                 DISTANT
@@ -68,13 +70,16 @@ impl Around {
             touching: touching_gap(runner.settings),
         };
         let shifted = friction_neighbours::shifted(&pressure);
-        let nearer = Pressure {
-            inserted: neighbours::INSERTED[1],
-            ..pressure
+        let nearer = match runner.effort {
+            Effort::Certify => neighbours_of(&Pressure {
+                inserted: neighbours::INSERTED[1],
+                ..pressure
+            }),
+            Effort::Explore | Effort::Carry => Vec::new(),
         };
         Self {
             neighbours: neighbours_of(&pressure),
-            nearer: neighbours_of(&nearer),
+            nearer,
             explored: neighbours::shortened(&pressure)
                 .into_iter()
                 .chain(shifted)
@@ -150,7 +155,7 @@ fn compare(
     })
 }
 
-/// Attempts a neighbour, where that has to be decided from two starts.
+/// Attempts a neighbour; where it has to be decided, and is not, once more from nearer.
 fn decide(
     runner: &mut Runner,
     attempts: &mut Attempts,
@@ -162,11 +167,7 @@ fn decide(
     let signature = neighbour.signature();
     let mut nearer = around.nearer.iter();
     match nearer.find(|nearer| nearer.signature() == signature) {
-        Some(nearer)
-            if nearer != neighbour
-                && purpose == Purpose::Compare
-                && verdict == Verdict::Undecided =>
-        {
+        Some(nearer) if nearer != neighbour && verdict == Verdict::Undecided => {
             attempts.attempt(runner, around.attempt(nearer, purpose))
         }
         _ => Ok(verdict),
