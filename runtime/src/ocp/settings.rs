@@ -189,7 +189,7 @@ pub struct Settings {
     /// First barrier parameter of the contact-implicit programs; default 0.1, > 0. The larger, the farther contacts act at
     /// first.
     pub(crate) first_barrier: f64,
-    /// Most programs, those of the global phase included; default 60.
+    /// Most programs, those of the global phase included; default 200.
     pub maximum_programs: usize,
     /// Most iterations of one program; default 500.
     pub maximum_iterations: usize,
@@ -218,7 +218,7 @@ impl Default for Settings {
             refined_motions: 2,
             refined_elements: 4,
             first_barrier: 0.1,
-            maximum_programs: 60,
+            maximum_programs: 200,
             maximum_iterations: 500,
             replay_tolerance: 1e-9,
             resimulation_tolerance: 1e-12,

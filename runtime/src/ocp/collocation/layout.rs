@@ -92,6 +92,8 @@ pub(in crate::ocp) struct Phase {
     /// State `(q, v)` at the start, after any jump.
     pub(in crate::ocp) start: Vec<usize>,
     pub(in crate::ocp) stages: Vec<Stage>,
+    /// Its rows.
+    pub(in crate::ocp) rows: std::ops::Range<usize>,
     /// Length: `factor` times this variable.
     pub(in crate::ocp) scale: usize,
     pub(in crate::ocp) factor: f64,

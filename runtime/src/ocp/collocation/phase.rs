@@ -64,6 +64,7 @@ pub(super) fn add(builder: &mut Builder, element: &Element) {
     let (program, label) = (&mut builder.program, element.label());
     friction_rows::at_start(program, builder.setting, &mut phase, element.turns, &label);
     cut_rows::add(builder, &phase);
+    phase.rows.end = builder.program.extent().1;
     let last = &phase.stages[stages - 1];
     builder.state.clone_from(&last.state);
     builder.before.clone_from(&last.drive);
@@ -102,6 +103,7 @@ fn unknowns(
         modes: builder.modes.clone(),
         start: builder.state.clone(),
         stages: Vec::with_capacity(drives.len()),
+        rows: builder.program.extent().1..0,
         scale: element.scale,
         factor: element.factor,
         openings: Vec::new(),

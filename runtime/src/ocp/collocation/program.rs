@@ -35,7 +35,8 @@ impl Collocation<'_> {
         physical[self.horizon]
     }
 
-    /// A start from the solution of the program of another sequence: what intervals with the same switches have in common.
+    /// A start from the solution of another program: what intervals with the same switches have in common, and of the same
+    /// sequence all but the cuts that came in addition.
     pub(in crate::ocp) fn start_from(
         &self,
         other: &Collocation,
@@ -50,15 +51,16 @@ impl Collocation<'_> {
             let begins = std::iter::once((0, 0)).chain(program.spans.iter().copied());
             begins.zip(ends).collect::<Vec<_>>()
         };
+        let same = self.sequence.signature() == other.sequence.signature();
         for (own, of_other) in parts(self).into_iter().zip(parts(other)) {
             let variables = (own.0.0..own.1.0, of_other.0.0..of_other.1.0);
             let rows = (own.0.1..own.1.1, of_other.0.1..of_other.1.1);
-            if self.program.is_like(&other.program, &variables, &rows) {
-                for (i, j) in variables.0.zip(variables.1) {
-                    known.0[i] = Some(j);
-                }
-                for (i, j) in rows.0.zip(rows.1) {
-                    known.1[i] = Some(j);
+            if same || self.program.is_like(&other.program, &variables, &rows) {
+                let common = self.program.in_common(&other.program, variables, rows);
+                for (known, common) in [&mut known.0, &mut known.1].into_iter().zip(common) {
+                    for (i, j) in common {
+                        known[i] = Some(j);
+                    }
                 }
             }
         }
@@ -66,6 +68,65 @@ impl Collocation<'_> {
         self.program.initial_point(&mut x);
         let unit = other.program.objective_unit() / self.program.objective_unit();
         nlp::WarmStart::carried(solution, unit, x, (&known.0, &known.1), barrier)
+    }
+
+    /// Variables of the lengths of phases in which contacts are, at the guess, in other modes than in the motion of another
+    /// program at that time, or after another number of touches: of those that make up an interval with others.
+    pub(in crate::ocp) fn lengths_of_new_phases(
+        &self,
+        other: &Collocation,
+        x: &[f64],
+    ) -> Vec<usize> {
+        let mut guess = vec![0.0; self.program.extent().0];
+        self.program.initial_point(&mut guess);
+        let known = other.solved(x);
+        let (own, others) = (self.touches_before(), other.touches_before());
+        let mut found = Vec::new();
+        for ((phase, solved), touches) in self.phases.iter().zip(self.solved(&guess)).zip(own) {
+            let middle = solved.start + 0.5 * solved.length;
+            let then = known.iter().rposition(|phase| phase.start <= middle);
+            let same = then.is_none_or(|then| {
+                other.phases[then].modes == phase.modes && others[then] == touches
+            });
+            if !same && phase.scale != self.horizon && !found.contains(&phase.scale) {
+                found.push(phase.scale);
+            }
+        }
+        found
+    }
+
+    /// Holds these lengths of phases at their least; `relaxed` without the inequalities within those phases.
+    pub(in crate::ocp) fn hold(&mut self, lengths: &[usize], relaxed: bool) {
+        for &length in lengths {
+            self.program.hold_at_lower(length);
+        }
+        let held = |phase: &&Phase| relaxed && lengths.contains(&phase.scale);
+        for phase in self.phases.iter().filter(held) {
+            self.program.relax_rows(phase.rows.clone());
+        }
+    }
+
+    /// How often each contact was touched before each phase.
+    fn touches_before(&self) -> Vec<Vec<usize>> {
+        let switches = &self.sequence.switches;
+        let contacts = self.sequence.initially.len();
+        let mut end = switches.len();
+        let mut interval = usize::MAX;
+        let mut before: Vec<Vec<usize>> = Vec::with_capacity(self.phases.len());
+        for phase in self.phases.iter().rev() {
+            if phase.interval != interval {
+                interval = phase.interval;
+                end = switches.partition_point(|switch| switch.interval <= interval);
+            }
+            end = phase.ends_with.unwrap_or(end);
+            let mut touches = vec![0; contacts];
+            for switch in switches[..end].iter().filter(|switch| switch.touches()) {
+                touches[switch.contact] += 1;
+            }
+            before.push(touches);
+        }
+        before.reverse();
+        before
     }
 
     /// Start, length and states of every phase at a solver's point.

@@ -94,7 +94,7 @@ mod tests {
     use crate::ocp::settings::{Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
     use crate::simulation::ContactMode;
-    use hangtime_solver::nlp::check_derivatives;
+    use hangtime_solver::nlp::{NlpProblem, check_derivatives};
 
     /// The central difference of a function with values and derivatives up to 1e3 is good to about 1e-7 of them.
     const DIFFERENCE: f64 = 1e-5;
@@ -106,14 +106,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn derivatives_of_both_programs_agree_with_differences() {
-        for shape in [ControlShape::Constant, ControlShape::Linear] {
-            check_both(shape);
-        }
-    }
-
-    fn check_both(shape: ControlShape) {
+    /// The demanding scene with controls of that shape, and a motion to start from.
+    fn with_setting(shape: ControlShape, check: impl Fn(Setting, &Trajectory)) {
         let model = Demanding(Sledge::default());
         let problem = problem(&model);
         let (lower, upper) = bounds(&model);
@@ -137,10 +131,12 @@ mod tests {
             },
             shape,
         };
-        let mut coarse = ContactImplicit::new(setting, 2, &guessed);
-        let compared = check_derivatives(&mut coarse.program, None).unwrap();
-        assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
-        let switch = |closes, interval, place, time| Switch {
+        check(setting, &guessed);
+    }
+
+    /// A switch of the sledge, which lands without rebound.
+    fn switch(closes: bool, interval: usize, place: Place, time: f64) -> Switch {
+        Switch {
             contact: 0,
             closes,
             mode: if closes {
@@ -153,16 +149,124 @@ mod tests {
             interval,
             place,
             time,
-        };
-        let sequence = Sequence {
+        }
+    }
+
+    fn sequence(switches: &[Switch]) -> Sequence {
+        Sequence {
             initially: vec![ContactMode::Open],
-            switches: vec![
+            switches: switches.to_vec(),
+        }
+    }
+
+    #[test]
+    fn lengths_are_held_of_what_a_neighbour_adds_and_of_where_a_switch_has_moved_through_a_node() {
+        with_setting(ControlShape::Constant, |setting, guessed| {
+            let program = |switches: &[Switch]| {
+                transcribe(setting, &sequence(switches), guessed, &[], &[1, 1, 1])
+            };
+            let landing = switch(true, 0, Place::Inside, 0.4);
+            let lift_off = switch(false, 2, Place::Inside, 2.04);
+            let mut best = program(&[landing, lift_off]);
+            let mut x = vec![0.0; best.program.extent().0];
+            best.program.initial_point(&mut x);
+            let names = |switches: &[Switch]| {
+                let neighbour = program(switches);
+                let lengths = neighbour.lengths_of_new_phases(&best, &x);
+                let names = lengths.iter().map(|&i| neighbour.program.variable_name(i));
+                names.collect::<Vec<String>>()
+            };
+            assert!(names(&[landing, lift_off]).is_empty());
+            let flight = [
+                switch(false, 1, Place::Inside, 1.4),
+                switch(true, 1, Place::Inside, 1.6),
+            ];
+            let inserted = names(&[landing, flight[0], flight[1], lift_off]);
+            assert_eq!(inserted, ["length of phase 1 of interval 1"]);
+            let earlier = switch(false, 1, Place::Inside, 1.95);
+            assert_eq!(
+                names(&[landing, earlier]),
+                ["length of phase 1 of interval 1"]
+            );
+            // A touch leaves the modes as they are, and is told by what came before.
+            let touch = |interval, time| Switch {
+                mode: ContactMode::Open,
+                ..switch(true, interval, Place::Inside, time)
+            };
+            best = program(&[touch(1, 1.02)]);
+            let mut x = vec![0.0; best.program.extent().0];
+            best.program.initial_point(&mut x);
+            let moved = program(&[touch(0, 0.95)]);
+            let lengths = moved.lengths_of_new_phases(&best, &x);
+            assert_eq!(lengths.len(), 1);
+            assert_eq!(
+                moved.program.variable_name(lengths[0]),
+                "length of phase 1 of interval 0"
+            );
+        });
+    }
+
+    #[test]
+    fn held_lengths_are_fixed_and_relaxed_phases_keep_their_equations() {
+        with_setting(ControlShape::Constant, |setting, guessed| {
+            let switches = [
                 switch(true, 0, Place::Inside, 0.4),
-                switch(false, 0, Place::Inside, 0.8),
-                switch(true, 1, Place::Start, 1.0),
-                switch(false, 2, Place::Start, 2.0),
-            ],
-        };
+                switch(false, 0, Place::Inside, 0.6),
+            ];
+            let sequence = sequence(&switches);
+            let bounds = |program: &Collocation| {
+                let (n, m) = program.program.extent();
+                let mut rows = (vec![0.0; m], vec![0.0; m]);
+                program.program.constraint_bounds(&mut rows.0, &mut rows.1);
+                let variables: Vec<(f64, f64)> =
+                    (0..n).map(|i| program.program.bounds(i)).collect();
+                (
+                    variables,
+                    rows.0.into_iter().zip(rows.1).collect::<Vec<_>>(),
+                )
+            };
+            let mut program = transcribe(setting, &sequence, guessed, &[], &[1, 1, 1]);
+            let (variables, rows) = bounds(&program);
+            let contact = &program.phases[1];
+            let (length, own) = (contact.scale, contact.rows.clone());
+            program.hold(&[length], true);
+            let (held, relaxed) = bounds(&program);
+            for (i, (before, after)) in variables.iter().zip(&held).enumerate() {
+                let expected = if i == length {
+                    (before.0, before.0)
+                } else {
+                    *before
+                };
+                assert_eq!(*after, expected);
+            }
+            let mut left_out = 0;
+            for (row, (before, after)) in rows.iter().zip(&relaxed).enumerate() {
+                let drops = own.contains(&row) && before.0 < before.1;
+                left_out += usize::from(drops);
+                let free = (f64::NEG_INFINITY, f64::INFINITY);
+                assert_eq!(*after, if drops { free } else { *before }, "row {row}");
+            }
+            assert!(left_out > 0);
+        });
+    }
+
+    #[test]
+    fn derivatives_of_both_programs_agree_with_differences() {
+        for shape in [ControlShape::Constant, ControlShape::Linear] {
+            with_setting(shape, check_both);
+        }
+    }
+
+    fn check_both(setting: Setting, guessed: &Trajectory) {
+        let mut coarse = ContactImplicit::new(setting, 2, guessed);
+        let compared = check_derivatives(&mut coarse.program, None).unwrap();
+        assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
+        let sequence = sequence(&[
+            switch(true, 0, Place::Inside, 0.4),
+            switch(false, 0, Place::Inside, 0.8),
+            switch(true, 1, Place::Start, 1.0),
+            switch(false, 2, Place::Start, 2.0),
+        ]);
         let cut = |phase, interval, kind| Cut {
             interval,
             phase,
@@ -175,7 +279,7 @@ mod tests {
             cut((0, 1), 2, CutKind::Departure(0)),
             cut((0, 1), 2, CutKind::Path(0)),
         ];
-        let mut fine = transcribe(setting, &sequence, &guessed, &cuts, &[1, 2, 1]);
+        let mut fine = transcribe(setting, &sequence, guessed, &cuts, &[1, 2, 1]);
         assert_eq!(fine.phases.len(), 6);
         let compared = check_derivatives(&mut fine.program, None).unwrap();
         assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);

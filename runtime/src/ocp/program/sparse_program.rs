@@ -124,6 +124,23 @@ impl<'a> Program<'a> {
         self.variables.names.len() - 1
     }
 
+    /// Holds a variable at its lower bound.
+    pub(in crate::ocp) fn hold_at_lower(&mut self, variable: usize) {
+        let lower = self.variables.lower[variable];
+        self.variables.upper[variable] = lower;
+        self.variables.guess[variable] = lower;
+    }
+
+    /// Leaves inequalities among the rows out.
+    pub(in crate::ocp) fn relax_rows(&mut self, rows: Range<usize>) {
+        for row in rows {
+            if self.rows.lower[row] < self.rows.upper[row] {
+                self.rows.lower[row] = f64::NEG_INFINITY;
+                self.rows.upper[row] = f64::INFINITY;
+            }
+        }
+    }
+
     /// Numbers of variables and rows so far.
     pub(in crate::ocp) fn extent(&self) -> (usize, usize) {
         (self.variables.names.len(), self.rows.names.len())
@@ -138,6 +155,32 @@ impl<'a> Program<'a> {
     ) -> bool {
         self.variables.names[variables.0.clone()] == other.variables.names[variables.1.clone()]
             && self.rows.names[rows.0.clone()] == other.rows.names[rows.1.clone()]
+    }
+
+    /// The variables, and the rows, that a part has in common with one of another program, by their names and in their order:
+    /// pairs of the one here and the one there.
+    pub(in crate::ocp) fn in_common(
+        &self,
+        other: &Program,
+        variables: (Range<usize>, Range<usize>),
+        rows: (Range<usize>, Range<usize>),
+    ) -> [Vec<(usize, usize)>; 2] {
+        let common =
+            |own: &[String], others: &[String], (here, there): (Range<usize>, Range<usize>)| {
+                let mut next = there.start;
+                let found = |i: usize| {
+                    let same = others[next..there.end]
+                        .iter()
+                        .position(|name| *name == own[i])?;
+                    next += same + 1;
+                    Some((i, next - 1))
+                };
+                here.filter_map(found).collect()
+            };
+        [
+            common(&self.variables.names, &other.variables.names, variables),
+            common(&self.rows.names, &other.rows.names, rows),
+        ]
     }
 
     /// Bounds of a variable.

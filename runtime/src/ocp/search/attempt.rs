@@ -60,6 +60,8 @@ struct Tried {
     signature: Signature,
     purpose: Purpose,
     verdict: Verdict,
+    /// Objective of the best at that time.
+    best: Option<f64>,
 }
 
 /// A solved program of a sequence.
@@ -114,24 +116,40 @@ impl<'a, 'e> Attempts<'a, 'e> {
             (Verdict::Better, Some(best)) => Verdict::NotBetter(best.solution.objective),
             _ => verdict,
         };
-        self.tried.push(Tried {
-            signature: attempt.sequence.signature(),
-            purpose: attempt.purpose,
-            verdict: known,
-        });
+        self.keep(attempt.sequence, attempt.purpose, known);
         Ok(verdict)
     }
 
-    /// What is known of a neighbour of the best from an earlier attempt.
+    fn keep(&mut self, sequence: &Sequence, purpose: Purpose, verdict: Verdict) {
+        self.tried.push(Tried {
+            signature: sequence.signature(),
+            purpose,
+            verdict,
+            best: self.best_objective(),
+        });
+    }
+
+    /// What is known of a neighbour of the best from earlier attempts. One that was undecided may be decided beside another
+    /// best.
     pub(super) fn known(&self, sequence: &Sequence) -> Option<Verdict> {
         let signature = sequence.signature();
-        let mut tried = self.tried.iter().rev();
-        let tried = tried.find(|tried| tried.signature == signature)?;
-        match tried.verdict {
-            Verdict::NotBetter(least) if !self.improves(least) => Some(tried.verdict),
-            Verdict::Undecided if tried.purpose == Purpose::Compare => Some(tried.verdict),
+        let last = self
+            .tried
+            .iter()
+            .rev()
+            .find(|tried| tried.signature == signature)?;
+        match last.verdict {
+            Verdict::NotBetter(least) if !self.improves(least) => Some(last.verdict),
+            Verdict::Undecided if last.purpose == Purpose::Compare => {
+                (last.best == self.best_objective()).then_some(last.verdict)
+            }
             _ => None,
         }
+    }
+
+    /// Keeps what is known of a neighbour otherwise.
+    pub(super) fn learn(&mut self, sequence: &Sequence, verdict: Verdict) {
+        self.keep(sequence, Purpose::Compare, verdict);
     }
 
     /// Whether a sequence was attempted, for whatever purpose.
@@ -151,6 +169,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
         let mut sequence = attempt.sequence.clone();
         let limits = Limits::new(self.setting, runner.settings);
         let check = |program: &Collocation, x: &[f64]| between_stages(program, x, limits);
+        let mut before: Option<(Collocation, nlp::Solution)> = None;
         for round in 0..ROUNDS {
             let last = round + 1 == ROUNDS;
             let now = Attempt {
@@ -159,7 +178,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
                 cuts: &cuts,
                 ..attempt
             };
-            let (mut program, first) = match self.first(runner, now, round > 0)? {
+            let (mut program, first) = match self.first(runner, now, before.as_ref())? {
                 Ok(first) => first,
                 Err(status) => return Ok(verdict_of(status)),
             };
@@ -197,29 +216,30 @@ impl<'a, 'e> Attempts<'a, 'e> {
             }
             (guess, sequence) = program.result(&solved.x);
             cuts.extend(new);
+            before = Some((program, solved));
         }
         Ok(Verdict::Undecided)
     }
 
-    fn best_objective(&self) -> Option<f64> {
+    pub(super) fn best_objective(&self) -> Option<f64> {
         self.best.as_ref().map(|best| best.solution.objective)
     }
 
     /// Whether an objective is better than the best.
-    fn improves(&self, objective: f64) -> bool {
+    pub(super) fn improves(&self, objective: f64) -> bool {
         self.best.as_ref().is_none_or(|best| {
             let size = objective.abs().max(best.program.program.objective_unit());
             objective <= best.solution.objective - IMPROVEMENT * size
         })
     }
 
-    /// The first stage of a program: of a neighbour at first from what it shares with the best, then from the first barrier
-    /// parameter that works. The reason if none does.
+    /// The first stage of a program: after a cut at first from the solution `before` it, of a neighbour from what it shares
+    /// with the best, then from the first barrier parameter that works. The reason if none does.
     fn first(
         &self,
         runner: &mut Runner,
         attempt: Attempt,
-        after_cut: bool,
+        before: Option<&(Collocation, nlp::Solution)>,
     ) -> Ended<(Collocation<'a>, nlp::Solution)> {
         let Attempt {
             sequence,
@@ -234,25 +254,28 @@ impl<'a, 'e> Attempts<'a, 'e> {
             (Some(_), Purpose::Compare) => &NEIGHBOUR,
             (Some(_), Purpose::Explore) => &EXPLORED,
         };
-        let near = self.best.as_ref().filter(|_| purpose == Purpose::Compare);
+        let compares = purpose == Purpose::Compare;
+        let near = self.best.as_ref().filter(|_| compares);
         let gives_up = near.is_some();
-        let before = after_cut.then_some((AFTER_CUT, true, None)).into_iter();
-        let warm = near
-            .filter(|_| !after_cut)
-            .map(|best| (NEIGHBOUR[0], true, Some(best)));
+        let known = match (before, near) {
+            (Some((program, solution)), _) => Some((AFTER_CUT, (program, solution))),
+            (None, Some(best)) => Some((NEIGHBOUR[0], (&best.program, &best.solution))),
+            (None, None) => None,
+        };
+        let warm = known.map(|(run, known)| (run, true, Some(known)));
         let cold = barriers.iter().enumerate();
         let cold = cold.map(|(index, &run)| (run, gives_up && index + 1 < barriers.len(), None));
         let mut status = nlp::Status::Interrupted;
-        let tries = before.chain(warm).chain(cold);
-        for (index, ((barrier, iterations), gives_up, near)) in tries.enumerate() {
-            if runner.stopped() && (index > 0 || !after_cut) {
+        let tries = warm.into_iter().chain(cold);
+        for (index, ((barrier, iterations), gives_up, known)) in tries.enumerate() {
+            if runner.stopped() && (index > 0 || before.is_none()) {
                 break;
             }
             let mut settings = interior_point(runner.settings);
             settings.tolerance = FIRST_TOLERANCE.max(settings.tolerance);
             settings.initial_barrier_parameter = barrier;
             settings.maximum_iterations = settings.maximum_iterations.min(iterations);
-            let start = near.map(|best| program.start_from(&best.program, &best.solution, barrier));
+            let start = known.map(|(other, solution)| program.start_from(other, solution, barrier));
             if start.is_some() {
                 settings.bound_push = barrier;
                 settings.bound_fraction = barrier;
@@ -298,7 +321,7 @@ fn verdict_of(failure: nlp::Status) -> Verdict {
     }
 }
 
-fn interior_point(chosen: &Settings) -> nlp::Settings {
+pub(super) fn interior_point(chosen: &Settings) -> nlp::Settings {
     let mut settings = nlp::Settings::default();
     settings.tolerance = chosen.tolerance;
     settings.constraint_tolerance = chosen.tolerance;

@@ -219,7 +219,13 @@ fn inserted_sliding(pressure: &Pressure) -> Vec<Sequence> {
             let pressed: Vec<(usize, ContactMode, Direction)> = pressed
                 .filter(|&(contact, ..)| !pressure.near(contact, time(*c)))
                 .collect();
-            for turned in [false, true] {
+            // A contact that turns round without a jump of the controls sticks on the way, as friction pushes it the
+            // other way then.
+            let at_a_jump = (time(*c) - time(*c).round()).abs() < pressure.inserted;
+            for turned in [false, true]
+                .into_iter()
+                .filter(|turned| !turned || at_a_jump)
+            {
                 let change = |&(contact, back, direction): &(usize, ContactMode, Direction)| {
                     let to = match back {
                         ContactMode::Stick => ContactMode::Slip(direction),

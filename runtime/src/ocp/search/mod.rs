@@ -11,3 +11,4 @@ pub(in crate::ocp) mod pressure;
 pub(in crate::ocp) mod repair;
 pub(in crate::ocp) mod replay;
 pub(in crate::ocp) mod ride;
+pub(in crate::ocp) mod stationary;

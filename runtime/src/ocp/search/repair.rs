@@ -4,6 +4,7 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
 use super::pressure::{DISTANT, Pressure};
+use super::stationary::Held;
 use super::{friction_neighbours, neighbours};
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::touching_gap;
@@ -155,7 +156,8 @@ fn compare(
     })
 }
 
-/// Attempts a neighbour; where it has to be decided, and is not, once more from nearer.
+/// Decides a neighbour: by the multipliers of its new phases where these tell, or else by an attempt, and where that
+/// comes to nothing once more from nearer.
 fn decide(
     runner: &mut Runner,
     attempts: &mut Attempts,
@@ -163,15 +165,32 @@ fn decide(
     neighbour: &Sequence,
     purpose: Purpose,
 ) -> Result<Verdict, InputError> {
-    let verdict = attempts.attempt(runner, around.attempt(neighbour, purpose))?;
+    let attempt = around.attempt(neighbour, purpose);
+    if purpose == Purpose::Explore {
+        return attempts.attempt(runner, attempt);
+    }
+    let held = attempts.held(runner, attempt)?;
+    if let Held::Stationary(objective) = held {
+        let verdict = Verdict::NotBetter(objective);
+        attempts.learn(neighbour, verdict);
+        return Ok(verdict);
+    }
+    let mut verdict = attempts.attempt(runner, attempt)?;
     let signature = neighbour.signature();
     let mut nearer = around.nearer.iter();
-    match nearer.find(|nearer| nearer.signature() == signature) {
-        Some(nearer) if nearer != neighbour && verdict == Verdict::Undecided => {
-            attempts.attempt(runner, around.attempt(nearer, purpose))
-        }
-        _ => Ok(verdict),
+    if let Some(nearer) = nearer.find(|nearer| nearer.signature() == signature)
+        && nearer != neighbour
+        && verdict == Verdict::Undecided
+    {
+        verdict = attempts.attempt(runner, around.attempt(nearer, purpose))?;
     }
+    if let Held::Apart(objective) = held
+        && verdict == Verdict::Undecided
+    {
+        verdict = Verdict::NotBetter(objective);
+        attempts.learn(neighbour, verdict);
+    }
+    Ok(verdict)
 }
 
 /// Whether one of the explored sequences is better.

@@ -1,0 +1,121 @@
+//! Whether the best motion is a stationary point of a neighbour, too.
+//!
+//! A neighbour holds the best motion as the limit in which a phase has no length: a contact or flight that is inserted, or
+//! what lies between a moved switch and the end of the interval that it went through. Its program is hard to solve from
+//! there, as it ends where such a phase is as short as it may be, with nearly nothing that fixes what happens within. With
+//! these lengths held at their least the program is one of the kind of the best, and takes few iterations. The multiplier
+//! `z` of a held length says what follows from releasing it: where every `z` is at least 0, the point fulfils the first
+//! order conditions of the neighbour's program with the bounds of the lengths active, and nothing that is longer by a
+//! little is better. That holds all the more where the inequalities inside these phases are left out, since then the
+//! program allows more; so it is asked a second time, where the first has no answer.
+
+use hangtime_solver::nlp;
+
+use super::attempt::{Attempt, Attempts, interior_point};
+use crate::ocp::collocation::program::Collocation;
+use crate::ocp::collocation::transcribe::transcribe;
+use crate::ocp::program::runner::{Ended, Run, Runner};
+use crate::simulation::InputError;
+
+/// First barrier parameter and most iterations.
+const HELD: (f64, usize) = (1e-5, 60);
+/// Change of the objective, relative to it, that counts as none: for each interval of length, or between two motions.
+const NONE: f64 = 1e-6;
+
+/// What a neighbour's program with held lengths says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Held {
+    /// It is stationary with this objective when the lengths are released.
+    Stationary(f64),
+    /// Longer phases are better, but the motion is another one than the best, and worse: with an objective like this,
+    /// infinite if there is none.
+    Apart(f64),
+    /// Longer phases are better, or there is no answer.
+    Open,
+}
+
+impl Attempts<'_, '_> {
+    /// What the program of a neighbour of the best says with the lengths of its new phases held at their least.
+    pub(super) fn held(&self, runner: &mut Runner, attempt: Attempt) -> Result<Held, InputError> {
+        for relaxed in [false, true] {
+            match self.solve_held(runner, attempt, relaxed)? {
+                Some(Ok(held)) => return Ok(held),
+                Some(Err(nlp::Status::Infeasible)) if !relaxed => {
+                    return Ok(Held::Apart(f64::INFINITY));
+                }
+                Some(Err(_)) => {}
+                None => break,
+            }
+        }
+        Ok(Held::Open)
+    }
+
+    /// `None` where there is nothing to hold.
+    fn solve_held(
+        &self,
+        runner: &mut Runner,
+        attempt: Attempt,
+        relaxed: bool,
+    ) -> Result<Option<Result<Held, nlp::Status>>, InputError> {
+        let Some(best) = &self.best else {
+            return Ok(None);
+        };
+        let Attempt {
+            sequence,
+            guess,
+            cuts,
+            ..
+        } = attempt;
+        let mut program = transcribe(self.setting, sequence, guess, cuts, self.elements);
+        let lengths = program.lengths_of_new_phases(&best.program, &best.solution.x);
+        if lengths.is_empty() {
+            return Ok(None);
+        }
+        program.hold(&lengths, relaxed);
+        let (barrier, iterations) = HELD;
+        let mut settings = interior_point(runner.settings);
+        settings.initial_barrier_parameter = barrier;
+        settings.maximum_iterations = settings.maximum_iterations.min(iterations);
+        settings.bound_push = barrier;
+        settings.bound_fraction = barrier;
+        let start = program.start_from(&best.program, &best.solution, barrier);
+        let run = Run {
+            settings: &settings,
+            start: Some(&start),
+            gives_up: relaxed,
+            best: Some(best.solution.objective),
+        };
+        let horizon = program.horizon;
+        let ended: Ended<nlp::Solution> = runner.solve(&mut program.program, horizon, &run);
+        Ok(Some(ended?.map(|solution| {
+            self.released(&program, &lengths, &solution)
+        })))
+    }
+
+    /// What follows from releasing the lengths.
+    fn released(&self, program: &Collocation, lengths: &[usize], held: &nlp::Solution) -> Held {
+        let objective = held.objective;
+        if self.improves(objective) {
+            return Held::Open;
+        }
+        let unit = program.program.objective_unit();
+        let interval = program.horizon_at(&program.program.physical(&held.x))
+            / self.setting.problem.intervals as f64;
+        let slope = |&length: &usize| {
+            let multiplier = held.multipliers_lower[length] - held.multipliers_upper[length];
+            multiplier * unit / program.program.unit(length) * interval
+        };
+        let least = lengths.iter().map(slope).fold(f64::INFINITY, f64::min);
+        let none = NONE * objective.abs().max(unit);
+        if least >= -none {
+            Held::Stationary(objective)
+        } else if self
+            .best_objective()
+            .is_some_and(|best| objective > best + none)
+        {
+            Held::Apart(objective)
+        } else {
+            Held::Open
+        }
+    }
+}
