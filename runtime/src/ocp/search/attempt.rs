@@ -263,10 +263,12 @@ impl<'a, 'e> Attempts<'a, 'e> {
             (None, None) => None,
         };
         let warm = known.map(|(run, known)| (run, true, Some(known)));
+        // A deep cut leaves little of that solution but the motion itself.
+        let again = before.map(|_| (AFTER_CUT, true, None));
         let cold = barriers.iter().enumerate();
         let cold = cold.map(|(index, &run)| (run, gives_up && index + 1 < barriers.len(), None));
         let mut status = nlp::Status::Interrupted;
-        let tries = warm.into_iter().chain(cold);
+        let tries = warm.into_iter().chain(again).chain(cold);
         for (index, ((barrier, iterations), gives_up, known)) in tries.enumerate() {
             if runner.stopped() && (index > 0 || before.is_none()) {
                 break;
