@@ -11,6 +11,7 @@ import json
 import os
 import pathlib
 import random
+import resource
 import signal
 import statistics
 import subprocess
@@ -51,7 +52,7 @@ def solve(path, limit, cpu):
     """Solves a problem in at most `limit` seconds, on the clock or, with `cpu`, of processor time, which other work on the machine
     does not shorten."""
     command = [PROGRAM, "nlp", path, "--json"] + ([] if cpu else ["--time-limit", str(limit)])
-    start, before = time.monotonic(), os.times()
+    start, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     over = False
     while True:
@@ -63,12 +64,12 @@ def solve(path, limit, cpu):
                 over = True
                 # asks for the best result so far
                 process.send_signal(signal.SIGINT)
-    after = os.times()
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     result = json.loads(out) if out else {"status": "no_result", "diagnosis": error.strip()}
     if over and result["status"] != "solved":
         result["status"] = "time_limit"
     result["name"], result["clock"] = path.stem, time.monotonic() - start
-    result["cpu"] = after.children_user + after.children_system - before.children_user - before.children_system
+    result["cpu"] = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return result
 
 
