@@ -46,6 +46,8 @@ const ACCEPTABLE: f64 = 1e-7;
 const SHIFT: f64 = 1e-10;
 /// Fraction of the way to the boundary.
 const FRACTION: f64 = 0.995;
+/// Least distance to a bound, relative to bounds of at least one: closer points would round to the bound itself.
+const LEAST_DISTANCE: f64 = 1e-15;
 
 impl LinearProgram {
     /// Solution and value; `None` if there is none or none was found.
@@ -382,6 +384,24 @@ impl Method {
         add(&mut self.y, &d.y, dual);
         add(&mut self.z_lower, &d.z_lower, dual);
         add(&mut self.z_upper, &d.z_upper, dual);
+        self.stay_inside();
+    }
+
+    /// Keeps all that can move off its bounds: steps that end next to one are rounded.
+    fn stay_inside(&mut self) {
+        for (w, (&lower, &upper)) in self.w.iter_mut().zip(self.lower.iter().zip(&self.upper)) {
+            if lower >= upper {
+                continue;
+            }
+            let most = 0.25 * (upper - lower);
+            let distance = |bound: f64| most.min(LEAST_DISTANCE * bound.abs().max(1.0));
+            if lower.is_finite() {
+                *w = w.max(lower + distance(lower));
+            }
+            if upper.is_finite() {
+                *w = w.min(upper - distance(upper));
+            }
+        }
     }
 
     fn run(&mut self, limit: f64, watch: &mut Watch<'_>) -> Outcome {
@@ -507,6 +527,25 @@ mod tests {
             outcome(&program, f64::INFINITY),
             Outcome::Above(_)
         ));
+    }
+
+    #[test]
+    fn stay_inside_leaves_room_that_does_not_round_away() {
+        let mut program = dependent();
+        (program.lower[0], program.upper[1]) = (-3.0, 1e-7);
+        let mut method = Method::new(&program).expect("a matrix");
+        // what a whole step to next to a bound rounds to
+        method.w[..2].copy_from_slice(&[-3.0, 1e-7]);
+        method.stay_inside();
+        for i in 0..2 {
+            let (below, above) = (method.w[i] - method.lower[i], method.upper[i] - method.w[i]);
+            assert!(below > 0.0 && above > 0.0, "{:?}", &method.w[..2]);
+        }
+        assert!(method.w[0] < -3.0 + 1e-12 && method.w[1] > 1e-7 - 1e-12);
+        // which the Newton matrix divides by
+        method.z_lower.fill(1.0);
+        method.z_upper.fill(1.0);
+        assert!(method.factorize());
     }
 
     #[test]

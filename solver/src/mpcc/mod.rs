@@ -44,8 +44,9 @@
 //! None means B-stationary: certified. A direction leads to another choice of sides and a lower point. Last, choices
 //! next to the certified one that the problem knows of ([`Mpcc::neighbour`]) are tried for a better objective.
 //!
-//! Where no rule ends at a certified point, a *second round* crosses over with many more iterations from where they ended, and
-//! from exact points near these that are found without the objective. Its programs often have no multipliers (vanishing elements,
+//! Where no rule ends at a certified point, a *second round* crosses over with many more iterations from where they ended: first
+//! from where a penalty leads, a cost of the smaller side of each pair that grows where a side does not vanish, then from the end
+//! itself, and from exact points near these that are found without the objective. Its programs often have no multipliers (vanishing elements,
 //! equations that determine a point twice); their runs end where nothing moves any more, and the linear programs of the
 //! certificate, whose dual solutions prove that there is no descent, give the multipliers.
 //!
@@ -62,6 +63,7 @@ mod finish;
 mod forced;
 mod linear_program;
 mod nearest;
+mod penalty;
 mod problem;
 mod relaxation;
 mod run;

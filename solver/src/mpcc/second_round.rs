@@ -3,13 +3,18 @@
 use super::crossover::{choose, descend_from, patient_point};
 use super::finish::{Ended, compare};
 use super::nearest::Nearest;
+use super::penalty::penalized;
 use super::run::solve_with;
 use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
 use crate::nlp::{self, InputError};
 
-/// Where no rule ended at a certified point: crossovers with more patience from where they ended, the best first; then the same from
-/// exact points near these and near the point of the problem, found without the objective.
+/// Violation and relaxation up to which a relaxed point shows the sides of an exact one, optimal or not.
+const NEAR: f64 = 1e-6;
+
+/// Where no rule ended at a certified point: crossovers with more patience from where they ended, the best first, each time from where
+/// a penalty of the smaller sides leads before that; then the same from exact points near these and near the point of the problem,
+/// found without the objective.
 pub(crate) fn second_round(
     problem: &mut dyn Mpcc,
     settings: &Settings,
@@ -29,11 +34,16 @@ pub(crate) fn second_round(
         .filter(|end| end.status != Status::Infeasible)
         .collect();
     for end in &ends {
-        let from = warm(end);
-        let vanishes = choose(problem, &from);
-        try_sides(problem, settings, (end, vanishes, &from), best, watch);
-        if best.solution.status.is_solved() || watch.stop.is_some() {
-            return Ok(());
+        let starts = [
+            penalized(problem, settings, warm(end), watch),
+            Some(warm(end)),
+        ];
+        for from in starts.into_iter().flatten() {
+            let vanishes = choose(problem, &from);
+            try_sides(problem, settings, (end, vanishes, &from), best, watch);
+            if best.solution.status.is_solved() || watch.stop.is_some() {
+                return Ok(());
+            }
         }
     }
     let mut points: Vec<(&Solution, Vec<f64>)> =
@@ -100,7 +110,9 @@ fn nearest(
     };
     let mut near = Nearest::new(problem, to);
     let ended = solve_with(&mut near, &relaxed, rule, watch)?;
-    if ended.solution.status != Status::Relaxed {
+    let relaxed = &ended.solution;
+    let is_near = relaxed.residuals.primal <= NEAR && relaxed.relaxation_parameter <= NEAR;
+    if watch.stop.is_some() || !is_near {
         return Ok(None);
     }
     let from = warm(&ended.solution);
