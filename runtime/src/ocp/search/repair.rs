@@ -4,7 +4,7 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
 use super::pressure::{DISTANT, Pressure};
-use super::{friction_neighbours, neighbours};
+use super::{edge_neighbours, friction_neighbours, neighbours};
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::touching_gap;
 use crate::ocp::effort::Effort;
@@ -103,6 +103,7 @@ fn neighbours_of(pressure: &Pressure) -> Vec<Sequence> {
     let mut neighbours = neighbours::directed(pressure);
     neighbours.extend(neighbours::insertions(pressure));
     neighbours.extend(friction_neighbours::sliding(pressure));
+    neighbours.extend(edge_neighbours::edges(pressure));
     neighbours
 }
 
