@@ -76,6 +76,8 @@ pub(in crate::ocp) struct ContactImplicit<'a> {
     contacts: Vec<Vec<Contact>>,
     /// Variables `(q, v)` at the start.
     start: Vec<usize>,
+    /// The other pieces of the edge of each contact.
+    edges: Vec<&'static [usize]>,
 }
 
 /// An element under construction.
@@ -162,6 +164,12 @@ impl<'a> ContactImplicit<'a> {
             elements,
             contacts: unknowns,
             start: frame.start,
+            edges: model
+                .declaration()
+                .contacts
+                .iter()
+                .map(|c| c.alternatives)
+                .collect(),
         }
     }
 
@@ -182,9 +190,38 @@ impl<'a> ContactImplicit<'a> {
                 })
         };
         let elements = self.contacts.iter();
-        elements
-            .map(|contacts| contacts.iter().map(mode).collect())
-            .collect()
+        let modes = elements.map(|contacts| contacts.iter().map(mode).collect());
+        let mut modes: Vec<Vec<ContactMode>> = modes.collect();
+        self.part_pieces(&mut modes, x);
+        modes
+    }
+
+    /// Leaves one piece of an edge closed where several carry a force: in the element in which the motion passes the edge.
+    /// That is the one which was closed before, or else the one with the largest force.
+    fn part_pieces(&self, modes: &mut [Vec<ContactMode>], x: &[f64]) {
+        for element in 0..modes.len() {
+            let edges = self.edges.iter().enumerate();
+            for (contact, alternatives) in edges.filter(|(_, others)| !others.is_empty()) {
+                let closed = |piece: &usize| !modes[element][*piece].is_open();
+                let mut pieces: Vec<usize> =
+                    alternatives.iter().copied().chain([contact]).collect();
+                pieces.retain(closed);
+                let weight = |&piece: &usize| {
+                    let earlier = element.checked_sub(1).map(|before| &modes[before][piece]);
+                    let stays = earlier.is_some_and(|mode| !mode.is_open());
+                    (stays, x[self.contacts[element][piece].force])
+                };
+                let strongest = pieces.iter().copied().max_by(|a, b| {
+                    let (a, b) = (weight(a), weight(b));
+                    a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+                });
+                for piece in pieces {
+                    if Some(piece) != strongest {
+                        modes[element][piece] = ContactMode::Open;
+                    }
+                }
+            }
+        }
     }
 
     /// The motion of a solver's point.
