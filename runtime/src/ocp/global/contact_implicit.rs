@@ -338,7 +338,7 @@ fn edge(program: &mut Program, setting: Setting, element: &Element, contact: usi
     let pieces = declared.alternatives.iter().chain([&contact]);
     let gaps = pieces.map(|&piece| gap(model, piece, state, element.time));
     let place = format!(
-        "gap of the edge of `{}`, element {}",
+        "gap `{}` as the largest, element {}",
         declared.name, element.index
     );
     let largest = program.variable(

@@ -229,3 +229,107 @@ fn passage(contact: usize, switch: Switch) -> Switch {
         ..switch
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ocp::motion::control_grid::ControlGrid;
+
+    crate::model! {
+        /// A block on a table with two ends.
+        Table {
+            parameters { m: kg = 1, g: m/s^2 = 9.81 }
+            coordinates { y: m, z: m }
+            lagrangian m/2*|dot((y, z))|^2 - m*g*z
+            surface table: max(z, y - 1 [m], -y - 1 [m]) >= 0
+            impact table: inelastic
+        }
+    }
+
+    /// A motion through places `(y, z)`, one an interval of a second.
+    fn through(places: &[(f64, f64)]) -> Trajectory {
+        let intervals = places.len() - 1;
+        Trajectory {
+            horizon: intervals as f64,
+            controls: ControlGrid::constant(vec![Vec::new(); intervals]),
+            time: (0..places.len()).map(|i| i as f64).collect(),
+            states: places.iter().map(|&(y, z)| vec![y, z, 0.0, 0.0]).collect(),
+        }
+    }
+
+    fn switch(closes: bool, mode: ContactMode, time: f64) -> Switch {
+        Switch {
+            contact: 0,
+            closes,
+            passes: false,
+            mode,
+            impulse: mode,
+            accompanies: false,
+            interval: time as usize,
+            place: Place::Inside,
+            time,
+        }
+    }
+
+    fn read(initially: ContactMode, switches: Vec<Switch>, motion: &Trajectory) -> Sequence {
+        let mut sequence =
+            Sequence::without_switches(vec![initially, ContactMode::Open, ContactMode::Open]);
+        sequence.switches = switches;
+        with_passages(&Table::default(), sequence, motion, false)
+    }
+
+    #[test]
+    fn flight_passes_both_edges_of_a_table_between_two_instants() {
+        let sequence = read(
+            ContactMode::Open,
+            Vec::new(),
+            &through(&[(-3.0, 0.2), (3.0, 0.2)]),
+        );
+        assert_eq!(sequence.pieces.acting(0), 2);
+        let passed: Vec<(usize, f64)> = sequence
+            .switches
+            .iter()
+            .map(|s| (s.contact, s.time))
+            .collect();
+        // y = -1.2 and y = 1.2.
+        assert_eq!(passed.iter().map(|p| p.0).collect::<Vec<_>>(), [0, 1]);
+        assert!(
+            (passed[0].1 - 0.3).abs() < 1e-12 && (passed[1].1 - 0.7).abs() < 1e-12,
+            "{passed:?}"
+        );
+        assert!(sequence.ordered(1).is_some());
+    }
+
+    #[test]
+    fn contact_that_opens_beyond_the_edge_ends_there_and_one_before_it_does_not() {
+        let opening = switch(false, ContactMode::Open, 1.5);
+        let places = [(0.0, 0.0), (0.9, 0.0), (1.4, -0.2)];
+        let ended = read(ContactMode::Frictionless, vec![opening], &through(&places));
+        assert!(Sequence::ends_at_edge(&ended.switches, 0), "{ended:?}");
+        assert!(ended.ordered(2).is_some());
+        let places = [(0.0, 0.0), (0.5, 0.0), (0.7, 0.1), (1.5, 0.1)];
+        let flown = read(ContactMode::Frictionless, vec![opening], &through(&places));
+        assert!(!Sequence::ends_at_edge(&flown.switches, 0), "{flown:?}");
+        assert!(flown.switches[1].passes && !flown.switches[1].accompanies);
+        assert!(flown.ordered(3).is_some());
+    }
+
+    #[test]
+    fn piece_that_closes_acts_before_it_does() {
+        let closing = switch(true, ContactMode::Frictionless, 0.5);
+        let places = [(1.5, 0.3), (0.8, 0.0), (0.5, 0.0)];
+        let landed = read(ContactMode::Open, vec![closing], &through(&places));
+        assert!(
+            landed.switches[0].passes && landed.switches[1].closes,
+            "{landed:?}"
+        );
+        assert!(landed.clone().ordered(2).is_some());
+        // Not without the passage, and not from another piece that is closed.
+        let mut without = landed.clone();
+        without.switches.remove(0);
+        assert_eq!(without.ordered(2), None);
+        let mut held = landed;
+        held.initially[1] = ContactMode::Frictionless;
+        assert_eq!(held.ordered(2), None);
+    }
+}
