@@ -8,7 +8,7 @@
 use super::{Model, contact_point};
 
 /// The pieces that act.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Pieces {
     /// For each contact the piece of its edge that acts; empty for scenes without edges.
     acting: Vec<usize>,
@@ -55,10 +55,22 @@ impl Pieces {
         }
     }
 
+    /// Lets a contact act in place of the one of its edge that does so now.
+    pub(crate) fn pass_to(&mut self, contact: usize) {
+        let before = self.acting(contact);
+        for acting in self.acting.iter_mut().filter(|acting| **acting == before) {
+            *acting = contact;
+        }
+    }
+
+    /// The piece of the edge of a contact that acts; of one without an edge itself.
+    pub(crate) fn acting(&self, contact: usize) -> usize {
+        self.acting.get(contact).copied().unwrap_or(contact)
+    }
+
     /// The piece that acts in place of a contact.
     fn instead(&self, contact: usize) -> Option<usize> {
-        let acting = self.acting.get(contact).copied();
-        acting.filter(|&acting| acting != contact)
+        Some(self.acting(contact)).filter(|&acting| acting != contact)
     }
 
     /// Whether another piece acts in place of a contact.

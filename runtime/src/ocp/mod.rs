@@ -14,7 +14,8 @@
 //! ```
 //!
 //! A contact without friction is open or closed; one with Coulomb friction is open, sticks, or slips forward or
-//! backward, and the sequence holds the changes between these as well.
+//! backward, and the sequence holds the changes between these as well. Of a surface with an outer edge it holds the piece
+//! that acts, and where the motion passes from one to another.
 //!
 //! A relaxed complementarity problem is never reported as a result. What comes out is a local
 //! optimum; [`Stationarity`] says what is proved about its contact sequence.

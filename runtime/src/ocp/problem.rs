@@ -1,6 +1,6 @@
 //! The optimal control problem, and the checks that come before it is solved.
 
-use crate::model::{Model, contact_point, edge};
+use crate::model::{Model, Pieces, contact_point};
 use crate::refusal;
 use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
 
@@ -85,12 +85,6 @@ impl Problem {
                 format!("in 1..={MOST_INTERVALS}"),
             ));
         }
-        if let Some(name) = edge(model) {
-            return Err(refusal::unsupported(
-                format!("optimal control with an outer edge, of which `{name}` is a piece"),
-                "declare the pieces that the motion needs as surfaces of their own, or round the edge",
-            ));
-        }
         let horizon = match self.horizon {
             Horizon::Fixed(horizon) if horizon.is_nan() => {
                 return Err(refusal::unsupported(
@@ -125,10 +119,12 @@ impl Problem {
             .initial_value_problem(&self.start(), 1.0, ControlSignal::Zero)
             .input(model);
         let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
+        let pieces = Pieces::at(model, &input);
         for (i, contact) in declaration.contacts.iter().enumerate() {
             model.contact(i, &input, &mut point);
             let velocity = point[contact_point::NORMAL_VELOCITY];
-            if point[contact_point::GAP] <= 0.0 && velocity < -AT_REST {
+            let touches = !pieces.is_idle(i) && point[contact_point::GAP] <= 0.0;
+            if touches && velocity < -AT_REST {
                 return Err(refusal(
                     format!("initial normal velocity of `{}`", contact.name),
                     velocity,

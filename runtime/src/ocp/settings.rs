@@ -1,7 +1,7 @@
 //! What the caller may choose.
 
 use super::previous::Previous;
-use crate::model::Model;
+use crate::model::{Model, edge};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
@@ -242,7 +242,7 @@ impl Settings {
     ///
     /// # Errors
     /// [`InputError`] names the first field outside its range.
-    pub(in crate::ocp) fn check(&self) -> Result<(), InputError> {
+    pub(in crate::ocp) fn check(&self, model: &dyn Model) -> Result<(), InputError> {
         if !(2..=ButcherTableau::MAX_STAGES).contains(&self.stages) {
             return Err(self.refuse_stages());
         }
@@ -269,6 +269,14 @@ impl Settings {
             if value == 0 {
                 return Err(refusal::out_of_range(what, 0.0, "", "at least 1"));
             }
+        }
+        if let (Formulation::TimeFreezing(_), Some(name)) = (&self.formulation, edge(model)) {
+            return Err(refusal::unsupported(
+                format!(
+                    "optimal control by time-freezing with an outer edge, of which `{name}` is a piece"
+                ),
+                "use the formulation in phases, which is the default",
+            ));
         }
         Ok(())
     }

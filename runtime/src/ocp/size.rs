@@ -9,6 +9,7 @@ use super::global::start_modes::modes_at_start;
 use super::global::time_freezing::TimeFreezing;
 use super::motion::candidate::Candidate;
 use super::motion::mode::is_frictional;
+use super::motion::passages::with_passages;
 use super::motion::sequence::Sequence;
 use super::problem::{Problem, bounds};
 use super::program::purposes::groups;
@@ -53,7 +54,7 @@ pub fn program_sizes(
     problem: &Problem,
     settings: &Settings,
 ) -> Result<Vec<FormulationSize>, InputError> {
-    settings.check()?;
+    settings.check(model)?;
     problem.check(model)?;
     match &settings.formulation {
         Formulation::Phases => phases(model, problem, settings),
@@ -130,10 +131,8 @@ fn phases(
         kernels: called(model, &["path_", "terminal_"]),
     };
     let ridden = ride(settings.replay_tolerance, setting)?.map(|ride| ride.candidate);
-    let sequence = Sequence {
-        initially: modes_at_start(setting, &guessed),
-        switches: Vec::new(),
-    };
+    let sequence = Sequence::without_switches(modes_at_start(setting, &guessed));
+    let sequence = with_passages(model, sequence, &guessed, false);
     let candidate = ridden.unwrap_or(Candidate {
         objective: f64::INFINITY,
         sequence,

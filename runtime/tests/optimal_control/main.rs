@@ -4,6 +4,7 @@ mod brute_force;
 mod complementarity_method;
 mod declared;
 mod dry_friction;
+mod edges;
 mod explicit_time;
 mod final_impact;
 mod final_time;

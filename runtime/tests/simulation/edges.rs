@@ -64,22 +64,6 @@ hangtime::model! {
 }
 
 hangtime::model! {
-    /// A block that is pushed over a table.
-    Pushed {
-        parameters { m: kg = 1, g: m/s^2 = 9.81 }
-        coordinates { y: m, z: m }
-        controls { u: N in -1..=1 }
-        lagrangian m/2*|dot((y, z))|^2 - m*g*z
-        forces { y: u }
-        surface table: max(z, y - 1 [m]) >= 0
-        impact table: inelastic
-        minimize time
-        finally { y == 0.5 [m] }
-        horizon 2 [s]
-    }
-}
-
-hangtime::model! {
     /// A ball among a hut and a post on a floor.
     Yard {
         parameters { m: kg = 1, g: m/s^2 = 9.81, e = 0.4, mu = 0.1, y0: m = 0, z0: m = 1.5, vy: m/s = 1, vz: m/s = 0 }
@@ -305,8 +289,6 @@ fn outer_edge_is_refused_by_name_where_it_is_not_known() {
     let problem = InitialValueProblem::of(&table, None).unwrap();
     let refused = step.simulate(&table, &problem, &mut |_| true).unwrap_err();
     assert!(refused.to_string().contains("`table.1`"), "{refused}");
-    let refused = solve(&Pushed::default()).run().unwrap_err();
-    assert!(refused.to_string().contains("outer edge"), "{refused}");
 }
 
 #[test]

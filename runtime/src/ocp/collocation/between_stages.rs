@@ -27,16 +27,21 @@ pub(in crate::ocp) fn between_stages(program: &Collocation, x: &[f64], limits: L
         theta,
         kind,
     };
-    for contact in 0..declaration.contacts.len() {
+    for (contact, declared) in declaration.contacts.iter().enumerate() {
+        // The pieces of an edge are one surface.
+        if declared.alternatives.iter().any(|&other| other < contact) {
+            continue;
+        }
+        let acting = |phase: usize| program.phases[phase].pieces.acting(contact);
         let mut gap = |phase: usize, theta: f64| {
             motion.write(phase, theta, &mut input);
-            model.gap(contact, &input)
+            model.gap(acting(phase), &input)
         };
         let mut next = 0;
         while next < program.phases.len() {
-            let open = |phase: &usize| !program.phases[*phase].closed.contains(&contact);
+            let open = |phase: &usize| !program.phases[*phase].closed.contains(&acting(*phase));
             // A flight ends where the contact closes or is touched.
-            let lands = |phase: &usize| program.phases[*phase].closing.contains(&contact);
+            let lands = |phase: &usize| program.phases[*phase].closing.contains(&acting(*phase));
             let until = (next..program.phases.len()).find(lands);
             let until = until.map_or(program.phases.len(), |last| last + 1);
             let flight: Vec<usize> = (next..until).take_while(open).collect();
@@ -48,7 +53,7 @@ pub(in crate::ocp) fn between_stages(program: &Collocation, x: &[f64], limits: L
                 found.push(cut(
                     phase,
                     theta,
-                    CutKind::Gap(contact, share * limits.margin),
+                    CutKind::Gap(acting(phase), share * limits.margin),
                 ));
             }
         }
@@ -148,7 +153,12 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
         let before = &program.phases[index - 1];
         for contact in 0..declaration.contacts.len() {
             let touched = before.closing.contains(&contact);
-            if touched || phase.closed.contains(&contact) || before.closed.contains(&contact) {
+            let idle = phase.pieces.is_idle(contact) || before.pieces.is_idle(contact);
+            if idle
+                || touched
+                || phase.closed.contains(&contact)
+                || before.closed.contains(&contact)
+            {
                 continue;
             }
             let (mut gap, mut acceleration) = (f64::INFINITY, 0.0);

@@ -2,6 +2,7 @@
 
 use super::discretization::Setting;
 use super::layout::{Cut, Distance, Phase, Tangential};
+use crate::model::Pieces;
 use crate::ocp::motion::sequence::Switch;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::frame::Frame;
@@ -22,6 +23,8 @@ pub(super) struct Builder<'a, 's> {
     pub(super) impacts: Vec<(usize, Tangential)>,
     /// ContactMode of each contact now.
     pub(super) modes: Vec<ContactMode>,
+    /// The pieces of edges that act now.
+    pub(super) pieces: Pieces,
     pub(super) touches: Vec<(Switch, usize)>,
     pub(super) distances: Vec<Distance>,
     /// Variables of the state `(q, v)` now.

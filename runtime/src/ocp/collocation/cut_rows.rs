@@ -35,7 +35,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
                 combine(program, row, k, phase, &weights);
             }
             CutKind::Gap(contact, _) | CutKind::Departure(contact)
-                if phase.closed.contains(&contact) => {}
+                if phase.closed.contains(&phase.pieces.acting(contact)) => {}
             CutKind::Departure(contact) => {
                 let before = builder.before.clone();
                 let program = &mut builder.program;
@@ -53,6 +53,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
                 }
             }
             CutKind::Gap(contact, margin) => {
+                let contact = phase.pieces.acting(contact);
                 let state = state_at(builder, phase, cut, n, &at);
                 let drive = drive_within(builder, phase, cut.theta, &at);
                 let program = &mut builder.program;

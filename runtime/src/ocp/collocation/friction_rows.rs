@@ -261,6 +261,7 @@ pub(in crate::ocp) fn at_start(
 #[cfg(test)]
 mod tests {
     use crate::model::Model;
+    use crate::model::Pieces;
     use crate::ocp::collocation::discretization::{Places, Setting, parabolas};
     use crate::ocp::collocation::layout::{Cut, CutKind};
     use crate::ocp::collocation::transcribe::transcribe;
@@ -342,6 +343,7 @@ mod tests {
             closes,
             mode,
             impulse,
+            passes: false,
             accompanies: false,
             interval: time.floor() as usize,
             place,
@@ -350,6 +352,7 @@ mod tests {
         let slides = |mode| (false, mode, mode);
         let sequence = Sequence {
             initially: vec![Open; 2],
+            pieces: Pieces::default(),
             switches: vec![
                 switch(0, (true, Stick, Stick), Place::Inside, 0.3),
                 switch(0, slides(forward), Place::Inside, 0.6),
@@ -379,6 +382,7 @@ mod tests {
             closes,
             mode,
             impulse: mode,
+            passes: false,
             accompanies: false,
             interval: time.floor() as usize,
             place,
@@ -386,6 +390,7 @@ mod tests {
         };
         let sequence = Sequence {
             initially: vec![Open, forward],
+            pieces: Pieces::default(),
             switches: vec![
                 switch(1, false, Stick, Place::Inside, 0.4),
                 switch(0, true, forward, Place::Inside, 0.7),

@@ -44,6 +44,11 @@ impl<'s> Instant<'s> {
         touched.map(|s| s.contact).collect()
     }
 
+    /// Whether its contact opens because it ends at an edge.
+    pub(super) fn ends_at_edge(&self) -> bool {
+        self.first.opens() && self.companions.iter().any(|switch| switch.passes)
+    }
+
     /// How a contact, with the given mode until then, takes part in an impact: not if the impact lifts it.
     fn law(&self, contact: usize, before: ContactMode) -> ContactMode {
         match self.all().find(|switch| switch.contact == contact) {
@@ -54,9 +59,10 @@ impl<'s> Instant<'s> {
     }
 }
 
-/// A contact that opens has no force at the end of the phase before; the others slide on in another way.
+/// A contact that opens has no force at the end of the phase before, unless it ends there; the others slide on in another way.
 pub(super) fn let_go(builder: &mut Builder, instant: &Instant) {
-    if let Some(phase) = builder.phases.last().filter(|_| instant.first.opens()) {
+    let released = instant.first.opens() && !instant.ends_at_edge();
+    if let Some(phase) = builder.phases.last().filter(|_| released) {
         let slot = phase
             .closed
             .iter()
@@ -72,6 +78,9 @@ pub(super) fn let_go(builder: &mut Builder, instant: &Instant) {
 pub(super) fn enter(builder: &mut Builder, instant: &Instant) {
     for switch in instant.all() {
         builder.modes[switch.contact] = switch.mode;
+        if switch.passes {
+            builder.pieces.pass_to(switch.contact);
+        }
     }
 }
 

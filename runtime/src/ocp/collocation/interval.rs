@@ -18,6 +18,15 @@ const GUESS_MARGIN: f64 = 0.02;
 /// Shortest phase relative to its interval: in a phase of no length the contact forces are undetermined.
 const SHORTEST: f64 = 2e-3;
 
+/// What the switches at the end of a phase ask of it.
+#[derive(Default)]
+struct Ended {
+    /// Contacts that close or are touched.
+    closing: Vec<usize>,
+    /// Pieces of edges that act from there on.
+    passed: Vec<usize>,
+}
+
 /// What the switches before a phase leave to it.
 #[derive(Default)]
 struct Left {
@@ -37,7 +46,7 @@ impl Left {
                 .start(switch, before, instant.first.closes, jumps);
         }
         self.touched.extend(instant.touched());
-        if instant.first.opens() {
+        if instant.first.opens() && !instant.ends_at_edge() {
             self.opened.push(instant.first.contact);
         }
     }
@@ -68,7 +77,7 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
         );
         left.turns.finishing = interval + 1 == intervals && p + 1 == count;
         let ending = inside.get(p).copied();
-        let closing = switch_at_end(builder, interval, switches, ending, &mut left.turns);
+        let ended = switch_at_end(builder, interval, switches, ending, &mut left.turns);
         for e in 0..elements {
             let (first, last) = (e == 0, e + 1 == elements);
             let time = |e: usize| from + e as f64 / elements as f64 * (to - from);
@@ -81,7 +90,8 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
                 from: time(e),
                 to: time(e + 1),
                 ends_with: ending.filter(|_| last),
-                closing: if last { &closing } else { &[] },
+                closing: if last { &ended.closing } else { &[] },
+                passed: if last { &ended.passed } else { &[] },
                 opened: if first { &left.opened } else { &[] },
                 touched: if first { &left.touched } else { &[] },
                 turns: &left.turns.of_element(first, last),
@@ -146,15 +156,15 @@ fn switch_at_start(
     left
 }
 
-/// Adds to `turns` what happens at the end of a phase: with the switch `ending`, or at the start of the next interval.
-/// The contacts that close or are touched there.
+/// What happens at the end of a phase, with the switch `ending` or at the start of the next interval; to contacts with
+/// friction it is added to `turns`.
 fn switch_at_end(
     builder: &Builder,
     interval: usize,
     switches: &[Switch],
     ending: Option<usize>,
     turns: &mut Turns,
-) -> Vec<usize> {
+) -> Ended {
     let jumps = builder.setting.shape == ControlShape::Constant;
     let ends = |index: usize, switch: &Switch| match ending {
         Some(first) => {
@@ -163,19 +173,21 @@ fn switch_at_end(
         }
         None => switch.interval == interval + 1 && switch.place == Place::Start,
     };
-    let (mut closing, mut impact) = (Vec::new(), false);
+    let (mut ended, mut impact) = (Ended::default(), false);
     for (index, switch) in switches.iter().enumerate() {
         impact = switch.closes || impact && switch.accompanies;
         if !ends(index, switch) {
             continue;
         }
         if switch.closes {
-            closing.push(switch.contact);
-        } else if !impact {
+            ended.closing.push(switch.contact);
+        } else if switch.passes {
+            ended.passed.push(switch.contact);
+        } else if !impact && !Sequence::ends_at_edge(switches, index) {
             turns.end(switch, builder.modes[switch.contact], jumps);
         }
     }
-    closing
+    ended
 }
 
 /// Ends of the phases of an interval in the guess, as shares of it: the switches `inside`, kept apart.

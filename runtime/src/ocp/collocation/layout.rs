@@ -1,5 +1,6 @@
 //! Where the unknowns and rows of a collocation program are, and the conditions between its stages.
 
+use crate::model::Pieces;
 use crate::simulation::{ContactMode, Direction};
 
 /// Bounds of a variable that has none.
@@ -60,8 +61,8 @@ pub(in crate::ocp) struct Stage {
     /// Normal accelerations of the closed contacts times the length of the phase, in the order of
     /// [`Phase::closed`].
     pub(in crate::ocp) forces: Vec<usize>,
-    /// Row of each contact's gap.
-    pub(in crate::ocp) gap_rows: Vec<usize>,
+    /// Row of each contact's gap; none of most pieces of edges that do not act.
+    pub(in crate::ocp) gap_rows: Vec<Option<usize>>,
     /// The closed contacts with friction.
     pub(in crate::ocp) tangential: Vec<Tangential>,
 }
@@ -81,6 +82,7 @@ pub(in crate::ocp) struct Tangential {
     pub(in crate::ocp) rows: Vec<(Direction, usize)>,
 }
 
+// Many fields: where in the program everything is that the search reads of an element.
 /// One element of a phase and where its unknowns are.
 pub(in crate::ocp) struct Phase {
     pub(in crate::ocp) interval: usize,
@@ -89,6 +91,8 @@ pub(in crate::ocp) struct Phase {
     pub(in crate::ocp) closed: Vec<usize>,
     /// ContactMode of each contact.
     pub(in crate::ocp) modes: Vec<ContactMode>,
+    /// The pieces of edges that act.
+    pub(in crate::ocp) pieces: Pieces,
     /// State `(q, v)` at the start, after any jump.
     pub(in crate::ocp) start: Vec<usize>,
     pub(in crate::ocp) stages: Vec<Stage>,

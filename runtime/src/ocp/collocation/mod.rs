@@ -17,6 +17,11 @@
 //! there. A touch leaves its contact open; without a bounce the normal acceleration is `>= 0` after it.
 //! Contacts with friction are the subject of [`friction_rows`].
 //!
+//! The gap of an edge is the largest of those of its pieces. The sequence says which piece `k` acts: only its gap has a row,
+//! `g_k >= 0`, as a maximum is not negative where one of its pieces is not. Where it is closed, `g_i <= 0` for the others. The motion
+//! passes the edge where `g_i = g_k`; a contact that ends there opens where `g_i = 0`, whatever its force. A passage at a jump of the
+//! controls, where the motion may be far from the edge, asks for `g_i >= 0` and `g_k >= 0` instead.
+//!
 //! A coordinate whose acceleration depends on nothing but the controls is a parabola on each interval,
 //! so a bound holds at all times if and only if the shifted control points `b_0, b_1, b_2` of the parabola
 //! satisfy `b_0 >= s theta^2`, `b_1 >= -s theta (1 - theta)`, `b_2 >= s (1 - theta)^2` for some `s >= 0` and

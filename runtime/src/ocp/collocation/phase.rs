@@ -29,6 +29,8 @@ pub(super) struct Element<'e> {
     pub(super) ends_with: Option<usize>,
     /// Contacts that close or are touched at the end.
     pub(super) closing: &'e [usize],
+    /// Pieces of edges that act from the end on.
+    pub(super) passed: &'e [usize],
     /// Contacts that open, and that are touched, right before the start.
     pub(super) opened: &'e [usize],
     pub(super) touched: &'e [usize],
@@ -101,6 +103,7 @@ fn unknowns(
         index: element.index,
         closed: closed.clone(),
         modes: builder.modes.clone(),
+        pieces: builder.pieces.clone(),
         start: builder.state.clone(),
         stages: Vec::with_capacity(drives.len()),
         rows: builder.program.extent().1..0,
@@ -300,14 +303,18 @@ fn collocation_rows(
 }
 
 /// Adds the rows of the gaps at a stage, and of the normal velocities of closed contacts.
-fn gap_rows(builder: &mut Builder, element: &Element, phase: &Phase, stage: usize) -> Vec<usize> {
+fn gap_rows(
+    builder: &mut Builder,
+    element: &Element,
+    phase: &Phase,
+    stage: usize,
+) -> Vec<Option<usize>> {
     let Setting {
         model,
         units,
         tableau,
         ..
     } = builder.setting;
-    let program = &mut builder.program;
     let last = stage + 1 == tableau.stages();
     let place = format!("stage {stage}, {}", element.label());
     let Stage { state, drive, .. } = &phase.stages[stage];
@@ -315,6 +322,11 @@ fn gap_rows(builder: &mut Builder, element: &Element, phase: &Phase, stage: usiz
     let mut rows = Vec::with_capacity(builder.modes.len());
     let surfaces = model.declaration().contacts.iter().filter(|c| !c.dry);
     for (i, contact) in surfaces.enumerate() {
+        if phase.pieces.is_idle(i) {
+            rows.push(idle_row(builder, element, phase, stage, i));
+            continue;
+        }
+        let program = &mut builder.program;
         let closed = phase.closed.contains(&i);
         let closes = last && element.closing.contains(&i);
         let upper = if closed || closes { 0.0 } else { f64::INFINITY };
@@ -327,7 +339,7 @@ fn gap_rows(builder: &mut Builder, element: &Element, phase: &Phase, stage: usiz
             0.0
         };
         let row = program.row_in(units.gap_rows[i], name, lower, upper);
-        rows.push(row);
+        rows.push(Some(row));
         let mut uses = vec![(row, 0, 1.0)];
         if closed {
             let name = format!("normal velocity of `{}`, {place}", contact.name);
@@ -337,6 +349,45 @@ fn gap_rows(builder: &mut Builder, element: &Element, phase: &Phase, stage: usiz
         program.block(&Kernel::Contact(i), [q, v, drive, &[]], None, uses);
     }
     rows
+}
+
+/// Adds the row of a piece of an edge that does not act at a stage, if it has one: it lies under a piece that touches,
+/// and comes to be as large as the one that acts where the motion passes the edge. A passage at a jump of the controls
+/// is none of the motion: both pieces are kept there.
+fn idle_row(
+    builder: &mut Builder,
+    element: &Element,
+    phase: &Phase,
+    stage: usize,
+    contact: usize,
+) -> Option<usize> {
+    let Setting { model, units, .. } = builder.setting;
+    let acting = phase.pieces.acting(contact);
+    let last = stage + 1 == phase.stages.len();
+    let touches = phase.closed.contains(&acting) || last && element.closing.contains(&acting);
+    let passes = last && element.passed.contains(&contact);
+    let moves = passes && !touches && element.ends_with.is_some();
+    let (lower, upper) = match (touches, passes) {
+        (true, false) => (f64::NEG_INFINITY, 0.0),
+        (false, true) if !moves => (0.0, f64::INFINITY),
+        (_, true) => (0.0, 0.0),
+        (false, false) => return None,
+    };
+    let Stage { state, drive, .. } = &phase.stages[stage];
+    let q = &state[..builder.n];
+    let name = model.declaration().contacts[contact].name;
+    let name = format!("gap `{name}`, stage {stage}, {}", element.label());
+    let program = &mut builder.program;
+    let row = program.row_in(units.gap_rows[contact], name, lower, upper);
+    let mut block = |contact: usize, sign: f64| {
+        let uses = vec![(row, 0, sign)];
+        program.block(&Kernel::Contact(contact), [q, &[], drive, &[]], None, uses);
+    };
+    block(contact, 1.0);
+    if moves {
+        block(acting, -1.0);
+    }
+    Some(row)
 }
 
 /// Adds the running cost of an element and the path constraints at its stages and its start.

@@ -71,7 +71,7 @@ impl Collocation<'_> {
     }
 
     /// Variables of the lengths of phases in which contacts are, at the guess, in other modes than in the motion of another
-    /// program at that time, or after another number of touches: of those that make up an interval with others.
+    /// program at that time, with other pieces of edges that act, or after another number of touches: of those that make up an interval with others.
     pub(in crate::ocp) fn lengths_of_new_phases(
         &self,
         other: &Collocation,
@@ -86,7 +86,9 @@ impl Collocation<'_> {
             let middle = solved.start + 0.5 * solved.length;
             let then = known.iter().rposition(|phase| phase.start <= middle);
             let same = then.is_none_or(|then| {
-                other.phases[then].modes == phase.modes && others[then] == touches
+                let there = &other.phases[then];
+                (&there.modes, &there.pieces) == (&phase.modes, &phase.pieces)
+                    && others[then] == touches
             });
             if !same && phase.scale != self.horizon && !found.contains(&phase.scale) {
                 found.push(phase.scale);

@@ -162,6 +162,7 @@ pub(in crate::ocp) fn drive_within(
 
 #[cfg(test)]
 mod tests {
+    use crate::model::Pieces;
     use crate::ocp::collocation::discretization::{Places, Setting};
     use crate::ocp::collocation::transcribe::transcribe;
     use crate::ocp::global::guess::guess;
@@ -214,11 +215,13 @@ mod tests {
         };
         let sequence = Sequence {
             initially: vec![ContactMode::Frictionless],
+            pieces: Pieces::default(),
             switches: vec![Switch {
                 contact: 0,
                 closes: false,
                 mode: ContactMode::Open,
                 impulse: ContactMode::Frictionless,
+                passes: false,
                 accompanies: false,
                 interval: 1,
                 place: Place::Start,

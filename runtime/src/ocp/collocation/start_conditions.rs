@@ -43,10 +43,17 @@ pub(in crate::ocp) fn add(builder: &mut Builder) {
         let closed = !mode.is_open();
         let mut uses = Vec::new();
         if reads(0) {
-            let upper = if closed { 0.0 } else { f64::INFINITY };
-            let name = format!("gap `{}` at the start", contact.name);
-            let row = builder.program.row_in(units.gap_rows[i], name, 0.0, upper);
-            uses.push((row, 0, 1.0));
+            let acting = builder.pieces.acting(i);
+            let touches = !builder.modes[acting].is_open();
+            let upper = if touches { 0.0 } else { f64::INFINITY };
+            let lower = if acting == i { 0.0 } else { f64::NEG_INFINITY };
+            if acting == i || touches {
+                let name = format!("gap `{}` at the start", contact.name);
+                let row = builder
+                    .program
+                    .row_in(units.gap_rows[i], name, lower, upper);
+                uses.push((row, 0, 1.0));
+            }
         }
         if closed && reads(1) && !contact.dry {
             let name = format!("normal velocity of `{}` at the start", contact.name);

@@ -41,6 +41,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         phases: Vec::new(),
         impacts: Vec::new(),
         modes: sequence.initially.clone(),
+        pieces: sequence.pieces.clone(),
         touches: Vec::new(),
         distances: Vec::new(),
         state,
@@ -82,6 +83,7 @@ pub(in crate::ocp) fn transcribe<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Pieces;
     use crate::ocp::collocation::discretization::{Places, parabolas};
     use crate::ocp::collocation::layout::CutKind;
     use crate::ocp::collocation::test_scene::{Demanding, Sledge};
@@ -145,6 +147,7 @@ mod tests {
                 ContactMode::Open
             },
             impulse: ContactMode::Frictionless,
+            passes: false,
             accompanies: false,
             interval,
             place,
@@ -155,6 +158,7 @@ mod tests {
     fn sequence(switches: &[Switch]) -> Sequence {
         Sequence {
             initially: vec![ContactMode::Open],
+            pieces: Pieces::default(),
             switches: switches.to_vec(),
         }
     }

@@ -8,6 +8,7 @@ use super::start_modes::modes_at_start;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
 use crate::ocp::motion::candidate::Candidate;
+use crate::ocp::motion::passages::with_passages;
 use crate::ocp::motion::read_sequence::{Elements, of_elements};
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
@@ -108,13 +109,11 @@ pub(in crate::ocp) fn candidates(
     }
     if fine.is_empty() {
         // Too few elements for the motion, perhaps: the next phase starts from the guess.
+        let sequence = Sequence::without_switches(modes_at_start(setting, guess));
         fine.push(Candidate {
             objective: f64::INFINITY,
+            sequence: with_passages(setting.model, sequence, guess, false),
             trajectory: guess.clone(),
-            sequence: Sequence {
-                initially: modes_at_start(setting, guess),
-                switches: Vec::new(),
-            },
         });
     }
     Ok(fine)
@@ -189,10 +188,11 @@ fn relaxed(
         modes,
     };
     let initially = modes_at_start(setting, &trajectory);
+    let sequence = of_elements(initially, &elements, CLOSING);
     Ok(Some(Candidate {
         objective: unit * solution.objective,
+        sequence: with_passages(setting.model, sequence, &trajectory, false),
         trajectory,
-        sequence: of_elements(initially, &elements, CLOSING),
     }))
 }
 

@@ -15,6 +15,12 @@
 //! 0 <= w+  _|_  c+ >= 0        0 <= w-  _|_  c- >= 0
 //! ```
 //!
+//! The gap of an edge is the largest `m` of those of its pieces, and only a piece that is as large carries a force:
+//!
+//! ```text
+//! s_j = m - g_j(q+)      sum_j w_j = 1      0 <= w_j  _|_  s_j >= 0      0 <= r_j  _|_  m + s_j >= 0
+//! ```
+//!
 //! With one stage an element the position level performs an inelastic impact of any size within two
 //! elements: it is a time-stepping scheme. Gaps are variables of their own, in units of the order of
 //! one, so that the relaxed products are balanced.
@@ -34,10 +40,20 @@ use crate::simulation::{ContactMode, Direction};
 /// Unknowns of a contact in an element.
 struct Contact {
     force: usize,
-    /// None of dry friction, whose force is given.
+    /// What vanishes where there is a force: the gap, or `m + s_j` of a piece of an edge. None of dry friction, whose
+    /// force is given.
     gap: Option<usize>,
     /// Forward and backward, of a contact with friction.
     sliding: Option<[Side; 2]>,
+}
+
+/// What the pieces of an edge share in an element.
+#[derive(Clone, Copy)]
+struct Edge {
+    /// Variable of the largest of their gaps.
+    largest: usize,
+    /// Row of the weights.
+    weights: usize,
 }
 
 /// Unknowns of a contact with friction in one direction.
@@ -60,6 +76,8 @@ pub(in crate::ocp) struct ContactImplicit<'a> {
     contacts: Vec<Vec<Contact>>,
     /// Variables `(q, v)` at the start.
     start: Vec<usize>,
+    /// The other pieces of the edge of each contact.
+    edges: Vec<&'static [usize]>,
 }
 
 /// An element under construction.
@@ -146,6 +164,12 @@ impl<'a> ContactImplicit<'a> {
             elements,
             contacts: unknowns,
             start: frame.start,
+            edges: model
+                .declaration()
+                .contacts
+                .iter()
+                .map(|c| c.alternatives)
+                .collect(),
         }
     }
 
@@ -166,9 +190,38 @@ impl<'a> ContactImplicit<'a> {
                 })
         };
         let elements = self.contacts.iter();
-        elements
-            .map(|contacts| contacts.iter().map(mode).collect())
-            .collect()
+        let modes = elements.map(|contacts| contacts.iter().map(mode).collect());
+        let mut modes: Vec<Vec<ContactMode>> = modes.collect();
+        self.part_pieces(&mut modes, x);
+        modes
+    }
+
+    /// Leaves one piece of an edge closed where several carry a force: in the element in which the motion passes the edge.
+    /// That is the one which was closed before, or else the one with the largest force.
+    fn part_pieces(&self, modes: &mut [Vec<ContactMode>], x: &[f64]) {
+        for element in 0..modes.len() {
+            let edges = self.edges.iter().enumerate();
+            for (contact, alternatives) in edges.filter(|(_, others)| !others.is_empty()) {
+                let closed = |piece: &usize| !modes[element][*piece].is_open();
+                let mut pieces: Vec<usize> =
+                    alternatives.iter().copied().chain([contact]).collect();
+                pieces.retain(closed);
+                let weight = |&piece: &usize| {
+                    let earlier = element.checked_sub(1).map(|before| &modes[before][piece]);
+                    let stays = earlier.is_some_and(|mode| !mode.is_open());
+                    (stays, x[self.contacts[element][piece].force])
+                };
+                let strongest = pieces.iter().copied().max_by(|a, b| {
+                    let (a, b) = (weight(a), weight(b));
+                    a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+                });
+                for piece in pieces {
+                    if Some(piece) != strongest {
+                        modes[element][piece] = ContactMode::Open;
+                    }
+                }
+            }
+        }
     }
 
     /// The motion of a solver's point.
@@ -229,9 +282,11 @@ fn contacts(program: &mut Program, setting: Setting, element: &Element) -> Vec<C
     } = element;
     let n = q.len();
     let declared = model.declaration().contacts.iter().enumerate();
+    let mut edges: Vec<Option<Edge>> = vec![None; declared.len()];
     declared
         .map(|(contact, declared)| {
             let name = declared.name;
+            let pieces = declared.alternatives.iter().copied().chain([contact]);
             let force = program.variable(
                 format!("{} in element {index}", force_name(declared)),
                 (0.0, f64::INFINITY),
@@ -245,11 +300,15 @@ fn contacts(program: &mut Program, setting: Setting, element: &Element) -> Vec<C
                 let block = Kernel::Contact(contact);
                 program.block(&block, [q, v, u, &[]], None, vec![(row, 1, 1.0)]);
                 None
+            } else if let Some(first) = pieces.min().filter(|_| !declared.alternatives.is_empty()) {
+                let new = |program: &mut Program| edge(program, setting, element, contact);
+                let edge = *edges[first].get_or_insert_with(|| new(program));
+                Some(piece_gap(program, setting, element, (contact, force), edge))
             } else {
                 let gap = program.variable(
                     format!("gap `{name}` after element {index}"),
                     (0.0, f64::INFINITY),
-                    gap(model, contact, &sample[..2 * n], time),
+                    gap(model, contact, &sample[..2 * n], time).max(0.0),
                     units.gap[contact],
                 );
                 let label = format!("gap `{name}`, element {index}");
@@ -269,6 +328,64 @@ fn contacts(program: &mut Program, setting: Setting, element: &Element) -> Vec<C
             }
         })
         .collect()
+}
+
+/// Adds what the pieces of the edge of a contact share in an element.
+fn edge(program: &mut Program, setting: Setting, element: &Element, contact: usize) -> Edge {
+    let Setting { model, units, .. } = setting;
+    let state = &element.sample[..2 * element.q.len()];
+    let declared = &model.declaration().contacts[contact];
+    let pieces = declared.alternatives.iter().chain([&contact]);
+    let gaps = pieces.map(|&piece| gap(model, piece, state, element.time));
+    let place = format!(
+        "gap `{}` as the largest, element {}",
+        declared.name, element.index
+    );
+    let largest = program.variable(
+        place.clone(),
+        (0.0, f64::INFINITY),
+        gaps.fold(0.0, f64::max),
+        units.gap[contact],
+    );
+    let weights = program.row(format!("{place}, weights"), 1.0, 1.0);
+    Edge { largest, weights }
+}
+
+/// Adds what a piece of an edge is away from carrying its force.
+fn piece_gap(
+    program: &mut Program,
+    setting: Setting,
+    element: &Element,
+    (contact, force): (usize, usize),
+    edge: Edge,
+) -> usize {
+    let Setting { model, units, .. } = setting;
+    let &Element { index, q, u, .. } = element;
+    let (unit, row_unit) = (units.gap[contact], units.gap_rows[contact]);
+    let declared = &model.declaration().contacts[contact];
+    let positive = (0.0, f64::INFINITY);
+    let state = &element.sample[..2 * q.len()];
+    let below = program.guessed(edge.largest) - gap(model, contact, state, element.time);
+    let label = format!("gap `{}` below its edge, element {index}", declared.name);
+    let row = program.row_in(row_unit, label.clone(), 0.0, 0.0);
+    let slack = program.variable(label, positive, below, unit);
+    program.linear(row, edge.largest, 1.0);
+    program.linear(row, slack, -1.0);
+    let kernel = Kernel::Contact(contact);
+    program.block(&kernel, [q, &[], u, &[]], None, vec![(row, 0, -1.0)]);
+    let share = 1.0 / (1 + declared.alternatives.len()) as f64;
+    let label = format!("gap `{}`, weight in element {index}", declared.name);
+    let weight = program.variable(label, positive, share, 1.0);
+    program.linear(edge.weights, weight, 1.0);
+    program.pair(weight, slack);
+    let label = format!("gap `{}` away, element {index}", declared.name);
+    let row = program.row_in(row_unit, label.clone(), 0.0, 0.0);
+    let away = program.variable(label, positive, program.guessed(edge.largest) + below, unit);
+    program.linear(row, edge.largest, 1.0);
+    program.linear(row, slack, 1.0);
+    program.linear(row, away, -1.0);
+    program.pair(force, away);
+    away
 }
 
 /// Adds the step of implicit Euler of an element from the state `before`.
@@ -376,10 +493,10 @@ fn friction(
     })
 }
 
-/// Gap of a contact at `(q, v)` and a time, at least 0.
+/// Gap of a contact at `(q, v)` and a time.
 fn gap(model: &dyn Model, contact: usize, state: &[f64], time: f64) -> f64 {
     let mut x = state.to_vec();
     let controls = vec![0.0; model.declaration().controls.len()];
     x.extend(drive(model, &controls, time));
-    model.gap(contact, &x).max(0.0)
+    model.gap(contact, &x)
 }

@@ -1,5 +1,6 @@
 //! What the contacts do at the start of a motion.
 
+use crate::model::Pieces;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity, zero_velocity};
 use crate::ocp::motion::trajectory::Trajectory;
@@ -23,10 +24,11 @@ pub(in crate::ocp) fn modes_at_start(setting: Setting, motion: &Trajectory) -> V
     let zero = zero_velocity(&input[input.len() / 2..]);
     input.resize(model.declaration().inputs(), 0.0);
     let free = has_free_start(model);
+    let pieces = Pieces::at(model, &input);
     let near = if free { NEAR_START } else { AT_START };
     (0..model.declaration().contacts.len())
         .map(|contact| {
-            if model.gap(contact, &input) > near * units.gap[contact] {
+            if pieces.is_idle(contact) || model.gap(contact, &input) > near * units.gap[contact] {
                 return ContactMode::Open;
             }
             let frictional = is_frictional(model, contact);

@@ -190,15 +190,16 @@ fn compare(
     let read = read_replay(setting, replay, trajectory);
     disagreement(
         model,
-        &seen(plan, model, trajectory, slowest),
-        &seen(&read, model, &simulated, slowest),
+        &seen(plan, model, trajectory, slowest).without_passages(),
+        &seen(&read, model, &simulated, slowest).without_passages(),
         problem.intervals,
         trajectory.horizon,
     )
 }
 
 fn planned_events(sequence: &Sequence, interval: f64) -> Vec<(f64, EventKind, usize)> {
-    let switches = sequence.switches.iter().map(|switch| {
+    let switches = sequence.switches.iter().filter(|switch| !switch.passes);
+    let switches = switches.map(|switch| {
         let kind = match switch.mode {
             _ if switch.closes => EventKind::Impact,
             ContactMode::Open => EventKind::LiftOff,

@@ -157,6 +157,7 @@ pub(in crate::ocp) fn without_jumps(mut sequence: Sequence) -> Sequence {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Pieces;
     use crate::simulation::Direction;
 
     const FORWARD: ContactMode = ContactMode::Slip(Direction::Forward);
@@ -168,6 +169,7 @@ mod tests {
             closes,
             mode,
             impulse: mode,
+            passes: false,
             accompanies: false,
             interval: time.floor() as usize,
             place: Place::Inside,
@@ -178,6 +180,7 @@ mod tests {
     fn sequence(initially: ContactMode, switches: &[Switch]) -> Sequence {
         Sequence {
             initially: vec![initially],
+            pieces: Pieces::default(),
             switches: switches.to_vec(),
         }
     }

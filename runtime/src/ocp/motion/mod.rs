@@ -8,6 +8,7 @@ pub(in crate::ocp) mod edit_sequence;
 pub(in crate::ocp) mod final_times;
 pub(in crate::ocp) mod mode;
 pub(in crate::ocp) mod model_input;
+pub(in crate::ocp) mod passages;
 pub(in crate::ocp) mod read_sequence;
 pub(in crate::ocp) mod sequence;
 pub(in crate::ocp) mod targets;

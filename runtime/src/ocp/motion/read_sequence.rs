@@ -4,7 +4,7 @@ use super::mode::{closed_mode, is_frictional, sliding_velocity, zero_velocity};
 
 use super::sequence::{Place, Sequence, Switch};
 use super::trajectory::Trajectory;
-use crate::model::Model;
+use crate::model::{Model, Pieces};
 use crate::simulation::ContactMode;
 use crate::simulation::{Event, EventKind, Simulation};
 
@@ -24,7 +24,7 @@ pub(in crate::ocp) struct Replay<'r> {
 }
 
 impl Replay<'_> {
-    /// The sequence of the motion, with the contacts that are closed at the start.
+    /// The sequence of the motion, without passages of edges, with the contacts that are closed at the start.
     pub(in crate::ocp) fn sequence(&self, closed: &[bool]) -> Sequence {
         let last = self.intervals as f64 * (1.0 - AT_THE_END);
         let events = &self.simulation.events;
@@ -45,6 +45,7 @@ impl Replay<'_> {
         });
         let mut sequence = Sequence {
             initially: initially.collect(),
+            pieces: Pieces::default(),
             switches: switches.map(|index| self.switch(index)).collect(),
         };
         // A contact that stays closed may report another impact, and one that was only touched an opening.
@@ -92,6 +93,7 @@ impl Replay<'_> {
             closes,
             mode: event.modes[contact],
             impulse: closed_mode(frictional, velocity, zero_velocity(&event.v_after)),
+            passes: false,
             accompanies: events[..index].iter().any(leads),
             interval: (interval as usize).min(self.intervals - 1),
             place,
@@ -109,7 +111,7 @@ pub(in crate::ocp) struct Elements {
     pub(in crate::ocp) ends: Vec<f64>,
 }
 
-/// Reads the sequence from the modes of the contacts in the elements. A contact closes, and stops sliding, at the share
+/// Reads the sequence, without passages of edges, from the modes of the contacts in the elements. A contact closes, and stops sliding, at the share
 /// `closing` of the first element in which it does; it opens, and begins to slide, at the end of the last element
 /// before.
 pub(in crate::ocp) fn of_elements(
@@ -149,6 +151,7 @@ pub(in crate::ocp) fn of_elements(
                 closes,
                 mode: is,
                 impulse: is,
+                passes: false,
                 accompanies: !closes && !is.is_open() && switches.iter().any(slides),
                 interval,
                 place: if at_jump { Place::Start } else { Place::Inside },
@@ -159,6 +162,7 @@ pub(in crate::ocp) fn of_elements(
     }
     Sequence {
         switches,
+        pieces: Pieces::default(),
         initially,
     }
 }

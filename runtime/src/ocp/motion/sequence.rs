@@ -1,5 +1,6 @@
 //! Which contact closes, opens, begins to stick or to slip when: the contact sequence of a motion.
 
+use crate::model::Pieces;
 use crate::simulation::ContactMode;
 
 /// Where in the grid of the controls a switch happens.
@@ -14,11 +15,17 @@ pub(in crate::ocp) enum Place {
 
 /// A contact closes, opens, is touched, or changes from one way of sliding to another. A touch is an impact after which
 /// the contact is open again, because it bounces or because it is pulled away.
+///
+/// The gap of an edge is the largest of those of its pieces, so that one of them that is kept is enough: the one that acts.
+/// Where another one comes to be as large, the motion *passes* the edge, and that one acts from there on. Where a contact
+/// opens because it ends at the edge, the passage accompanies its opening.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::ocp) struct Switch {
     pub(in crate::ocp) contact: usize,
     /// Whether there is an impact: the contact closes or is touched.
     pub(in crate::ocp) closes: bool,
+    /// Whether the contact, which is open, acts from now on in place of another piece of its edge.
+    pub(in crate::ocp) passes: bool,
     /// What the contact does afterwards.
     pub(in crate::ocp) mode: ContactMode,
     /// How it slides right after the impulse that belongs to the switch, if one does: its own, or that of the impact
@@ -37,12 +44,15 @@ pub(in crate::ocp) struct Switch {
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::ocp) struct Sequence {
     pub(in crate::ocp) initially: Vec<ContactMode>,
+    /// The pieces of edges that act at the start.
+    pub(in crate::ocp) pieces: Pieces,
     pub(in crate::ocp) switches: Vec<Switch>,
 }
 
 /// What tells two sequences apart, whatever the times.
 pub(in crate::ocp) type Signature = (
     Vec<ContactMode>,
+    Pieces,
     Vec<(usize, ContactMode, ContactMode, usize, Place)>,
 );
 
@@ -59,7 +69,7 @@ impl Switch {
 
     /// Whether the contact opens.
     pub(in crate::ocp) fn opens(&self) -> bool {
-        !self.closes && self.mode.is_open()
+        !self.closes && !self.passes && self.mode.is_open()
     }
 
     /// Whether the contact is closed before and afterwards.
@@ -69,11 +79,23 @@ impl Switch {
 
     /// Whether the contact may have the mode `before` until then.
     pub(super) fn follows(&self, before: ContactMode) -> bool {
+        if self.passes {
+            return before.is_open();
+        }
         before.is_open() == self.closes && (self.closes || before != self.mode)
     }
 }
 
 impl Sequence {
+    /// One of a motion in which nothing switches and that passes no edge.
+    pub(in crate::ocp) fn without_switches(initially: Vec<ContactMode>) -> Self {
+        Self {
+            initially,
+            pieces: Pieces::default(),
+            switches: Vec::new(),
+        }
+    }
+
     /// What tells it apart from others.
     pub(in crate::ocp) fn signature(&self) -> Signature {
         let switches = self.switches.iter();
@@ -85,16 +107,20 @@ impl Sequence {
             };
             (s.contact, s.mode, impulse, s.interval, s.place)
         });
-        (self.initially.clone(), switches.collect())
+        (
+            self.initially.clone(),
+            self.pieces.clone(),
+            switches.collect(),
+        )
     }
 
-    /// Sorts the switches; `None` if a contact would close twice, open twice or begin what it does already, or
-    /// switches outside the `intervals`.
+    /// Sorts the switches; `None` if a contact would close twice, open twice or begin what it does already, if a piece of
+    /// an edge would close that does not act, or one in contact would cease to act, or for switches outside the `intervals`.
     pub(in crate::ocp) fn ordered(mut self, intervals: usize) -> Option<Self> {
         let key = |s: &Switch| (s.interval, s.place);
         self.switches
             .sort_by(|a, b| key(a).cmp(&key(b)).then(a.time.total_cmp(&b.time)));
-        let mut modes = self.initially.clone();
+        let (mut modes, mut pieces) = (self.initially.clone(), self.pieces.clone());
         let mut leader: Option<Switch> = None;
         for switch in &mut self.switches {
             let ends =
@@ -102,12 +128,17 @@ impl Sequence {
             if !switch.follows(modes[switch.contact])
                 || switch.interval >= intervals && !ends
                 || switch.place == Place::Start && switch.interval == 0
+                || pieces.is_idle(switch.contact) != switch.passes
+                || switch.passes && !modes[pieces.acting(switch.contact)].is_open()
             {
                 return None;
             }
+            if switch.passes {
+                pieces.pass_to(switch.contact);
+            }
             modes[switch.contact] = switch.mode;
             let leads = |s: Switch| {
-                (s.closes || s.slides() && switch.slides())
+                (s.closes || s.slides() && switch.slides() || s.opens() && switch.passes)
                     && key(&s) == key(switch)
                     && s.time == switch.time
             };
@@ -131,6 +162,27 @@ impl Sequence {
         &rest[..count]
     }
 
+    /// Whether the contact of the switch with this index opens because it ends at an edge.
+    pub(in crate::ocp) fn ends_at_edge(switches: &[Switch], index: usize) -> bool {
+        let companions = Self::companions(switches, index);
+        switches[index].opens() && companions.iter().any(|switch| switch.passes)
+    }
+
+    /// Without the passages of edges.
+    pub(in crate::ocp) fn without_passages(mut self) -> Self {
+        self.switches.retain(|switch| !switch.passes);
+        self
+    }
+
+    /// The pieces of edges that act before the switch with this index.
+    pub(in crate::ocp) fn pieces_before(&self, index: usize) -> Pieces {
+        let mut pieces = self.pieces.clone();
+        for switch in self.switches[..index].iter().filter(|switch| switch.passes) {
+            pieces.pass_to(switch.contact);
+        }
+        pieces
+    }
+
     /// ContactMode of a contact before the switch with this index.
     pub(in crate::ocp) fn mode_before(&self, index: usize, contact: usize) -> ContactMode {
         let mut before = self.switches[..index].iter().rev();
@@ -152,7 +204,7 @@ impl Sequence {
         let mut modes = self.initially.clone();
         self.switches.retain(|switch| {
             let before = std::mem::replace(&mut modes[switch.contact], switch.mode);
-            switch.closes || before != switch.mode
+            switch.closes || switch.passes || before != switch.mode
         });
         self
     }
@@ -176,6 +228,7 @@ mod tests {
             closes,
             mode,
             impulse: mode,
+            passes: false,
             accompanies: false,
             interval: time.floor() as usize,
             place,
@@ -186,6 +239,7 @@ mod tests {
     fn sequence(initially: &[ContactMode], switches: &[Switch]) -> Sequence {
         Sequence {
             initially: initially.to_vec(),
+            pieces: Pieces::default(),
             switches: switches.to_vec(),
         }
     }

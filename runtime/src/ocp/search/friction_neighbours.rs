@@ -39,6 +39,7 @@ fn slide(contact: usize, mode: ContactMode, place: Place, time: f64) -> Switch {
         closes: false,
         mode,
         impulse: mode,
+        passes: false,
         accompanies: false,
         interval: time.max(0.0).floor() as usize,
         place,

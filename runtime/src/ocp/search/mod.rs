@@ -5,6 +5,7 @@
 
 pub(in crate::ocp) mod attempt;
 pub(in crate::ocp) mod candidates;
+mod edge_neighbours;
 pub(in crate::ocp) mod friction_neighbours;
 pub(in crate::ocp) mod neighbours;
 pub(in crate::ocp) mod pressure;

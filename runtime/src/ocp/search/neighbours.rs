@@ -7,7 +7,7 @@ use crate::ocp::motion::sequence::{Place, Sequence, Switch};
 use crate::simulation::ContactMode;
 
 /// Switches of a contact closer than this many intervals may cancel each other.
-const CLOSE: f64 = 1.1;
+pub(super) const CLOSE: f64 = 1.1;
 
 /// A switch nearer to the end of its interval than this share of it sticks there.
 pub(in crate::ocp) const STUCK: f64 = 0.01;
@@ -63,6 +63,8 @@ pub(in crate::ocp) fn directed(pressure: &Pressure) -> Vec<Sequence> {
             ContactMode::Slip(_)
         );
         if switch.closes
+            || switch.passes
+            || Sequence::ends_at_edge(switches, index)
             || slips && switch.slides()
             || pressure.program.shape == ControlShape::Linear
         {
@@ -185,8 +187,11 @@ pub(in crate::ocp) fn insertions(pressure: &Pressure) -> Vec<Sequence> {
                     places.push((contact, false, phase.modes[contact], time(*c)));
                 }
             }
-            for contact in (0..contacts).filter(|i| !dry(*i) && !phase.closed.contains(i)) {
-                let row = stage.gap_rows[contact];
+            let open = |i: &usize| !phase.closed.contains(i) && !phase.pieces.is_idle(*i);
+            for contact in (0..contacts).filter(|i| !dry(*i) && open(i)) {
+                let Some(row) = stage.gap_rows[contact] else {
+                    continue;
+                };
                 let closes = last && phase.closing.contains(&contact);
                 if !closes
                     && pressure.presses(row)
@@ -219,6 +224,7 @@ pub(in crate::ocp) fn insertions(pressure: &Pressure) -> Vec<Sequence> {
                 closes,
                 mode: if closes { mode } else { ContactMode::Open },
                 impulse: mode,
+                passes: false,
                 accompanies: false,
                 interval: time.floor() as usize,
                 place: Place::Inside,

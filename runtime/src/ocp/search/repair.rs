@@ -4,8 +4,8 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
 use super::pressure::{DISTANT, Pressure};
-use super::stationary::Held;
-use super::{friction_neighbours, neighbours};
+use super::stationary::{Held, held};
+use super::{edge_neighbours, friction_neighbours, neighbours};
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::touching_gap;
 use crate::ocp::effort::Effort;
@@ -104,6 +104,7 @@ fn neighbours_of(pressure: &Pressure) -> Vec<Sequence> {
     let mut neighbours = neighbours::directed(pressure);
     neighbours.extend(neighbours::insertions(pressure));
     neighbours.extend(friction_neighbours::sliding(pressure));
+    neighbours.extend(edge_neighbours::edges(pressure));
     neighbours
 }
 
@@ -169,7 +170,7 @@ fn decide(
     if purpose == Purpose::Explore {
         return attempts.attempt(runner, attempt);
     }
-    let held = attempts.held(runner, attempt)?;
+    let held = held(attempts, runner, attempt)?;
     if let Held::Stationary(objective) = held {
         let verdict = Verdict::NotBetter(objective);
         attempts.learn(neighbour, verdict);

@@ -1,6 +1,8 @@
 //! Event-driven motions under given controls, and their contact sequences.
 
+use crate::model::{Pieces, edge};
 use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::motion::passages::with_passages;
 use crate::ocp::motion::read_sequence::Replay;
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
@@ -51,19 +53,27 @@ pub(in crate::ocp) fn read_replay(
     let start = trajectory.start(model, problem);
     let mut input = vec![0.0; model.declaration().inputs()];
     input[..start.len()].copy_from_slice(&start);
+    let pieces = Pieces::at(model, &input);
     // A start that rounding puts above a surface lands at once.
     for (contact, closed) in closed.iter_mut().enumerate() {
         let own = |event: &&Event| event.contact == contact;
-        *closed |= model.gap(contact, &input) <= ON_THE_SURFACE
+        *closed |= !pieces.is_idle(contact)
+            && model.gap(contact, &input) <= ON_THE_SURFACE
             && replay.events.iter().find(own).is_some_and(|first| {
                 first.kind != EventKind::LiftOff && first.time < AT_ONCE * interval
             });
     }
-    let replay = Replay {
+    let read = Replay {
         model,
         simulation: replay,
         interval,
         intervals,
     };
-    replay.sequence(&closed)
+    let sequence = read.sequence(&closed);
+    if edge(model).is_none() {
+        return sequence;
+    }
+    let controls = trajectory.controls.clone();
+    let motion = Trajectory::of_simulation(model, replay, trajectory.horizon, controls);
+    with_passages(model, sequence, &motion, true)
 }

@@ -34,88 +34,95 @@ pub(super) enum Held {
     Open,
 }
 
-impl Attempts<'_, '_> {
-    /// What the program of a neighbour of the best says with the lengths of its new phases held at their least.
-    pub(super) fn held(&self, runner: &mut Runner, attempt: Attempt) -> Result<Held, InputError> {
-        for relaxed in [false, true] {
-            match self.solve_held(runner, attempt, relaxed)? {
-                Some(Ok(held)) => return Ok(held),
-                Some(Err(nlp::Status::Infeasible)) if !relaxed => {
-                    return Ok(Held::Apart(f64::INFINITY));
-                }
-                Some(Err(_)) => {}
-                None => break,
+/// What the program of a neighbour of the best says with the lengths of its new phases held at their least.
+pub(super) fn held(
+    attempts: &Attempts,
+    runner: &mut Runner,
+    attempt: Attempt,
+) -> Result<Held, InputError> {
+    for relaxed in [false, true] {
+        match solve_held(attempts, runner, attempt, relaxed)? {
+            Some(Ok(held)) => return Ok(held),
+            Some(Err(nlp::Status::Infeasible)) if !relaxed => {
+                return Ok(Held::Apart(f64::INFINITY));
             }
+            Some(Err(_)) => {}
+            None => break,
         }
-        Ok(Held::Open)
     }
+    Ok(Held::Open)
+}
 
-    /// `None` where there is nothing to hold.
-    fn solve_held(
-        &self,
-        runner: &mut Runner,
-        attempt: Attempt,
-        relaxed: bool,
-    ) -> Result<Option<Result<Held, nlp::Status>>, InputError> {
-        let Some(best) = &self.best else {
-            return Ok(None);
-        };
-        let Attempt {
-            sequence,
-            guess,
-            cuts,
-            ..
-        } = attempt;
-        let mut program = transcribe(self.setting, sequence, guess, cuts, self.elements);
-        let lengths = program.lengths_of_new_phases(&best.program, &best.solution.x);
-        if lengths.is_empty() {
-            return Ok(None);
-        }
-        program.hold(&lengths, relaxed);
-        let (barrier, iterations) = HELD;
-        let mut settings = interior_point(runner.settings);
-        settings.initial_barrier_parameter = barrier;
-        settings.maximum_iterations = settings.maximum_iterations.min(iterations);
-        settings.bound_push = barrier;
-        settings.bound_fraction = barrier;
-        let start = program.start_from(&best.program, &best.solution, barrier);
-        let run = Run {
-            settings: &settings,
-            start: Some(&start),
-            gives_up: relaxed,
-            best: Some(best.solution.objective),
-        };
-        let horizon = program.horizon;
-        let ended: Ended<nlp::Solution> = runner.solve(&mut program.program, horizon, &run);
-        Ok(Some(ended?.map(|solution| {
-            self.released(&program, &lengths, &solution)
-        })))
+/// `None` where there is nothing to hold.
+fn solve_held(
+    attempts: &Attempts,
+    runner: &mut Runner,
+    attempt: Attempt,
+    relaxed: bool,
+) -> Result<Option<Result<Held, nlp::Status>>, InputError> {
+    let Some(best) = &attempts.best else {
+        return Ok(None);
+    };
+    let Attempt {
+        sequence,
+        guess,
+        cuts,
+        ..
+    } = attempt;
+    let mut program = transcribe(attempts.setting, sequence, guess, cuts, attempts.elements);
+    let lengths = program.lengths_of_new_phases(&best.program, &best.solution.x);
+    if lengths.is_empty() {
+        return Ok(None);
     }
+    program.hold(&lengths, relaxed);
+    let (barrier, iterations) = HELD;
+    let mut settings = interior_point(runner.settings);
+    settings.initial_barrier_parameter = barrier;
+    settings.maximum_iterations = settings.maximum_iterations.min(iterations);
+    settings.bound_push = barrier;
+    settings.bound_fraction = barrier;
+    let start = program.start_from(&best.program, &best.solution, barrier);
+    let run = Run {
+        settings: &settings,
+        start: Some(&start),
+        gives_up: relaxed,
+        best: Some(best.solution.objective),
+    };
+    let horizon = program.horizon;
+    let ended: Ended<nlp::Solution> = runner.solve(&mut program.program, horizon, &run);
+    Ok(Some(ended?.map(|solution| {
+        released(attempts, &program, &lengths, &solution)
+    })))
+}
 
-    /// What follows from releasing the lengths.
-    fn released(&self, program: &Collocation, lengths: &[usize], held: &nlp::Solution) -> Held {
-        let objective = held.objective;
-        if self.improves(objective) {
-            return Held::Open;
-        }
-        let unit = program.program.objective_unit();
-        let interval = program.horizon_at(&program.program.physical(&held.x))
-            / self.setting.problem.intervals as f64;
-        let slope = |&length: &usize| {
-            let multiplier = held.multipliers_lower[length] - held.multipliers_upper[length];
-            multiplier * unit / program.program.unit(length) * interval
-        };
-        let least = lengths.iter().map(slope).fold(f64::INFINITY, f64::min);
-        let none = NONE * objective.abs().max(unit);
-        if least >= -none {
-            Held::Stationary(objective)
-        } else if self
-            .best_objective()
-            .is_some_and(|best| objective > best + none)
-        {
-            Held::Apart(objective)
-        } else {
-            Held::Open
-        }
+/// What follows from releasing the lengths.
+fn released(
+    attempts: &Attempts,
+    program: &Collocation,
+    lengths: &[usize],
+    held: &nlp::Solution,
+) -> Held {
+    let objective = held.objective;
+    if attempts.improves(objective) {
+        return Held::Open;
+    }
+    let unit = program.program.objective_unit();
+    let interval = program.horizon_at(&program.program.physical(&held.x))
+        / attempts.setting.problem.intervals as f64;
+    let slope = |&length: &usize| {
+        let multiplier = held.multipliers_lower[length] - held.multipliers_upper[length];
+        multiplier * unit / program.program.unit(length) * interval
+    };
+    let least = lengths.iter().map(slope).fold(f64::INFINITY, f64::min);
+    let none = NONE * objective.abs().max(NONE * unit);
+    if least >= -none {
+        Held::Stationary(objective)
+    } else if attempts
+        .best_objective()
+        .is_some_and(|best| objective > best + none)
+    {
+        Held::Apart(objective)
+    } else {
+        Held::Open
     }
 }

@@ -1,0 +1,185 @@
+//! Neighbours of a sequence in which edges are passed elsewhere, or not at all.
+
+use super::neighbours::CLOSE;
+use super::pressure::Pressure;
+use crate::model::edge;
+use crate::ocp::collocation::layout::Phase;
+use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::simulation::ContactMode;
+
+/// Sequences without a passage and the way back, with both where a piece is kept though another one is larger, with an end
+/// of contact at an edge where the motion presses towards it, and with an opening that comes before the edge or not.
+pub(super) fn edges(pressure: &Pressure) -> Vec<Sequence> {
+    if edge(pressure.program.model).is_none() {
+        return Vec::new();
+    }
+    let mut found: Vec<Sequence> = Vec::new();
+    let candidates = there_and_back(pressure)
+        .into_iter()
+        .chain(ends(pressure))
+        .chain(pressed(pressure));
+    for candidate in candidates {
+        if let Some(sequence) = candidate.ordered(pressure.intervals)
+            && !found.iter().any(|s| s.signature() == sequence.signature())
+        {
+            found.push(sequence);
+        }
+    }
+    found
+}
+
+/// Without two passages that lead back to the same piece.
+fn there_and_back(pressure: &Pressure) -> Vec<Sequence> {
+    let switches = &pressure.sequence.switches;
+    let mut found = Vec::new();
+    for (i, there) in switches.iter().enumerate() {
+        let left = pressure.sequence.pieces_before(i).acting(there.contact);
+        let own = |s: &&Switch| s.passes && (s.contact == left || is_other(pressure, left, s));
+        let rest = switches[i + 1..].iter();
+        let back = rest.clone().find(own);
+        let Some(back) = back.filter(|back| back.contact == left) else {
+            continue;
+        };
+        if there.passes && !there.accompanies && back.time - there.time < CLOSE {
+            let mut sequence = pressure.sequence.clone();
+            sequence.switches.retain(|s| s != there && s != back);
+            found.push(sequence);
+        }
+    }
+    found
+}
+
+/// Whether a switch is of another piece of the edge of a contact.
+fn is_other(pressure: &Pressure, contact: usize, switch: &Switch) -> bool {
+    let contacts = pressure.program.model.declaration().contacts;
+    contacts[contact].alternatives.contains(&switch.contact)
+}
+
+/// With a contact that opens before the edge at which it ends, and with one that ends at the edge that it passes soon after
+/// its opening.
+fn ends(pressure: &Pressure) -> Vec<Sequence> {
+    let switches = &pressure.sequence.switches;
+    let mut found = Vec::new();
+    for (index, opening) in switches.iter().enumerate().filter(|(_, s)| s.opens()) {
+        let mut sequence = pressure.sequence.clone();
+        if Sequence::ends_at_edge(switches, index) {
+            let phases = pressure.program.phases.iter();
+            let mut ending = phases.filter(|phase| match opening.place {
+                Place::Inside => phase.ends_with == Some(index),
+                Place::Start => {
+                    phase.interval + 1 == opening.interval && phase.index.0 + 1 == phase.index.1
+                }
+            });
+            if ending.any(|phase| is_let_go(pressure, phase, opening.contact)) {
+                let time = (opening.time - pressure.inserted).max(0.0);
+                sequence.switches[index].time = time;
+                sequence.switches[index].interval = time as usize;
+                sequence.switches[index].place = Place::Inside;
+                found.push(sequence);
+            }
+            continue;
+        }
+        let mut rest = switches[index + 1..].iter().enumerate();
+        let own = rest.find(|(_, s)| is_other(pressure, opening.contact, s));
+        let passage = own.filter(|(_, s)| s.passes && s.time - opening.time < CLOSE);
+        if let Some((after, passage)) = passage {
+            sequence.switches.remove(index + 1 + after);
+            let end = Switch {
+                contact: opening.contact,
+                passes: false,
+                impulse: opening.impulse,
+                ..*passage
+            };
+            let passage = Switch {
+                accompanies: true,
+                ..*passage
+            };
+            sequence.switches.splice(index..=index, [end, passage]);
+            found.push(sequence);
+        }
+    }
+    found
+}
+
+/// Whether the last force of a phase presses against 0.
+fn is_let_go(pressure: &Pressure, phase: &Phase, contact: usize) -> bool {
+    let slot = phase.closed.iter().position(|&closed| closed == contact);
+    let force = slot.and_then(|slot| Some(phase.stages.last()?.forces[slot]));
+    force.is_some_and(|force| pressure.is_held(force))
+}
+
+/// With what a row of a piece of an edge presses for.
+fn pressed(pressure: &Pressure) -> Vec<Sequence> {
+    let x = pressure.program.program.physical(&pressure.solution.x);
+    let horizon = pressure.program.horizon_at(&x);
+    let solved = pressure.program.solved(&pressure.solution.x);
+    let contacts = pressure.program.model.declaration().contacts;
+    let mut found = Vec::new();
+    for (phase, solved) in pressure.program.phases.iter().zip(&solved) {
+        for (stage, c) in phase.stages.iter().zip(pressure.program.tableau.c()) {
+            let time = (solved.start + c * solved.length) / horizon * pressure.intervals as f64;
+            for (contact, row) in stage.gap_rows.iter().enumerate() {
+                if !row.is_some_and(|row| pressure.presses(row)) {
+                    continue;
+                }
+                let gap = |contact: usize| pressure.gap(contact, stage, &x);
+                let acting = phase.pieces.acting(contact);
+                let others = contacts[contact].alternatives.iter().copied();
+                let larger = others.max_by(|&a, &b| gap(a).total_cmp(&gap(b)));
+                let larger = larger.filter(|&other| gap(other) > gap(contact));
+                if acting != contact && phase.closed.contains(&acting) {
+                    found.extend(ended(pressure, acting, contact, time));
+                } else if let Some(other) = larger.filter(|_| acting == contact) {
+                    found.push(around(pressure, contact, other, time));
+                }
+            }
+        }
+    }
+    found
+}
+
+fn passage(contact: usize, time: f64) -> Switch {
+    Switch {
+        contact,
+        closes: false,
+        passes: true,
+        mode: ContactMode::Open,
+        impulse: ContactMode::Open,
+        accompanies: false,
+        interval: time as usize,
+        place: Place::Inside,
+        time,
+    }
+}
+
+/// With the passage to another piece for a while.
+fn around(pressure: &Pressure, contact: usize, other: usize, time: f64) -> Sequence {
+    let mut sequence = pressure.sequence.clone();
+    let there = passage(other, (time - pressure.inserted).max(0.0));
+    sequence.switches.push(there);
+    let back = time + pressure.inserted;
+    if back < pressure.intervals as f64 {
+        sequence.switches.push(passage(contact, back));
+    }
+    sequence
+}
+
+/// With the end of a contact at the edge to another piece, unless it switches near that time.
+fn ended(pressure: &Pressure, contact: usize, other: usize, time: f64) -> Option<Sequence> {
+    if pressure.near(contact, time) {
+        return None;
+    }
+    let mut sequence = pressure.sequence.clone();
+    let passage = passage(other, (time - pressure.inserted).max(0.0));
+    let end = Switch {
+        contact,
+        passes: false,
+        ..passage
+    };
+    let passage = Switch {
+        accompanies: true,
+        ..passage
+    };
+    sequence.switches.extend([end, passage]);
+    Some(sequence)
+}

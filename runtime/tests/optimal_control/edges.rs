@@ -1,0 +1,213 @@
+//! Outer edges, against closed forms and brute force: of the pieces of a `max` the largest acts, and which that is may
+//! change during the motion.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+use crate::support::{kinds, solve, time_freezing};
+use hangtime::ocp::{self, ControlShape, Problem, Settings};
+use hangtime::simulation::EventKind;
+
+const G: f64 = 9.81;
+const INTERVALS: usize = 10;
+
+hangtime::model! {
+    /// A block is pushed off a table, to land at a given place at a given time.
+    Push {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, height: m = 0.8, edge: m = 1, goal: m = 1.4 }
+        coordinates { y: m, z: m }
+        controls { u: N in -20..=20 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: u }
+        surface table: max(z - height, y - edge) >= 0
+        surface floor: z >= 0
+        impact table, floor: inelastic
+        minimize integral(u^2)
+        finally { y == goal, z == 0 [m] }
+        start { z: height }
+        horizon 1.3 [s]
+    }
+}
+
+hangtime::model! {
+    /// A ball is thrown over a roof.
+    Roof {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, slope = 2, top: m = 3 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        surface roof: z >= top - |slope*y|
+        impact roof: inelastic
+        minimize m/2*|dot((y, z))|^2
+        finally { y == 3 [m], z == 1 [m], time <= 5 [s] }
+        free { dot(y) in 0..=20, dot(z) in 0..=20 }
+        start { y: -3 [m], z: 0.5 [m], dot(y): 5, dot(z): 5 }
+        horizon 1.5 [s]
+    }
+}
+
+hangtime::model! {
+    /// A ball is thrown over a box.
+    Box {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, width: m = 0.5, top: m = 3 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        surface box: max(z - top, |y| - width) >= 0
+        surface floor: z >= 0
+        impact box, floor: inelastic
+        minimize m/2*|dot((y, z))|^2
+        finally { y == 3 [m], z == 1 [m], time <= 5 [s] }
+        free { dot(y) in 0..=20, dot(z) in 0..=20 }
+        start { y: -2.5 [m], z: 0.5 [m], dot(y): 5, dot(z): 5 }
+        horizon 1.5 [s]
+    }
+}
+
+hangtime::model! {
+    /// A mass is thrown onto a rough step and slides there to rest, as soon as it can.
+    Step {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, mu = 0.3, height: m = 0.4, edge: m = 1, goal: m = 1.5 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        surface step: max(z - height, edge - y) >= 0
+        impact step: inelastic, friction mu
+        minimize time
+        finally { y == goal, dot(y) == 0 [m/s] }
+        free { dot(y) in 0..=20, dot(z) in 0..=20 }
+        start { z: 0.1 [m], dot(y): 2, dot(z): 4 }
+        horizon 1.5 [s]
+    }
+}
+
+/// The least of a function of one unknown on a grid that is refined around its best point.
+fn least(mut from: f64, mut to: f64, value: impl Fn(f64) -> f64) -> f64 {
+    const POINTS: usize = 2000;
+    let mut best = f64::INFINITY;
+    for _ in 0..6 {
+        let step = (to - from) / POINTS as f64;
+        let places = (0..=POINTS).map(|i| from + i as f64 * step);
+        let (place, least) = places
+            .map(|place| (place, value(place)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap();
+        best = least.min(best);
+        (from, to) = (place - step, place + step);
+    }
+    best
+}
+
+#[test]
+fn block_is_pushed_off_a_table_with_the_least_effort_of_its_closed_form() {
+    let push = Push::default();
+    let solution = solve(&push, INTERVALS, &Settings::default());
+    assert_eq!(kinds(&solution), [EventKind::LiftOff, EventKind::Impact]);
+    // It lands at the end, so it passes the edge one fall before. Forces u_k on intervals of length h move the place at t
+    // by a_k(t) u_k; of all that lead to both places the shortest is a combination of the two rows.
+    let (end, h) = (1.3, 1.3 / INTERVALS as f64);
+    let times = [end - (2.0 * push.height / G).sqrt(), end];
+    let row = |t: f64| -> Vec<f64> {
+        let way = |from: f64| 0.5 * (t - from).max(0.0).powi(2) / push.m;
+        let ways = (0..INTERVALS).map(|k| way(k as f64 * h) - way((k + 1) as f64 * h));
+        ways.collect()
+    };
+    let rows = times.map(row);
+    let dot = |i: usize, j: usize| -> f64 {
+        let pairs = rows[i].iter().zip(&rows[j]);
+        pairs.map(|(a, b)| a * b).sum()
+    };
+    let (a, b, c) = (dot(0, 0), dot(0, 1), dot(1, 1));
+    let (p, q) = (push.edge, push.goal);
+    let effort = h * (c * p * p - 2.0 * b * p * q + a * q * q) / (a * c - b * b);
+    let off = (solution.objective - effort).abs();
+    assert!(off < 1e-7 * effort, "{} {effort}", solution.objective);
+    assert!((solution.planned_events[0].0 - times[0]).abs() < 1e-7);
+}
+
+#[test]
+fn ball_is_thrown_over_the_ridge_of_a_roof_with_the_least_energy() {
+    let roof = Roof::default();
+    let solution = solve(&roof, INTERVALS, &Settings::default());
+    assert_eq!(solution.planned_events, []);
+    // Half of the time after its start it passes the ridge, t^2 g / 8 above the middle between start and goal.
+    let margin = Settings::default().gap_margin;
+    let time = (8.0 / G * (roof.top + margin - 0.75)).sqrt();
+    let (across, up) = (6.0 / time, (0.5 + 0.5 * G * time * time) / time);
+    let energy = 0.5 * (across * across + (up - G * time).powi(2));
+    let (objective, horizon) = (solution.objective, solution.horizon);
+    assert!(
+        (objective - energy).abs() < 1e-7 * energy,
+        "{objective} {energy}"
+    );
+    assert!((horizon - time).abs() < 1e-7, "{horizon} {time}");
+}
+
+#[test]
+fn ball_is_thrown_over_a_box_as_brute_force_does() {
+    let thrown = Box::default();
+    let solution = solve(&thrown, INTERVALS, &Settings::default());
+    let (from, to) = ([-2.5, 0.5], [3.0, 1.0]);
+    let margin = Settings::default().gap_margin;
+    let energy = |time: f64| {
+        let across = (to[0] - from[0]) / time;
+        let up = (to[1] - from[1] + 0.5 * G * time * time) / time;
+        // The ball is above the corners, and so above what is between them.
+        let corners = [-1.0, 1.0].map(|side| side * (thrown.width + margin));
+        let clears = corners.into_iter().all(|corner| {
+            let t = (corner - from[0]) / across;
+            from[1] + up * t - 0.5 * G * t * t >= thrown.top + margin
+        });
+        let down = up - G * time;
+        if clears {
+            0.5 * (across * across + down * down)
+        } else {
+            f64::INFINITY
+        }
+    };
+    let best = least(0.1, 5.0, energy);
+    let off = (solution.objective - best).abs();
+    assert!(off < 1e-7 * best, "{} {best}", solution.objective);
+}
+
+#[test]
+fn mass_is_thrown_onto_a_rough_step_as_brute_force_does() {
+    let step = Step::default();
+    let solution = solve(&step, INTERVALS, &Settings::default());
+    let time = |up: f64| {
+        let rise = step.height - 0.1;
+        let flight = (up + (up * up - 2.0 * G * rise).sqrt()) / G;
+        let (struck, brake) = (step.mu * (G * flight - up), step.mu * G);
+        // Slides on with w = v - struck: (w + struck) flight + w^2 / (2 brake) = goal.
+        let missing = step.goal - struck * flight;
+        let w = brake * ((flight * flight + 2.0 * missing / brake).sqrt() - flight);
+        let v = w + struck;
+        let at_edge = step.edge / v;
+        let height = 0.1 + up * at_edge - 0.5 * G * at_edge * at_edge;
+        if missing >= 0.0 && flight >= at_edge && height >= step.height {
+            flight + w / brake
+        } else {
+            f64::INFINITY
+        }
+    };
+    let best = least(2.43, 12.0, time);
+    let cost = solution.horizon - best;
+    assert!((-1e-7..1e-4).contains(&cost), "{} {best}", solution.horizon);
+}
+
+#[test]
+fn linear_controls_push_off_a_table_with_less_effort() {
+    let push = Push::default();
+    let constant = solve(&push, INTERVALS, &Settings::default());
+    let mut settings = Settings::default();
+    settings.controls = ControlShape::Linear;
+    let linear = solve(&push, INTERVALS, &settings);
+    assert_eq!(kinds(&linear), kinds(&constant));
+    let (less, more) = (linear.objective, constant.objective);
+    // Both are above the least effort of all controls, which constant ones miss by more.
+    assert!(less < more && less > 0.97 * more, "{less} {more}");
+}
+
+#[test]
+fn edge_is_refused_by_name_in_the_formulation_by_time_freezing() {
+    let push = Push::default();
+    let problem = Problem::of(&push, INTERVALS);
+    let refused = ocp::solve(&push, &problem, &time_freezing(), &mut |_| true).unwrap_err();
+    assert!(refused.to_string().contains("`table.1`"), "{refused}");
+}
