@@ -80,3 +80,15 @@ fn neighbours_that_start_from_the_plan_are_decided() {
     let best = hangtime_zoo::best("cart-pole-walls", 10).unwrap();
     assert!((solution.objective / best - 1.0).abs() < 1e-6);
 }
+
+#[test]
+#[ignore = "long"]
+fn neighbours_that_gain_nothing_by_the_first_derivative_are_decided() {
+    // Each of them was as good as the plan to nine digits, and its program ended at the limit of iterations.
+    for (name, intervals) in [("plate-and-box", 10), ("spinning-wheel", 20)] {
+        let solution = solve(name, intervals, &Settings::default());
+        assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+        let best = hangtime_zoo::best(name, intervals).unwrap();
+        assert!((solution.objective / best - 1.0).abs() < 1e-6, "{name}");
+    }
+}
