@@ -18,8 +18,8 @@ use crate::simulation::{
 pub enum Status {
     /// A certified local optimum that an independent simulation confirms.
     Solved,
-    /// Confirmed by simulation, but the limit of programs was reached before all neighbouring contact
-    /// sequences were compared, or a distance that the method keeps holds the plan back, see [`Solution::margins`].
+    /// Confirmed by simulation, but not all neighbouring contact sequences were decided, since programs of theirs failed or
+    /// the limit of programs was reached, or a distance that the method keeps holds the plan back, see [`Solution::margins`].
     Uncertified,
     /// The independent simulation does not follow the plan: other events, or another end.
     Unconfirmed,
@@ -306,8 +306,8 @@ impl Solution {
                 ))
             }
             Status::Uncertified => Some(format!(
-                "{} programs solved before all neighbouring contact sequences were compared; raise the \
-                 limit on programs",
+                "not all neighbouring contact sequences were decided in {} programs; try several starts, another \
+                 number of intervals, or a higher limit on programs",
                 self.counts.programs
             )),
             Status::Unconfirmed => {

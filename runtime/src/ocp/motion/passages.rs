@@ -180,15 +180,8 @@ impl Reader<'_> {
             (crossing.time, Place::Inside)
         };
         vec![Switch {
-            contact: next,
-            closes: false,
-            passes: true,
-            mode: ContactMode::Open,
-            impulse: ContactMode::Open,
-            accompanies: false,
-            interval: time as usize,
             place,
-            time,
+            ..Switch::passage(next, time)
         }]
     }
 
@@ -220,13 +213,10 @@ impl Reader<'_> {
 /// The passage to a piece at the instant of a switch.
 fn passage(contact: usize, switch: Switch) -> Switch {
     Switch {
-        contact,
-        closes: false,
-        passes: true,
-        mode: ContactMode::Open,
-        impulse: ContactMode::Open,
         accompanies: true,
-        ..switch
+        interval: switch.interval,
+        place: switch.place,
+        ..Switch::passage(contact, switch.time)
     }
 }
 

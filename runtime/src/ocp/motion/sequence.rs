@@ -57,6 +57,21 @@ pub(in crate::ocp) type Signature = (
 );
 
 impl Switch {
+    /// The passage of an edge to a piece of it, inside an interval.
+    pub(in crate::ocp) fn passage(contact: usize, time: f64) -> Self {
+        Self {
+            contact,
+            closes: false,
+            passes: true,
+            mode: ContactMode::Open,
+            impulse: ContactMode::Open,
+            accompanies: false,
+            interval: time as usize,
+            place: Place::Inside,
+            time,
+        }
+    }
+
     /// Whether the contact closes and is closed afterwards.
     pub(in crate::ocp) fn stays(&self) -> bool {
         self.closes && !self.mode.is_open()

@@ -5,7 +5,6 @@ use super::pressure::Pressure;
 use crate::model::edge;
 use crate::ocp::collocation::layout::Phase;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
-use crate::simulation::ContactMode;
 
 /// Sequences without a passage and the way back, with both where a piece is kept though another one is larger, with an end
 /// of contact at an edge where the motion presses towards it, and with an opening that comes before the edge or not.
@@ -138,28 +137,14 @@ fn pressed(pressure: &Pressure) -> Vec<Sequence> {
     found
 }
 
-fn passage(contact: usize, time: f64) -> Switch {
-    Switch {
-        contact,
-        closes: false,
-        passes: true,
-        mode: ContactMode::Open,
-        impulse: ContactMode::Open,
-        accompanies: false,
-        interval: time as usize,
-        place: Place::Inside,
-        time,
-    }
-}
-
 /// With the passage to another piece for a while.
 fn around(pressure: &Pressure, contact: usize, other: usize, time: f64) -> Sequence {
     let mut sequence = pressure.sequence.clone();
-    let there = passage(other, (time - pressure.inserted).max(0.0));
+    let there = Switch::passage(other, (time - pressure.inserted).max(0.0));
     sequence.switches.push(there);
     let back = time + pressure.inserted;
     if back < pressure.intervals as f64 {
-        sequence.switches.push(passage(contact, back));
+        sequence.switches.push(Switch::passage(contact, back));
     }
     sequence
 }
@@ -170,7 +155,7 @@ fn ended(pressure: &Pressure, contact: usize, other: usize, time: f64) -> Option
         return None;
     }
     let mut sequence = pressure.sequence.clone();
-    let passage = passage(other, (time - pressure.inserted).max(0.0));
+    let passage = Switch::passage(other, (time - pressure.inserted).max(0.0));
     let end = Switch {
         contact,
         passes: false,
