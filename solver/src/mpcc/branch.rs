@@ -1,5 +1,6 @@
 //! The smooth program that remains when some variables are fixed at zero, and its solution.
 
+use super::forward::forward;
 use super::watch::{Purpose, Watch};
 use super::{Mpcc, Settings};
 use crate::linalg::norms::norm_inf;
@@ -262,13 +263,21 @@ struct Branch<'a> {
 }
 
 impl NlpProblem for Branch<'_> {
-    fn variables(&self) -> usize {
-        self.problem.variables()
-    }
-
-    fn constraints(&self) -> usize {
-        self.problem.constraints()
-    }
+    forward!(
+        variables,
+        constraints,
+        constraint_bounds,
+        initial_point,
+        objective,
+        gradient,
+        constraint_values,
+        jacobian_pattern,
+        jacobian_values,
+        hessian_pattern,
+        hessian_values,
+        variable_name,
+        constraint_name
+    );
 
     fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
         self.problem.variable_bounds(lower, upper);
@@ -278,49 +287,5 @@ impl NlpProblem for Branch<'_> {
                 *u = 0.0;
             }
         }
-    }
-
-    fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        self.problem.constraint_bounds(lower, upper);
-    }
-
-    fn initial_point(&self, x: &mut [f64]) {
-        self.problem.initial_point(x);
-    }
-
-    fn objective(&mut self, x: &[f64]) -> f64 {
-        self.problem.objective(x)
-    }
-
-    fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
-        self.problem.gradient(x, gradient);
-    }
-
-    fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-        self.problem.constraint_values(x, c);
-    }
-
-    fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-        self.problem.jacobian_pattern()
-    }
-
-    fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
-        self.problem.jacobian_values(x, values);
-    }
-
-    fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-        self.problem.hessian_pattern()
-    }
-
-    fn hessian_values(&mut self, x: &[f64], weight: f64, multipliers: &[f64], values: &mut [f64]) {
-        self.problem.hessian_values(x, weight, multipliers, values);
-    }
-
-    fn variable_name(&self, index: usize) -> String {
-        self.problem.variable_name(index)
-    }
-
-    fn constraint_name(&self, index: usize) -> String {
-        self.problem.constraint_name(index)
     }
 }

@@ -61,6 +61,7 @@ mod crossover;
 mod elastic;
 mod finish;
 mod forced;
+mod forward;
 mod linear_program;
 mod nearest;
 mod penalty;

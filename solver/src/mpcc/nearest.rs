@@ -1,6 +1,7 @@
 //! The exact point nearest to a given one: the same constraints and pairs with another objective.
 
 use super::Mpcc;
+use super::forward::forward;
 use crate::nlp::{NlpProblem, Pattern};
 
 /// The complementarity problem
@@ -38,21 +39,17 @@ impl<'a> Nearest<'a> {
 }
 
 impl NlpProblem for Nearest<'_> {
-    fn variables(&self) -> usize {
-        self.problem.variables()
-    }
-
-    fn constraints(&self) -> usize {
-        self.problem.constraints()
-    }
-
-    fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        self.problem.variable_bounds(lower, upper);
-    }
-
-    fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        self.problem.constraint_bounds(lower, upper);
-    }
+    forward!(
+        variables,
+        constraints,
+        variable_bounds,
+        constraint_bounds,
+        constraint_values,
+        jacobian_pattern,
+        jacobian_values,
+        variable_name,
+        constraint_name
+    );
 
     fn initial_point(&self, x: &mut [f64]) {
         x.copy_from_slice(self.to);
@@ -69,18 +66,6 @@ impl NlpProblem for Nearest<'_> {
         }
     }
 
-    fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-        self.problem.constraint_values(x, c);
-    }
-
-    fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-        self.problem.jacobian_pattern()
-    }
-
-    fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
-        self.problem.jacobian_values(x, values);
-    }
-
     fn hessian_pattern(&self) -> Vec<(usize, usize)> {
         self.hessian.entries.clone()
     }
@@ -93,14 +78,6 @@ impl NlpProblem for Nearest<'_> {
         for (i, &place) in self.hessian.places[self.own_hessian..].iter().enumerate() {
             values[place] += weight * self.weight(i);
         }
-    }
-
-    fn variable_name(&self, index: usize) -> String {
-        self.problem.variable_name(index)
-    }
-
-    fn constraint_name(&self, index: usize) -> String {
-        self.problem.constraint_name(index)
     }
 }
 

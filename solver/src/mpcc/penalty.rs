@@ -1,5 +1,6 @@
 //! A penalty of the smaller sides, where a choice of sides alone leads nowhere.
 
+use super::forward::forward;
 use super::watch::{Purpose, Watch};
 use super::{Mpcc, Settings};
 use crate::linalg::norms::norm_inf;
@@ -33,25 +34,20 @@ struct Penalty<'a> {
 }
 
 impl NlpProblem for Penalty<'_> {
-    fn variables(&self) -> usize {
-        self.problem.variables()
-    }
-
-    fn constraints(&self) -> usize {
-        self.problem.constraints()
-    }
-
-    fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        self.problem.variable_bounds(lower, upper);
-    }
-
-    fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        self.problem.constraint_bounds(lower, upper);
-    }
-
-    fn initial_point(&self, x: &mut [f64]) {
-        self.problem.initial_point(x);
-    }
+    forward!(
+        variables,
+        constraints,
+        variable_bounds,
+        constraint_bounds,
+        initial_point,
+        constraint_values,
+        jacobian_pattern,
+        jacobian_values,
+        hessian_pattern,
+        hessian_values,
+        variable_name,
+        constraint_name
+    );
 
     fn objective(&mut self, x: &[f64]) -> f64 {
         let cost: f64 = self.cost.iter().zip(x).map(|(c, x)| c * x).sum();
@@ -63,34 +59,6 @@ impl NlpProblem for Penalty<'_> {
         for (g, cost) in gradient.iter_mut().zip(&self.cost) {
             *g += cost;
         }
-    }
-
-    fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-        self.problem.constraint_values(x, c);
-    }
-
-    fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-        self.problem.jacobian_pattern()
-    }
-
-    fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
-        self.problem.jacobian_values(x, values);
-    }
-
-    fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-        self.problem.hessian_pattern()
-    }
-
-    fn hessian_values(&mut self, x: &[f64], weight: f64, multipliers: &[f64], values: &mut [f64]) {
-        self.problem.hessian_values(x, weight, multipliers, values);
-    }
-
-    fn variable_name(&self, index: usize) -> String {
-        self.problem.variable_name(index)
-    }
-
-    fn constraint_name(&self, index: usize) -> String {
-        self.problem.constraint_name(index)
     }
 }
 
