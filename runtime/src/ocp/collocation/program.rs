@@ -71,7 +71,8 @@ impl Collocation<'_> {
     }
 
     /// Variables of the lengths of phases in which contacts are, at the guess, in other modes than in the motion of another
-    /// program at that time, with other pieces of edges that act, or after another number of touches: of those that make up an interval with others.
+    /// program at that time, with other pieces of edges that act, or after another number of touches: of those that make up
+    /// an interval with others.
     pub(in crate::ocp) fn lengths_of_new_phases(
         &self,
         other: &Collocation,

@@ -60,8 +60,8 @@ struct Tried {
     signature: Signature,
     purpose: Purpose,
     verdict: Verdict,
-    /// Objective of the best at that time.
-    best: Option<f64>,
+    /// Objective of the best beside which alone that is so, if not beside others.
+    only_beside: Option<f64>,
 }
 
 /// A solved program of a sequence.
@@ -116,40 +116,39 @@ impl<'a, 'e> Attempts<'a, 'e> {
             (Verdict::Better, Some(best)) => Verdict::NotBetter(best.solution.objective),
             _ => verdict,
         };
-        self.keep(attempt.sequence, attempt.purpose, known);
+        let undecided = known == Verdict::Undecided;
+        self.tried.push(Tried {
+            signature: attempt.sequence.signature(),
+            purpose: attempt.purpose,
+            verdict: known,
+            only_beside: self.best_objective().filter(|_| undecided),
+        });
         Ok(verdict)
     }
 
-    fn keep(&mut self, sequence: &Sequence, purpose: Purpose, verdict: Verdict) {
-        self.tried.push(Tried {
-            signature: sequence.signature(),
-            purpose,
-            verdict,
-            best: self.best_objective(),
-        });
-    }
-
-    /// What is known of a neighbour of the best from earlier attempts. One that was undecided may be decided beside another
-    /// best.
+    /// What is known of a neighbour of the best from earlier attempts.
     pub(super) fn known(&self, sequence: &Sequence) -> Option<Verdict> {
         let signature = sequence.signature();
-        let last = self
-            .tried
-            .iter()
-            .rev()
-            .find(|tried| tried.signature == signature)?;
+        let mut tried = self.tried.iter().rev();
+        let last = tried.find(|tried| tried.signature == signature)?;
+        if last.only_beside.is_some() && last.only_beside != self.best_objective() {
+            return None;
+        }
         match last.verdict {
             Verdict::NotBetter(least) if !self.improves(least) => Some(last.verdict),
-            Verdict::Undecided if last.purpose == Purpose::Compare => {
-                (last.best == self.best_objective()).then_some(last.verdict)
-            }
+            Verdict::Undecided if last.purpose == Purpose::Compare => Some(last.verdict),
             _ => None,
         }
     }
 
-    /// Keeps what is known of a neighbour otherwise.
+    /// Keeps what is known of a neighbour without an attempt, beside the present best.
     pub(super) fn learn(&mut self, sequence: &Sequence, verdict: Verdict) {
-        self.keep(sequence, Purpose::Compare, verdict);
+        self.tried.push(Tried {
+            signature: sequence.signature(),
+            purpose: Purpose::Compare,
+            verdict,
+            only_beside: self.best_objective(),
+        });
     }
 
     /// Whether a sequence was attempted, for whatever purpose.
