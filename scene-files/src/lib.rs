@@ -28,8 +28,10 @@
 mod declaration;
 mod program;
 mod report;
+mod run;
 mod scene;
 mod scratch;
+mod steps;
 mod system;
 
 pub use hangtime_dsl::TextMistake;

@@ -1,14 +1,12 @@
 //! A kernel as a program: what depends on parameters only is computed when those are set; the rest is grouped into runs of
-//! equal operations, so that the processor decides once a run, and not once an operation, what to do.
+//! equal steps, so that the processor decides once a run, and not once an operation, what to do.
 
-use hangtime_dsl::description::{Function, Function2, Kernel, Operation};
-use std::collections::{BTreeMap, VecDeque};
+use crate::run::{Registers, Run};
+use crate::steps::steps;
+use hangtime_dsl::description::{Kernel, Operation};
 use std::ops::Range;
 
-/// The values of a program; an index of 16 bits needs no check.
-pub(crate) type Registers = [f64; 1 << 16];
-
-/// A kernel as runs of equal operations on registers.
+/// A kernel as runs of equal steps on registers.
 #[derive(Debug)]
 pub(crate) struct Program {
     /// What depends on parameters only.
@@ -20,8 +18,6 @@ pub(crate) struct Program {
     /// The same for the second vector.
     weights: Vec<(u32, u16)>,
     runs: Vec<Run>,
-    /// Result and operands of each operation, in order of evaluation.
-    registers: Vec<[u16; 3]>,
     /// Registers of the outputs.
     outputs: Vec<u16>,
 }
@@ -33,28 +29,6 @@ struct Folding {
     operations: Vec<Operation>,
     /// Positions of the values that the rest of the program reads; they fill the first registers.
     kept: Vec<u32>,
-}
-
-/// Equal operations, one after the other.
-#[derive(Debug)]
-struct Run {
-    kind: Kind,
-    length: usize,
-}
-
-/// What is done with one or two numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Kind {
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    Negate,
-    Root,
-    Call(Function),
-    Call2(Function2),
-    /// Sine and cosine of one number, by one call; the second register is another result.
-    SineAndCosine,
 }
 
 /// A kernel has too many values for the registers.
@@ -72,13 +46,10 @@ impl Program {
                 known => known.operands().all(|part| constant[part as usize]),
             };
         }
+        let steps = steps(operations, &kernel.outputs, &constant);
         let mut uses = vec![0_usize; operations.len()];
-        for (at, operation) in operations.iter().enumerate() {
-            if !constant[at] {
-                for part in operation.operands() {
-                    uses[part as usize] += 1;
-                }
-            }
+        for &part in steps.iter().flat_map(|step| &step.operands) {
+            uses[part] += 1;
         }
         for &output in &kernel.outputs {
             // Outputs are read at the end.
@@ -97,33 +68,25 @@ impl Program {
                 _ => {}
             }
         }
-        let cosines = cosines(operations, &constant);
-        let order = schedule(operations, &constant, &cosines);
-        let mut runs: Vec<Run> = Vec::new();
-        let mut registers = Vec::with_capacity(order.len());
-        for (at, kind) in order {
-            match runs.last_mut() {
-                Some(run) if run.kind == kind => run.length += 1,
-                _ => runs.push(Run { kind, length: 1 }),
-            }
-            let cosine = cosines.of_sine(at);
-            let mut parts = operations[at].operands();
-            let first = parts.next().unwrap_or_default() as usize;
-            let second = parts.next().map_or(first, |part| part as usize);
-            let mut operands = [places.of[first], places.of[second]];
-            let read = [Some(at), cosine].into_iter().flatten();
-            for part in read.flat_map(|at| operations[at].operands()) {
-                let part = part as usize;
-                uses[part] -= 1;
-                if uses[part] == 0 && !constant[part] {
-                    places.free.push(places.of[part]);
+        let mut runs = Vec::new();
+        let equal = steps.chunk_by(|one, next| one.kind == next.kind);
+        for run in equal {
+            let mut registers = Vec::new();
+            for step in run {
+                let operands: Vec<u16> =
+                    step.operands.iter().map(|&part| places.of[part]).collect();
+                for &part in &step.operands {
+                    uses[part] -= 1;
+                    if uses[part] == 0 && !constant[part] {
+                        places.free.push(places.of[part]);
+                    }
                 }
+                for &result in &step.results {
+                    registers.push(places.take(result)?);
+                }
+                registers.extend(operands);
             }
-            let result = places.take(at)?;
-            if let Some(cosine) = cosine {
-                operands[1] = places.take(cosine)?;
-            }
-            registers.push([result, operands[0], operands[1]]);
+            runs.push(Run::new(run[0].kind, &registers));
         }
         let [inputs, weights] = given;
         Ok(Self {
@@ -132,7 +95,6 @@ impl Program {
             inputs,
             weights,
             runs,
-            registers,
             outputs: kernel
                 .outputs
                 .iter()
@@ -179,38 +141,12 @@ impl Program {
         for &(i, register) in &self.weights {
             r[usize::from(register)] = y[i as usize];
         }
-        let mut rest = &self.registers[..];
         for run in &self.runs {
-            let (now, later) = rest.split_at(run.length);
-            rest = later;
-            match run.kind {
-                Kind::Add => each(now, r, |a, b| a + b),
-                Kind::Subtract => each(now, r, |a, b| a - b),
-                Kind::Multiply => each(now, r, |a, b| a * b),
-                Kind::Divide => each(now, r, |a, b| a / b),
-                Kind::Negate => each(now, r, |a, _| -a),
-                Kind::Root => each(now, r, |a, _| a.sqrt()),
-                Kind::Call(function) => each(now, r, |a, _| function.value(a)),
-                Kind::Call2(function) => each(now, r, |a, b| function.value(a, b)),
-                Kind::SineAndCosine => {
-                    for &[sine, a, cosine] in now {
-                        let values = r[usize::from(a)].sin_cos();
-                        (r[usize::from(sine)], r[usize::from(cosine)]) = values;
-                    }
-                }
-            }
+            run.go(r);
         }
         for (value, &register) in out.iter_mut().zip(&self.outputs) {
             *value = r[usize::from(register)];
         }
-    }
-}
-
-/// One operation on many registers.
-#[inline(always)]
-fn each(registers: &[[u16; 3]], r: &mut Registers, operation: impl Fn(f64, f64) -> f64) {
-    for &[result, a, b] in registers {
-        r[usize::from(result)] = operation(r[usize::from(a)], r[usize::from(b)]);
     }
 }
 
@@ -268,106 +204,5 @@ impl Places {
         };
         self.of[operation] = register;
         Ok(register)
-    }
-}
-
-/// Which sines are evaluated together with a cosine.
-struct Cosines {
-    of_sine: BTreeMap<usize, usize>,
-    sine_of: BTreeMap<usize, usize>,
-}
-
-impl Cosines {
-    fn of_sine(&self, sine: usize) -> Option<usize> {
-        self.of_sine.get(&sine).copied()
-    }
-}
-
-/// The sines and cosines of the same numbers.
-fn cosines(operations: &[Operation], constant: &[bool]) -> Cosines {
-    let calls = |wanted: Function| {
-        let found = operations.iter().enumerate();
-        found.filter_map(move |(at, operation)| match *operation {
-            Operation::Call(function, of) if function == wanted && !constant[at] => Some((of, at)),
-            _ => None,
-        })
-    };
-    let sines: BTreeMap<u32, usize> = calls(Function::Sin).collect();
-    let pairs = calls(Function::Cos).filter_map(|(of, cosine)| Some((*sines.get(&of)?, cosine)));
-    let of_sine: BTreeMap<usize, usize> = pairs.collect();
-    Cosines {
-        sine_of: of_sine
-            .iter()
-            .map(|(&sine, &cosine)| (cosine, sine))
-            .collect(),
-        of_sine,
-    }
-}
-
-/// The operations that are left to do, such that equal ones follow each other where possible.
-fn schedule(operations: &[Operation], constant: &[bool], cosines: &Cosines) -> Vec<(usize, Kind)> {
-    let kind = |at: usize| match cosines.of_sine(at) {
-        Some(_) => Some(Kind::SineAndCosine),
-        None => Kind::of(operations[at]),
-    };
-    let mut users: Vec<Vec<usize>> = vec![Vec::new(); operations.len()];
-    let mut waits = vec![0_usize; operations.len()];
-    let mut ready: BTreeMap<Kind, VecDeque<usize>> = BTreeMap::new();
-    for (at, operation) in operations.iter().enumerate() {
-        let Some(kind) = kind(at).filter(|_| !constant[at]) else {
-            continue;
-        };
-        for part in operation.operands() {
-            let part = part as usize;
-            if !constant[part] && !operations[part].is_given() {
-                users[part].push(at);
-                waits[at] += 1;
-            }
-        }
-        if waits[at] == 0 && !cosines.sine_of.contains_key(&at) {
-            ready.entry(kind).or_default().push_back(at);
-        }
-    }
-    let mut order = Vec::new();
-    // The kind of which most are ready; of what it makes ready, its own kind follows in the same run.
-    while let Some((&now, _)) = ready
-        .iter()
-        .filter(|(_, waiting)| !waiting.is_empty())
-        .max_by_key(|(_, waiting)| waiting.len())
-    {
-        while let Some(at) = ready.get_mut(&now).and_then(VecDeque::pop_front) {
-            order.push((at, now));
-            let done = [Some(at), cosines.of_sine(at)].into_iter().flatten();
-            for &user in done.flat_map(|at| &users[at]) {
-                waits[user] -= 1;
-                // A cosine follows from its sine.
-                if waits[user] == 0
-                    && !cosines.sine_of.contains_key(&user)
-                    && let Some(kind) = kind(user)
-                {
-                    ready.entry(kind).or_default().push_back(user);
-                }
-            }
-        }
-    }
-    order
-}
-
-impl Kind {
-    fn of(operation: Operation) -> Option<Self> {
-        Some(match operation {
-            Operation::Parameter(_)
-            | Operation::Input(_)
-            | Operation::Weight(_)
-            | Operation::Constant(_) => return None,
-            Operation::Add(..) => Self::Add,
-            Operation::Subtract(..) => Self::Subtract,
-            Operation::Multiply(..) => Self::Multiply,
-            Operation::Divide(..) => Self::Divide,
-            Operation::Negate(_) => Self::Negate,
-            Operation::Root(_) => Self::Root,
-            Operation::Call(function, _) => Self::Call(function),
-            Operation::Call2(function, ..) => Self::Call2(function),
-        })
     }
 }

@@ -1,6 +1,6 @@
 //! Memory of a thread for the evaluation of programs, so that no call allocates.
 
-use crate::program::Registers;
+use crate::run::Registers;
 use crate::system::Solution;
 use std::cell::Cell;
 
