@@ -7,11 +7,11 @@ const make = (tag, properties = {}, ...children) => {
   return node;
 };
 
-// The module, compiled once; every worker runs its own copy.
+// The module, compiled once, while it is decoded and unpacked; every worker runs its own copy.
 const compiled = (async () => {
-  const packed = Uint8Array.from(atob(element("module").textContent), (c) => c.charCodeAt(0));
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(stream).arrayBuffer());
+  const packed = await fetch(`data:application/octet-stream;base64,${element("module").textContent}`);
+  const stream = packed.body.pipeThrough(new DecompressionStream("gzip"));
+  return WebAssembly.compileStreaming(new Response(stream, { headers: { "Content-Type": "application/wasm" } }));
 })();
 const workerAddress = URL.createObjectURL(new Blob([element("worker").textContent], { type: "text/javascript" }));
 // A worker with more memory than this is replaced by a fresh one after its answer [bytes].
@@ -306,10 +306,16 @@ const showScene = (scene) => {
   element("equations").replaceChildren(...scene.equations.map(mathOf));
   showCommand();
 };
-// Checks the text; without mistakes the motion follows.
-const check = async (thenRun) => {
-  const outcome = await checker.ask(request("check"));
-  if (!outcome) return;
+// Checks the text; without mistakes the motion follows. Where the check is stopped by a run, another one follows it.
+const check = async (thenRun, caller = checker) => {
+  const asked = request("check");
+  const outcome = await caller.ask(asked);
+  // Another check follows an edit.
+  if (asked.text !== text.value) return;
+  if (!outcome) {
+    if (caller === runner) check(false);
+    return;
+  }
   const { answer } = outcome;
   if (answer.refusal) {
     say(answer.refusal, true);
@@ -336,7 +342,7 @@ const edited = () => {
   waiting = setTimeout(() => check(true), 250);
 };
 
-// Shows a scene from its beginning; its check and its first run go side by side.
+// Shows a scene from its beginning; its first run has the scene that its check has derived.
 const open = (name, content, values = {}) => {
   clearTimeout(waiting);
   page.name = name;
@@ -352,8 +358,8 @@ const open = (name, content, values = {}) => {
   element("horizon").value = "";
   element("original").hidden = !shipped.some((scene) => scene.name === name && scene.text !== content);
   paint();
-  check(page.values.size > 0);
-  if (page.values.size === 0) run("simulate");
+  checker.stop();
+  check(true, runner);
 };
 const choose = (name) => {
   const original = shipped.find((scene) => scene.name === name)?.text ?? "";
