@@ -249,7 +249,7 @@ pub(crate) struct SolveArguments {
     #[arg(long, value_name = "N", value_parser = elements, allow_negative_numbers = true)]
     pub(crate) elements: Option<usize>,
     /// Guesses and discretizations that are solved side by side; the best is returned, and the distinct local optima
-    /// are listed [default: up to 12 until the best is found again; 1 with time-freezing, and others where
+    /// are listed [default: up to 16 until several agree on the best; 1 with time-freezing, and others where
     /// it fails].
     #[arg(long, value_name = "N", value_parser = starts, allow_negative_numbers = true)]
     pub(crate) starts: Option<usize>,
@@ -584,7 +584,7 @@ mod tests {
             (
                 1,
                 format!(
-                    "are listed [default: up to {} until the best is found again; 1 with time-freezing, and others where it fails]",
+                    "are listed [default: up to {} until several agree on the best; 1 with time-freezing, and others where it fails]",
                     settings.starts()
                 ),
             ),

@@ -27,7 +27,7 @@ const PATIENCE: f64 = 15.0;
 type Way = (&'static str, fn() -> Settings);
 
 const WAYS: [Way; 3] = [
-    ("phases, up to 12 starts", Settings::default),
+    ("phases, up to 16 starts", Settings::default),
     ("phases, one start", || {
         let mut settings = Settings::default();
         settings.starts = Some(1);

@@ -8,7 +8,7 @@ use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 
 /// Most starts of the search in phases, unless others are asked for.
-const STARTS: usize = 12;
+const STARTS: usize = 16;
 
 /// Where the global phase starts; every guess but a previous motion is made from the model and the problem alone.
 ///
@@ -133,6 +133,26 @@ impl TimeFreezingSettings {
     }
 }
 
+/// Where the forces of an element act in the contact-implicit programs. The error is of the first order in its length
+/// either way, and of opposite effect: motions that both lead to owe little to it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum EulerStep {
+    /// At its end: the implicit Euler method, which damps.
+    Implicit,
+    /// Where it begins: the symplectic Euler method, which does not, but fails where forces are stiff.
+    Symplectic,
+}
+
+impl EulerStep {
+    /// Where forces act, of the beginning and the end of an element.
+    pub(crate) fn forced_at<T>(self, beginning: T, end: T) -> T {
+        match self {
+            Self::Implicit => end,
+            Self::Symplectic => beginning,
+        }
+    }
+}
+
 /// Where path constraints are imposed. Between these places they are checked, and imposed where they are violated,
 /// unless bounds are asked for at the nodes only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -158,8 +178,8 @@ pub struct Settings {
     /// Where the global phase starts; default [`Guess::Straight`].
     pub guess: Guess,
     /// Number of starts that are solved side by side, the first one with these settings, the others with other guesses and
-    /// relaxations, or discretizations of the time-freezing formulation; at least 1. Default: up to 12, fewer where the
-    /// best motion is found again; 1 with a previous motion; with time-freezing 1, and up to five others one after the
+    /// relaxations, or discretizations of the time-freezing formulation; at least 1. Default: up to 16, fewer where
+    /// several agree on the best; 1 with a previous motion; with time-freezing 1, and up to five others one after the
     /// other until a motion is confirmed. The best result is returned, with the distinct local optima; it does not depend
     /// on the number of threads.
     pub starts: Option<usize>,
@@ -181,6 +201,8 @@ pub struct Settings {
     /// Gap that a flight keeps where it would otherwise graze the surface \[unit of the gap\]; default
     /// 1e-5, > 0. A grazing plan is not one that a motion can follow: a hair lower it would land.
     pub gap_margin: f64,
+    /// Step of the contact-implicit programs.
+    pub(crate) step: EulerStep,
     /// Most motions of the global phase that are refined, the best first; default 2, at least 1.
     pub(crate) refined_motions: usize,
     /// Elements an interval of the contact-implicit programs that are refined; default 4, at least 1. With few intervals
@@ -215,6 +237,7 @@ impl Default for Settings {
             path_points: PathPoints::default(),
             tolerance: 1e-9,
             gap_margin: 1e-5,
+            step: EulerStep::Implicit,
             refined_motions: 2,
             refined_elements: 4,
             first_barrier: 0.1,

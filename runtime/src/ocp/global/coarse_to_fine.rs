@@ -54,8 +54,62 @@ const FINE_RULES: [RelaxationRule; 3] = [
 /// Relative difference of the objective within which two relaxed motions count as the same.
 const SAME: f64 = 1e-3;
 
+/// The same of those of two starts, of which one is not refined: as solutions of one program they agree to its tolerance.
+const SAME_BETWEEN_STARTS: f64 = 1e-5;
+
 /// Where in an element of implicit Euler a contact closes, as a share of the element: it says no more.
 const CLOSING: f64 = 0.5;
+
+/// The relaxed motions on a grid that searches came through.
+#[derive(Clone, Default)]
+pub(in crate::ocp) struct RelaxedMotions {
+    /// Start of the present search.
+    start: usize,
+    motions: Vec<RelaxedMotion>,
+}
+
+/// A relaxed motion.
+#[derive(Clone)]
+struct RelaxedMotion {
+    /// Start of the search.
+    start: usize,
+    /// Which of the first programs it solves; none if a refined one.
+    program: Option<usize>,
+    objective: f64,
+}
+
+impl RelaxedMotions {
+    /// The same for the search from another start.
+    pub(in crate::ocp) fn from(mut self, start: usize) -> Self {
+        self.start = start;
+        self
+    }
+
+    /// Whether no search came through any.
+    pub(in crate::ocp) fn are_none(&self) -> bool {
+        self.motions.is_empty()
+    }
+
+    /// Adds those of another search.
+    pub(in crate::ocp) fn extend(&mut self, other: Self) {
+        let new = other.motions.into_iter().filter(|m| m.start == other.start);
+        self.motions.extend(new);
+    }
+
+    /// Adds a motion; the start of an earlier search that came to it.
+    fn visit(&mut self, program: Option<usize>, objective: f64) -> Option<usize> {
+        let mut before = self.motions.iter().filter(|m| m.start != self.start);
+        let visited = before
+            .find(|m| m.program == program && is_same(m.objective, objective, SAME_BETWEEN_STARTS));
+        let visited = visited.map(|motion| motion.start);
+        self.motions.push(RelaxedMotion {
+            start: self.start,
+            program,
+            objective,
+        });
+        visited
+    }
+}
 
 /// How far a program is relaxed: only which contacts close when is read from it.
 #[derive(Clone, Copy)]
@@ -73,50 +127,104 @@ pub(in crate::ocp) fn refined_elements(settings: &Settings, intervals: usize) ->
     LEAST_ELEMENTS.div_ceil(intervals) * settings.refined_elements
 }
 
-/// The contact-implicit phase: distinct motions, the best first; the guess itself if no program could be solved.
-pub(in crate::ocp) fn candidates(
-    runner: &mut Runner,
-    setting: Setting,
-    guess: &Trajectory,
-) -> Result<Vec<Candidate>, InputError> {
-    let finer = LEAST_ELEMENTS.div_ceil(setting.problem.intervals);
-    let elements = refined_elements(runner.settings, setting.problem.intervals);
-    let mut coarse: Vec<Candidate> = Vec::new();
-    let mut fine: Vec<Candidate> = Vec::new();
-    for (per_interval, rule) in COARSE_PROGRAMS {
-        if runner.stopped() {
-            return Ok(Vec::new());
+/// The contact-implicit phase from a guess.
+pub(in crate::ocp) struct CoarseToFine<'a, 'g> {
+    setting: Setting<'a>,
+    guess: &'g Trajectory,
+    /// How many of the first programs were solved.
+    programs: usize,
+    /// Objectives of the distinct motions of the first programs, and of the refined ones.
+    coarse: Vec<f64>,
+    fine: Vec<f64>,
+    /// The start of a search before this one to whose motions it came, too.
+    pub(in crate::ocp) repeats: Option<usize>,
+}
+
+impl<'a, 'g> CoarseToFine<'a, 'g> {
+    pub(in crate::ocp) fn new(setting: Setting<'a>, guess: &'g Trajectory) -> Self {
+        Self {
+            setting,
+            guess,
+            programs: 0,
+            coarse: Vec::new(),
+            fine: Vec::new(),
+            repeats: None,
         }
-        let elements_here = finer * per_interval;
-        let Some(found) = relaxed(runner, setting, guess, elements_here, rule, COARSE)? else {
-            continue;
+    }
+
+    /// The next distinct motion; at last the guess itself, if no program could be solved. Motions that other searches came
+    /// through are not refined again.
+    pub(in crate::ocp) fn next(
+        &mut self,
+        runner: &mut Runner,
+        known: &mut RelaxedMotions,
+    ) -> Result<Option<Candidate>, InputError> {
+        let intervals = self.setting.problem.intervals;
+        let elements = refined_elements(runner.settings, intervals);
+        while let Some(&(per_interval, rule)) = COARSE_PROGRAMS.get(self.programs) {
+            if runner.stopped() {
+                return Ok(None);
+            }
+            let program = self.programs;
+            self.programs += 1;
+            let coarse = LEAST_ELEMENTS.div_ceil(intervals) * per_interval;
+            let Some(found) = relaxed(runner, self.setting, self.guess, coarse, rule, COARSE)?
+            else {
+                continue;
+            };
+            let visited = known.visit(Some(program), found.objective);
+            if !is_new(&mut self.coarse, found.objective) {
+                continue;
+            }
+            if visited.is_some() {
+                self.repeats = visited;
+                continue;
+            }
+            let start = &found.trajectory;
+            let Some(refined) = refined(runner, self.setting, start, elements)? else {
+                continue;
+            };
+            let visited = known.visit(None, refined.objective);
+            let new = is_new(&mut self.fine, refined.objective);
+            // Two programs that lead to the same motion leave little doubt.
+            if !new || visited.is_some() {
+                self.programs = COARSE_PROGRAMS.len();
+            }
+            if new {
+                return Ok(Some(refined));
+            }
+        }
+        self.last(runner, elements)
+    }
+
+    /// What is left where the programs came to nothing.
+    fn last(
+        &mut self,
+        runner: &mut Runner,
+        elements: usize,
+    ) -> Result<Option<Candidate>, InputError> {
+        let none = self.fine.is_empty() && self.repeats.is_none();
+        if !none || runner.stopped() {
+            return Ok(None);
+        }
+        let (setting, guess) = (self.setting, self.guess);
+        let refined = if self.coarse.is_empty() {
+            refined(runner, setting, guess, elements)?
+        } else {
+            None
         };
-        let start = found.trajectory.clone();
-        if !insert(&mut coarse, found) {
-            continue;
-        }
-        // Two programs that lead to the same motion leave little doubt.
-        if let Some(refined) = refined(runner, setting, &start, elements)?
-            && !insert(&mut fine, refined)
-        {
-            break;
-        }
-    }
-    if coarse.is_empty()
-        && let Some(refined) = refined(runner, setting, guess, elements)?
-    {
-        fine.push(refined);
-    }
-    if fine.is_empty() {
-        // Too few elements for the motion, perhaps: the next phase starts from the guess.
-        let sequence = Sequence::without_switches(modes_at_start(setting, guess));
-        fine.push(Candidate {
-            objective: f64::INFINITY,
-            sequence: with_passages(setting.model, sequence, guess, false),
-            trajectory: guess.clone(),
+        let last = refined.unwrap_or_else(|| {
+            // Too few elements for the motion, perhaps: the next phase starts from the guess.
+            let sequence = Sequence::without_switches(modes_at_start(setting, guess));
+            Candidate {
+                objective: f64::INFINITY,
+                sequence: with_passages(setting.model, sequence, guess, false),
+                trajectory: guess.clone(),
+            }
         });
+        self.fine.push(last.objective);
+        Ok(Some(last))
     }
-    Ok(fine)
 }
 
 /// The contact-implicit motion on the grid of the problem that a motion on a coarser grid leads to.
@@ -161,7 +269,8 @@ fn relaxed(
     rule: RelaxationRule,
     relaxation: Relaxation,
 ) -> Result<Option<Candidate>, InputError> {
-    let mut program = ContactImplicit::new(setting, elements, start);
+    let step = runner.settings.step;
+    let mut program = ContactImplicit::new(setting, elements, start, step);
     let mut settings = mpcc::Settings::default();
     settings.rules = vec![rule];
     settings.crossover = false;
@@ -196,15 +305,39 @@ fn relaxed(
     }))
 }
 
-/// Adds a motion to those sorted by objective, unless one with the same objective is there; says whether it did.
-fn insert(motions: &mut Vec<Candidate>, found: Candidate) -> bool {
-    let objective = found.objective;
-    let tolerance = SAME * objective.abs().max(f64::MIN_POSITIVE);
-    let same = |other: &Candidate| (other.objective - objective).abs() <= tolerance;
-    if motions.iter().any(same) {
-        return false;
+/// Adds the objective of a motion to others, unless it is there; says whether it did.
+fn is_new(objectives: &mut Vec<f64>, objective: f64) -> bool {
+    let new = !objectives
+        .iter()
+        .any(|&other| is_same(other, objective, SAME));
+    if new {
+        objectives.push(objective);
     }
-    let place = motions.partition_point(|other| other.objective < objective);
-    motions.insert(place, found);
-    true
+    new
+}
+
+fn is_same(one: f64, objective: f64, tolerance: f64) -> bool {
+    (one - objective).abs() <= tolerance * objective.abs().max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motion_of_another_start_is_known_and_an_own_one_or_that_of_another_program_is_not() {
+        let mut first = RelaxedMotions::default().from(0);
+        assert_eq!(first.visit(Some(0), 2.0), None);
+        assert_eq!(first.visit(Some(0), 2.0), None);
+        let mut known = RelaxedMotions::default();
+        known.extend(first);
+        let mut second = known.clone().from(1);
+        assert_eq!(second.visit(Some(0), 2.0 + 1e-6), Some(0));
+        assert_eq!(second.visit(Some(1), 2.0), None);
+        assert_eq!(second.visit(None, 2.0), None);
+        assert_eq!(second.visit(Some(0), 2.001), None);
+        // What a search was given is not counted twice.
+        known.extend(second);
+        assert_eq!(known.motions.len(), 6);
+    }
 }

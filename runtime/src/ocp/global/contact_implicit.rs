@@ -1,11 +1,14 @@
 //! The global phase: a small contact-implicit program that finds which contacts close when.
 //!
-//! Implicit Euler on equal elements of length `h = T / (N M)`, contact at position level, one
+//! Euler steps on equal elements of length `h = T / (N M)`, contact at position level, one
 //! complementarity pair an element and contact, no switch detection:
 //!
 //! ```text
-//! q+ = q + h v+      v+ = v + h (a(q+, v+, u) + sum_i d_i(q+) r_i)      0 <= r_i  _|_  g_i(q+) >= 0
+//! q+ = q + h v+      v+ = v + h (a(q', v+, u) + sum_i d_i(q') r_i)      0 <= r_i  _|_  g_i(q+) >= 0
 //! ```
+//!
+//! Forces act at `q' = q+`, which damps, or at `q' = q`, which does not: then the step is that of SHAKE, half an element
+//! late in its velocities.
 //!
 //! In the plane Coulomb's law is piecewise linear, and takes two pairs more of a contact with friction: with the parts
 //! of its sliding velocity and what is left of its friction cone on either side,
@@ -35,6 +38,7 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::frame::{Frame, force_name, state_name};
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::program::sparse_program::Program;
+use crate::ocp::settings::EulerStep;
 use crate::simulation::{ContactMode, Direction};
 
 /// Unknowns of a contact in an element.
@@ -100,6 +104,7 @@ impl<'a> ContactImplicit<'a> {
         setting: Setting<'a>,
         per_interval: usize,
         guess: &Trajectory,
+        step: EulerStep,
     ) -> Self {
         let Setting {
             model,
@@ -139,12 +144,13 @@ impl<'a> ContactImplicit<'a> {
             };
             let contacts = contacts(&mut program, setting, &element);
             let forces: Vec<usize> = contacts.iter().map(|contact| contact.force).collect();
+            let ends = [&before[..], step.forced_at(&before[..n], q)];
             motion(
                 &mut program,
                 setting,
                 &element,
                 &contacts,
-                &before,
+                ends,
                 frame.horizon,
             );
             let inputs = [q, v, &u[..]];
@@ -388,13 +394,13 @@ fn piece_gap(
     away
 }
 
-/// Adds the step of implicit Euler of an element from the state `before`.
+/// Adds the step of an element from the state `before`, with forces at the coordinates `forced_at`.
 fn motion(
     program: &mut Program,
     setting: Setting,
     element: &Element,
     contacts: &[Contact],
-    before: &[usize],
+    [before, forced_at]: [&[usize]; 2],
     horizon: usize,
 ) {
     let Setting { model, units, .. } = setting;
@@ -429,14 +435,15 @@ fn motion(
             let half = 0.5 * direction.sign();
             let uses = uses.iter().map(|&(row, k, c)| (row, k, half * c)).collect();
             let kernel = Kernel::Friction(vec![contact]);
-            program.block(&kernel, [q, &[], u, &[side.reserve]], Some(horizon), uses);
+            let inputs = [forced_at, &[], u, &[side.reserve]];
+            program.block(&kernel, inputs, Some(horizon), uses);
         }
     }
     // Dry friction, which has no normal, stands behind the surfaces.
     let surfaces = contacts.iter().filter(|contact| contact.gap.is_some());
     let forces: Vec<usize> = surfaces.map(|contact| contact.force).collect();
     let kernel = Kernel::Acceleration((0..forces.len()).collect());
-    program.block(&kernel, [q, v, u, &forces], Some(horizon), uses);
+    program.block(&kernel, [forced_at, v, u, &forces], Some(horizon), uses);
 }
 
 /// Adds the unknowns and the law of friction of a contact in an element, with the given normal force.

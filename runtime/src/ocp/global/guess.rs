@@ -12,6 +12,9 @@ use crate::simulation::{EventDriven, InputError, simulate_once};
 /// Samples of a guess in each interval.
 const SAMPLES: usize = 4;
 
+/// Half waves by which a motion is bent.
+const WAVES: i32 = 3;
+
 /// The start of the global phase.
 pub(in crate::ocp) fn guess(
     model: &dyn Model,
@@ -184,6 +187,41 @@ fn natural_size(model: &dyn Model, motion: &Trajectory, k: usize) -> f64 {
     sizes.reduce(f64::min).unwrap_or(1.0)
 }
 
+/// A motion with coordinates that are bent by three half waves of up to that share of their range, its horizon scaled by
+/// half as much again: too far to lead back every time, and near enough to lead to a motion like it.
+pub(in crate::ocp) fn bent(
+    motion: Trajectory,
+    model: &dyn Model,
+    problem: &Problem,
+    bend: f64,
+    seed: u64,
+) -> Trajectory {
+    let n = problem.q.len();
+    let mut random = uniform(seed);
+    let mut motion = scaled(motion, problem, || (1.5 * bend * random()).exp());
+    for k in 0..n {
+        let values = || motion.states.iter().map(|x| x[k]);
+        let range =
+            values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
+        let waves: Vec<f64> = (1..=WAVES).map(|_| bend * range * random()).collect();
+        for (x, &time) in motion.states.iter_mut().zip(&motion.time) {
+            let phase = std::f64::consts::PI * time / motion.horizon;
+            for (wave, size) in (1..).zip(&waves) {
+                let (sine, cosine) = (f64::from(wave) * phase).sin_cos();
+                x[k] += size * sine;
+                x[n + k] += size * f64::from(wave) * std::f64::consts::PI / motion.horizon * cosine;
+            }
+        }
+    }
+    for (x, &time) in motion.states.iter_mut().zip(&motion.time) {
+        let intervals = motion.controls.intervals() as f64;
+        let controls = motion.controls.at(intervals * time / motion.horizon);
+        let driven = drive(model, &controls, time);
+        *x = with_forces(model, x[..2 * n].to_vec(), &driven);
+    }
+    motion
+}
+
 /// Random controls within a quarter of their range, the horizon scaled by up to 15 %, and every coordinate
 /// bent by up to a twentieth of the distance to its goal.
 fn perturbed(
@@ -222,4 +260,48 @@ fn perturbed(
         *x = with_forces(model, x[..2 * n].to_vec(), &driven);
     }
     motion
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ocp::problem::bounds;
+
+    crate::model! {
+        /// A cart that is pushed to a goal.
+        Cart {
+            parameters { m: kg = 2 }
+            coordinates { y: m }
+            controls { u: N in -1..=1 }
+            lagrangian m/2*dot(y)^2
+            forces { y: u }
+            minimize time
+            finally { y == 3[m] }
+        }
+    }
+
+    #[test]
+    fn bent_motion_keeps_its_ends_and_its_velocities_are_those_of_its_coordinates() {
+        let cart = Cart::default();
+        let problem = Problem::of(&cart, 200);
+        let (lower, upper) = bounds(&cart);
+        let guessed = guess(&cart, &problem, &Guess::Straight, (&lower, &upper)).expect("a guess");
+        let ends = |motion: &Trajectory| (motion.states[0][0], motion.states.last().unwrap()[0]);
+        let motion = bent(guessed.clone(), &cart, &problem, 0.3, 7);
+        let (first, last) = ends(&motion);
+        let (own_first, own_last) = ends(&guessed);
+        assert!((first - own_first).abs() < 1e-12 && (last - own_last).abs() < 1e-12);
+        let middle = motion.states.len() / 2;
+        assert!((motion.states[middle][0] - guessed.states[middle][0]).abs() > 1e-3);
+        // The straight motion keeps its speed over another time: what is bent is added to it.
+        let stretch = guessed.horizon / motion.horizon;
+        for (i, window) in motion.states.windows(3).enumerate() {
+            let step = motion.time[i + 2] - motion.time[i];
+            let slope = (window[2][0] - window[0][0]) / step;
+            let known = guessed.states[i + 1][1];
+            let speed = window[1][1] + known * (stretch - 1.0);
+            // Central differences over 1/400 of a sine of at most three half waves.
+            assert!((slope - speed).abs() < 1e-3, "{i}: {slope} {speed}");
+        }
+    }
 }

@@ -25,6 +25,11 @@ use crate::simulation::{
     EventKind, InputError, ProblemSize, Residuals, Simulation, SimulationStatus,
 };
 
+/// Distance of plan and re-simulation within which they may be the same motion \[m or rad\].
+const SAME_MOTION: f64 = 1e-3;
+/// Relative difference of the objective within which a plan with another discretization is taken for the same local optimum.
+const SAME_OBJECTIVE: f64 = 0.1;
+
 /// The judgement of a local optimum: re-simulated, with more elements where they are needed, and else with the schemes
 /// of `tableaus`, of growing order, as long as the plan does not agree with the simulation.
 pub(in crate::ocp) fn judge<'a>(
@@ -38,6 +43,15 @@ pub(in crate::ocp) fn judge<'a>(
     let coarse = elements.clone();
     let cuts = local.cuts.clone();
     let mut plan = Plan::of(&local);
+    let first = plan.objective;
+    // Nothing is proved of another local optimum.
+    let proved = |again: &Local| {
+        if excess_of(again, first).abs() <= SAME_OBJECTIVE {
+            stationarity
+        } else {
+            Stationarity::None
+        }
+    };
     let mut solution = confirm(runner, setting, &elements, local, stationarity)?;
     for _ in 0..ROUNDS {
         let unconfirmed = !runner.stopped() && solution.status == Status::Unconfirmed;
@@ -49,6 +63,7 @@ pub(in crate::ocp) fn judge<'a>(
             break;
         };
         plan = Plan::of(&better);
+        let stationarity = proved(&better);
         solution = confirm(runner, setting, &elements, better, stationarity)?;
     }
     for tableau in tableaus {
@@ -60,7 +75,19 @@ pub(in crate::ocp) fn judge<'a>(
             break;
         };
         plan = Plan::of(&better);
+        let stationarity = proved(&better);
         solution = confirm(runner, setting, &coarse, better, stationarity)?;
+    }
+    // A motion that is the same may be another sequence to the simulation: what is proved of the plan's is not of that one.
+    if !runner.stopped()
+        && solution.status == Status::Unconfirmed
+        && let Some(seen) = plan.as_simulated(setting, &solution)
+        && let Some(better) = seen.again(runner, setting, &elements, &[])?
+    {
+        let other = confirm(runner, setting, &elements, better, Stationarity::None)?;
+        if other.status != Status::Unconfirmed {
+            return Ok(other);
+        }
     }
     Ok(solution)
 }
@@ -69,6 +96,7 @@ pub(in crate::ocp) fn judge<'a>(
 struct Plan {
     sequence: Sequence,
     trajectory: Trajectory,
+    objective: f64,
 }
 
 impl Plan {
@@ -76,10 +104,27 @@ impl Plan {
         Self {
             sequence: local.sequence.clone(),
             trajectory: local.trajectory.clone(),
+            objective: local.solution.objective,
         }
     }
 
-    /// The plan with another discretization, if there is one.
+    /// The plan with the contact sequence of its re-simulation, where that is another one of the same motion.
+    fn as_simulated(&self, setting: Setting, solution: &Solution) -> Option<Self> {
+        let motion = solution.motion.as_ref()?;
+        if solution.disagreement.is_none() || solution.resimulation_error > SAME_MOTION {
+            return None;
+        }
+        let read = read_replay(setting, motion, &self.trajectory);
+        let sequence = read.ordered(setting.problem.intervals)?;
+        let other = sequence.signature() != self.sequence.signature();
+        other.then(|| Self {
+            sequence,
+            trajectory: self.trajectory.clone(),
+            objective: self.objective,
+        })
+    }
+
+    /// The plan with another discretization, if there is one that is not much worse: then it is another local optimum.
     fn again<'a>(
         &self,
         runner: &mut Runner,
@@ -95,8 +140,15 @@ impl Plan {
             purpose: Purpose::Compare,
         };
         attempts.attempt(runner, attempt)?;
-        Ok(attempts.best)
+        let best = attempts.best;
+        Ok(best.filter(|again| excess_of(again, self.objective) <= SAME_OBJECTIVE))
     }
+}
+
+/// By how much the objective of a plan exceeds another one, relative to that.
+fn excess_of(plan: &Local, objective: f64) -> f64 {
+    let size = plan.program.program.objective_unit();
+    (plan.solution.objective - objective) / objective.abs().max(size)
 }
 
 /// Re-simulates a plan and compares.

@@ -3,28 +3,32 @@
 use hangtime_solver::mpcc::Stationarity;
 
 use super::attempt::{Attempt, Attempts, Local, Purpose};
-use super::repair::repair;
+use super::repair::{Repaired, repair};
 use super::replay::{read_replay, simulate};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
-use crate::ocp::global::{coarse_to_fine, time_freezing_search};
+use crate::ocp::global::coarse_to_fine::{CoarseToFine, RelaxedMotions};
+use crate::ocp::global::time_freezing_search;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::edit_sequence::{ending, tidied, touching, untouched, without_jumps};
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
-use crate::ocp::settings::Formulation;
+use crate::ocp::settings::{Formulation, TimeFreezingSettings};
 use crate::ocp::solution::TimeFreezingReport;
 use crate::simulation::{InputError, SimulationStatus};
 
 /// Most switches of short contacts and flights for which a sequence is tried with them, too.
 const SHORT_SWITCHES: usize = 2;
 
-/// The local optima that a search has found, the best first, with what is proved about their sequences.
+/// What a search has found.
 #[derive(Default)]
 pub(in crate::ocp) struct Found<'a> {
+    /// The local optima, the best first, with what is proved about their sequences.
     pub(in crate::ocp) optima: Vec<(Local<'a>, Stationarity)>,
+    /// The start of a search before this one that came to where this one does, too.
+    pub(in crate::ocp) repeats: Option<usize>,
     /// The complementarity problem before the polish, where it was asked for.
     pub(in crate::ocp) time_freezing: Option<TimeFreezingReport>,
 }
@@ -33,6 +37,8 @@ pub(in crate::ocp) struct Found<'a> {
 pub(in crate::ocp) struct Search<'a, 'e> {
     pub(in crate::ocp) attempts: Attempts<'a, 'e>,
     pub(in crate::ocp) found: Found<'a>,
+    /// The relaxed motions that it and the searches before it came through.
+    pub(in crate::ocp) relaxed: RelaxedMotions,
 }
 
 impl<'a> Search<'a, '_> {
@@ -47,35 +53,71 @@ impl<'a> Search<'a, '_> {
         if runner.stopped() {
             return Ok(());
         }
-        let setting = self.attempts.setting;
-        let known = runner.take_failure();
-        let relaxed = match &runner.settings.formulation {
-            Formulation::Phases => coarse_to_fine::candidates(runner, setting, guess)?,
-            Formulation::TimeFreezing(formulation) => {
-                let (report, candidate) = time_freezing_search::candidate(
-                    runner,
-                    setting,
-                    formulation,
-                    guess,
-                    simulated,
-                )?;
-                self.found.time_freezing = Some(report);
-                candidate.into_iter().collect()
-            }
-        };
-        let bouncing = bouncing(runner, setting, guess)?;
-        if known.is_some() || !relaxed.is_empty() {
-            // Rows of the programs of contact sequences say more than those of relaxed ones.
-            runner.set_failure(known);
+        if let Some(bouncing) = bouncing(runner, self.attempts.setting, guess)? {
+            self.try_candidate(runner, bouncing, false)?;
         }
-        let relaxed = relaxed.into_iter().take(runner.settings.refined_motions);
-        for candidate in bouncing.into_iter().chain(relaxed) {
-            if runner.stopped() {
+        match &runner.settings.formulation {
+            Formulation::Phases => self.try_relaxed(runner, guess),
+            Formulation::TimeFreezing(formulation) => {
+                self.try_time_freezing(runner, formulation, guess, simulated)
+            }
+        }
+    }
+
+    /// The same of contact-implicit programs: the best of their motions, or, after other searches, one after the other up to
+    /// where one of these was before.
+    fn try_relaxed(&mut self, runner: &mut Runner, guess: &Trajectory) -> Result<(), InputError> {
+        let first = self.relaxed.are_none();
+        let mut left = runner.settings.refined_motions;
+        let mut phase = CoarseToFine::new(self.attempts.setting, guess);
+        let before = self.found.repeats.take();
+        while left > 0 && self.found.repeats.is_none() && !runner.stopped() {
+            let failure = runner.take_failure();
+            let mut found: Vec<Candidate> = Vec::new();
+            while (first || found.is_empty())
+                && let Some(candidate) = phase.next(runner, &mut self.relaxed)?
+            {
+                found.push(candidate);
+            }
+            if failure.is_some() || !found.is_empty() {
+                // Rows of the programs of contact sequences say more than those of relaxed ones.
+                runner.set_failure(failure);
+            }
+            if found.is_empty() {
                 break;
             }
-            self.try_candidate(runner, candidate, false)?;
+            found.sort_by(|a, b| a.objective.total_cmp(&b.objective));
+            for candidate in found.into_iter().take(left) {
+                left -= 1;
+                if !runner.stopped() {
+                    self.try_candidate(runner, candidate, false)?;
+                }
+            }
         }
+        self.found.repeats = self.found.repeats.or(phase.repeats).or(before);
         Ok(())
+    }
+
+    /// The same of the program of the time-freezing formulation.
+    fn try_time_freezing(
+        &mut self,
+        runner: &mut Runner,
+        formulation: &TimeFreezingSettings,
+        guess: &Trajectory,
+        simulated: bool,
+    ) -> Result<(), InputError> {
+        let setting = self.attempts.setting;
+        let failure = runner.take_failure();
+        let (report, candidate) =
+            time_freezing_search::candidate(runner, setting, formulation, guess, simulated)?;
+        self.found.time_freezing = Some(report);
+        if failure.is_some() || candidate.is_some() {
+            runner.set_failure(failure);
+        }
+        match candidate {
+            Some(candidate) if !runner.stopped() => self.try_candidate(runner, candidate, false),
+            _ => Ok(()),
+        }
     }
 
     /// Whether a plan lies at an end of the final times that are looked at.
@@ -84,27 +126,43 @@ impl<'a> Search<'a, '_> {
         range.end_at(plan.trajectory.horizon).is_some()
     }
 
-    /// Adds the local optimum that a candidate leads to; of one that is known to be near, by the first sequence that
-    /// allows a motion.
+    /// Adds the local optimum that a candidate leads to, unless it was visited before; of one `near` to it, as that known
+    /// motion is, by the first sequence that allows a motion.
     pub(in crate::ocp) fn try_candidate(
         &mut self,
         runner: &mut Runner,
         candidate: Candidate,
         near: bool,
     ) -> Result<(), InputError> {
-        attempt_readings(runner, &mut self.attempts, candidate, near)?;
-        // A plan at an end of the final times that are looked at is none: they are moved.
-        let best = self.attempts.best.as_ref();
-        let stationarity = if best.is_some_and(|best| self.lies_at_an_end(best)) {
-            Stationarity::None
-        } else {
-            repair(runner, &mut self.attempts)?
+        let visits = self.attempts.visits();
+        attempt_readings(runner, &mut self.attempts, candidate, near, visits)?;
+        let Some(best) = &self.attempts.best else {
+            return Ok(());
         };
-        if let Some(best) = self.attempts.best.take() {
-            let objective = best.solution.objective;
+        // A plan at an end of the final times that are looked at is none: they are moved.
+        let repaired = if self.lies_at_an_end(best) {
+            Repaired::Best(Stationarity::None)
+        } else {
+            repair(runner, &mut self.attempts, visits)?
+        };
+        let best = self.attempts.best.take();
+        let outdone = self.attempts.outdone.take();
+        let stationarity = match repaired {
+            Repaired::Best(stationarity) => stationarity,
+            Repaired::Visited { start } => {
+                self.found.repeats = Some(start);
+                return Ok(());
+            }
+        };
+        // The one before it is what is left where the re-simulation does not confirm it.
+        let outdone = outdone.filter(|_| runner.effort == Effort::Certify);
+        let found = best.map(|best| (best, stationarity)).into_iter();
+        let found = found.chain(outdone.map(|outdone| (outdone, Stationarity::None)));
+        for (local, stationarity) in found {
+            let objective = local.solution.objective;
             let optima = &mut self.found.optima;
             let place = optima.partition_point(|(l, _)| l.solution.objective < objective);
-            optima.insert(place, (best, stationarity));
+            optima.insert(place, (local, stationarity));
         }
         Ok(())
     }
@@ -144,6 +202,7 @@ fn attempt_readings(
     attempts: &mut Attempts,
     candidate: Candidate,
     near: bool,
+    visits: usize,
 ) -> Result<(), InputError> {
     let setting = attempts.setting;
     let intervals = setting.problem.intervals;
@@ -164,7 +223,9 @@ fn attempt_readings(
         let Some(sequence) = sequence.ordered(intervals) else {
             continue;
         };
-        let enough = runner.stopped() || near && attempts.best.is_some();
+        let enough = runner.stopped()
+            || near && attempts.best.is_some()
+            || attempts.visited_from(visits).is_some();
         if !enough && !attempts.was_tried(&sequence) {
             let attempt = Attempt {
                 sequence: &sequence,

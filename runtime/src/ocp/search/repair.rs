@@ -14,27 +14,40 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::simulation::InputError;
 
-/// Follows improving neighbours of the best, and sequences in other basins, until there is none; says what was proved.
+/// Where a repair ended.
+pub(super) enum Repaired {
+    /// At the best, with what was proved about it.
+    Best(Stationarity),
+    /// Where the search from a start was before.
+    Visited { start: usize },
+}
+
+/// Follows improving neighbours of the best, and sequences in other basins, until there is none, or until it comes to one
+/// of the first so many visits.
 pub(super) fn repair(
     runner: &mut Runner,
     attempts: &mut Attempts,
-) -> Result<Stationarity, InputError> {
+    visits: usize,
+) -> Result<Repaired, InputError> {
     loop {
+        if let Some(start) = attempts.visited_from(visits) {
+            return Ok(Repaired::Visited { start });
+        }
         let Some(best) = &attempts.best else {
-            return Ok(Stationarity::None);
+            return Ok(Repaired::Best(Stationarity::None));
         };
         let around = Around::of(best, attempts, runner);
         let compared = compare(runner, attempts, &around)?;
         if compared == Compared::Incomplete {
-            return Ok(Stationarity::None);
+            return Ok(Repaired::Best(Stationarity::None));
         }
         let improved = compared == Compared::Improved || explore(runner, attempts, &around)?;
         if !improved {
-            return Ok(match compared {
+            return Ok(Repaired::Best(match compared {
                 Compared::Undecided => Stationarity::None,
                 _ if around.neighbours.is_empty() => Stationarity::S,
                 _ => Stationarity::B,
-            });
+            }));
         }
         runner.counts.repairs += 1;
     }

@@ -7,10 +7,9 @@
 
 use hangtime_solver::mpcc::Stationarity;
 
-use super::one_grid::{Round, Start, solve_round};
+use super::one_grid::{Round, Start, Trace, solve_round};
 use crate::model::Model;
 use crate::ocp::problem::{Horizon, Problem};
-use crate::ocp::progress::Watch;
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
 use crate::simulation::InputError;
@@ -35,8 +34,10 @@ pub(super) fn solve_grid<'s>(
     problem: &Problem,
     settings: &'s Settings,
     start: Start<'s>,
-) -> Result<(Solution, Watch<'s>), InputError> {
+) -> Result<(Solution, Trace), InputError> {
     let mut start = start;
+    let others = start.known.clone();
+    let mut known = others.clone();
     let effort = start.effort;
     let mut centre: Option<f64> = None;
     let mut before: Option<Before> = None;
@@ -45,23 +46,18 @@ pub(super) fn solve_grid<'s>(
     let mut looked_at = None;
     let mut moves = 0;
     loop {
-        let moved = Problem {
-            horizon: match (problem.horizon, centre) {
-                (Horizon::Free { .. }, Some(_)) => Horizon::Free { guess: centre },
-                (horizon, _) => horizon,
-            },
-            ..problem.clone()
-        };
+        let moved = around(problem, centre);
         let coarser = start.coarser.clone();
-        let known = match (&before, &coarser) {
+        let controls = match (&before, &coarser) {
             (Some(before), _) => before.plan.controls.clone(),
             (None, Some(coarser)) => coarser.controls(),
             (None, None) => Vec::new(),
         };
-        let round = solve_round(model, &moved, settings, start, centre, &known)?;
+        let round = solve_round(model, &moved, settings, start, centre, &controls)?;
         let Round {
             mut solution,
             watch,
+            mut trace,
             range,
             next,
             of_another_size,
@@ -75,13 +71,16 @@ pub(super) fn solve_grid<'s>(
         });
         let (at_an_end, off_units) = (next.is_some(), off_centre || of_another_size);
         let next = next.or_else(|| off_units.then_some(solution.horizon));
-        let next = next.filter(|_| solution.status != Status::Interrupted && moves < MOVES);
+        known.extend(trace.known);
+        let goes_on = trace.repeats.is_none() && solution.status != Status::Interrupted;
+        let next = next.filter(|_| goes_on && moves < MOVES);
         if let Some(next) = next {
             start = Start {
                 watch,
                 counts: solution.counts,
                 seconds: solution.seconds,
                 coarser,
+                known: others.clone(),
                 effort,
             };
             if is_found(&solution) {
@@ -105,7 +104,19 @@ pub(super) fn solve_grid<'s>(
             final_times,
             ..conclusion(solution, inside, before, failed)
         };
-        return Ok((solution, watch));
+        trace.known = known;
+        return Ok((solution, trace));
+    }
+}
+
+/// The problem with a free final time around a centre, if there is one.
+fn around(problem: &Problem, centre: Option<f64>) -> Problem {
+    Problem {
+        horizon: match (problem.horizon, centre) {
+            (Horizon::Free { .. }, Some(_)) => Horizon::Free { guess: centre },
+            (horizon, _) => horizon,
+        },
+        ..problem.clone()
     }
 }
 

@@ -2,14 +2,14 @@
 //!
 //! Contact sequences are looked for where programs are small, on the coarsest grids whose intervals are made up of those
 //! of the grid asked for. A motion goes from there to all multiples of its grid that divide the one asked for, and is kept
-//! where a finer grid ends at a worse one. So the result is never worse than what was found on the way. That says nothing
-//! about another call on a coarser grid, which may look from more starts on it, and decides the neighbours there.
+//! where a finer grid ends at a worse one. So the result is never worse than what was
+//! found on the way. That says nothing about another call on a coarser grid, which may look from more starts on it, and
+//! decides the neighbours there.
 
-use rayon::prelude::*;
-
-use super::optima::{Found, is_better, is_same, result, sort};
+use super::one_grid::Known;
+use super::optima::{Found, is_better, is_same, rank, result, sort};
 use super::portfolio::explore;
-use super::run::Task;
+use super::run::{NOT_WORSE, Task, is_confirmed};
 use super::shared_observer::SharedObserver;
 use crate::Observer;
 use crate::model::Model;
@@ -142,39 +142,97 @@ fn look(task: &Task, starts: usize, seen: &mut Vec<Found>) -> Result<Vec<Found>,
     }
 }
 
-/// The motions on this grid that those on coarser grids lead to, which are added to `seen`.
+/// The motions on this grid that those on coarser grids lead to, which are added to `seen`; one that comes to where another
+/// one does ends there.
 fn carry(task: &Task, from: &[Found], seen: &mut Vec<Found>) -> Result<Vec<Found>, InputError> {
-    let carried = from.par_iter();
-    let carried = carried.map(|from| task.carry(from, Effort::Carry));
-    let found = carried.collect::<Result<Vec<_>, _>>()?;
+    let mut known = Known::default();
+    let mut found = Vec::new();
+    for (index, from) in from.iter().enumerate() {
+        let (carried, trace) = task.carry(from, Effort::Carry, known.from(index))?;
+        known.extend(trace.known);
+        found.push(carried);
+    }
     seen.extend(found.iter().cloned());
     Ok(found)
 }
 
-/// Decides the neighbours of the best motion; without one that is confirmed, looks once more on the grid asked for, with all
-/// programs.
-fn conclude(task: &Task, found: &mut [Found], seen: &mut Vec<Found>) -> Result<(), InputError> {
-    let Some(best) = found.first_mut() else {
+/// Decides the neighbours of the best motion that is confirmed as the settings ask for; without one, looks once more on
+/// the grid asked for, with all programs. The result is the first of `found` then.
+fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Result<(), InputError> {
+    let mut best: Option<Found> = None;
+    for one in std::mem::take(found) {
+        let objective = one.solution.objective;
+        if best
+            .as_ref()
+            .is_some_and(|best| is_as_good(&best.solution, objective))
+        {
+            break;
+        }
+        let one = judged(task, one, seen)?;
+        if best.as_ref().is_none_or(|best| is_better(&one, best)) {
+            best = Some(one);
+        }
+    }
+    let Some(best) = best else {
         return Ok(());
     };
-    if task.observer.stopped() {
-        return Ok(());
-    }
-    let other = match best.solution.status {
-        Status::Solved | Status::Unbounded => return Ok(()),
-        Status::Uncertified => task.carry(best, Effort::Certify)?,
-        _ => task.solve_from(0, task.settings, Effort::Certify)?,
+    let failed =
+        !matches!(rank(&best.solution).0, 0 | 1) && best.solution.status != Status::Unbounded;
+    *found = if failed && !task.observer.stopped() {
+        let other = task.solve_from(0, task.settings, Effort::Certify)?;
+        seen.push(other.clone());
+        vec![if is_better(&other, &best) {
+            other
+        } else {
+            best
+        }]
+    } else {
+        vec![best]
     };
-    seen.push(other.clone());
-    if best.solution.status == Status::Uncertified || is_better(&other, best) {
-        *best = other;
-    }
     Ok(())
 }
 
-/// The best distinct motions that go on, the best first; without any, one of the failures.
+/// A motion on the grid of the task as what its re-simulation and its neighbours come to; what is known of that is left.
+fn judged(task: &Task, one: Found, seen: &mut Vec<Found>) -> Result<Found, InputError> {
+    let judged = match one.solution.status {
+        Status::Solved => is_confirmed(&one.solution, task.settings),
+        Status::Uncertified | Status::Unconfirmed => false,
+        _ => true,
+    };
+    if judged || task.observer.stopped() {
+        return Ok(one);
+    }
+    let (carried, _) = task.carry(&one, Effort::Certify, Known::default())?;
+    seen.push(carried.clone());
+    Ok(carried)
+}
+
+/// Whether a solution is confirmed and as good as an objective.
+fn is_as_good(solution: &Solution, objective: f64) -> bool {
+    let (class, own) = rank(solution);
+    class == 0 && own <= objective + NOT_WORSE * objective.abs()
+}
+
+/// The best distinct motions that go on, the best first, after a plan that would be better than these if it were confirmed;
+/// without any, one of the failures.
 fn best_of(mut found: Vec<Found>) -> Vec<Found> {
     sort(&mut found);
+    let least = found
+        .first()
+        .map_or(f64::NAN, |best| best.solution.objective);
+    let plan = found.iter().find(|found| {
+        found.solution.status == Status::Unconfirmed && found.solution.objective < least
+    });
+    let plan = plan.cloned();
+    let mut best = distinct(found);
+    if let Some(plan) = plan {
+        best.insert(0, plan);
+    }
+    best
+}
+
+/// The best distinct motions of those that are sorted; without any, one of the failures.
+fn distinct(found: Vec<Found>) -> Vec<Found> {
     let mut best: Vec<Found> = Vec::new();
     for one in found {
         let Some(first) = best.first() else {

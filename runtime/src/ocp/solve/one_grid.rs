@@ -7,8 +7,8 @@ use hangtime_solver::nlp;
 use crate::model::Model;
 use crate::ocp::collocation::discretization::{Places, Setting, parabolas};
 use crate::ocp::effort::Effort;
-use crate::ocp::global::coarse_to_fine;
-use crate::ocp::global::guess::guess;
+use crate::ocp::global::coarse_to_fine::{self, RelaxedMotions};
+use crate::ocp::global::guess::{bent, guess};
 use crate::ocp::judge::confirm::judge;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
@@ -17,7 +17,7 @@ use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::runner::Runner;
 use crate::ocp::program::units::Units;
 use crate::ocp::progress::Watch;
-use crate::ocp::search::attempt::{Attempts, Local};
+use crate::ocp::search::attempt::{Attempts, Local, Visited};
 use crate::ocp::search::candidates::{Found, Search};
 use crate::ocp::search::ride::ride;
 use crate::ocp::settings::{Guess, Settings};
@@ -35,13 +35,82 @@ pub(super) struct Start<'s> {
     pub(super) seconds: Seconds,
     /// The motion on a coarser grid.
     pub(super) coarser: Option<Previous>,
+    pub(super) known: Known,
     pub(super) effort: Effort,
+}
+
+/// What searches from other starts came through on a grid.
+#[derive(Clone, Default)]
+pub(super) struct Known {
+    /// Start of the present search.
+    pub(super) start: usize,
+    pub(super) visited: Vec<Visited>,
+    pub(super) relaxed: RelaxedMotions,
+    /// A motion near which to look, instead of near the guess, and the share of its range by which it is bent.
+    pub(super) near: Option<(Previous, f64)>,
+}
+
+impl Known {
+    /// Adds what the search from another start came through.
+    pub(super) fn extend(&mut self, other: Self) {
+        let new = other.visited.into_iter();
+        self.visited
+            .extend(new.filter(|visited| visited.start == other.start));
+        self.relaxed.extend(other.relaxed);
+    }
+
+    /// The motion near which to look, bent, on the grid of a problem.
+    fn bent(&self, model: &dyn Model, problem: &Problem) -> Result<Option<Trajectory>, InputError> {
+        let Some((near, bend)) = &self.near else {
+            return Ok(None);
+        };
+        let motion = near.trajectory(model, problem)?;
+        Ok(Some(bent(motion, model, problem, *bend, self.start as u64)))
+    }
+
+    /// The same for the search from another start.
+    pub(super) fn from(&self, start: usize) -> Self {
+        Self {
+            start,
+            visited: self.visited.clone(),
+            relaxed: self.relaxed.clone().from(start),
+            near: None,
+        }
+    }
+}
+
+/// What a search leaves for those after it.
+#[derive(Default)]
+pub(super) struct Trace {
+    pub(super) known: Known,
+    /// The start of a search before it that came to where it does, where it comes to nothing else.
+    pub(super) repeats: Option<usize>,
+}
+
+impl Trace {
+    /// That of a search from a start, and what it has found.
+    fn of<'a>(start: usize, search: Search<'a, '_>) -> (Self, Found<'a>) {
+        let Search {
+            found,
+            attempts,
+            relaxed,
+        } = search;
+        let known = Known {
+            start,
+            visited: attempts.into_visited(),
+            relaxed,
+            near: None,
+        };
+        let repeats = found.repeats.filter(|_| found.optima.is_empty());
+        (Self { known, repeats }, found)
+    }
 }
 
 /// What a search around one guess has come to.
 pub(super) struct Round<'s> {
     pub(super) solution: Solution,
     pub(super) watch: Watch<'s>,
+    pub(super) trace: Trace,
     /// The final times that were looked at.
     pub(super) range: FinalTimes,
     /// The end of them at which the plan lies, or the nearest point of a program without a solution.
@@ -63,9 +132,10 @@ pub(super) fn solve_round<'s>(
     let (lower, upper) = bounds(model);
     let bounds = (&lower[..], &upper[..]);
     let coarser = start.coarser;
-    let guessed = match &coarser {
-        Some(coarser) => coarser.trajectory(model, problem)?,
-        None => guess(model, problem, &settings.guess, bounds)?,
+    let guessed = match (&coarser, start.known.bent(model, problem)?) {
+        (Some(coarser), _) => coarser.trajectory(model, problem)?,
+        (None, Some(bent)) => bent,
+        (None, None) => guess(model, problem, &settings.guess, bounds)?,
     };
     let guessed = match centre {
         Some(centre) => guessed.stretched(centre),
@@ -77,10 +147,7 @@ pub(super) fn solve_round<'s>(
     } else {
         units
     };
-    let stages = (settings.stages..=ButcherTableau::MAX_STAGES).step_by(MORE_STAGES);
-    let tableaus: Vec<ButcherTableau> = stages
-        .filter_map(|stages| ButcherTableau::new(Scheme::RadauIia, stages))
-        .collect();
+    let tableaus = tableaus(settings.stages);
     let Some((tableau, finer)) = tableaus.split_first() else {
         return Err(settings.refuse_stages());
     };
@@ -104,13 +171,15 @@ pub(super) fn solve_round<'s>(
         start.effort,
     );
     let elements = vec![settings.elements; problem.intervals];
+    let origin = start.known.start;
     let mut search = Search {
-        attempts: Attempts::new(setting, &elements),
+        attempts: Attempts::new(setting, &elements).after(origin, start.known.visited),
+        relaxed: start.known.relaxed,
         found: Found::default(),
     };
     let feasible = find(&mut runner, &mut search, &guessed, coarser.as_ref())?;
-    let found = search.found;
     let nearest = runner.nearest_horizon();
+    let (trace, found) = Trace::of(origin, search);
     let mut solution = best(&mut runner, setting, finer, found.optima, feasible)?;
     solution.time_freezing = found.time_freezing;
     let range = setting.final_times();
@@ -123,9 +192,17 @@ pub(super) fn solve_round<'s>(
         of_another_size,
         solution,
         watch: runner.into_watch(),
+        trace,
         range,
         next: time.and_then(|time| range.end_at(time)),
     })
+}
+
+/// The schemes of a plan, of growing order.
+fn tableaus(stages: usize) -> Vec<ButcherTableau> {
+    let stages = (stages..=ButcherTableau::MAX_STAGES).step_by(MORE_STAGES);
+    let tableaus = stages.filter_map(|stages| ButcherTableau::new(Scheme::RadauIia, stages));
+    tableaus.collect()
 }
 
 /// Looks for local optima from a known motion, or else from the guess, or else from the ride without controls. Whether
@@ -148,21 +225,23 @@ fn find(
         search.try_candidate(runner, candidate, coarser.is_some())?;
     }
     // Its switches lie elsewhere on the finer grid, and a contact-implicit program on that grid says where.
-    let carried = runner.effort == Effort::Carry || search.found.optima.is_empty();
+    let none = search.found.optima.is_empty();
+    let looks = none || runner.effort == Effort::Carry && search.found.repeats.is_none();
     if coarser.is_some()
-        && carried
+        && looks
         && !runner.stopped()
         && let Some(candidate) = coarse_to_fine::on_this_grid(runner, setting, guessed)?
     {
         search.try_candidate(runner, candidate, true)?;
     }
     // Without a previous motion, or too far from it: search.
-    if search.found.optima.is_empty() {
+    let none = search.found.optima.is_empty();
+    if none && (coarser.is_none() || search.found.repeats.is_none()) {
         let simulated = matches!(settings.guess, Guess::Ride | Guess::Random(_));
         search.try_guess(runner, guessed, simulated)?;
     }
     // The ride without controls obeys the dynamics, which is what other guesses may be too far from.
-    let none = search.found.optima.is_empty();
+    let none = search.found.optima.is_empty() && search.found.repeats.is_none();
     if none && !matches!(settings.guess, Guess::Ride) && !runner.stopped() {
         let Setting {
             model,
@@ -174,7 +253,8 @@ fn find(
         search.try_guess(runner, &ride, true)?;
     }
     // Up to where it comes nearest to the goals it is a motion itself.
-    if !search.found.optima.is_empty() || runner.stopped() {
+    let none = search.found.optima.is_empty() && search.found.repeats.is_none();
+    if !none || runner.stopped() {
         return Ok(false);
     }
     let Some(ride) = ride(runner.settings.replay_tolerance, setting)? else {

@@ -1,19 +1,29 @@
-//! Exploration on a coarse grid: motions from several starts side by side, until they bring nothing new.
+//! Exploration on a coarse grid: motions from several starts side by side, until several agree on the best.
 //!
 //! Programs on a coarse grid are small, so that many starts cost less than one program of the grid asked for. Starts are
-//! solved in batches of a fixed size, each start by itself: what comes out does not depend on the number of threads.
+//! solved in batches of a fixed size, each start by itself: what comes out does not depend on the number of threads. A
+//! start ends where one of an earlier batch was before, which makes those cheap that bring nothing new; after the first
+//! batch every second one begins at the best motion so far, bent out of shape, which finds what random motions seldom do.
 
 use rayon::prelude::*;
 
+use super::one_grid::Known;
 use super::optima::{Found, rank};
 use super::run::Task;
 use crate::ocp::effort::Effort;
-use crate::ocp::settings::{Guess, Settings};
+use crate::ocp::settings::{EulerStep, Guess, Settings};
+use crate::ocp::solution::Solution;
 use crate::simulation::InputError;
 
-/// Starts that are solved side by side before it is asked whether they are enough: of fewer, two that agree may have
-/// fallen into the same trap.
+/// Starts that are solved side by side before it is asked whether they are enough.
 const BATCH: usize = 4;
+
+/// Starts that lead to the best motion where it is not looked for from more: of fewer, all may have fallen into the same
+/// trap.
+const AGREEING: usize = 4;
+
+/// Shares of its range by which the best motion is bent for starts near it, in turn.
+const BENDS: [f64; 2] = [0.1, 0.3];
 
 /// Most iterations of a program of a start: of several, some take few.
 const ITERATIONS: usize = 250;
@@ -31,13 +41,34 @@ pub(super) fn explore(task: &Task, starts: usize) -> Result<Vec<Found>, InputErr
         return Ok(vec![task.solve_from(0, task.settings, Effort::Certify)?]);
     }
     let mut all: Vec<Found> = Vec::new();
+    let mut known = Known::default();
     while all.len() < starts {
-        let batch = all.len()..starts.min(all.len() + BATCH);
-        let found = batch
-            .into_par_iter()
-            .map(|start| task.solve_from(start, &member(task.settings, start), Effort::Explore))
-            .collect::<Result<Vec<_>, _>>()?;
-        all.extend(found);
+        // The first start alone: where it leads to is what others need not look for.
+        let end = match all.len() {
+            0 => 1,
+            solved => (solved / BATCH + 1) * BATCH,
+        };
+        let batch = all.len()..starts.min(end);
+        let best = best(&all);
+        let runs = batch.into_par_iter().map(|start| {
+            let settings = member(task.settings, start);
+            let near = best.filter(|_| looks_near_the_best(start));
+            let near = near.and_then(|best| best.solution.previous.clone());
+            let known = Known {
+                near: near.map(|near| (near, BENDS[start / 2 % BENDS.len()])),
+                ..known.from(start)
+            };
+            task.solve_after(&settings, Effort::Explore, known)
+        });
+        let runs = runs.collect::<Result<Vec<_>, _>>()?;
+        for (found, trace) in runs {
+            let found = match trace.repeats {
+                Some(start) => again(found, &all[start]),
+                None => found,
+            };
+            known.extend(trace.known);
+            all.push(found);
+        }
         let enough = task.settings.starts.is_none() && best_was_found_again(&all);
         if task.observer.stopped() || enough {
             break;
@@ -46,7 +77,25 @@ pub(super) fn explore(task: &Task, starts: usize) -> Result<Vec<Found>, InputErr
     Ok(all)
 }
 
-/// Whether two starts lead to the best motion.
+/// A run that came to where another one was before: its result is that of the other one.
+fn again(run: Found, other: &Found) -> Found {
+    Found {
+        start: run.start,
+        solution: Solution {
+            counts: run.solution.counts,
+            seconds: run.solution.seconds,
+            ..other.solution.clone()
+        },
+    }
+}
+
+/// The best motion so far, if there is one.
+fn best(all: &[Found]) -> Option<&Found> {
+    let found = all.iter().filter(|found| rank(&found.solution).0 == 0);
+    found.min_by(|a, b| a.solution.objective.total_cmp(&b.solution.objective))
+}
+
+/// Whether enough starts lead to the best motion.
 fn best_was_found_again(all: &[Found]) -> bool {
     let confirmed = all.iter().map(|found| rank(&found.solution));
     let objectives: Vec<f64> = confirmed
@@ -57,25 +106,42 @@ fn best_was_found_again(all: &[Found]) -> bool {
     let same = objectives
         .iter()
         .filter(|&&o| o - best <= SAME * best.abs());
-    same.count() >= 2
+    same.count() >= AGREEING
 }
 
-/// The settings of a start; the guess of the first one is the caller's.
+/// Whether a start looks near the best motion so far, if there is one: every second one after the first batch.
+fn looks_near_the_best(start: usize) -> bool {
+    start >= BATCH && !start.is_multiple_of(2)
+}
+
+/// The settings of a start; the guess of the first one is the caller's. Those near the best have a guess as well: there may be
+/// none yet.
 fn member(settings: &Settings, start: usize) -> Settings {
-    let seed = start as u64;
-    let (guess, barrier) = match start {
-        0 => (settings.guess.clone(), settings.first_barrier),
-        1 => (Guess::Random(seed), FROM_A_DISTANCE),
-        2 => (Guess::Ride, settings.first_barrier),
-        3 => (Guess::Random(seed), settings.first_barrier),
-        4 => (Guess::Rest, FROM_A_DISTANCE),
-        5 => (Guess::Perturbed(seed), FROM_A_DISTANCE),
-        _ if start.is_multiple_of(2) => (Guess::Random(seed), settings.first_barrier),
-        _ => (Guess::Random(seed), FROM_A_DISTANCE),
+    let guess = match start {
+        0 => settings.guess.clone(),
+        2 => Guess::Ride,
+        4 => Guess::Rest,
+        5 => Guess::Perturbed(start as u64),
+        _ => Guess::Random(start as u64),
+    };
+    let from_a_distance = start == 1 || start == 4 || looks_near_the_best(start);
+    let symplectic = if start < BATCH {
+        !start.is_multiple_of(2)
+    } else {
+        !(start / 2).is_multiple_of(2)
     };
     Settings {
         guess,
-        first_barrier: barrier,
+        first_barrier: if from_a_distance {
+            FROM_A_DISTANCE
+        } else {
+            settings.first_barrier
+        },
+        step: if symplectic {
+            EulerStep::Symplectic
+        } else {
+            EulerStep::Implicit
+        },
         maximum_iterations: settings.maximum_iterations.min(ITERATIONS),
         ..settings.clone()
     }

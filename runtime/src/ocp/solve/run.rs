@@ -5,12 +5,13 @@ use hangtime_solver::clock::ThreadTime;
 use hangtime_solver::mpcc::Stationarity;
 
 use super::final_times::solve_grid;
-use super::one_grid::Start;
+use super::one_grid::{Known, Start, Trace};
 use super::optima::{Found, rank};
 use super::shared_observer::SharedObserver;
 use crate::Progress;
 use crate::model::Model;
 use crate::ocp::effort::Effort;
+use crate::ocp::previous::Previous;
 use crate::ocp::problem::Problem;
 use crate::ocp::progress::Watch;
 use crate::ocp::settings::Settings;
@@ -18,7 +19,7 @@ use crate::ocp::solution::{Counts, Solution, Status};
 use crate::simulation::InputError;
 
 /// Relative increase of the objective that rounding and tolerances explain.
-const NOT_WORSE: f64 = 1e-6;
+pub(super) const NOT_WORSE: f64 = 1e-6;
 
 /// A problem on one grid.
 #[derive(Clone, Copy)]
@@ -37,15 +38,35 @@ impl Task<'_, '_> {
         settings: &Settings,
         effort: Effort,
     ) -> Result<Found, InputError> {
-        let solution = self.solve(settings, None, effort)?;
-        Ok(Found { start, solution })
+        let known = Known::default().from(start);
+        let (found, _) = self.solve_after(settings, effort, known)?;
+        Ok(found)
     }
 
-    /// Carries a motion on a coarser grid, or on this one, to this grid. Where the motion that it leads to is worse, or
-    /// none is found, the motion itself is kept as far as this grid contains it.
-    pub(super) fn carry(&self, from: &Found, effort: Effort) -> Result<Found, InputError> {
-        let solution = self.solve(self.settings, Some(&from.solution), effort)?;
-        let kept = on_grid(&from.solution, self.problem.intervals);
+    /// The same where that is known from searches before.
+    pub(super) fn solve_after(
+        &self,
+        settings: &Settings,
+        effort: Effort,
+        known: Known,
+    ) -> Result<(Found, Trace), InputError> {
+        let start = known.start;
+        let (solution, trace) = self.solve(settings, None, effort, known)?;
+        Ok((Found { start, solution }, trace))
+    }
+
+    /// Carries a motion on a coarser grid, or on this one, to this grid, where that is known from searches before. Where
+    /// the motion that it leads to is worse, or none is found, the motion itself is kept as far as this grid contains it.
+    pub(super) fn carry(
+        &self,
+        from: &Found,
+        effort: Effort,
+        known: Known,
+    ) -> Result<(Found, Trace), InputError> {
+        let previous = from.solution.previous.clone();
+        let (solution, trace) = self.solve(self.settings, previous, effort, known)?;
+        let kept = on_grid(&from.solution, self.problem.intervals)
+            .filter(|kept| effort != Effort::Certify || is_confirmed(kept, self.settings));
         let solution = match kept {
             Some(kept) if !is_as_good(&solution, &kept) => Solution {
                 counts: solution.counts,
@@ -55,15 +76,16 @@ impl Task<'_, '_> {
             _ => solution,
         };
         let start = from.start;
-        Ok(Found { start, solution })
+        Ok((Found { start, solution }, trace))
     }
 
     fn solve(
         &self,
         settings: &Settings,
-        coarser: Option<&Solution>,
+        coarser: Option<Previous>,
         effort: Effort,
-    ) -> Result<Solution, InputError> {
+        known: Known,
+    ) -> Result<(Solution, Trace), InputError> {
         let clock = ThreadTime::try_now();
         let run = self.observer.begin();
         let mut observer = |progress: &Progress| self.observer.goes_on(run, progress);
@@ -71,15 +93,21 @@ impl Task<'_, '_> {
             watch: Watch::new(&mut observer),
             counts: Counts::default(),
             seconds: Seconds::default(),
-            coarser: coarser.and_then(|solution| solution.previous.clone()),
+            coarser,
+            known,
             effort,
         };
-        let (mut solution, _) = solve_grid(self.model, self.problem, settings, start)?;
+        let (mut solution, trace) = solve_grid(self.model, self.problem, settings, start)?;
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             solution.seconds.total = elapsed.as_secs_f64();
         }
-        Ok(solution)
+        Ok((solution, trace))
     }
+}
+
+/// Whether a re-simulation is as near to a plan as settings ask for.
+pub(super) fn is_confirmed(solution: &Solution, settings: &Settings) -> bool {
+    solution.resimulation_error <= settings.largest_distance
 }
 
 fn is_as_good(solution: &Solution, kept: &Solution) -> bool {
