@@ -53,6 +53,17 @@ pub(super) fn repair(
     }
 }
 
+/// Follows improving neighbours of the best as [`repair`] does, and says what was proved about the one it ends at.
+pub(in crate::ocp) fn certificate(
+    runner: &mut Runner,
+    attempts: &mut Attempts,
+) -> Result<Stationarity, InputError> {
+    Ok(match repair(runner, attempts, 0)? {
+        Repaired::Best(stationarity) => stationarity,
+        Repaired::Visited { .. } => Stationarity::None,
+    })
+}
+
 /// The sequences around the best, and its motion to start them from.
 struct Around {
     neighbours: Vec<Sequence>,
