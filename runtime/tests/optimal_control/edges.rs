@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use crate::support::{kinds, solve, time_freezing};
+use hangtime::model::Model;
 use hangtime::ocp::{self, ControlShape, Problem, Settings};
 use hangtime::simulation::EventKind;
 
@@ -77,6 +78,97 @@ hangtime::model! {
     }
 }
 
+hangtime::model! {
+    /// A block is pushed down a ramp that goes over into a flat, to stop there.
+    Kink {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, mu = 0, slope = 0.5, goal: m = 1 }
+        coordinates { y: m, z: m }
+        controls { u: N in -40..=40 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: u }
+        surface ground: z >= max(0 [m], -slope*y)
+        impact ground: inelastic, friction mu
+        minimize integral(u^2)
+        finally { y == goal, dot(y) == 0 [m/s] }
+        start { y: -1 [m], z: slope*1 [m] }
+        horizon 1.5 [s]
+    }
+}
+
+hangtime::model! {
+    /// The same without friction in its law.
+    SmoothKink {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, slope = 0.5, goal: m = 1 }
+        coordinates { y: m, z: m }
+        controls { u: N in -40..=40 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: u }
+        surface ground: z >= max(0 [m], -slope*y)
+        impact ground: inelastic
+        minimize integral(u^2)
+        finally { y == goal, dot(y) == 0 [m/s] }
+        start { y: -1 [m], z: slope*1 [m] }
+        horizon 1.5 [s]
+    }
+}
+
+/// The least effort with which a block that slides without flight is at the kink at time `t` and rests at the goal in the
+/// end: of the forces that solve three linear equations the shortest.
+fn effort_through_the_kink(kink: &Kink, t: f64) -> f64 {
+    let Kink {
+        m, mu, slope, goal, ..
+    } = *kink;
+    let (end, h) = (1.5, 1.5 / INTERVALS as f64);
+    let cosine = 1.0 / (1.0 + slope * slope).sqrt();
+    let sine = slope * cosine;
+    // Accelerations along y by the force and by the weight, on the ramp and on the flat.
+    let ramp = (
+        (cosine + mu * sine) * cosine / m,
+        G * (sine - mu * cosine) * cosine,
+    );
+    let flat = (1.0 / m, -mu * G);
+    // The impact takes what moves down, and `mu` times that.
+    let kept = 1.0 - mu * slope;
+    // Place and speed at a time, by an acceleration between two others.
+    let moved = |from: f64, to: f64, at: f64| {
+        let (from, to) = (from.min(at), to.min(at));
+        [0.5 * ((at - from).powi(2) - (at - to).powi(2)), to - from]
+    };
+    let on_ramp = moved(0.0, t, t);
+    let on_flat = moved(t, end, end);
+    let speed = ramp.1 * on_ramp[1];
+    let wanted = [
+        1.0 - ramp.1 * on_ramp[0],
+        goal - flat.1 * on_flat[0] - kept * speed * (end - t),
+        -flat.1 * on_flat[1] - kept * speed,
+    ];
+    let rows: Vec<[f64; 3]> = (0..INTERVALS)
+        .map(|k| {
+            let (from, to) = (k as f64 * h, (k + 1) as f64 * h);
+            let before = moved(from, to.min(t).max(from), t).map(|way| ramp.0 * way);
+            let after = moved(from.max(t).min(to), to, end).map(|way| flat.0 * way);
+            [
+                before[0],
+                after[0] + kept * before[1] * (end - t),
+                after[1] + kept * before[1],
+            ]
+        })
+        .collect();
+    let dot = |i: usize, j: usize| -> f64 { rows.iter().map(|row| row[i] * row[j]).sum() };
+    let a: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| dot(i, j)));
+    let determinant = |a: [[f64; 3]; 3]| -> f64 {
+        let minor = |i: usize, j: usize| a[1][i] * a[2][j] - a[1][j] * a[2][i];
+        a[0][0] * minor(1, 2) - a[0][1] * minor(0, 2) + a[0][2] * minor(0, 1)
+    };
+    let multipliers = (0..3).map(|i| {
+        let mut replaced = a;
+        replaced[i] = wanted;
+        determinant(replaced) / determinant(a)
+    });
+    let pairs = multipliers.zip(wanted);
+    h * pairs.map(|(y, b)| y * b).sum::<f64>()
+}
+
 /// The least of a function of one unknown on a grid that is refined around its best point.
 fn least(mut from: f64, mut to: f64, value: impl Fn(f64) -> f64) -> f64 {
     const POINTS: usize = 2000;
@@ -122,6 +214,31 @@ fn block_is_pushed_off_a_table_with_the_least_effort_of_its_closed_form() {
     let off = (solution.objective - effort).abs();
     assert!(off < 1e-7 * effort, "{} {effort}", solution.objective);
     assert!((solution.planned_events[0].0 - times[0]).abs() < 1e-7);
+}
+
+#[test]
+fn block_goes_through_a_kink_with_the_least_effort_of_its_closed_form() {
+    let rough = Kink {
+        mu: 0.2,
+        ..Kink::default()
+    };
+    let smooth = SmoothKink::default();
+    let models: [(&dyn Model, Kink); 2] = [(&rough, rough.clone()), (&smooth, Kink::default())];
+    for (model, kink) in models {
+        let solution = solve(model, INTERVALS, &Settings::default());
+        assert!(solution.status.is_solved());
+        assert_eq!(
+            kinds(&solution),
+            [EventKind::Impact, EventKind::LiftOff],
+            "{:?}",
+            solution.planned_events
+        );
+        let [struck, left] = [0, 1].map(|i| solution.planned_events[i].0);
+        assert_eq!(struck, left);
+        let best = least(0.5, 1.1, |t| effort_through_the_kink(&kink, t));
+        let off = (solution.objective - best).abs();
+        assert!(off < 1e-7 * best, "{} {best}", solution.objective);
+    }
 }
 
 #[test]

@@ -74,7 +74,7 @@ impl Replay<'_> {
         let slides = matches!(event.kind, EventKind::Stick | EventKind::Slip);
         let leads = |other: &Event| {
             let kind = match other.kind {
-                EventKind::Impact => closes || frictional,
+                EventKind::Impact => true,
                 EventKind::Stick | EventKind::Slip => slides,
                 _ => false,
             };
