@@ -259,9 +259,11 @@ fn compare(
 }
 
 fn planned_events(sequence: &Sequence, interval: f64) -> Vec<(f64, EventKind, usize)> {
-    let switches = sequence.switches.iter().filter(|switch| !switch.passes);
-    let switches = switches.map(|switch| {
+    let switches = sequence.switches.iter().enumerate();
+    let switches = switches.filter(|(_, switch)| !switch.passes);
+    let switches = switches.map(|(index, switch)| {
         let kind = match switch.mode {
+            _ if Sequence::takes_over(&sequence.switches, index) => EventKind::Contact,
             _ if switch.closes => EventKind::Impact,
             ContactMode::Open => EventKind::LiftOff,
             ContactMode::Stick => EventKind::Stick,

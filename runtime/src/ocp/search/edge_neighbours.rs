@@ -15,6 +15,7 @@ pub(super) fn edges(pressure: &Pressure) -> Vec<Neighbour> {
     let candidates = there_and_back(pressure)
         .into_iter()
         .chain(ends(pressure))
+        .chain(goes_on(pressure))
         .chain(pressed(pressure).into_iter().map(Neighbour::adjoining));
     distinct(candidates, pressure.intervals)
 }
@@ -90,6 +91,60 @@ fn ends(pressure: &Pressure) -> Vec<Neighbour> {
         }
     }
     found
+}
+
+/// With a contact that takes over from one that opens a little before it closes, and with one that takes over closing later.
+fn goes_on(pressure: &Pressure) -> Vec<Neighbour> {
+    let switches = &pressure.sequence.switches;
+    let mut found = Vec::new();
+    for (i, opening) in switches.iter().enumerate().filter(|(_, s)| s.opens()) {
+        let Some(j) = (i + 1..switches.len()).find(|&j| !switches[j].passes) else {
+            continue;
+        };
+        let closing = &switches[j];
+        if opening.accompanies || !closing.stays() || closing.contact == opening.contact {
+            continue;
+        }
+        let mut sequence = pressure.sequence.clone();
+        if Sequence::takes_over(switches, j) {
+            if is_entered_without_force(pressure, i, closing.contact) {
+                let time = closing.time + pressure.inserted;
+                sequence.switches[j] = Switch {
+                    accompanies: false,
+                    interval: time as usize,
+                    place: Place::Inside,
+                    time,
+                    ..*closing
+                };
+                found.push(Neighbour::adjoining(sequence));
+            }
+        } else if !closing.accompanies && closing.time - opening.time < CLOSE {
+            let time = 0.5 * (opening.time + closing.time);
+            for (index, switch) in sequence.switches[i..=j].iter_mut().enumerate() {
+                *switch = Switch {
+                    accompanies: index > 0,
+                    interval: time as usize,
+                    place: Place::Inside,
+                    time,
+                    ..*switch
+                };
+            }
+            found.push(Neighbour::without(closing.time - opening.time, sequence));
+        }
+    }
+    found
+}
+
+/// Whether the first force of a contact after the switch with this index presses against 0.
+fn is_entered_without_force(pressure: &Pressure, index: usize, contact: usize) -> bool {
+    let phases = &pressure.program.phases;
+    let ended = phases.iter().position(|p| p.ends_with == Some(index));
+    let Some(phase) = ended.and_then(|ended| phases.get(ended + 1)) else {
+        return false;
+    };
+    let slot = phase.closed.iter().position(|&closed| closed == contact);
+    let force = slot.and_then(|slot| Some(phase.stages.first()?.forces[slot]));
+    force.is_some_and(|force| pressure.is_held(force))
 }
 
 /// Whether the last force of a phase presses against 0.
