@@ -42,46 +42,44 @@ pub(in crate::ocp) fn judge<'a>(
     local: Local<'a>,
     stationarity: Stationarity,
 ) -> Result<Solution, InputError> {
-    let mut elements = vec![runner.settings.elements; setting.problem.intervals];
-    let coarse = elements.clone();
+    let coarse = vec![runner.settings.elements; setting.problem.intervals];
     let cuts = local.cuts.clone();
-    let mut plan = Plan::of(&local, stationarity);
-    let mut solution = confirm(runner, setting, &elements, local, stationarity)?;
+    let (mut plan, mut solution) = Plan::judged(runner, setting, &coarse, (local, stationarity))?;
+    let mut elements = coarse.clone();
+    // Where plan and simulation end together and differ in what contacts do, more elements rarely help.
+    let mut read_otherwise = 0;
     for _ in 0..ROUNDS {
         let unconfirmed = !runner.stopped() && solution.status == Status::Unconfirmed;
         let distance = solution.resimulation_error;
-        if !unconfirmed || !refine(runner, setting, &mut elements, &plan.trajectory, distance) {
+        read_otherwise += usize::from(distance <= runner.settings.largest_distance);
+        if !unconfirmed
+            || read_otherwise > 1
+            || !refine(runner, setting, &mut elements, &plan.trajectory, distance)
+        {
             break;
         }
-        let Some((better, stationarity)) = plan.again(runner, setting, &elements, &[])? else {
+        let Some(again) = plan.again(runner, setting, &elements, &[])? else {
             break;
         };
-        plan = Plan::of(&better, stationarity);
-        solution = confirm(runner, setting, &elements, better, stationarity)?;
+        (plan, solution) = Plan::judged(runner, setting, &elements, again)?;
+    }
+    if read_otherwise > 1
+        && let Some(other) = plan.judged_as_simulated(runner, setting, &elements, &solution)?
+    {
+        return Ok(other);
     }
     for tableau in tableaus {
         if runner.stopped() || solution.status != Status::Unconfirmed {
             break;
         }
         let setting = Setting { tableau, ..setting };
-        let Some((better, stationarity)) = plan.again(runner, setting, &coarse, &cuts)? else {
+        let Some(again) = plan.again(runner, setting, &coarse, &cuts)? else {
             break;
         };
-        plan = Plan::of(&better, stationarity);
-        solution = confirm(runner, setting, &coarse, better, stationarity)?;
+        (plan, solution) = Plan::judged(runner, setting, &coarse, again)?;
     }
-    // A motion that is the same may be another sequence to the simulation: what is proved of the plan's is not of that one.
-    if !runner.stopped()
-        && solution.status == Status::Unconfirmed
-        && let Some(seen) = plan.as_simulated(setting, &solution)
-        && let Some((better, stationarity)) = seen.again(runner, setting, &elements, &[])?
-    {
-        let other = confirm(runner, setting, &elements, better, stationarity)?;
-        if other.status != Status::Unconfirmed {
-            return Ok(other);
-        }
-    }
-    Ok(solution)
+    let other = plan.judged_as_simulated(runner, setting, &elements, &solution)?;
+    Ok(other.unwrap_or(solution))
 }
 
 /// What a finer program of a plan starts from.
@@ -101,6 +99,40 @@ impl Plan {
             trajectory: local.trajectory.clone(),
             objective: local.solution.objective,
         }
+    }
+
+    /// A local optimum re-simulated, and what a finer program of it starts from.
+    fn judged(
+        runner: &Runner,
+        setting: Setting,
+        elements: &[usize],
+        (local, stationarity): (Local, Stationarity),
+    ) -> Result<(Self, Solution), InputError> {
+        let plan = Self::of(&local, stationarity);
+        let solution = confirm(runner, setting, elements, local, stationarity)?;
+        Ok((plan, solution))
+    }
+
+    /// An unconfirmed plan with the contact sequence of its re-simulation, if that is confirmed: a motion that is the same may be another
+    /// sequence to the simulation, and what is proved of the plan's is not of that one.
+    fn judged_as_simulated(
+        &self,
+        runner: &mut Runner,
+        setting: Setting,
+        elements: &[usize],
+        solution: &Solution,
+    ) -> Result<Option<Solution>, InputError> {
+        if runner.stopped() || solution.status != Status::Unconfirmed {
+            return Ok(None);
+        }
+        let Some(seen) = self.as_simulated(setting, solution) else {
+            return Ok(None);
+        };
+        let Some(again) = seen.again(runner, setting, elements, &[])? else {
+            return Ok(None);
+        };
+        let (_, other) = Self::judged(runner, setting, elements, again)?;
+        Ok(Some(other).filter(|other| other.status != Status::Unconfirmed))
     }
 
     /// The plan with the contact sequence of its re-simulation, where that is another one of the same motion.
