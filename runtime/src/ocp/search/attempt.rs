@@ -141,6 +141,11 @@ impl<'a, 'e> Attempts<'a, 'e> {
         self.visited
     }
 
+    /// Whether it is the search from the first start, and came through nothing yet.
+    pub(super) fn is_first(&self) -> bool {
+        self.start == 0 && self.visited.is_empty()
+    }
+
     /// Number of local optima that were visited so far.
     pub(super) fn visits(&self) -> usize {
         self.visited.len()

@@ -8,19 +8,30 @@ use super::replay::{read_replay, simulate};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
 use crate::ocp::global::coarse_to_fine::{CoarseToFine, RelaxedMotions};
+use crate::ocp::global::start_modes::modes_at_start;
 use crate::ocp::global::time_freezing_search;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::edit_sequence::{ending, tidied, touching, untouched, without_jumps};
-use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::mode::{closed_mode, is_frictional};
+use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::{Formulation, TimeFreezingSettings};
 use crate::ocp::solution::TimeFreezingReport;
-use crate::simulation::{InputError, SimulationStatus};
+use crate::simulation::{ContactMode, InputError, SimulationStatus};
 
 /// Most switches of short contacts and flights for which a sequence is tried with them, too.
 const SHORT_SWITCHES: usize = 2;
+
+/// When a contact that bounces is struck in motions that are made up, in shares of the final time.
+const STRUCK: &[&[f64]] = &[
+    &[0.5],
+    &[1.0 / 3.0, 2.0 / 3.0],
+    &[0.25, 0.75],
+    &[0.25, 0.5, 0.75],
+    &[1.0 / 6.0, 0.5, 5.0 / 6.0],
+];
 
 /// What a search has found.
 #[derive(Default)]
@@ -53,8 +64,14 @@ impl<'a> Search<'a, '_> {
         if runner.stopped() {
             return Ok(());
         }
+        let first = self.attempts.is_first();
         if let Some(bouncing) = bouncing(runner, self.attempts.setting, guess)? {
             self.try_candidate(runner, bouncing, false)?;
+        }
+        if first && runner.settings.formulation == Formulation::Phases {
+            for struck in struck(self.attempts.setting, guess) {
+                self.try_candidate(runner, struck, true)?;
+            }
         }
         match &runner.settings.formulation {
             Formulation::Phases => self.try_relaxed(runner, guess),
@@ -189,6 +206,38 @@ fn bouncing(
         sequence: read_replay(setting, &replay, guess),
         trajectory: Trajectory::of_simulation(model, &replay, horizon, controls),
     }))
+}
+
+/// Motions like the guess in which a contact that bounces is struck a few times: how often, no simulation under guessed controls
+/// tells. Impacts are as far from each other as from both ends, or twice as far, as those of a ball from height to height.
+fn struck(setting: Setting, guess: &Trajectory) -> Vec<Candidate> {
+    let intervals = setting.problem.intervals as f64;
+    let initially = modes_at_start(setting, guess);
+    let model = setting.model;
+    let mut found = Vec::new();
+    for contact in 0..initially.len() {
+        if !initially[contact].is_open() || model.restitution(contact) == 0.0 {
+            continue;
+        }
+        let impulse = closed_mode(is_frictional(model, contact), 0.0, 0.0);
+        for &shares in STRUCK {
+            let mut sequence = Sequence::without_switches(initially.clone());
+            let touches = shares.iter().map(|share| Switch {
+                closes: true,
+                passes: false,
+                mode: ContactMode::Open,
+                impulse,
+                ..Switch::passage(contact, share * intervals)
+            });
+            sequence.switches = touches.collect();
+            found.push(Candidate {
+                objective: f64::INFINITY,
+                sequence,
+                trajectory: guess.clone(),
+            });
+        }
+    }
+    found
 }
 
 /// A sequence to attempt and the motion to start it from.
