@@ -41,17 +41,14 @@ impl Quantity {
         if let Some(name) = argument("dot") {
             return coordinate(name).map(Self::Velocity);
         }
-        let of_contact: [(&str, fn(usize) -> Self); 5] = [
-            ("force", Self::Force),
-            ("friction", Self::Friction),
-            ("friction_force", Self::Friction),
-            ("impulse", Self::Impulse),
-            ("friction_impulse", Self::FrictionImpulse),
-        ];
-        for (function, quantity) in of_contact {
-            if let Some(name) = argument(function) {
-                return contact(name).map(quantity);
-            }
+        let of_contact = |function: &str| argument(function).and_then(contact);
+        let quantity = (of_contact("force").map(Self::Force))
+            .or_else(|| of_contact("friction").map(Self::Friction))
+            .or_else(|| of_contact("friction_force").map(Self::Friction))
+            .or_else(|| of_contact("impulse").map(Self::Impulse))
+            .or_else(|| of_contact("friction_impulse").map(Self::FrictionImpulse));
+        if quantity.is_some() {
+            return quantity;
         }
         let control = || declaration.controls.iter().position(|c| c.name == name);
         let time = (name == "time").then_some(Self::Time);
