@@ -96,6 +96,9 @@ fn text(chosen: &ChosenScene) -> String {
 
 /// The page of a mistake, if its code was given.
 fn page(code: &str) -> Result<Option<&'static str>, BadInput> {
+    if code == hangtime_dsl::page_name(None) {
+        return Ok(hangtime_dsl::explanation(code));
+    }
     let number = code.strip_prefix(['E', 'e']);
     if number.is_none_or(|digits| digits.is_empty() || digits.parse::<u32>().is_err()) {
         return Ok(None);

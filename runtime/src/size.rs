@@ -49,6 +49,8 @@ pub(crate) enum Purpose {
     Friction,
     /// Bounces.
     Restitution,
+    /// Edges.
+    Edge,
     /// Not classified.
     Other,
 }
@@ -82,6 +84,7 @@ impl Purpose {
             Self::SeveralContacts => ("several contacts", "products of step functions"),
             Self::Friction => ("friction", "declared by `friction`"),
             Self::Restitution => ("restitution", "declared by `restitution`"),
+            Self::Edge => ("edges", "which piece of a surface with an edge acts"),
             Self::Other => ("other", "not classified"),
         }
     }

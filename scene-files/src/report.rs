@@ -28,11 +28,9 @@ pub(crate) fn report(file: &str, text: &str, mistakes: &[TextMistake]) -> String
         }
         let mark = AnnotationKind::Primary.span(place);
         let snippet = Snippet::source(text).path(file).annotation(mark);
-        let mut group = title.element(snippet);
-        if let Some(code) = mistake.code {
-            group =
-                group.element(Level::HELP.message(format!("`hangtime explain {code}` tells more")));
-        }
+        let page = hangtime_dsl::page_name(mistake.code);
+        let help = Level::HELP.message(format!("`hangtime explain {page}` tells more"));
+        let group = title.element(snippet).element(help);
         shown += &renderer.render(&[group]);
         shown += "\n\n";
     }

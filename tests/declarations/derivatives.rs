@@ -1,5 +1,7 @@
 //! Everything that `model!` derives, against dual numbers of the same Lagrangian at run time.
 
+#![allow(deprecated, reason = "warned of: a floor that nothing touches")]
+
 use crate::support::compare;
 use hangtime::model::Model;
 use num_dual::DualNum;

@@ -1,6 +1,8 @@
 //! Dry friction without a surface, of systems of a few, several and many coordinates, for which directions are formulas,
 //! eliminations and linear systems: values against their definition, derivatives against differences.
 
+#![allow(deprecated, reason = "warned of: a floor that nothing touches")]
+
 use hangtime::model::{Model, SparsityPattern, contact_point, tangent_point};
 
 hangtime::model! {

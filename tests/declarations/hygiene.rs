@@ -1,5 +1,7 @@
 //! Scenes declared where every name that emitted code could need means something else.
 
+#![allow(deprecated, reason = "warned of: a floor that nothing touches")]
+
 #[allow(dead_code, non_camel_case_types, non_upper_case_globals)]
 mod hostile {
     mod hangtime {}

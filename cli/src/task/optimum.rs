@@ -2,7 +2,7 @@
 
 use hangtime::Observer;
 use hangtime::ocp::{
-    self, ControlShape, Formulation, Problem, Settings, Solution, Stationarity,
+    self, ControlShape, Formulation, Horizon, Problem, Settings, Solution, Stationarity,
     TimeFreezingSettings,
 };
 use hangtime::rk::Scheme;
@@ -38,10 +38,18 @@ impl OptimumTask {
             )));
         }
         let settings = settings(arguments)?;
-        let problem = Problem::of(
+        let mut problem = Problem::of(
             chosen.model.as_ref(),
             arguments.intervals.unwrap_or(INTERVALS),
         );
+        if let Some(length) = arguments.horizon {
+            problem.horizon = match problem.horizon {
+                Horizon::Fixed(_) => Horizon::Fixed(length),
+                Horizon::Free { .. } => Horizon::Free {
+                    guess: Some(length),
+                },
+            };
+        }
         Ok(Self {
             method: SolverSettings::new(chosen.model.as_ref(), &settings, problem.intervals),
             chosen,

@@ -36,7 +36,7 @@ mod random_models;
 mod testing;
 
 pub use diagnostics::Mistake;
-pub use mistakes::{explanation, mistake_codes};
+pub use mistakes::{explanation, mistake_codes, page_name};
 pub use text::TextMistake;
 pub use words::is_word;
 

@@ -28,13 +28,22 @@ const PAGES: [(&str, &str); 24] = [
     ("E24", include_str!("pages/E24.md")),
 ];
 
+/// The name of the page about mistakes that have no code, and its text.
+const SYNTAX: (&str, &str) = ("syntax", include_str!("pages/syntax.md"));
+
+/// The name under which the page about a mistake is found: its code, or `syntax` where it has none.
+#[must_use]
+pub fn page_name(code: Option<&'static str>) -> &'static str {
+    code.unwrap_or(SYNTAX.0)
+}
+
 /// The codes that have a page, in order.
 pub fn mistake_codes() -> impl Iterator<Item = &'static str> {
     PAGES.iter().map(|&(code, _)| code)
 }
 
 /// The page about one mistake, in Markdown; `None` if there is no such code. Case and zeros before the
-/// number are ignored: `E07`, `e07` and `E7` are the same.
+/// number are ignored: `E07`, `e07` and `E7` are the same. `syntax` is the page about mistakes without a code.
 ///
 /// ```
 /// let page = hangtime_dsl::explanation("e3");
@@ -44,6 +53,9 @@ pub fn mistake_codes() -> impl Iterator<Item = &'static str> {
 /// ```
 #[must_use]
 pub fn explanation(code: &str) -> Option<&'static str> {
+    if code.trim().eq_ignore_ascii_case(SYNTAX.0) {
+        return Some(SYNTAX.1);
+    }
     let digits = code.trim().strip_prefix(['E', 'e'])?;
     if !digits.bytes().all(|digit| digit.is_ascii_digit()) {
         return None;

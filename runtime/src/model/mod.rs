@@ -43,7 +43,7 @@ mod picture;
 mod pieces;
 
 pub(crate) use control_piece::ControlPiece;
-pub(crate) use pieces::{Pieces, edge};
+pub(crate) use pieces::{Pieces, bouncing_edge, edge};
 
 pub use declaration::{
     ConstraintDeclaration, ContactDeclaration, Declaration, Equation, FrictionDeclaration,

@@ -110,6 +110,15 @@ impl Pieces {
     }
 }
 
+/// The name of a contact with an edge that bounces, if there is one. A bounce of the time-freezing system dips into the
+/// ground, by more than the other pieces may be away.
+pub(crate) fn bouncing_edge(model: &dyn Model) -> Option<&'static str> {
+    let contacts = model.declaration().contacts.iter().enumerate();
+    let mut bouncing =
+        contacts.filter(|(i, known)| !known.alternatives.is_empty() && model.restitution(*i) > 0.0);
+    bouncing.next().map(|(_, known)| known.name)
+}
+
 /// The name of a contact with an edge, if there is one.
 pub(crate) fn edge(model: &dyn Model) -> Option<&'static str> {
     let contacts = model.declaration().contacts.iter();

@@ -1,7 +1,7 @@
 //! What the caller may choose.
 
 use super::previous::Previous;
-use crate::model::{Model, edge};
+use crate::model::{Model, bouncing_edge};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
@@ -293,10 +293,12 @@ impl Settings {
                 return Err(refusal::out_of_range(what, 0.0, "", "at least 1"));
             }
         }
-        if let (Formulation::TimeFreezing(_), Some(name)) = (&self.formulation, edge(model)) {
+        if let (Formulation::TimeFreezing(_), Some(name)) =
+            (&self.formulation, bouncing_edge(model))
+        {
             return Err(refusal::unsupported(
                 format!(
-                    "optimal control by time-freezing with an outer edge, of which `{name}` is a piece"
+                    "optimal control by time-freezing with restitution at an outer edge, of which `{name}` is a piece"
                 ),
                 "use the formulation in phases, which is the default",
             ));

@@ -16,13 +16,17 @@ pub(crate) enum Quantity {
     Force(usize),
     /// Tangential force of a contact.
     Friction(usize),
+    /// Normal impulse of all impacts of a contact so far.
+    Impulse(usize),
+    /// The same along its sliding velocity.
+    FrictionImpulse(usize),
     /// What the scene declares in `outputs`.
     Output(usize),
 }
 
 impl Quantity {
-    /// The quantity with a name such as `z`, `dot(z)`, `u`, `force(floor)`, `friction(floor)`, `time`, or that of one of
-    /// the `outputs`.
+    /// The quantity with a name such as `z`, `dot(z)`, `u`, `force(floor)`, `friction_force(floor)` or `friction(floor)`,
+    /// `impulse(floor)`, `friction_impulse(floor)`, `time`, or that of one of the `outputs`.
     pub(crate) fn named(
         declaration: &Declaration,
         outputs: &[VariableDeclaration],
@@ -37,11 +41,14 @@ impl Quantity {
         if let Some(name) = argument("dot") {
             return coordinate(name).map(Self::Velocity);
         }
-        if let Some(name) = argument("force") {
-            return contact(name).map(Self::Force);
-        }
-        if let Some(name) = argument("friction") {
-            return contact(name).map(Self::Friction);
+        let of_contact = |function: &str| argument(function).and_then(contact);
+        let quantity = (of_contact("force").map(Self::Force))
+            .or_else(|| of_contact("friction").map(Self::Friction))
+            .or_else(|| of_contact("friction_force").map(Self::Friction))
+            .or_else(|| of_contact("impulse").map(Self::Impulse))
+            .or_else(|| of_contact("friction_impulse").map(Self::FrictionImpulse));
+        if quantity.is_some() {
+            return quantity;
         }
         let control = || declaration.controls.iter().position(|c| c.name == name);
         let time = (name == "time").then_some(Self::Time);
@@ -74,12 +81,15 @@ impl Quantity {
             .iter()
             .map(|c| format!("force({})", c.name));
         let rubbing = declaration.contacts.iter().filter(|c| c.friction.is_some());
-        let frictions = rubbing.map(|c| format!("friction({})", c.name));
+        let frictions = rubbing.map(|c| format!("friction_force({})", c.name));
+        let striking = declaration.contacts.iter().filter(|c| !c.dry);
+        let impulses = striking.map(|c| format!("impulse({})", c.name));
         let all = coordinates
             .chain(velocities)
             .chain(controls)
             .chain(forces)
             .chain(frictions)
+            .chain(impulses)
             .chain(outputs.iter().map(|o| o.name.to_owned()));
         let names: Vec<String> = all.collect();
         format!(

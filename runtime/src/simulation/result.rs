@@ -122,7 +122,9 @@ impl Simulation {
             Quantity::Velocity(k) => Some(n + k),
             Quantity::Control(k) => Some(2 * n + k),
             Quantity::Force(i) => Some(2 * n + controls + i),
-            Quantity::Friction(i) => Some(2 * n + controls + contacts + i),
+            Quantity::Impulse(i) => Some(2 * n + controls + contacts + i),
+            Quantity::FrictionImpulse(i) => Some(2 * n + controls + 2 * contacts + i),
+            Quantity::Friction(i) => Some(2 * n + controls + 3 * contacts + i),
         }
     }
 

@@ -10,7 +10,9 @@ use crate::model::{Declaration, VariableDeclaration};
 /// State of a simulation at one instant, see [`Simulation::at`](super::Simulation::at).
 ///
 /// Values are read by name: a coordinate `"z"`, its velocity `"dot(z)"`, a control `"u"`, the normal and the tangential
-/// force of a contact `"force(floor)"` and `"friction(floor)"`, `"time"`, and what the scene declares in `outputs`.
+/// force of a contact `"force(floor)"` and `"friction_force(floor)"` (or `"friction(floor)"`), the impulses of all its
+/// impacts so far `"impulse(floor)"` and `"friction_impulse(floor)"`, `"time"`, and what the scene declares in `outputs`.
+/// Impulses are not numbers where the method does not tell impacts from lasting forces.
 ///
 /// ```
 /// use hangtime::prelude::*;
@@ -70,6 +72,8 @@ impl State {
             Quantity::Control(k) => values(&self.u, k),
             Quantity::Force(i) => values(&self.contact_force, i),
             Quantity::Friction(i) => values(&self.friction_force, i),
+            Quantity::Impulse(i) => values(&self.impulses, i),
+            Quantity::FrictionImpulse(i) => values(&self.impulses, self.contact_force.len() + i),
             Quantity::Output(i) => values(&self.outputs, i),
         }
     }
@@ -141,6 +145,8 @@ impl Index<&str> for State {
             Some(Quantity::Control(k)) => self.u.get(k),
             Some(Quantity::Force(i)) => self.contact_force.get(i),
             Some(Quantity::Friction(i)) => self.friction_force.get(i),
+            Some(Quantity::Impulse(i)) => self.impulses.get(i),
+            Some(Quantity::FrictionImpulse(i)) => self.impulses.get(self.contact_force.len() + i),
             Some(Quantity::Output(i)) => self.outputs.get(i),
         };
         value.unwrap_or_else(|| {

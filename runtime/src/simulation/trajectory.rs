@@ -182,14 +182,17 @@ impl Trajectory {
         columns.get(index).map(Vec::as_slice)
     }
 
-    /// Component `index` of all rows `(q, v, u, contact_force, friction_force)`.
+    /// Component `index` of all rows `(q, v, u, contact_force, impulses, friction_force)`; no friction forces stand there
+    /// where no contact declares friction.
     pub(super) fn column(&self, index: usize) -> Option<&[f64]> {
         let columns = self.columns.get_or_init(|| {
+            let impulses: Vec<Vec<f64>> = (0..self.time.len()).map(|k| self.impulses(k)).collect();
             let parts = [
                 &self.q,
                 &self.v,
                 &self.u,
                 &self.contact_force,
+                &impulses,
                 &self.friction_force,
             ];
             let widths = parts.map(|rows| rows.first().map_or(0, Vec::len));

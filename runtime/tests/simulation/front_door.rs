@@ -159,7 +159,7 @@ fn series_and_states_know_the_names_of_the_scene() {
 
 #[test]
 #[should_panic(
-    expected = "`Ball` has no `y`; it has x, z, dot(x), dot(z), push, force(floor), time"
+    expected = "`Ball` has no `y`; it has x, z, dot(x), dot(z), push, force(floor), impulse(floor), time"
 )]
 fn indexing_by_an_unknown_name_tells_the_known_ones() {
     let ball = Ball::default();
@@ -460,7 +460,7 @@ fn outputs_are_known_by_name_at_the_points_and_between_them() {
 }
 
 #[test]
-#[should_panic(expected = "friction(floor), energy, rub, shifted, time")]
+#[should_panic(expected = "friction_force(floor), impulse(floor), energy, rub, shifted, time")]
 fn indexing_by_an_unknown_name_tells_the_outputs() {
     let run = simulate(&Recorded::default()).run().unwrap();
     let _ = &run["energies"];

@@ -311,6 +311,33 @@ fn step_as_complementarity_problem_knows_impulses_to_the_length_of_an_element() 
     assert_near(&[*found], &[wanted], 2.0 * G / 60.0, "bounce");
 }
 
+/// The scene of [`Thrown`] declares its impulses as outputs; whoever asks by the name of the contact gets the same.
+#[test]
+fn impulses_by_the_name_of_a_contact_are_those_of_outputs() {
+    let ball = Thrown::default();
+    for (method, _) in methods() {
+        let run = run(method.as_ref(), &ball);
+        let impact = run.events[0].time;
+        for (name, output) in [
+            ("impulse(floor)", "down"),
+            ("friction_impulse(floor)", "rub"),
+        ] {
+            assert_eq!(run[name], run[output], "{name}, {}", method.name());
+            for time in [0.0, impact, *run["time"].last().unwrap()] {
+                let state = run.at(time).unwrap();
+                assert_eq!(state[name], state[output], "{name} at {time}");
+                assert_eq!(state.get(name), Some(state[output]), "{name} at {time}");
+            }
+            assert_ne!(run.at(impact).unwrap()[name], 0.0, "{name}");
+            assert_eq!(run.just_before(impact).unwrap()[name], 0.0, "{name}");
+        }
+        assert_eq!(run["friction_force(floor)"], run["friction(floor)"]);
+    }
+    // No column of a scene without friction is another one.
+    let run = run(&Fesd::default(), &Bouncing::default());
+    assert_eq!(run["impulse(floor)"], run["given"]);
+}
+
 #[test]
 fn methods_without_impacts_know_no_impulses() {
     let ball = Valley::default();
@@ -321,6 +348,7 @@ fn methods_without_impacts_know_no_impulses() {
         let problem = InitialValueProblem::of(&ball, None).unwrap();
         let run = method.simulate(&ball, &problem, &mut |_| true).unwrap();
         assert!(run["left"].iter().all(|value| value.is_nan()));
+        assert!(run["impulse(left)"].iter().all(|value| value.is_nan()));
         let note = run.notes.iter().any(|note| note.contains("impulses"));
         assert!(note, "{}: {:?}", method.name(), run.notes);
     }

@@ -117,6 +117,7 @@ fn mistakes_of_a_file_are_shown_in_its_lines() {
             stderr.contains("ball.hang:") && stderr.contains("^^"),
             "{stderr}"
         );
+        assert!(stderr.contains("`hangtime explain syntax`"), "{stderr}");
         assert!(
             !stderr.contains('\u{1b}'),
             "a terminal would obey: {stderr}"

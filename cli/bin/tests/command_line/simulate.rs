@@ -479,6 +479,8 @@ fn explain_prints_the_page_of_a_mistake() {
     for code in ["E07", "E7", "e7"] {
         assert_eq!(solved(&["explain", code]), text);
     }
+    let text = solved(&["explain", "syntax"]);
+    assert!(text.starts_with("# Syntax: "), "{text}");
 }
 
 #[test]

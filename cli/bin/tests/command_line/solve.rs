@@ -16,6 +16,62 @@ fn solve_without_an_objective_says_so() {
     );
 }
 
+/// A cart of 2 kg is brought over 0.2 m from rest to rest in a time `T`, by linear controls with the effort
+/// `12 m^2 s^2/T^3`; in least time, from whatever guess, by the forces at their bounds.
+#[test]
+fn solve_takes_a_length_or_the_guess_of_a_free_one() {
+    let scratch = Scratch::new("solve-horizon");
+    std::fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("cart.hang");
+    let cart = |least: &str| {
+        let text = format!(
+            "parameters {{ m: kg = 2, goal: m = 0.2 }} coordinates {{ y: m }} controls {{ u: N in -1..=1 }} \
+             lagrangian m/2*dot(y)^2 forces {{ y: u }} minimize {least} \
+             finally {{ y == goal, dot(y) == 0 }} horizon 2 [s]"
+        );
+        std::fs::write(&file, text).unwrap();
+        file.to_str().unwrap().to_owned()
+    };
+    let answer = |arguments: &[&str]| -> (f64, f64) {
+        let document: Value = serde_json::from_str(&solved(arguments)).unwrap();
+        let number = |name: &str| document[name].as_f64().unwrap();
+        (number("objective"), number("horizon"))
+    };
+    let little = cart("integral(u^2)");
+    for (horizon, time) in [("4", 4.0), ("2500ms", 2.5)] {
+        let line = [
+            "solve",
+            &little,
+            "--controls",
+            "linear",
+            "--json",
+            "--horizon",
+            horizon,
+        ];
+        let (objective, length) = answer(&line);
+        let effort = 12.0 * 4.0 * 0.04 / f64::powi(time, 3);
+        assert!(
+            (objective - effort).abs() < 1e-6 * effort,
+            "{objective} {effort}"
+        );
+        assert_eq!(length, time);
+    }
+    let fast = cart("time");
+    let line = [
+        "solve",
+        &fast,
+        "--intervals",
+        "10",
+        "--json",
+        "--horizon",
+        "500ms",
+    ];
+    let (objective, _) = answer(&line);
+    let least = 2.0 * (2.0_f64 * 0.2).sqrt();
+    assert!((objective - least).abs() < 1e-6, "{objective} {least}");
+    assert!(refused(&["solve", &fast, "--horizon", "-1"]).contains("above 0"));
+}
+
 #[test]
 fn solve_json_has_the_fields_of_the_contract_in_order() {
     let document = solved(&["solve", "pump-track", "--set", "speed=15km/h", "--json"]);

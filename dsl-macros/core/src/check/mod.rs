@@ -9,6 +9,7 @@ mod optimal_control;
 mod outputs;
 mod picture;
 mod pieces;
+mod reach;
 mod rules;
 mod start;
 mod units;
@@ -227,6 +228,7 @@ fn finish(
     rules::missing_statements(&declared.name, &mut checker);
     let start = values::start_values(&mut checker);
     start::gaps(&mut checker, declared, &start, units, complete);
+    reach::surfaces(&mut checker, units);
     let laws = law::of_surfaces(&mut checker);
     let (Some((lagrangian, place)), Ok(laws), Ok(start)) =
         (checker.lagrangian, laws, start.values())

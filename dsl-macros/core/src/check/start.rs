@@ -2,7 +2,7 @@
 //! parameters.
 
 use super::checker::Checker;
-use super::units::Inferred;
+use super::units::{Inferred, rounded};
 use super::values::StartValues;
 use crate::ast::{Name, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
@@ -79,9 +79,7 @@ pub(super) fn gaps(
                 (whole || start.declared[i].is_some()) && !units.faulty.contains(name)
             };
             if (0..n).filter(|&i| rate[i] > 0.0).all(known) {
-                let unit = units.gaps.get(&surface.name.text);
-                let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
-                let gap = format!("{}{unit}", rounded(gap));
+                let gap = units.gap(&surface.name.text, gap);
                 inside(checker, &surface.name, &gap, (start, &rate, positions));
             }
         }
@@ -223,12 +221,6 @@ fn direction(lower: &[f64], n: usize, j: usize) -> Vec<f64> {
         v[i] = -(i + 1..=j).map(|k| lower[k * n + i] * v[k]).sum::<f64>();
     }
     v
-}
-
-/// To four digits behind the point, or to the leading one.
-fn rounded(value: f64) -> f64 {
-    let scale = if value.abs() < 1e-3 { 1e9 } else { 1e4 };
-    (value * scale).round() / scale
 }
 
 fn not_positive(

@@ -30,6 +30,23 @@ pub(super) struct Inferred {
     pub(super) faulty: HashSet<String>,
 }
 
+impl Inferred {
+    /// A gap with its unit, for people.
+    pub(super) fn gap(&self, surface: &str, value: f64) -> String {
+        let unit = self.gaps.get(surface).map(Unit::to_string);
+        match unit.filter(|unit| unit != "1") {
+            Some(unit) => format!("{} {unit}", rounded(value)),
+            None => rounded(value).to_string(),
+        }
+    }
+}
+
+/// To four digits behind the point, or to the leading one.
+pub(super) fn rounded(value: f64) -> f64 {
+    let scale = if value.abs() < 1e-3 { 1e9 } else { 1e4 };
+    (value * scale).round() / scale
+}
+
 /// Checks and infers units. Statements at the positions `skip` failed before and are passed over.
 pub(super) fn inferred(
     scene: &Scene,

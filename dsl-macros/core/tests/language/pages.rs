@@ -28,3 +28,17 @@ fn pages_wrong_scenes_make_the_mistake_and_right_ones_none() {
     }
     assert_eq!(checked, 23);
 }
+
+#[test]
+fn page_of_syntax_stands_for_mistakes_without_a_code() {
+    let page = hangtime_dsl::explanation(hangtime_dsl::page_name(None)).unwrap();
+    let wrong = block(page, "Wrong:").unwrap();
+    let mistakes = hangtime_dsl::mistakes(wrong.parse().unwrap());
+    let codes: Vec<_> = mistakes.iter().map(|mistake| mistake.code).collect();
+    assert_eq!(codes, [None; 3]);
+    let right = block(page, "Right:").unwrap();
+    let mistakes = hangtime_dsl::mistakes(right.parse().unwrap());
+    let texts: Vec<_> = mistakes.iter().map(hangtime_dsl::Mistake::text).collect();
+    assert!(texts.is_empty(), "{texts:?}");
+    assert_eq!(hangtime_dsl::page_name(Some("E03")), "E03");
+}

@@ -225,6 +225,33 @@ fn habits_of_other_languages_are_answered_by_what_to_write() {
 }
 
 #[test]
+fn surfaces_that_nothing_ever_touches_are_doubted() {
+    let of = |gap: &str| format!("surface a: {gap} impact a: inelastic start {{ z: 1 [m] }}");
+    let at_angle = |gap: &str| format!("surface a: {gap} impact a: inelastic");
+    for (text, least) in [
+        (at_angle("sin(theta) <= 2"), "nowhere less than 1;"),
+        (of("y^2 + z^2 + 1 [m^2] >= 0"), "nowhere less than 1 m^2;"),
+        (of("sqrt(y^2 + z^2) >= -0.25 [m]"), "0.25 m;"),
+        (of("1/(1 + (y/1 [m])^2) <= 3"), "less than 2;"),
+        (of("exp(-z/1 [m]) + tanh(y/1 [m]) >= -3"), "less than 2;"),
+        (of("max(z, y^2/1 [m] + 2 [m]) >= 0"), "less than 2 m;"),
+    ] {
+        assert_answers(&[(&text, &[("E07", "a", least)])]);
+    }
+    // What can be touched at one place, or by one piece, is not.
+    for gap in [
+        "cos(y/1 [m]) <= 1",
+        "exp(y/1 [m]) >= 0",
+        "z^2/1 [m] + y >= -2 [m]",
+        "min(z, y^2/1 [m] + 2 [m]) >= 0",
+        "1/(y + 2 [m]) >= -1/1 [m]",
+        "z >= 0.1*t*1 [m/s]",
+    ] {
+        assert_answers(&[(&of(gap), &[])]);
+    }
+}
+
+#[test]
 fn places_and_angles_are_doubted_where_they_are_written() {
     assert_answers(&[
         (

@@ -1,8 +1,8 @@
 //! Jacobian and Hessian of the local rows.
 
 use super::layout::{
-    ALPHA, BETA, C_MINUS, C_PLUS, FALL, LAMBDA_MINUS, LAMBDA_PLUS, P, RISE, SLIP_MINUS, SLIP_PLUS,
-    W,
+    AHEAD, ALPHA, BEHIND, BETA, C_MINUS, C_PLUS, FALL, LAMBDA_MINUS, LAMBDA_PLUS, P, RISE,
+    SLIP_MINUS, SLIP_PLUS, W,
 };
 use super::system::HeavisideSystem;
 
@@ -131,6 +131,34 @@ fn contact_entries(
     }
     add(row + 2, dcs.layout.algebraic(contact, LAMBDA_PLUS), -1.0);
     add(row + 2, dcs.layout.algebraic(contact, LAMBDA_MINUS), 1.0);
+    edge_entries(dcs, contact, add);
+}
+
+/// Of the comparisons of a contact with the other pieces of its edge.
+fn edge_entries(
+    dcs: &HeavisideSystem<'_>,
+    contact: usize,
+    add: &mut impl FnMut(usize, usize, f64),
+) {
+    let margin = dcs.layout.contact_row(contact) + 2;
+    let gap = dcs.layout.lifted_gap(contact);
+    let bounces = dcs.layout.bounces(contact);
+    let own = (!bounces).then(|| dcs.layout.algebraic(contact, P));
+    let mut parts: Vec<usize> = own.into_iter().collect();
+    for (k, other) in dcs.layout.edges_of(contact) {
+        let row = dcs.layout.edge_row(k);
+        let ahead = dcs.layout.edge_place(k, AHEAD);
+        add(row, ahead, 1.0);
+        add(row, dcs.layout.edge_place(k, BEHIND), -1.0);
+        for &part in &parts {
+            add(row, part, 1.0);
+        }
+        // The gap is a part of the margin, and what the other one is ahead of.
+        add(row, gap, 2.0);
+        add(row, dcs.layout.lifted_gap(other), -1.0);
+        add(margin, ahead, 1.0);
+        parts.push(ahead);
+    }
 }
 
 fn friction_entries(

@@ -22,6 +22,11 @@ const PER_RESTITUTION: usize = 2;
 pub(super) const FALL: usize = 0;
 pub(super) const RISE: usize = 1;
 
+/// Algebraic variables of one piece that another one of its edge is compared with, and their offsets.
+const PER_EDGE: usize = 2;
+pub(super) const AHEAD: usize = 0;
+pub(super) const BEHIND: usize = 1;
+
 /// Two pairs of variables of a stage, `(first, against first, second, against second)`: over a finite element
 /// the sum of a weight is complementary to the sum of the multiplier against it.
 #[derive(Debug, Clone, Copy)]
@@ -43,6 +48,8 @@ pub(crate) struct Layout {
     pub(super) rough: Vec<usize>,
     /// Contacts with restitution.
     pub(super) elastic: Vec<usize>,
+    /// Contacts that are pieces of an outer edge, each with every other piece of it.
+    pub(super) edges: Vec<(usize, usize)>,
 }
 
 impl Layout {
@@ -97,8 +104,16 @@ impl Layout {
             part(place, self.first_algebraic(), &symbols, &contacts)
         } else if place < rebound {
             part(place, friction, &["b+", "b-", "c+", "c-"], &self.rough)
-        } else {
+        } else if place < self.edge_place(0, 0) {
             part(place, rebound, &["f", "r"], &self.elastic)
+        } else {
+            let contacts: Vec<usize> = self.edges.iter().map(|edge| edge.0).collect();
+            part(
+                place,
+                self.edge_place(0, 0),
+                &["ahead", "behind"],
+                &contacts,
+            )
         }
     }
 
@@ -127,9 +142,25 @@ impl Layout {
         self.friction_place(self.rough.len(), 0) + PER_RESTITUTION * j + offset
     }
 
+    /// Place in `xi` of variable `offset` of edge `k`.
+    pub(super) fn edge_place(&self, k: usize, offset: usize) -> usize {
+        self.rebound_place(self.elastic.len(), 0) + PER_EDGE * k + offset
+    }
+
     /// Place in `xi` of the first lifted product. What comes before it is not negative.
     pub(crate) fn first_product(&self) -> usize {
-        self.rebound_place(self.elastic.len(), 0)
+        self.edge_place(self.edges.len(), 0)
+    }
+
+    /// Number of comparisons of pieces of edges.
+    pub(crate) fn edges(&self) -> usize {
+        self.edges.len()
+    }
+
+    /// The comparisons of a contact with the other pieces of its edge: their numbers, and these pieces.
+    pub(super) fn edges_of(&self, contact: usize) -> impl Iterator<Item = (usize, usize)> {
+        let edges = self.edges.iter().enumerate();
+        edges.filter_map(move |(k, edge)| (edge.0 == contact).then_some((k, edge.1)))
     }
 
     /// Index of the restitution of `contact`, if it bounces.
@@ -181,9 +212,14 @@ impl Layout {
         self.friction_row(self.rough.len()) + j
     }
 
+    /// Row of edge `k`.
+    pub(super) fn edge_row(&self, k: usize) -> usize {
+        self.rebound_row(self.elastic.len()) + k
+    }
+
     /// Row of the product of the first `count >= 2` step functions.
     pub(super) fn product_row(&self, count: usize) -> usize {
-        self.rebound_row(self.elastic.len()) + count - 2
+        self.edge_row(self.edges.len()) + count - 2
     }
 
     /// What is cross-complementary over an element: first the step functions of the contacts, then the signs
@@ -209,6 +245,16 @@ impl Layout {
         contacts.chain(frictions).chain(rebounds).collect()
     }
 
+    /// Places of what sum `sum` of a group adds up. A piece that acts in an element is the largest of its edge in all of
+    /// it: what another one is ahead counts against its weight.
+    pub(crate) fn summed(&self, group: usize, sum: usize) -> Vec<usize> {
+        const AGAINST_BETA: usize = 3;
+        let own = self.groups()[group].places[sum];
+        let edges = self.edges_of(group).filter(|_| sum == AGAINST_BETA);
+        let ahead = edges.map(|(k, _)| self.edge_place(k, AHEAD));
+        std::iter::once(own).chain(ahead).collect()
+    }
+
     /// Places of the variables that are complementary in each stage.
     pub(crate) fn stage_pairs(&self) -> Vec<(usize, usize)> {
         let contacts = (0..self.contacts).map(|i| (self.algebraic(i, P), self.algebraic(i, W)));
@@ -218,7 +264,9 @@ impl Layout {
                 self.friction_place(r, C_MINUS),
             )
         });
-        contacts.chain(frictions).collect()
+        let edges =
+            (0..self.edges.len()).map(|k| (self.edge_place(k, AHEAD), self.edge_place(k, BEHIND)));
+        contacts.chain(frictions).chain(edges).collect()
     }
 
     /// Whether the variable at `place` belongs to the switching functions alone, which the end of an element
@@ -231,13 +279,13 @@ impl Layout {
         } else if place < rebound {
             (place - friction) % PER_FRICTION >= C_PLUS
         } else {
-            false
+            (self.edge_place(0, 0)..self.first_product()).contains(&place)
         }
     }
 
     /// Number of the rows that define switching functions.
     pub(crate) fn switching_rows(&self) -> usize {
-        2 * self.contacts + self.rough.len()
+        2 * self.contacts + self.rough.len() + self.edges.len()
     }
 
     /// Number of an algebraic row, counted after the states, among those that define switching functions.
@@ -249,7 +297,9 @@ impl Layout {
             let row = row - contacts;
             (row % 2 == 1).then(|| 2 * self.contacts + row / 2)
         } else {
-            None
+            let edge = (row + self.states()).checked_sub(self.edge_row(0))?;
+            let before = 2 * self.contacts + self.rough.len();
+            (edge < self.edges.len()).then_some(before + edge)
         }
     }
 

@@ -36,10 +36,21 @@
 //! 0 <= f_i _|_ p_i >= 0,  0 <= r_i _|_ w_i >= 0
 //! ```
 //!
+//! A piece of an *outer edge* acts where its gap is the largest of the pieces `j`; its margin is `max(m_i, G_j - G_i)`:
+//!
+//! ```text
+//! a_ij - b_ij + m_i + sum_k<j a_ik - (G_j - G_i) = 0    0 <= a_ij _|_ b_ij >= 0    (m_i + sum_j a_ij instead of m_i)
+//! ```
+//!
+//! Over an element, `a_ij` counts like `lp_i` against `beta_i`. Without it, a contact could be kept at `G_j = G_i` inside the
+//! ground, which a stage can reach at once. Where two gaps are negative, as beside and below the corner of a table, only the larger one pushes; where another
+//! piece comes to be the larger one while the contact lasts, the body passes the edge and is free.
+//!
 //! The *local vector* of a stage is `xi = (q, v, t, G, u, z)`, with `z = (alpha, beta, lp, ln, p, w)` of each
-//! contact, `(b+, b-, c+, c-)` of each with friction, `(f, r)` of each with restitution and then the lifted
-//! products `P_2..P_nc`. The *local rows* are the right-hand side `F = (q', v', t', G')` and then the
-//! algebraic equations: three a contact, two a friction, one a restitution and one a lifted product.
+//! contact, `(b+, b-, c+, c-)` of each with friction, `(f, r)` of each with restitution, `(a, b)` of each pair
+//! of pieces and then the lifted products `P_2..P_nc`. The *local rows* are the right-hand side `F = (q', v', t', G')` and then the
+//! algebraic equations: three a contact, two a friction, one a restitution, one a pair of pieces
+//! and one a lifted product.
 
 mod derivatives;
 mod layout;

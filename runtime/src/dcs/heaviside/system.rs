@@ -1,8 +1,8 @@
 //! The step form with its local rows.
 
 use super::layout::{
-    ALPHA, BETA, C_MINUS, C_PLUS, FALL, LAMBDA_MINUS, LAMBDA_PLUS, Layout, P, PER_CONTACT,
-    PER_FRICTION, RISE, SLIP_MINUS, SLIP_PLUS, W,
+    AHEAD, ALPHA, BEHIND, BETA, C_MINUS, C_PLUS, FALL, LAMBDA_MINUS, LAMBDA_PLUS, Layout, P,
+    PER_CONTACT, PER_FRICTION, RISE, SLIP_MINUS, SLIP_PLUS, W,
 };
 use crate::time_freezing::TimeFreezingSystem;
 
@@ -31,7 +31,18 @@ impl<'a> HeavisideSystem<'a> {
                     .clone()
                     .filter(|&i| system.friction(i) > 0.0)
                     .collect(),
-                elastic: contacts.filter(|&i| system.restitution(i) > 0.0).collect(),
+                elastic: contacts
+                    .clone()
+                    .filter(|&i| system.restitution(i) > 0.0)
+                    .collect(),
+                edges: contacts
+                    .flat_map(|i| {
+                        declaration.contacts[i]
+                            .alternatives
+                            .iter()
+                            .map(move |&j| (i, j))
+                    })
+                    .collect(),
             },
             input: vec![0.0; declaration.inputs()],
             force_weights: vec![0.0; system.coordinates()],
@@ -130,6 +141,7 @@ impl<'a> HeavisideSystem<'a> {
                 rows[row + 1] += gap;
                 rows[row + 2] += z(P);
             }
+            self.edge_rows(xi, contact, rows);
         }
         for (r, &contact) in self.layout.rough.iter().enumerate() {
             let row = self.layout.friction_row(r);
@@ -146,6 +158,27 @@ impl<'a> HeavisideSystem<'a> {
             rows[self.layout.product_row(count)] = xi[self.layout.product(count)]
                 - xi[self.layout.product(count - 1)] * xi[self.layout.algebraic(count - 1, ALPHA)];
         }
+    }
+
+    /// Rows of the comparisons of a contact with the other pieces of its edge, and what they add to its margin.
+    fn edge_rows(&self, xi: &[f64], contact: usize, rows: &mut [f64]) {
+        let row = self.layout.contact_row(contact);
+        let mut margin = xi[self.layout.lifted_gap(contact)];
+        if !self.layout.bounces(contact) {
+            margin += xi[self.layout.algebraic(contact, P)];
+        }
+        for (k, other) in self.layout.edges_of(contact) {
+            let z = |offset: usize| xi[self.layout.edge_place(k, offset)];
+            let lead = self.lead(xi, contact, other);
+            rows[self.layout.edge_row(k)] = z(AHEAD) - z(BEHIND) + margin - lead;
+            rows[row + 2] += z(AHEAD);
+            margin += z(AHEAD);
+        }
+    }
+
+    /// How far another piece of an edge is ahead of a contact.
+    fn lead(&self, xi: &[f64], contact: usize, other: usize) -> f64 {
+        xi[self.layout.lifted_gap(other)] - xi[self.layout.lifted_gap(contact)]
     }
 
     /// Terms (place, factor) of the weight with which a contact presses.
@@ -179,6 +212,13 @@ impl<'a> HeavisideSystem<'a> {
             } else {
                 gap.max(velocity)
             };
+            let mut margin = margin;
+            for (k, other) in self.layout.edges_of(contact) {
+                let (ahead, behind) = parts(self.lead(xi, contact, other) - margin);
+                xi[self.layout.edge_place(k, AHEAD)] = ahead;
+                xi[self.layout.edge_place(k, BEHIND)] = behind;
+                margin += ahead;
+            }
             let (plus, minus) = parts(margin);
             let (p, w) = parts(if bounces.is_some() {
                 velocity
@@ -223,11 +263,15 @@ impl<'a> HeavisideSystem<'a> {
         let step = |value: f64| if value > 0.0 { 1.0 } else { 0.0 };
         let margin = |contact: usize| {
             let gap = xi[self.layout.lifted_gap(contact)];
-            if self.layout.bounces(contact) {
+            let own = if self.layout.bounces(contact) {
                 gap
             } else {
                 gap.max(self.system.normal_velocity(contact))
-            }
+            };
+            let others = self.layout.edges_of(contact);
+            others.fold(own, |margin, (_, other)| {
+                margin.max(self.lead(xi, contact, other))
+            })
         };
         let alphas: Vec<f64> = (0..self.layout.contacts).map(|i| step(margin(i))).collect();
         let where_closed = |contact: usize, share: f64| {

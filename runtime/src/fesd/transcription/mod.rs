@@ -172,9 +172,13 @@ impl<'a> Transcription<'a> {
         let shares = dcs.shares(&local);
         dcs.complete(&mut local, &shares);
         let groups = dcs.layout.groups();
-        let start_values = groups
-            .iter()
-            .map(|group| group.places.map(|place| local[place]))
+        let start_values = (0..groups.len())
+            .map(|group| {
+                std::array::from_fn(|sum| {
+                    let places = dcs.layout.summed(group, sum);
+                    places.iter().map(|&place| local[place]).sum()
+                })
+            })
             .collect();
         let mut problem = Self {
             start: y,
@@ -445,18 +449,14 @@ impl<'a> Transcription<'a> {
 
     /// Variables of a cross complementarity sum.
     fn sum_variables(&self, e: usize, group: usize, sum: usize) -> Vec<usize> {
-        let place = self.groups[group].places[sum];
-        let mut variables: Vec<usize> = self.elements[e]
-            .blocks
-            .iter()
-            .filter_map(|block| block.variables[place])
-            .collect();
-        if sum % 2 == 1
-            && let Some(before) = self.block_before(e)
-        {
-            variables.extend(before.variables[place]);
-        }
-        variables
+        let places = self.dcs.layout.summed(group, sum);
+        let before = self.block_before(e).filter(|_| sum % 2 == 1);
+        let blocks = self.elements[e].blocks.iter().chain(before);
+        let of_block = |block: &Block| -> Vec<usize> {
+            let variables = places.iter().filter_map(|&place| block.variables[place]);
+            variables.collect()
+        };
+        blocks.flat_map(of_block).collect()
     }
 
     /// Value of a cross complementarity sum.
@@ -543,7 +543,7 @@ impl<'a> Transcription<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::test_scenes::{Bead, DryBead, RoughBead, Wire};
+    use super::test_scenes::{Bead, DryBead, EdgedBead, RoughBead, Wire};
     use super::*;
     use crate::model::Model;
     use crate::rk::Scheme;
@@ -608,7 +608,8 @@ mod tests {
     fn derivatives_agree_with_differences_for_both_kinds_of_schemes() {
         let (bead, rough) = (Bead::default(), RoughBead::default());
         let (dry, wire) = (DryBead::default(), Wire::default());
-        let beads: [&dyn Model; 4] = [&bead, &rough, &dry, &wire];
+        let edged = EdgedBead::default();
+        let beads: [&dyn Model; 5] = [&bead, &rough, &dry, &wire, &edged];
         for scheme in [Scheme::RadauIia, Scheme::GaussLegendre] {
             let tableau = ButcherTableau::new(scheme, 2).expect("two stages");
             let unknowns = [
@@ -647,5 +648,11 @@ mod tests {
         assert_eq!(rough.0 - plain.0, 3 * (2 * 10 + 12));
         assert_eq!(rough.1 - plain.1, 3 * (2 * 5 + 12));
         assert_eq!(rough.2 - plain.2, 3 * (2 * 2 + 6));
+        // Each of three pieces is compared with two others: 2 unknowns, a row and a pair a stage. One contact more than the
+        // two gaps has a state, 6 step variables, 3 rows and a product, and 4 sums and 2 pairs an element.
+        let edged = sizes(&EdgedBead::default());
+        assert_eq!(edged.0 - plain.0, 3 * (2 * (6 * 2 + 8) + 4));
+        assert_eq!(edged.1 - plain.1, 3 * (2 * (6 + 5) + 4));
+        assert_eq!(edged.2 - plain.2, 3 * (2 * (6 + 1) + 2));
     }
 }

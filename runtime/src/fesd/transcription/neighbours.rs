@@ -9,8 +9,8 @@ const SOLVED: f64 = 1e-7;
 
 /// Choice number `index` of modes next to the one of the solution `x`: of two elements side by side in
 /// different modes one takes the mode of the other, which moves a switch by one element. Writes the sides
-/// that vanish and a point to start from; `false` if there is no such choice, or if there is friction or
-/// restitution, whose modes are not ordered like this.
+/// that vanish and a point to start from; `false` if there is no such choice, or if there is friction,
+/// restitution or an edge, whose modes are not ordered like this.
 pub(super) fn shift_switch(
     transcription: &Transcription<'_>,
     index: usize,
@@ -18,7 +18,7 @@ pub(super) fn shift_switch(
     vanishes: &mut [bool],
 ) -> bool {
     let contacts = transcription.dcs.layout.contacts();
-    if transcription.groups.len() > contacts {
+    if transcription.groups.len() > contacts || transcription.dcs.layout.edges() > 0 {
         return false;
     }
     let mut modes = modes::fixed_modes(transcription, vanishes);

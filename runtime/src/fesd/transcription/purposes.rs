@@ -30,6 +30,7 @@ fn of_local(transcription: &Transcription<'_>, k: usize) -> Purpose {
     match layout.algebraic_symbol(k) {
         Some(("alpha" | "beta" | "lp" | "ln" | "p" | "w", _)) => Purpose::StepFunction,
         Some(("f" | "r", _)) => Purpose::Restitution,
+        Some(("ahead" | "behind", _)) => Purpose::Edge,
         Some(_) => Purpose::Friction,
         None => Purpose::SeveralContacts,
     }
@@ -106,16 +107,23 @@ fn of_row(transcription: &Transcription<'_>, index: usize) -> Purpose {
         let states = transcription.dcs.layout.states();
         return of_state(transcription, (index - element.collocation_rows) % states);
     };
-    // Of a contact three rows at a stage, two at an end; of friction two and one; of a bounce one at a stage.
+    // Of a contact three rows at a stage, two at an end; of friction two and one; of a bounce one at a stage; of a pair of
+    // pieces one everywhere.
     let (contacts, rough) = counts(transcription);
     let (of_contact, of_friction) = if block.boundary { (2, 1) } else { (3, 2) };
     let row = index - block.algebraic_rows;
     let before_bounces = of_contact * contacts + of_friction * rough;
-    let elastic = transcription.groups.len() - contacts - rough;
+    let elastic = if block.boundary {
+        0
+    } else {
+        transcription.groups.len() - contacts - rough
+    };
+    let before_edges = before_bounces + elastic;
     match row {
         row if row < of_contact * contacts => Purpose::StepFunction,
         row if row < before_bounces => Purpose::Friction,
-        row if row < before_bounces + elastic => Purpose::Restitution,
+        row if row < before_edges => Purpose::Restitution,
+        row if row < before_edges + transcription.dcs.layout.edges() => Purpose::Edge,
         _ => Purpose::SeveralContacts,
     }
 }

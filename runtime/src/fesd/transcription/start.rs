@@ -4,6 +4,8 @@
 //! ```text
 //! G_i = g_i(q), >= 0       where coordinates are free: the lifted gap begins as the gap is
 //! ```
+//!
+//! Of the pieces of an edge only the gap of that one is kept which acts at the guess.
 
 use super::{Beginning, Transcription};
 use crate::dcs;
@@ -29,15 +31,28 @@ pub(super) fn write_bounds(
     let Some(beginning) = &transcription.beginning else {
         return;
     };
-    for &variable in beginning.block.variables.iter().flatten() {
-        // Lifted gaps, and the parts of switching functions.
-        lower[variable] = 0.0;
+    let layout = &transcription.dcs.layout;
+    let gaps = layout.lifted_gap(0)..layout.states();
+    for (place, variable) in beginning.block.variables.iter().enumerate() {
+        // Lifted gaps, and the parts of switching functions. Of an edge the piece that acts where the guess starts.
+        let idle = gaps.contains(&place) && is_idle(transcription, place - gaps.start);
+        if let Some(variable) = variable.filter(|_| !idle) {
+            lower[variable] = 0.0;
+        }
     }
     for &(k, range) in &transcription.task.free_start {
         if let Some(variable) = beginning.block.variables[k] {
             (lower[variable], upper[variable]) = range;
         }
     }
+}
+
+/// Whether another piece of its edge acts in place of a contact where the guess starts.
+fn is_idle(transcription: &Transcription<'_>, contact: usize) -> bool {
+    let gap = |i: usize| transcription.start[transcription.dcs.layout.lifted_gap(i)];
+    let declared = &transcription.dcs.system.model.declaration().contacts[contact];
+    let mut others = declared.alternatives.iter();
+    others.any(|&other| gap(other) > gap(contact) || gap(other) == gap(contact) && other < contact)
 }
 
 /// Evaluates the local vector and the local rows at the start.

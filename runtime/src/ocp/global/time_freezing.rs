@@ -345,6 +345,19 @@ mod tests {
         }
     }
 
+    crate::model! {
+        /// A block that slides off the end of a table.
+        Table {
+            parameters { m: kg = 1, g: m/s^2 = 9.81, height: m = 0.8, edge: m = 0.5, speed: m/s = 1.2 }
+            coordinates { y: m, z: m }
+            lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+            surface table: max(z - height, y - edge) >= 0
+            impact table: inelastic
+            start { z: height, dot(y): speed }
+            horizon 0.8 [s]
+        }
+    }
+
     fn solve(
         model: &dyn Model,
         problem: &Problem,
@@ -416,6 +429,37 @@ mod tests {
             (numerical - 1.0 - jump - contact).abs() < 1e-6,
             "{numerical}"
         );
+    }
+
+    #[test]
+    fn block_slides_off_a_table_and_falls_past_its_end() {
+        let table = Table::default();
+        let mut problem = Problem::of(&table, 2);
+        problem.horizon = Horizon::Fixed(0.8);
+        let (solution, motion) = solve(&table, &problem, true);
+        assert_eq!(solution.status, Status::Solved);
+        let steps = || motion.time.iter().zip(&motion.step_functions);
+        let holds = |alpha: &[f64]| alpha[0] < 0.99;
+        let last = steps().rfind(|(_, alpha)| holds(alpha));
+        let left = last.map_or(0.0, |(time, _)| *time);
+        // Where contact ends is not determined within the first stage of an element, a third of 0.4/3 s.
+        let passes = 0.5 / 1.2;
+        assert!(
+            (passes - 0.4 / 9.0..passes + 1e-6).contains(&left),
+            "{motion:?}"
+        );
+        for ((time, alpha), q) in steps().zip(&motion.q) {
+            // Quadratics are integrated exactly.
+            let fall = (time - left).max(0.0);
+            assert!((q[0] - 1.2 * time).abs() < 1e-6, "{motion:?}");
+            assert!(
+                (q[1] - (0.8 - 0.5 * 9.81 * fall * fall)).abs() < 1e-6,
+                "{motion:?}"
+            );
+            // The end of the table never pushes, its top does until the edge.
+            assert!((alpha[1] - 1.0).abs() < 1e-6, "{alpha:?}");
+            assert_eq!(holds(alpha), *time < left + 1e-6, "{alpha:?}");
+        }
     }
 
     #[test]

@@ -13,6 +13,7 @@ use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::edit_sequence::touching_for_less_than;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity};
 use crate::ocp::motion::model_input::{drive, with_forces};
+use crate::ocp::motion::passages::with_passages;
 use crate::ocp::motion::read_sequence::{Elements, of_elements};
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
@@ -125,7 +126,8 @@ fn sequence(
     };
     let read = of_elements(modes_at_start(setting, trajectory), &elements, 0.0);
     let bounces = |contact| model.restitution(contact) > 0.0;
-    touching_for_less_than(&read, BOUNCE, bounces).unwrap_or(read)
+    let read = touching_for_less_than(&read, BOUNCE, bounces).unwrap_or(read);
+    with_passages(model, read, trajectory, false)
 }
 
 fn trajectory(setting: Setting, motion: &TimeFreezingMotion) -> Trajectory {
