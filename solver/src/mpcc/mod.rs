@@ -22,6 +22,8 @@
 //!     Proportional   sigma = 10 mu
 //! ```
 //!
+//! Sides whose partners linear rows and bounds keep above zero vanish at every exact point; they are fixed at zero before the first run.
+//!
 //! At `sigma = 1e-5` a *crossover* fixes one side of each pair at zero, the smaller one or those that
 //! [`Mpcc::vanishing_sides`] says, and with it all that linear rows then force to zero, and solves the remaining
 //! smooth program to full accuracy: `min(x_i, x_j) = 0` exactly. If that fails, the run goes on to the final `sigma`
@@ -58,6 +60,7 @@
 mod branch;
 mod certificate;
 mod crossover;
+mod decided;
 mod elastic;
 mod finish;
 mod forced;

@@ -1,6 +1,7 @@
 //! The entry points: rules one after the other.
 
 use super::crossover::improve;
+use super::decided::{Decided, decided_sides};
 use super::finish::{BINDING, Ended, compare};
 use super::run::solve_with;
 use super::second_round::second_round;
@@ -114,7 +115,19 @@ pub fn solve_observed(
 ) -> Result<Solution, InputError> {
     settings.validate()?;
     check_pairs(problem)?;
-    let mut watch = Watch::new(settings, observer);
+    let watch = Watch::new(settings, observer);
+    match decided_sides(problem) {
+        Some(vanishes) => solve_all(&mut Decided::new(problem, vanishes), settings, watch),
+        None => solve_all(problem, settings, watch),
+    }
+}
+
+/// The rules, and what follows on them.
+fn solve_all(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    mut watch: Watch<'_>,
+) -> Result<Solution, InputError> {
     let mut best: Option<Ended> = None;
     let mut others: Vec<Ended> = Vec::new();
     let mut infeasible = 0;
