@@ -22,7 +22,8 @@
 //!     Proportional   sigma = 10 mu
 //! ```
 //!
-//! Sides whose partners linear rows and bounds keep above zero vanish at every exact point; they are fixed at zero before the first run.
+//! Sides whose partners linear rows and bounds keep above zero vanish at every exact point; they are fixed at zero before the first run. Where
+//! that does not end at a certified point, the same follows without: half of the iterations are for each.
 //!
 //! At `sigma = 1e-5` a *crossover* fixes one side of each pair at zero, the smaller one or those that
 //! [`Mpcc::vanishing_sides`] says, and with it all that linear rows then force to zero, and solves the remaining

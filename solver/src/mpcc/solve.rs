@@ -115,24 +115,45 @@ pub fn solve_observed(
 ) -> Result<Solution, InputError> {
     settings.validate()?;
     check_pairs(problem)?;
-    let watch = Watch::new(settings, observer);
-    match decided_sides(problem) {
-        Some(vanishes) => solve_all(&mut Decided::new(problem, vanishes), settings, watch),
-        None => solve_all(problem, settings, watch),
+    let mut watch = Watch::new(settings, observer);
+    let Some(vanishes) = decided_sides(problem) else {
+        return solve_stated(problem, settings, &mut watch);
+    };
+    let mut decided_problem = Decided::new(problem, vanishes);
+    if !settings.crossover {
+        return solve_stated(&mut decided_problem, settings, &mut watch);
     }
+    watch.limit(settings.maximum_iterations.div_ceil(2));
+    let decided = solve_stated(&mut decided_problem, settings, &mut watch)?;
+    if !watch.limit(settings.maximum_iterations) || is_settled(decided.status) {
+        return Ok(decided);
+    }
+    // the sides that are decided change the path, and another path may lead to a point that can be certified
+    let free = solve_stated(problem, settings, &mut watch)?;
+    let interrupted = watch.stop == Some(nlp::Status::Interrupted);
+    if interrupted || compare(&free, &decided).is_lt() {
+        return Ok(free);
+    }
+    Ok(with_totals(decided, &watch))
+}
+
+/// Whether another path to a solution is not worth it.
+fn is_settled(status: Status) -> bool {
+    let unbounded = Status::Failed(nlp::Status::Diverging);
+    status.is_solved() || status == Status::Infeasible || status == unbounded
 }
 
 /// The rules, and what follows on them.
-fn solve_all(
+fn solve_stated(
     problem: &mut dyn Mpcc,
     settings: &Settings,
-    mut watch: Watch<'_>,
+    watch: &mut Watch<'_>,
 ) -> Result<Solution, InputError> {
     let mut best: Option<Ended> = None;
     let mut others: Vec<Ended> = Vec::new();
     let mut infeasible = 0;
     for &rule in &settings.rules {
-        let ended = solve_with(problem, settings, rule, &mut watch)?;
+        let ended = solve_with(problem, settings, rule, watch)?;
         infeasible += usize::from(ended.solution.status == Status::Infeasible);
         let finished = watch.stop.is_some()
             || best
@@ -168,9 +189,9 @@ fn solve_all(
         && best.solution.status != Status::Infeasible
     {
         others.sort_by(|a, b| compare(&a.solution, &b.solution));
-        second_round(problem, settings, best, &others, &mut watch)?;
+        second_round(problem, settings, best, &others, watch)?;
     }
-    let best = best.map(|ended| complete(problem, settings, ended, &mut watch));
+    let best = best.map(|ended| complete(problem, settings, ended, watch));
     // the list of rules is not empty
     best.ok_or(InputError::from(Fault::Setting {
         name: "rules",
@@ -197,12 +218,19 @@ fn complete(
         // whoever interrupts has to see it
         solution.status = Status::Failed(nlp::Status::Interrupted);
     }
-    solution.iterations = watch.iterations;
-    solution.crossover_iterations = watch.crossover_iterations;
-    solution.certificate_iterations = watch.certificate_iterations;
-    solution.factorizations = watch.factorizations;
-    solution.cpu = watch.cpu;
-    solution
+    with_totals(solution, watch)
+}
+
+/// A solution with what all runs so far took.
+fn with_totals(solution: Solution, watch: &Watch<'_>) -> Solution {
+    Solution {
+        iterations: watch.iterations,
+        crossover_iterations: watch.crossover_iterations,
+        certificate_iterations: watch.certificate_iterations,
+        factorizations: watch.factorizations,
+        cpu: watch.cpu,
+        ..solution
+    }
 }
 
 /// Whether no pair had a part in the infeasibility of a point.
