@@ -130,7 +130,8 @@ impl Program {
     pub(crate) fn run(
         &self,
         folded: &[f64],
-        (x, y): (&[f64], &[f64]),
+        x: &[f64],
+        y: &[f64],
         out: &mut [f64],
         r: &mut Registers,
     ) {

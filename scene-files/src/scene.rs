@@ -89,10 +89,11 @@ impl TextScene {
     }
 
     /// Evaluates a kernel in lent memory.
-    fn run(&self, scratch: &mut Scratch, kernel: usize, of: (&[f64], &[f64]), out: &mut [f64]) {
+    #[inline(always)]
+    fn run(&self, scratch: &mut Scratch, kernel: usize, (x, y): (&[f64], &[f64]), out: &mut [f64]) {
         let program = &self.shared.programs[kernel];
         let folded = &self.folded[program.folded.clone()];
-        program.run(folded, of, out, &mut scratch.registers);
+        program.run(folded, x, y, out, &mut scratch.registers);
     }
 
     /// Evaluates a kernel.

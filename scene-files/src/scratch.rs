@@ -31,13 +31,13 @@ impl Scratch {
         }))
     }
 
-    /// Lends the memory of this thread.
+    /// Lends the memory of this thread. Inlined: what `work` captures would go through memory, where the processor waits for
+    /// what was just written in parts and is read as a whole, longer than a short kernel takes.
+    #[inline(always)]
     pub(crate) fn lend<T>(work: impl FnOnce(&mut Self) -> T) -> Option<T> {
-        SCRATCH.with(|own| {
-            let mut scratch = own.take().or_else(Self::new)?;
-            let result = work(&mut scratch);
-            own.set(Some(scratch));
-            Some(result)
-        })
+        let mut scratch = SCRATCH.take().or_else(Self::new)?;
+        let result = work(&mut scratch);
+        SCRATCH.set(Some(scratch));
+        Some(result)
     }
 }

@@ -148,6 +148,7 @@ impl Diagnostics {
         message: String,
         warning: bool,
     ) -> Reported {
+        let message = in_one_line(message);
         if !self
             .mistakes
             .iter()
@@ -198,6 +199,16 @@ impl Diagnostics {
     pub(crate) fn into_mistakes(self) -> Vec<Mistake> {
         self.mistakes
     }
+}
+
+/// A message in one line, whatever it quotes: the text of a string may go over several.
+fn in_one_line(message: String) -> String {
+    if !message.contains(char::is_control) {
+        return message;
+    }
+    let words = message.split(|c: char| c.is_control() || c == ' ');
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    words.join(" ")
 }
 
 /// All mistakes as `compile_error!`s, all warnings as lints.
@@ -265,6 +276,17 @@ pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn message_that_quotes_several_lines_is_one() {
+        let quoted = "expected a name, found `\"\r\n  a\n`";
+        assert_eq!(
+            in_one_line(quoted.to_owned()),
+            "expected a name, found `\" a `"
+        );
+        let short = "`x`  is not declared";
+        assert_eq!(in_one_line(short.to_owned()), short);
+    }
 
     #[test]
     fn closest_finds_slips_and_ignores_strangers() {

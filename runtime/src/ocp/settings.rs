@@ -134,7 +134,7 @@ impl TimeFreezingSettings {
 }
 
 /// Where the forces of an element act in the contact-implicit programs. The error is of the first order in its length
-/// either way, and of opposite effect: motions that both lead to owe little to it.
+/// either way, and of another kind: motions that both lead to owe little to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum EulerStep {
     /// At its end: the implicit Euler method, which damps.

@@ -1,9 +1,10 @@
 //! Outer edges, against closed forms and brute force: of the pieces of a `max` the largest acts, and which that is may
-//! change during the motion.
+//! change during the motion. Bodies slide through kinks, and on where a surface goes over into the next one.
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::{kinds, solve, time_freezing};
+use crate::support::{attempt, kinds, one_start, solve, time_freezing};
+use hangtime::model::Model;
 use hangtime::ocp::{self, ControlShape, Problem, Settings};
 use hangtime::simulation::EventKind;
 
@@ -77,6 +78,224 @@ hangtime::model! {
     }
 }
 
+hangtime::model! {
+    /// A block is pushed down a ramp that goes over into a flat, to stop there.
+    Kink {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, mu = 0, slope = 0.5, goal: m = 1 }
+        coordinates { y: m, z: m }
+        controls { u: N in -40..=40 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: u }
+        surface ground: z >= max(0 [m], -slope*y)
+        impact ground: inelastic, friction mu
+        minimize integral(u^2)
+        finally { y == goal, dot(y) == 0 [m/s] }
+        start { y: -1 [m], z: slope*1 [m] }
+        horizon 1.5 [s]
+    }
+}
+
+hangtime::model! {
+    /// The same without friction in its law.
+    SmoothKink {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, slope = 0.5, goal: m = 1 }
+        coordinates { y: m, z: m }
+        controls { u: N in -40..=40 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: u }
+        surface ground: z >= max(0 [m], -slope*y)
+        impact ground: inelastic
+        minimize integral(u^2)
+        finally { y == goal, dot(y) == 0 [m/s] }
+        start { y: -1 [m], z: slope*1 [m] }
+        horizon 1.5 [s]
+    }
+}
+
+hangtime::model! {
+    /// A block is pushed down a ramp that goes over into an arc, to rest there.
+    Hollow {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, slope = 0.5, radius: m = 1, steep = 2, goal: m = 1 }
+        coordinates { y: m, z: m }
+        controls { u: N in -40..=40 }
+        fn ramp(y) = -slope*y
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: u }
+        surface ground: z >= max(ramp(y), min(ramp(y) + y^2/(2*radius), ramp(y) + steep*y))
+        impact ground: inelastic
+        minimize integral(u^2)
+        finally { y == goal, dot(y) == 0 [m/s] }
+        start { y: -1 [m], z: slope*1 [m] }
+        horizon 1.5 [s]
+    }
+}
+
+hangtime::model! {
+    /// A block is pushed over the end of a flat that goes over into a round shoulder, to stop there.
+    Shoulder {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, radius: m = 0.8, goal: m = 0.4 }
+        coordinates { y: m, z: m }
+        controls { u: N in -15..=15 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: u }
+        surface top: min(max(z, y), z + y^2/(2*radius)) >= 0
+        impact top: inelastic
+        minimize integral(u^2)
+        finally { y == goal, dot(y) == 0 [m/s] }
+        start { y: -0.6 [m] }
+        horizon 1.6 [s]
+    }
+}
+
+/// A block on a ground of one slope up to `y = 0`, whose curvature is constant from there on.
+struct Slide {
+    mass: f64,
+    slope: f64,
+    curvature: f64,
+    start: f64,
+    goal: f64,
+    horizon: f64,
+}
+
+impl Slide {
+    /// Place and speed along y at the end, by small steps, one of which ends where the curvature begins.
+    fn end(&self, forces: &[f64]) -> [f64; 2] {
+        const STEPS: usize = 100;
+        let h = self.horizon / (forces.len() * STEPS) as f64;
+        let (mut state, mut curved) = ([self.start, 0.0], false);
+        for &force in forces {
+            for _ in 0..STEPS {
+                let whole = self.step(state, h, force, curved);
+                if curved || whole[0] <= 0.0 {
+                    state = whole;
+                    continue;
+                }
+                let (mut early, mut late) = (0.0, h);
+                for _ in 0..60 {
+                    let middle = 0.5 * (early + late);
+                    let beyond = self.step(state, middle, force, false)[0] > 0.0;
+                    *(if beyond { &mut late } else { &mut early }) = middle;
+                }
+                state = self.step(state, early, force, false);
+                curved = true;
+                state = self.step(state, h - early, force, true);
+            }
+        }
+        state
+    }
+
+    /// A Runge-Kutta step of order 4 on one of the two parts of the ground.
+    fn step(&self, state: [f64; 2], h: f64, force: f64, curved: bool) -> [f64; 2] {
+        let curvature = if curved { self.curvature } else { 0.0 };
+        let rate = |[y, v]: [f64; 2]| {
+            let slope = self.slope + curvature * y;
+            let along = force / self.mass - slope * (curvature * v * v + G);
+            [v, along / (1.0 + slope * slope)]
+        };
+        let moved = |k: [f64; 2], h: f64| [state[0] + h * k[0], state[1] + h * k[1]];
+        let k1 = rate(state);
+        let k2 = rate(moved(k1, 0.5 * h));
+        let k3 = rate(moved(k2, 0.5 * h));
+        let k4 = rate(moved(k3, h));
+        moved(
+            std::array::from_fn(|i| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0),
+            h,
+        )
+    }
+
+    /// The least effort that brings it to rest at the goal: forces `J' y` that meet the goal, where `J` is how the end
+    /// depends on them.
+    fn least_effort(&self) -> f64 {
+        let mut forces = vec![0.0; INTERVALS];
+        for _ in 0..100 {
+            let end = self.end(&forces);
+            let columns: Vec<[f64; 2]> = (0..INTERVALS)
+                .map(|k| {
+                    let [more, less] = [1e-4, -1e-4].map(|change| {
+                        let mut forces = forces.clone();
+                        forces[k] += change;
+                        self.end(&forces)
+                    });
+                    [0, 1].map(|i| (more[i] - less[i]) / 2e-4)
+                })
+                .collect();
+            let wanted = [0, 1].map(|i| {
+                let moved: f64 = columns.iter().zip(&forces).map(|(c, u)| c[i] * u).sum();
+                moved - end[i] + if i == 0 { self.goal } else { 0.0 }
+            });
+            let dot = |i: usize, j: usize| -> f64 { columns.iter().map(|c| c[i] * c[j]).sum() };
+            let (a, b, c) = (dot(0, 0), dot(0, 1), dot(1, 1));
+            let determinant = a * c - b * b;
+            let y = [
+                (c * wanted[0] - b * wanted[1]) / determinant,
+                (a * wanted[1] - b * wanted[0]) / determinant,
+            ];
+            for (force, column) in forces.iter_mut().zip(&columns) {
+                *force = column[0] * y[0] + column[1] * y[1];
+            }
+        }
+        let squares: f64 = forces.iter().map(|u| u * u).sum();
+        self.horizon / INTERVALS as f64 * squares
+    }
+}
+
+/// The least effort with which a block that slides without flight is at the kink at time `t` and rests at the goal in the
+/// end: of the forces that solve three linear equations the shortest.
+fn effort_through_the_kink(kink: &Kink, t: f64) -> f64 {
+    let Kink {
+        m, mu, slope, goal, ..
+    } = *kink;
+    let (end, h) = (1.5, 1.5 / INTERVALS as f64);
+    let cosine = 1.0 / (1.0 + slope * slope).sqrt();
+    let sine = slope * cosine;
+    // Accelerations along y by the force and by the weight, on the ramp and on the flat.
+    let ramp = (
+        (cosine + mu * sine) * cosine / m,
+        G * (sine - mu * cosine) * cosine,
+    );
+    let flat = (1.0 / m, -mu * G);
+    // The impact takes what moves down, and `mu` times that.
+    let kept = 1.0 - mu * slope;
+    // Place and speed at a time, by an acceleration between two others.
+    let moved = |from: f64, to: f64, at: f64| {
+        let (from, to) = (from.min(at), to.min(at));
+        [0.5 * ((at - from).powi(2) - (at - to).powi(2)), to - from]
+    };
+    let on_ramp = moved(0.0, t, t);
+    let on_flat = moved(t, end, end);
+    let speed = ramp.1 * on_ramp[1];
+    let wanted = [
+        1.0 - ramp.1 * on_ramp[0],
+        goal - flat.1 * on_flat[0] - kept * speed * (end - t),
+        -flat.1 * on_flat[1] - kept * speed,
+    ];
+    let rows: Vec<[f64; 3]> = (0..INTERVALS)
+        .map(|k| {
+            let (from, to) = (k as f64 * h, (k + 1) as f64 * h);
+            let before = moved(from, to.min(t).max(from), t).map(|way| ramp.0 * way);
+            let after = moved(from.max(t).min(to), to, end).map(|way| flat.0 * way);
+            [
+                before[0],
+                after[0] + kept * before[1] * (end - t),
+                after[1] + kept * before[1],
+            ]
+        })
+        .collect();
+    let dot = |i: usize, j: usize| -> f64 { rows.iter().map(|row| row[i] * row[j]).sum() };
+    let a: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| dot(i, j)));
+    let determinant = |a: [[f64; 3]; 3]| -> f64 {
+        let minor = |i: usize, j: usize| a[1][i] * a[2][j] - a[1][j] * a[2][i];
+        a[0][0] * minor(1, 2) - a[0][1] * minor(0, 2) + a[0][2] * minor(0, 1)
+    };
+    let multipliers = (0..3).map(|i| {
+        let mut replaced = a;
+        replaced[i] = wanted;
+        determinant(replaced) / determinant(a)
+    });
+    let pairs = multipliers.zip(wanted);
+    h * pairs.map(|(y, b)| y * b).sum::<f64>()
+}
+
 /// The least of a function of one unknown on a grid that is refined around its best point.
 fn least(mut from: f64, mut to: f64, value: impl Fn(f64) -> f64) -> f64 {
     const POINTS: usize = 2000;
@@ -122,6 +341,69 @@ fn block_is_pushed_off_a_table_with_the_least_effort_of_its_closed_form() {
     let off = (solution.objective - effort).abs();
     assert!(off < 1e-7 * effort, "{} {effort}", solution.objective);
     assert!((solution.planned_events[0].0 - times[0]).abs() < 1e-7);
+}
+
+#[test]
+fn block_goes_through_a_kink_with_the_least_effort_of_its_closed_form() {
+    let rough = Kink {
+        mu: 0.2,
+        ..Kink::default()
+    };
+    let smooth = SmoothKink::default();
+    let models: [(&dyn Model, Kink); 2] = [(&rough, rough.clone()), (&smooth, Kink::default())];
+    for (model, kink) in models {
+        let solution = solve(model, INTERVALS, &Settings::default());
+        assert!(solution.status.is_solved());
+        assert_eq!(
+            kinds(&solution),
+            [EventKind::Impact, EventKind::LiftOff],
+            "{:?}",
+            solution.planned_events
+        );
+        let [struck, left] = [0, 1].map(|i| solution.planned_events[i].0);
+        assert_eq!(struck, left);
+        let best = least(0.5, 1.1, |t| effort_through_the_kink(&kink, t));
+        let off = (solution.objective - best).abs();
+        assert!(off < 1e-7 * best, "{} {best}", solution.objective);
+    }
+}
+
+#[test]
+fn block_slides_on_into_an_arc_and_over_a_shoulder_with_the_least_effort_of_one_coordinate() {
+    let hollow = Hollow::default();
+    let shoulder = Shoulder::default();
+    let into_the_arc = Slide {
+        mass: hollow.m,
+        slope: -hollow.slope,
+        curvature: 1.0 / hollow.radius,
+        start: -1.0,
+        goal: hollow.goal,
+        horizon: 1.5,
+    };
+    let over_the_shoulder = Slide {
+        mass: shoulder.m,
+        slope: 0.0,
+        curvature: -1.0 / shoulder.radius,
+        start: -0.6,
+        goal: shoulder.goal,
+        horizon: 1.6,
+    };
+    let models: [(&dyn Model, Slide); 2] =
+        [(&hollow, into_the_arc), (&shoulder, over_the_shoulder)];
+    for (model, slide) in models {
+        let solution = attempt(model, INTERVALS, &one_start());
+        assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+        assert_eq!(
+            kinds(&solution),
+            [EventKind::LiftOff, EventKind::Contact],
+            "{:?}",
+            solution.planned_events
+        );
+        let best = slide.least_effort();
+        // Four stages an interval follow the arc to about 1e-6.
+        let off = (solution.objective - best).abs();
+        assert!(off < 5e-6 * best, "{} {best}", solution.objective);
+    }
 }
 
 #[test]

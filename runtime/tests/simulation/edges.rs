@@ -78,6 +78,34 @@ hangtime::model! {
     }
 }
 
+hangtime::model! {
+    /// A ball slides down a ramp that goes over into an arc, along which it stays.
+    Hollow {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, slope = 0.5, radius: m = 1, side = 1, steep = 2 }
+        coordinates { y: m, z: m }
+        fn ramp(y) = -slope*side*y
+        fn arc(y) = ramp(y) + y^2/(2*radius)
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        surface ground: z >= max(ramp(y), min(arc(y), ramp(y) + steep*side*y))
+        impact ground: inelastic
+        start { y: -side*1 [m], z: slope*1 [m] }
+        horizon 1 [s]
+    }
+}
+
+hangtime::model! {
+    /// A block slides over the round end of a bar.
+    Bar {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, r: m = 0.5, edge: m = 0.5, speed: m/s = 1 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        surface bar: min(max(z - r, y - edge), sqrt((y - edge)^2 + z^2) - r) >= 0
+        impact bar: inelastic
+        start { z: r, dot(y): speed }
+        horizon 1 [s]
+    }
+}
+
 /// Every simulator for scenes without friction, with the error that its steps of `h` leave.
 fn all(horizon: f64) -> Vec<(Box<dyn Simulator>, f64)> {
     let steps = 4000;
@@ -111,6 +139,14 @@ fn all(horizon: f64) -> Vec<(Box<dyn Simulator>, f64)> {
         (Box::new(fixed), late),
         (Box::new(smooth), 2e-2),
     ]
+}
+
+/// Random numbers between two bounds.
+fn random(mut seed: u64) -> impl FnMut(f64, f64) -> f64 {
+    move |low, high| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        low + (high - low) * (seed >> 11) as f64 / (1_u64 << 53) as f64
+    }
 }
 
 fn assert_ends(model: &dyn Model, end: [f64; 4], among: impl Fn(&str) -> bool) {
@@ -199,6 +235,61 @@ fn ball_goes_through_a_valley_with_what_its_other_side_leaves() {
 }
 
 #[test]
+fn ball_goes_over_from_a_ramp_into_an_arc_without_loss() {
+    let mut random = random(20_261_122);
+    for case in 0..40 {
+        let hollow = Hollow {
+            slope: random(0.2, 1.0),
+            radius: random(0.5, 2.0),
+            side: if case % 2 == 0 { 1.0 } else { -1.0 },
+            steep: random(1.0, 4.0),
+            ..Hollow::default()
+        };
+        let problem = InitialValueProblem::of(&hollow, None).unwrap();
+        let event = EventDriven {
+            tolerance: 1e-12,
+            ..EventDriven::default()
+        };
+        let simulators: [&dyn Simulator; 2] = [&Fesd::default(), &event];
+        for simulator in simulators {
+            let run = simulator
+                .simulate(&hollow, &problem, &mut |_| true)
+                .unwrap();
+            assert!(run.status.is_solved(), "{hollow:?}: {run}");
+            let (q, v) = last(&run.trajectory);
+            let y = q[0] * hollow.side;
+            let ground = -hollow.slope * y + y.max(0.0).powi(2) / (2.0 * hollow.radius);
+            assert!((q[1] - ground).abs() < 1e-9, "{hollow:?} at {q:?}");
+            let fallen = 0.5 * (v[0] * v[0] + v[1] * v[1]) - G * (hollow.slope - q[1]);
+            // Tolerance 1e-6 of its largest error for the one, 1e-12 a step for the other.
+            assert!(
+                fallen.abs() < 1e-6,
+                "{}: {fallen:e}, {hollow:?}",
+                simulator.name()
+            );
+        }
+    }
+}
+
+#[test]
+fn block_leaves_the_round_end_of_a_bar_where_its_weight_no_longer_holds_it() {
+    let bar = Bar::default();
+    // v^2 = v0^2 + 2 g r (1 - cos) has come to g r cos.
+    let cosine = (bar.speed * bar.speed / (G * bar.r) + 2.0) / 3.0;
+    let problem = InitialValueProblem::of(&bar, None).unwrap();
+    let simulators: [&dyn Simulator; 2] = [&Fesd::default(), &EventDriven::default()];
+    for simulator in simulators {
+        let run = simulator.simulate(&bar, &problem, &mut |_| true).unwrap();
+        let left = run.events.iter().rfind(|e| e.kind == EventKind::LiftOff);
+        let left = left.unwrap();
+        assert_eq!(left.contact_name, "bar.3");
+        let off = (left.q[1] - bar.r * cosine).abs();
+        assert!(off < 1e-6, "{}: {off:e}\n{run}", simulator.name());
+        assert!(run.events.iter().all(|e| e.kind != EventKind::Impact));
+    }
+}
+
+#[test]
 fn ball_that_falls_on_a_ridge_from_above_rolls_down_one_side() {
     let roof = Roof::default();
     let mut problem = InitialValueProblem::of(&roof, Some(0.6)).unwrap();
@@ -217,11 +308,7 @@ fn ball_that_falls_on_a_ridge_from_above_rolls_down_one_side() {
 
 #[test]
 fn random_throws_among_edges_are_the_same_by_two_methods() {
-    let mut seed = 20_261_121_u64;
-    let mut random = |low: f64, high: f64| {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        low + (high - low) * (seed >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = random(20_261_121);
     let (mut solved, mut events, mut edges) = (0, 0, 0);
     for case in 0..100 {
         // Half of them slide over the tops and their edges.

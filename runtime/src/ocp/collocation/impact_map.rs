@@ -44,9 +44,10 @@ impl<'s> Instant<'s> {
         touched.map(|s| s.contact).collect()
     }
 
-    /// Whether its contact opens because it ends at an edge.
+    /// Whether its contact opens because it ends at an edge, or another one takes over there.
     pub(super) fn ends_at_edge(&self) -> bool {
-        self.first.opens() && self.companions.iter().any(|switch| switch.passes)
+        let mut companions = self.companions.iter();
+        self.first.opens() && companions.any(|switch| switch.passes || switch.stays())
     }
 
     /// How a contact, with the given mode until then, takes part in an impact: not if the impact lifts it.

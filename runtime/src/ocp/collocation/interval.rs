@@ -23,6 +23,8 @@ const SHORTEST: f64 = 2e-3;
 struct Ended {
     /// Contacts that close or are touched.
     closing: Vec<usize>,
+    /// Contacts that take over from one that opens.
+    taking: Vec<usize>,
     /// Pieces of edges that act from there on.
     passed: Vec<usize>,
 }
@@ -41,6 +43,10 @@ impl Left {
     /// Adds what the switches of an instant leave; `jumps` where the controls may jump between intervals.
     fn add(&mut self, instant: &Instant, modes: &[ContactMode], jumps: bool) {
         for switch in instant.all() {
+            if switch.closes && !instant.first.closes {
+                // What takes over slides on as before.
+                continue;
+            }
             let before = modes[switch.contact];
             self.turns
                 .start(switch, before, instant.first.closes, jumps);
@@ -91,6 +97,7 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
                 to: time(e + 1),
                 ends_with: ending.filter(|_| last),
                 closing: if last { &ended.closing } else { &[] },
+                taking: if last { &ended.taking } else { &[] },
                 passed: if last { &ended.passed } else { &[] },
                 opened: if first { &left.opened } else { &[] },
                 touched: if first { &left.touched } else { &[] },
@@ -175,11 +182,14 @@ fn switch_at_end(
     };
     let (mut ended, mut impact) = (Ended::default(), false);
     for (index, switch) in switches.iter().enumerate() {
-        impact = switch.closes || impact && switch.accompanies;
+        impact =
+            switch.closes && !Sequence::takes_over(switches, index) || impact && switch.accompanies;
         if !ends(index, switch) {
             continue;
         }
-        if switch.closes {
+        if Sequence::takes_over(switches, index) {
+            ended.taking.push(switch.contact);
+        } else if switch.closes {
             ended.closing.push(switch.contact);
         } else if switch.passes {
             ended.passed.push(switch.contact);

@@ -51,6 +51,6 @@ pub(in crate::ocp) mod program;
 mod stage_inputs;
 mod start_conditions;
 #[cfg(test)]
-mod test_scene;
+pub(in crate::ocp) mod test_scene;
 pub(in crate::ocp) mod transcribe;
 mod turns;

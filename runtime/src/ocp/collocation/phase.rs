@@ -7,6 +7,7 @@ use super::layout::{FREE, Phase, Stage};
 use super::stage_inputs::{Elapsed, drive_at, drive_within};
 use super::turns::Turns;
 use super::{cut_rows, friction_rows, start_conditions};
+use crate::model::Pieces;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::program::frame::{force_name, state_name};
 use crate::ocp::program::kernel::Kernel;
@@ -29,6 +30,8 @@ pub(super) struct Element<'e> {
     pub(super) ends_with: Option<usize>,
     /// Contacts that close or are touched at the end.
     pub(super) closing: &'e [usize],
+    /// Contacts that take over at the end from one that opens.
+    pub(super) taking: &'e [usize],
     /// Pieces of edges that act from the end on.
     pub(super) passed: &'e [usize],
     /// Contacts that open, and that are touched, right before the start.
@@ -45,6 +48,13 @@ impl Element<'_> {
     /// Time of a node in the guess \[s\].
     fn time(&self, node: f64) -> f64 {
         self.from + node * (self.to - self.from)
+    }
+
+    /// Whether the gap of an open contact vanishes at the end because another one does: of one that takes over, or that acts
+    /// until then in its place. The passage of the edge says where that is.
+    fn implies(&self, pieces: &Pieces, contact: usize) -> bool {
+        let mut taking = self.taking.iter();
+        taking.any(|&taken| pieces.acting(taken) == contact)
     }
 
     fn is_first_of_motion(&self) -> bool {
@@ -114,7 +124,7 @@ fn unknowns(
         cones: Vec::new(),
         yielded: element.turns.yielded.clone(),
         ends_with: element.ends_with,
-        closing: element.closing.to_vec(),
+        closing: [element.closing, element.taking].concat(),
     };
     let mut corrections = Vec::with_capacity(drives.len());
     for ((m, c), drive) in tableau.c().iter().enumerate().zip(drives) {
@@ -328,12 +338,14 @@ fn gap_rows(
         }
         let program = &mut builder.program;
         let closed = phase.closed.contains(&i);
-        let closes = last && element.closing.contains(&i);
+        let takes = element.passed.is_empty() && element.taking.contains(&i);
+        let closes = last && (element.closing.contains(&i) || takes);
         let upper = if closed || closes { 0.0 } else { f64::INFINITY };
         let name = format!("gap `{}`, {place}", contact.name);
         // Right after an opening the gap is of third order in time, so that its rows would have no
         // interior: its sign follows from the force before, and is checked afterwards.
-        let lower = if element.opened.contains(&i) && upper > 0.0 {
+        let implied = last && !closed && element.implies(&phase.pieces, i);
+        let lower = if (element.opened.contains(&i) || implied) && upper > 0.0 {
             f64::NEG_INFINITY
         } else {
             0.0
@@ -366,7 +378,13 @@ fn idle_row(
     let last = stage + 1 == phase.stages.len();
     let touches = phase.closed.contains(&acting) || last && element.closing.contains(&acting);
     let passes = last && element.passed.contains(&contact);
-    let moves = passes && !touches && element.ends_with.is_some();
+    let takes = element.taking.contains(&contact);
+    let closed = |other: &usize| phase.closed.contains(&phase.pieces.acting(*other));
+    if passes && takes && element.passed.iter().any(closed) && !touches {
+        // The edge at which the other contact ends is the same place.
+        return None;
+    }
+    let moves = passes && !touches && (takes || element.ends_with.is_some());
     let (lower, upper) = match (touches, passes) {
         (true, false) => (f64::NEG_INFINITY, 0.0),
         (false, true) if !moves => (0.0, f64::INFINITY),

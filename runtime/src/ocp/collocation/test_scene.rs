@@ -8,7 +8,7 @@ use crate::model::{
 
 crate::model! {
     /// A sledge on a wavy slope, with an engine along the ground and a rider that shifts.
-    pub(super) Sledge {
+    pub(in crate::ocp) Sledge {
         parameters { m: kg = 2, g: m/s^2 = 9.81, w: 1/m = 3 }
         coordinates { y: m, z: m, r: m in -1..=1 }
         controls { u: N in -5..=5, p: N in -3..=3 }

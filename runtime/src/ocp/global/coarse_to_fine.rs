@@ -57,7 +57,7 @@ const SAME: f64 = 1e-3;
 /// The same of those of two starts, of which one is not refined: as solutions of one program they agree to its tolerance.
 const SAME_BETWEEN_STARTS: f64 = 1e-5;
 
-/// Where in an element of implicit Euler a contact closes, as a share of the element: it says no more.
+/// Where in an element of an Euler step a contact closes, as a share of the element: it says no more.
 const CLOSING: f64 = 0.5;
 
 /// The relaxed motions on a grid that searches came through.

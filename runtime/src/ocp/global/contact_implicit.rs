@@ -144,13 +144,13 @@ impl<'a> ContactImplicit<'a> {
             };
             let contacts = contacts(&mut program, setting, &element);
             let forces: Vec<usize> = contacts.iter().map(|contact| contact.force).collect();
-            let ends = [&before[..], step.forced_at(&before[..n], q)];
+            let from = [&before[..], step.forced_at(&before[..n], q)];
             motion(
                 &mut program,
                 setting,
                 &element,
                 &contacts,
-                ends,
+                from,
                 frame.horizon,
             );
             let inputs = [q, v, &u[..]];

@@ -16,6 +16,7 @@ use crate::ocp::motion::trajectory::{Trajectory, largest_difference};
 use crate::ocp::previous::Previous;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
+use crate::ocp::search::repair::certificate;
 use crate::ocp::search::replay::{read_replay, simulate};
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
@@ -27,8 +28,10 @@ use crate::simulation::{
 
 /// Distance of plan and re-simulation within which they may be the same motion \[m or rad\].
 const SAME_MOTION: f64 = 1e-3;
-/// Relative difference of the objective within which a plan with another discretization is taken for the same local optimum.
-const SAME_OBJECTIVE: f64 = 0.1;
+/// Relative excess of the objective up to which a plan with another discretization is one of the same motion: that was coarse.
+const MUCH_WORSE: f64 = 0.1;
+/// Relative difference of the objective within which it is the same local optimum, of which the same is proved.
+const SAME_OPTIMUM: f64 = 1e-2;
 
 /// The judgement of a local optimum: re-simulated, with more elements where they are needed, and else with the schemes
 /// of `tableaus`, of growing order, as long as the plan does not agree with the simulation.
@@ -42,16 +45,7 @@ pub(in crate::ocp) fn judge<'a>(
     let mut elements = vec![runner.settings.elements; setting.problem.intervals];
     let coarse = elements.clone();
     let cuts = local.cuts.clone();
-    let mut plan = Plan::of(&local);
-    let first = plan.objective;
-    // Nothing is proved of another local optimum.
-    let proved = |again: &Local| {
-        if excess_of(again, first).abs() <= SAME_OBJECTIVE {
-            stationarity
-        } else {
-            Stationarity::None
-        }
-    };
+    let mut plan = Plan::of(&local, stationarity);
     let mut solution = confirm(runner, setting, &elements, local, stationarity)?;
     for _ in 0..ROUNDS {
         let unconfirmed = !runner.stopped() && solution.status == Status::Unconfirmed;
@@ -59,11 +53,10 @@ pub(in crate::ocp) fn judge<'a>(
         if !unconfirmed || !refine(runner, setting, &mut elements, &plan.trajectory, distance) {
             break;
         }
-        let Some(better) = plan.again(runner, setting, &elements, &[])? else {
+        let Some((better, stationarity)) = plan.again(runner, setting, &elements, &[])? else {
             break;
         };
-        plan = Plan::of(&better);
-        let stationarity = proved(&better);
+        plan = Plan::of(&better, stationarity);
         solution = confirm(runner, setting, &elements, better, stationarity)?;
     }
     for tableau in tableaus {
@@ -71,20 +64,19 @@ pub(in crate::ocp) fn judge<'a>(
             break;
         }
         let setting = Setting { tableau, ..setting };
-        let Some(better) = plan.again(runner, setting, &coarse, &cuts)? else {
+        let Some((better, stationarity)) = plan.again(runner, setting, &coarse, &cuts)? else {
             break;
         };
-        plan = Plan::of(&better);
-        let stationarity = proved(&better);
+        plan = Plan::of(&better, stationarity);
         solution = confirm(runner, setting, &coarse, better, stationarity)?;
     }
     // A motion that is the same may be another sequence to the simulation: what is proved of the plan's is not of that one.
     if !runner.stopped()
         && solution.status == Status::Unconfirmed
         && let Some(seen) = plan.as_simulated(setting, &solution)
-        && let Some(better) = seen.again(runner, setting, &elements, &[])?
+        && let Some((better, stationarity)) = seen.again(runner, setting, &elements, &[])?
     {
-        let other = confirm(runner, setting, &elements, better, Stationarity::None)?;
+        let other = confirm(runner, setting, &elements, better, stationarity)?;
         if other.status != Status::Unconfirmed {
             return Ok(other);
         }
@@ -97,11 +89,14 @@ struct Plan {
     sequence: Sequence,
     trajectory: Trajectory,
     objective: f64,
+    /// What is proved of it.
+    stationarity: Stationarity,
 }
 
 impl Plan {
-    fn of(local: &Local) -> Self {
+    fn of(local: &Local, stationarity: Stationarity) -> Self {
         Self {
+            stationarity,
             sequence: local.sequence.clone(),
             trajectory: local.trajectory.clone(),
             objective: local.solution.objective,
@@ -121,17 +116,19 @@ impl Plan {
             sequence,
             trajectory: self.trajectory.clone(),
             objective: self.objective,
+            stationarity: Stationarity::None,
         })
     }
 
-    /// The plan with another discretization, if there is one that is not much worse: then it is another local optimum.
+    /// The plan with another discretization, and what is proved of it, if there is one that is not much worse. Of another
+    /// local optimum the neighbours are decided anew.
     fn again<'a>(
         &self,
         runner: &mut Runner,
         setting: Setting<'a>,
         elements: &[usize],
         cuts: &[Cut],
-    ) -> Result<Option<Local<'a>>, InputError> {
+    ) -> Result<Option<(Local<'a>, Stationarity)>, InputError> {
         let mut attempts = Attempts::new(setting, elements);
         let attempt = Attempt {
             sequence: &self.sequence,
@@ -140,8 +137,20 @@ impl Plan {
             purpose: Purpose::Compare,
         };
         attempts.attempt(runner, attempt)?;
-        let best = attempts.best;
-        Ok(best.filter(|again| excess_of(again, self.objective) <= SAME_OBJECTIVE))
+        let Some(again) = &attempts.best else {
+            return Ok(None);
+        };
+        let excess = excess_of(again, self.objective);
+        if excess > MUCH_WORSE {
+            return Ok(None);
+        }
+        let stationarity =
+            if excess.abs() <= SAME_OPTIMUM || self.stationarity == Stationarity::None {
+                self.stationarity
+            } else {
+                certificate(runner, &mut attempts)?
+            };
+        Ok(attempts.best.map(|best| (best, stationarity)))
     }
 }
 
@@ -250,9 +259,11 @@ fn compare(
 }
 
 fn planned_events(sequence: &Sequence, interval: f64) -> Vec<(f64, EventKind, usize)> {
-    let switches = sequence.switches.iter().filter(|switch| !switch.passes);
-    let switches = switches.map(|switch| {
+    let switches = sequence.switches.iter().enumerate();
+    let switches = switches.filter(|(_, switch)| !switch.passes);
+    let switches = switches.map(|(index, switch)| {
         let kind = match switch.mode {
+            _ if Sequence::takes_over(&sequence.switches, index) => EventKind::Contact,
             _ if switch.closes => EventKind::Impact,
             ContactMode::Open => EventKind::LiftOff,
             ContactMode::Stick => EventKind::Stick,

@@ -145,8 +145,11 @@ pub(in crate::ocp) fn tidied(mut sequence: Sequence) -> Sequence {
 /// not jump let go of a contact where its force vanishes or leaves the friction cone, which may be on either side
 /// of the node.
 pub(in crate::ocp) fn without_jumps(mut sequence: Sequence) -> Sequence {
-    for switch in &mut sequence.switches {
-        if switch.place == Place::Start && !switch.closes {
+    let switches = &sequence.switches;
+    let taking = (0..switches.len()).map(|index| Sequence::takes_over(switches, index));
+    let taking: Vec<bool> = taking.collect();
+    for (switch, takes) in sequence.switches.iter_mut().zip(taking) {
+        if switch.place == Place::Start && (!switch.closes || takes) {
             switch.interval -= 1;
             switch.place = Place::Inside;
         }
@@ -284,5 +287,16 @@ mod tests {
             ..opening
         };
         assert_eq!(moved.switches, [expected]);
+        // What takes over from it moves with it.
+        let closing = Switch {
+            contact: 1,
+            closes: true,
+            mode: ContactMode::Frictionless,
+            accompanies: true,
+            ..opening
+        };
+        let moved = without_jumps(sequence(ContactMode::Frictionless, &[opening, closing]));
+        assert!(Sequence::takes_over(&moved.switches, 1), "{moved:?}");
+        assert_eq!(moved.switches[1].interval, 1);
     }
 }

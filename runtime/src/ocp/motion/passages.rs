@@ -114,7 +114,7 @@ impl Reader<'_> {
             modes[pieces.acting(contact)] = ContactMode::Open;
             pieces.pass_to(contact);
             switches.push(Switch {
-                accompanies: false,
+                accompanies: switch.accompanies,
                 ..passage(contact, switch)
             });
         }

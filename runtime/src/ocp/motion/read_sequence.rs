@@ -30,6 +30,13 @@ impl Replay<'_> {
         let events = &self.simulation.events;
         let inside = |event: &Event| event.time > 0.0 && event.time / self.interval < last;
         let switches = (0..events.len()).filter(|&index| inside(&events[index]));
+        let mut switches: Vec<usize> = switches.collect();
+        // A contact that takes over follows the one that opens.
+        switches.sort_by(|&a, &b| {
+            let (a, b) = (&events[a], &events[b]);
+            let contact = |event: &Event| event.kind == EventKind::Contact;
+            a.time.total_cmp(&b.time).then(contact(a).cmp(&contact(b)))
+        });
         let initially = closed.iter().enumerate().map(|(contact, &closed)| {
             if !closed {
                 return ContactMode::Open;
@@ -46,7 +53,10 @@ impl Replay<'_> {
         let mut sequence = Sequence {
             initially: initially.collect(),
             pieces: Pieces::default(),
-            switches: switches.map(|index| self.switch(index)).collect(),
+            switches: switches
+                .into_iter()
+                .map(|index| self.switch(index))
+                .collect(),
         };
         // A contact that stays closed may report another impact, and one that was only touched an opening.
         let mut modes = sequence.initially.clone();
@@ -74,9 +84,10 @@ impl Replay<'_> {
         let slides = matches!(event.kind, EventKind::Stick | EventKind::Slip);
         let leads = |other: &Event| {
             let kind = match other.kind {
-                EventKind::Impact => closes || frictional,
+                EventKind::Impact => true,
                 EventKind::Stick | EventKind::Slip => slides,
-                _ => false,
+                EventKind::LiftOff => event.kind == EventKind::Contact,
+                EventKind::Contact => false,
             };
             kind && other.time == event.time && other.contact != contact
         };
@@ -94,7 +105,8 @@ impl Replay<'_> {
             mode: event.modes[contact],
             impulse: closed_mode(frictional, velocity, zero_velocity(&event.v_after)),
             passes: false,
-            accompanies: events[..index].iter().any(leads),
+            accompanies: events[..index].iter().any(leads)
+                || event.kind == EventKind::Contact && events[index..].iter().any(leads),
             interval: (interval as usize).min(self.intervals - 1),
             place,
             time,

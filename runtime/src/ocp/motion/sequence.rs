@@ -18,7 +18,8 @@ pub(in crate::ocp) enum Place {
 ///
 /// The gap of an edge is the largest of those of its pieces, so that one of them that is kept is enough: the one that acts.
 /// Where another one comes to be as large, the motion *passes* the edge, and that one acts from there on. Where a contact
-/// opens because it ends at the edge, the passage accompanies its opening.
+/// opens because it ends at the edge, the passage accompanies its opening. So does the closing of a contact that takes over
+/// there without an impact, as where a ramp goes over into an arc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::ocp) struct Switch {
     pub(in crate::ocp) contact: usize,
@@ -53,7 +54,7 @@ pub(in crate::ocp) struct Sequence {
 pub(in crate::ocp) type Signature = (
     Vec<ContactMode>,
     Pieces,
-    Vec<(usize, ContactMode, ContactMode, usize, Place)>,
+    Vec<(usize, ContactMode, (bool, ContactMode), usize, Place)>,
 );
 
 impl Switch {
@@ -120,7 +121,13 @@ impl Sequence {
             } else {
                 ContactMode::Open
             };
-            (s.contact, s.mode, impulse, s.interval, s.place)
+            (
+                s.contact,
+                s.mode,
+                (s.accompanies, impulse),
+                s.interval,
+                s.place,
+            )
         });
         (
             self.initially.clone(),
@@ -153,7 +160,8 @@ impl Sequence {
             }
             modes[switch.contact] = switch.mode;
             let leads = |s: Switch| {
-                (s.closes || s.slides() && switch.slides() || s.opens() && switch.passes)
+                let goes_on = switch.passes || switch.stays();
+                (s.closes || s.slides() && switch.slides() || s.opens() && goes_on)
                     && key(&s) == key(switch)
                     && s.time == switch.time
             };
@@ -177,10 +185,17 @@ impl Sequence {
         &rest[..count]
     }
 
-    /// Whether the contact of the switch with this index opens because it ends at an edge.
+    /// Whether the contact of the switch with this index opens because it ends at an edge, or another one takes over there.
     pub(in crate::ocp) fn ends_at_edge(switches: &[Switch], index: usize) -> bool {
-        let companions = Self::companions(switches, index);
-        switches[index].opens() && companions.iter().any(|switch| switch.passes)
+        let mut companions = Self::companions(switches, index).iter();
+        switches[index].opens() && companions.any(|switch| switch.passes || switch.stays())
+    }
+
+    /// Whether the switch with this index closes a contact that takes over from one that opens: without an impact.
+    pub(in crate::ocp) fn takes_over(switches: &[Switch], index: usize) -> bool {
+        let leader = switches[..index].iter().rfind(|s| !s.accompanies);
+        let switch = &switches[index];
+        switch.accompanies && switch.stays() && leader.is_some_and(Switch::opens)
     }
 
     /// Without the passages of edges.
@@ -313,6 +328,27 @@ mod tests {
         assert_eq!(Sequence::companions(&both.switches, 0), [companion]);
         let alone = sequence(&modes, &[companion]).ordered(3).unwrap();
         assert!(!alone.switches[0].accompanies);
+    }
+
+    #[test]
+    fn contact_takes_over_only_from_one_that_opens_at_the_same_instant() {
+        let opening = switch(0, false, ContactMode::Open, 1.25);
+        let closing = Switch {
+            accompanies: true,
+            ..switch(1, true, ContactMode::Frictionless, 1.25)
+        };
+        let modes = [ContactMode::Frictionless, ContactMode::Open];
+        let both = sequence(&modes, &[opening, closing]).ordered(3).unwrap();
+        assert!(Sequence::takes_over(&both.switches, 1));
+        assert!(Sequence::ends_at_edge(&both.switches, 0));
+        let later = Switch {
+            time: 1.75,
+            ..closing
+        };
+        let apart = sequence(&modes, &[opening, later]).ordered(3).unwrap();
+        assert!(!Sequence::takes_over(&apart.switches, 1));
+        assert!(!Sequence::ends_at_edge(&apart.switches, 0));
+        assert_ne!(both.signature(), apart.signature());
     }
 
     #[test]

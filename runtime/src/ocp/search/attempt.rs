@@ -95,6 +95,9 @@ pub(in crate::ocp) struct Attempt<'t> {
     pub(in crate::ocp) purpose: Purpose,
 }
 
+/// A solved program whose motion another one is started from.
+pub(super) type Start<'a> = (Collocation<'a>, nlp::Solution);
+
 /// The sequences that were attempted with one discretization, and the best of them.
 pub(in crate::ocp) struct Attempts<'a, 'e> {
     pub(in crate::ocp) setting: Setting<'a>,
@@ -162,7 +165,17 @@ impl<'a, 'e> Attempts<'a, 'e> {
         runner: &mut Runner,
         attempt: Attempt,
     ) -> Result<Verdict, InputError> {
-        let verdict = self.compare(runner, attempt)?;
+        self.attempt_from(runner, attempt, None)
+    }
+
+    /// The same from the motion of a program of that sequence.
+    pub(super) fn attempt_from(
+        &mut self,
+        runner: &mut Runner,
+        attempt: Attempt,
+        start: Option<Start<'a>>,
+    ) -> Result<Verdict, InputError> {
+        let verdict = self.compare(runner, attempt, start)?;
         // From now on the best is at least as good as the best is now.
         let known = match (verdict, &self.best) {
             (Verdict::Better, Some(best)) => Verdict::NotBetter(best.solution.objective),
@@ -209,7 +222,12 @@ impl<'a, 'e> Attempts<'a, 'e> {
         self.tried.iter().any(|tried| tried.signature == signature)
     }
 
-    fn compare(&mut self, runner: &mut Runner, attempt: Attempt) -> Result<Verdict, InputError> {
+    fn compare(
+        &mut self,
+        runner: &mut Runner,
+        attempt: Attempt,
+        start: Option<Start<'a>>,
+    ) -> Result<Verdict, InputError> {
         let mut cuts = attempt.cuts.to_vec();
         let intervals = self.setting.problem.intervals;
         let mut guess = if attempt.sequence.ends_with_impact(intervals) {
@@ -220,7 +238,10 @@ impl<'a, 'e> Attempts<'a, 'e> {
         let mut sequence = attempt.sequence.clone();
         let limits = Limits::new(self.setting, runner.settings);
         let check = |program: &Collocation, x: &[f64]| between_stages(program, x, limits);
-        let mut before: Option<(Collocation, nlp::Solution)> = None;
+        if let Some((program, solution)) = &start {
+            (guess, sequence) = program.result(&solution.x);
+        }
+        let mut before = start;
         for round in 0..ROUNDS {
             let last = round + 1 == ROUNDS;
             let now = Attempt {
@@ -295,8 +316,8 @@ impl<'a, 'e> Attempts<'a, 'e> {
         &self,
         runner: &mut Runner,
         attempt: Attempt,
-        before: Option<&(Collocation, nlp::Solution)>,
-    ) -> Ended<(Collocation<'a>, nlp::Solution)> {
+        before: Option<&Start>,
+    ) -> Ended<Start<'a>> {
         let Attempt {
             sequence,
             guess,

@@ -1,6 +1,6 @@
 //! Neighbours of a sequence in which edges are passed elsewhere, or not at all.
 
-use super::neighbours::CLOSE;
+use super::neighbours::{CLOSE, Neighbour, distinct};
 use super::pressure::Pressure;
 use crate::model::edge;
 use crate::ocp::collocation::layout::Phase;
@@ -8,27 +8,20 @@ use crate::ocp::motion::sequence::{Place, Sequence, Switch};
 
 /// Sequences without a passage and the way back, with both where a piece is kept though another one is larger, with an end
 /// of contact at an edge where the motion presses towards it, and with an opening that comes before the edge or not.
-pub(super) fn edges(pressure: &Pressure) -> Vec<Sequence> {
+pub(super) fn edges(pressure: &Pressure) -> Vec<Neighbour> {
     if edge(pressure.program.model).is_none() {
         return Vec::new();
     }
-    let mut found: Vec<Sequence> = Vec::new();
     let candidates = there_and_back(pressure)
         .into_iter()
         .chain(ends(pressure))
-        .chain(pressed(pressure));
-    for candidate in candidates {
-        if let Some(sequence) = candidate.ordered(pressure.intervals)
-            && !found.iter().any(|s| s.signature() == sequence.signature())
-        {
-            found.push(sequence);
-        }
-    }
-    found
+        .chain(goes_on(pressure))
+        .chain(pressed(pressure).into_iter().map(Neighbour::adjoining));
+    distinct(candidates, pressure.intervals)
 }
 
 /// Without two passages that lead back to the same piece.
-fn there_and_back(pressure: &Pressure) -> Vec<Sequence> {
+fn there_and_back(pressure: &Pressure) -> Vec<Neighbour> {
     let switches = &pressure.sequence.switches;
     let mut found = Vec::new();
     for (i, there) in switches.iter().enumerate() {
@@ -42,7 +35,7 @@ fn there_and_back(pressure: &Pressure) -> Vec<Sequence> {
         if there.passes && !there.accompanies && back.time - there.time < CLOSE {
             let mut sequence = pressure.sequence.clone();
             sequence.switches.retain(|s| s != there && s != back);
-            found.push(sequence);
+            found.push(Neighbour::without(back.time - there.time, sequence));
         }
     }
     found
@@ -56,7 +49,7 @@ fn is_other(pressure: &Pressure, contact: usize, switch: &Switch) -> bool {
 
 /// With a contact that opens before the edge at which it ends, and with one that ends at the edge that it passes soon after
 /// its opening.
-fn ends(pressure: &Pressure) -> Vec<Sequence> {
+fn ends(pressure: &Pressure) -> Vec<Neighbour> {
     let switches = &pressure.sequence.switches;
     let mut found = Vec::new();
     for (index, opening) in switches.iter().enumerate().filter(|(_, s)| s.opens()) {
@@ -74,7 +67,7 @@ fn ends(pressure: &Pressure) -> Vec<Sequence> {
                 sequence.switches[index].time = time;
                 sequence.switches[index].interval = time as usize;
                 sequence.switches[index].place = Place::Inside;
-                found.push(sequence);
+                found.push(Neighbour::adjoining(sequence));
             }
             continue;
         }
@@ -94,10 +87,64 @@ fn ends(pressure: &Pressure) -> Vec<Sequence> {
                 ..*passage
             };
             sequence.switches.splice(index..=index, [end, passage]);
-            found.push(sequence);
+            found.push(Neighbour::without(passage.time - opening.time, sequence));
         }
     }
     found
+}
+
+/// With a contact that takes over from one that opens a little before it closes, and with one that takes over closing later.
+fn goes_on(pressure: &Pressure) -> Vec<Neighbour> {
+    let switches = &pressure.sequence.switches;
+    let mut found = Vec::new();
+    for (i, opening) in switches.iter().enumerate().filter(|(_, s)| s.opens()) {
+        let Some(j) = (i + 1..switches.len()).find(|&j| !switches[j].passes) else {
+            continue;
+        };
+        let closing = &switches[j];
+        if opening.accompanies || !closing.stays() || closing.contact == opening.contact {
+            continue;
+        }
+        let mut sequence = pressure.sequence.clone();
+        if Sequence::takes_over(switches, j) {
+            if is_entered_without_force(pressure, i, closing.contact) {
+                let time = closing.time + pressure.inserted;
+                sequence.switches[j] = Switch {
+                    accompanies: false,
+                    interval: time as usize,
+                    place: Place::Inside,
+                    time,
+                    ..*closing
+                };
+                found.push(Neighbour::adjoining(sequence));
+            }
+        } else if !closing.accompanies && closing.time - opening.time < CLOSE {
+            let time = 0.5 * (opening.time + closing.time);
+            for (index, switch) in sequence.switches[i..=j].iter_mut().enumerate() {
+                *switch = Switch {
+                    accompanies: index > 0,
+                    interval: time as usize,
+                    place: Place::Inside,
+                    time,
+                    ..*switch
+                };
+            }
+            found.push(Neighbour::without(closing.time - opening.time, sequence));
+        }
+    }
+    found
+}
+
+/// Whether the first force of a contact after the switch with this index presses against 0.
+fn is_entered_without_force(pressure: &Pressure, index: usize, contact: usize) -> bool {
+    let phases = &pressure.program.phases;
+    let ended = phases.iter().position(|p| p.ends_with == Some(index));
+    let Some(phase) = ended.and_then(|ended| phases.get(ended + 1)) else {
+        return false;
+    };
+    let slot = phase.closed.iter().position(|&closed| closed == contact);
+    let force = slot.and_then(|slot| Some(phase.stages.first()?.forces[slot]));
+    force.is_some_and(|force| pressure.is_held(force))
 }
 
 /// Whether the last force of a phase presses against 0.

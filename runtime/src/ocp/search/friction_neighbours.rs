@@ -1,7 +1,7 @@
 //! Neighbours of a sequence in which contacts stick or slip elsewhere: where a solution presses against the edge of a
 //! friction cone, or against the direction of a slip.
 
-use super::neighbours::{ENTRY, STUCK};
+use super::neighbours::{ENTRY, Neighbour, STUCK, distinct};
 use super::pressure::Pressure;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
 use crate::simulation::{ContactMode, Direction};
@@ -15,22 +15,14 @@ struct Change {
 
 /// Sequences in which a contact slips where its force is held in the cone, sticks or turns round where its sliding
 /// velocity is held at 0, or does so after an impact.
-pub(in crate::ocp) fn sliding(pressure: &Pressure) -> Vec<Sequence> {
-    let mut found: Vec<Sequence> = Vec::new();
-    let candidates = beginnings(pressure)
-        .into_iter()
-        .chain(endings(pressure))
+pub(super) fn sliding(pressure: &Pressure) -> Vec<Neighbour> {
+    let adjoining = |found: Vec<Sequence>| found.into_iter().map(Neighbour::adjoining);
+    let candidates = adjoining(beginnings(pressure))
+        .chain(endings(pressure).map(Neighbour::adjoining))
         .chain(turned(pressure))
-        .chain(inserted_sliding(pressure))
+        .chain(adjoining(inserted_sliding(pressure)))
         .chain(impacts(pressure));
-    for candidate in candidates {
-        if let Some(sequence) = candidate.ordered(pressure.intervals)
-            && !found.iter().any(|s| s.signature() == sequence.signature())
-        {
-            found.push(sequence);
-        }
-    }
-    found
+    distinct(candidates, pressure.intervals)
 }
 
 fn slide(contact: usize, mode: ContactMode, place: Place, time: f64) -> Switch {
@@ -146,9 +138,9 @@ pub(in crate::ocp) fn shifted(pressure: &Pressure) -> Vec<Sequence> {
     found
 }
 
-/// With a slip in the place of a stick whose force is held in the cone: a contact that has just come to rest is
-/// pulled on or back.
-fn turned(pressure: &Pressure) -> Vec<Sequence> {
+/// With a slip in the place of a stick whose force is held in the cone, or before it: a contact that has just come to rest
+/// is pulled on or back.
+fn turned(pressure: &Pressure) -> Vec<Neighbour> {
     let switches = &pressure.sequence.switches;
     let mut found = Vec::new();
     for (index, switch) in switches.iter().enumerate() {
@@ -179,16 +171,54 @@ fn turned(pressure: &Pressure) -> Vec<Sequence> {
         let back =
             pressure.sequence.mode_before(index, switch.contact) != ContactMode::Slip(direction);
         let companions = Sequence::companions(switches, index).len();
-        for member in &mut sequence.switches[index..=index + companions] {
+        let group = index..=index + companions;
+        for member in &mut sequence.switches[group.clone()] {
             let before = pressure.sequence.mode_before(index, member.contact);
             member.mode = match before {
                 ContactMode::Slip(direction) if back => ContactMode::Slip(direction.reversed()),
                 before => before,
             };
         }
-        found.push(sequence.consistent());
+        if back {
+            let rest = switches[group].iter().map(|s| (s.contact, s.mode));
+            let rest: Vec<(usize, ContactMode)> = rest.collect();
+            found.extend(until_soon(pressure, &sequence, &rest, switch.time));
+        }
+        let next = after_time(switches, &[switch.contact], switch.time);
+        let lasts = next - switch.time;
+        found.push(Neighbour::without(lasts, sequence.consistent()));
     }
     found
+}
+
+/// When the next of these contacts switches after a time, in intervals; infinite if none does.
+fn after_time(switches: &[Switch], contacts: &[usize], time: f64) -> f64 {
+    let own = switches.iter().filter(|s| contacts.contains(&s.contact));
+    let mut later = own.map(|s| s.time).filter(|&then| then > time);
+    later.next().unwrap_or(f64::INFINITY)
+}
+
+/// A sequence in which contacts come back to other modes soon after a time, unless the motion ends before.
+fn until_soon(
+    pressure: &Pressure,
+    changed: &Sequence,
+    back: &[(usize, ContactMode)],
+    time: f64,
+) -> Option<Neighbour> {
+    let contacts: Vec<usize> = back.iter().map(|back| back.0).collect();
+    let next = after_time(&changed.switches, &contacts, time);
+    let then = time + pressure.inserted.min(0.5 * (next - time));
+    if then >= pressure.intervals as f64 {
+        return None;
+    }
+    let mut sequence = changed.clone();
+    for (index, &(contact, mode)) in back.iter().enumerate() {
+        sequence.switches.push(Switch {
+            accompanies: index > 0,
+            ..slide(contact, mode, Place::Inside, then)
+        });
+    }
+    Some(Neighbour::adjoining(sequence))
 }
 
 /// With another way of sliding inserted for a while, for all contacts together that press for it.
@@ -275,8 +305,9 @@ fn inserted(pressure: &Pressure, changes: &[Change], place: Place, time: f64) ->
     Some(sequence)
 }
 
-/// With another law between the impulses of an impact.
-fn impacts(pressure: &Pressure) -> Vec<Sequence> {
+/// With another law between the impulses of an impact, and the way of sliding that follows, for a while or until the next
+/// switch.
+fn impacts(pressure: &Pressure) -> Vec<Neighbour> {
     let mut found = Vec::new();
     for (index, tangential) in &pressure.program.impacts {
         let pressed = tangential
@@ -296,29 +327,48 @@ fn impacts(pressure: &Pressure) -> Vec<Sequence> {
                 (ContactMode::Stick, ContactMode::Slip(direction)),
             ],
         };
-        for (impulse, mode) in laws {
-            let mut sequence = pressure.sequence.clone();
-            let companions = Sequence::companions(&sequence.switches, *index).len();
-            let mut struck = sequence.switches[*index..=index + companions].iter_mut();
-            if let Some(switch) = struck.find(|s| s.contact == tangential.contact) {
-                switch.impulse = impulse;
-                if !switch.mode.is_open() {
-                    switch.mode = mode;
-                }
-            } else {
-                let switch = pressure.sequence.switches[*index];
-                let companion = Switch {
-                    contact: tangential.contact,
-                    closes: false,
-                    mode,
-                    impulse,
-                    accompanies: true,
-                    ..switch
-                };
-                sequence.switches.insert(index + 1, companion);
-            }
-            found.push(sequence.consistent());
+        for law in laws {
+            found.extend(with_law(pressure, *index, tangential.contact, law));
         }
     }
     found
+}
+
+/// With that law for the impulse of a contact in an impact, and that way of sliding afterwards.
+fn with_law(
+    pressure: &Pressure,
+    index: usize,
+    contact: usize,
+    (impulse, mode): (ContactMode, ContactMode),
+) -> Vec<Neighbour> {
+    let mut sequence = pressure.sequence.clone();
+    let companions = Sequence::companions(&sequence.switches, index).len();
+    let mut struck = sequence.switches[index..=index + companions].iter_mut();
+    let mut before = pressure.sequence.mode_before(index, contact);
+    if let Some(switch) = struck.find(|s| s.contact == contact) {
+        before = switch.mode;
+        switch.impulse = impulse;
+        if !switch.mode.is_open() {
+            switch.mode = mode;
+        }
+    } else {
+        let switch = pressure.sequence.switches[index];
+        let companion = Switch {
+            contact,
+            closes: false,
+            mode,
+            impulse,
+            accompanies: true,
+            ..switch
+        };
+        sequence.switches.insert(index + 1, companion);
+    }
+    if before.is_open() || before == mode {
+        return vec![Neighbour::adjoining(sequence.consistent())];
+    }
+    let time = pressure.sequence.switches[index].time;
+    let soon = until_soon(pressure, &sequence, &[(contact, before)], time);
+    let lasts = after_time(&pressure.sequence.switches, &[contact], time) - time;
+    let lasting = Neighbour::without(lasts, sequence.consistent());
+    soon.into_iter().chain([lasting]).collect()
 }

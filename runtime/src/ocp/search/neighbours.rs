@@ -21,18 +21,76 @@ pub(in crate::ocp) const ENTRY: f64 = 0.05;
 /// Half the length of an inserted contact or flight, in intervals, and that of a second attempt.
 pub(in crate::ocp) const INSERTED: [f64; 2] = [0.2, 0.03];
 
-/// Sequences that the solution points to, the most promising first: without a pair of switches that
-/// are close to each other, with a switch that sticks to the end of its interval moved through it or
-/// onto it, with an opening at a jump of the controls moved to the side that it presses against.
-pub(in crate::ocp) fn directed(pressure: &Pressure) -> Vec<Sequence> {
+/// What lasts as many intervals or more is not held at the least lengths of phases.
+const APART: f64 = 2.0 * STUCK;
+
+/// A sequence that differs from that of a solution by one change.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Neighbour {
+    pub(super) sequence: Sequence,
+    /// Whether the solution is a limit of motions with this sequence, so that a claim about the solution needs an answer
+    /// of it. None is needed of a sequence without a contact, a flight or a slip that lasts.
+    pub(super) adjoins: bool,
+}
+
+impl Neighbour {
+    pub(super) fn adjoining(sequence: Sequence) -> Self {
+        let adjoins = true;
+        Self { sequence, adjoins }
+    }
+
+    /// A sequence without what lasts that many intervals.
+    pub(super) fn without(lasts: f64, sequence: Sequence) -> Self {
+        let adjoins = lasts < APART;
+        Self { sequence, adjoins }
+    }
+
+    /// The same with its switches in order, if they have one.
+    pub(super) fn ordered(self, intervals: usize) -> Option<Self> {
+        let sequence = self.sequence.ordered(intervals)?;
+        Some(Self { sequence, ..self })
+    }
+}
+
+/// The candidates whose switches have an order, each once.
+pub(super) fn distinct(
+    candidates: impl Iterator<Item = Neighbour>,
+    intervals: usize,
+) -> Vec<Neighbour> {
+    let mut found: Vec<Neighbour> = Vec::new();
+    for candidate in candidates.filter_map(|candidate| candidate.ordered(intervals)) {
+        let signature = candidate.sequence.signature();
+        let same = |other: &&mut Neighbour| other.sequence.signature() == signature;
+        match found.iter_mut().find(same) {
+            Some(known) => known.adjoins |= candidate.adjoins,
+            None => found.push(candidate),
+        }
+    }
+    found
+}
+
+/// Sequences that the solution points to, the most promising first: without a pair of switches that are close to each
+/// other, with touches and contacts in the place of each other, with moved switches.
+pub(super) fn directed(pressure: &Pressure) -> Vec<Neighbour> {
     let switches = &pressure.sequence.switches;
     let mut found = Vec::new();
     for (i, j) in pressure.sequence.neighbours() {
-        if switches[j].time - switches[i].time < CLOSE {
-            found.extend(without(pressure.sequence, i, j).ordered(pressure.intervals));
+        let lasts = switches[j].time - switches[i].time;
+        if lasts < CLOSE {
+            let sequence = without(pressure.sequence, i, j);
+            found.extend(Neighbour::without(lasts, sequence).ordered(pressure.intervals));
         }
     }
     found.extend(touches_and_contacts(pressure));
+    found.extend(moved(pressure).into_iter().map(Neighbour::adjoining));
+    found
+}
+
+/// With a switch that sticks to the end of its interval moved through it or onto it, and with an opening at a jump of the
+/// controls moved to the side that it presses against.
+fn moved(pressure: &Pressure) -> Vec<Sequence> {
+    let switches = &pressure.sequence.switches;
+    let mut found = Vec::new();
     for closes in [false, true] {
         for (index, switch) in switches.iter().enumerate() {
             let own = !switch.accompanies && switch.place == Place::Inside;
@@ -102,7 +160,7 @@ pub(in crate::ocp) fn directed(pressure: &Pressure) -> Vec<Sequence> {
 
 /// Sequences with a touch in the place of a short contact, and with a short contact in the
 /// place of a touch after which nothing pulls the contact open.
-fn touches_and_contacts(pressure: &Pressure) -> Vec<Sequence> {
+fn touches_and_contacts(pressure: &Pressure) -> Vec<Neighbour> {
     let switches = &pressure.sequence.switches;
     let mut found = Vec::new();
     for (i, j) in pressure.sequence.neighbours() {
@@ -111,7 +169,7 @@ fn touches_and_contacts(pressure: &Pressure) -> Vec<Sequence> {
             let mut sequence = pressure.sequence.clone();
             sequence.switches[i].mode = ContactMode::Open;
             sequence.switches.remove(j);
-            found.extend(sequence.ordered(pressure.intervals));
+            found.push(Neighbour::without(second.time - first.time, sequence));
         }
     }
     for (index, switch) in switches.iter().enumerate().filter(|(_, s)| s.touches()) {
@@ -124,7 +182,7 @@ fn touches_and_contacts(pressure: &Pressure) -> Vec<Sequence> {
         if grazes {
             let mut sequence = pressure.sequence.clone();
             sequence.switches.remove(index);
-            found.extend(sequence.ordered(pressure.intervals));
+            found.push(Neighbour::adjoining(sequence));
         }
         let phases = pressure.program.phases.iter();
         let pressed = phases
@@ -142,10 +200,11 @@ fn touches_and_contacts(pressure: &Pressure) -> Vec<Sequence> {
                 time,
                 ..*switch
             });
-            found.extend(sequence.ordered(pressure.intervals));
+            found.push(Neighbour::adjoining(sequence));
         }
     }
-    found
+    let ordered = |neighbour: Neighbour| neighbour.ordered(pressure.intervals);
+    found.into_iter().filter_map(ordered).collect()
 }
 
 /// The sequence without its last switch: the motion may end before it.

@@ -3,6 +3,7 @@
 use hangtime_solver::mpcc::Stationarity;
 
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
+use super::neighbours::Neighbour;
 use super::pressure::{DISTANT, Pressure};
 use super::stationary::{Held, held};
 use super::{edge_neighbours, friction_neighbours, neighbours};
@@ -45,7 +46,7 @@ pub(super) fn repair(
         if !improved {
             return Ok(Repaired::Best(match compared {
                 Compared::Undecided => Stationarity::None,
-                _ if around.neighbours.is_empty() => Stationarity::S,
+                _ if !around.neighbours.iter().any(|near| near.adjoins) => Stationarity::S,
                 _ => Stationarity::B,
             }));
         }
@@ -53,11 +54,22 @@ pub(super) fn repair(
     }
 }
 
+/// Follows improving neighbours of the best as [`repair`] does, and says what was proved about the one it ends at.
+pub(in crate::ocp) fn certificate(
+    runner: &mut Runner,
+    attempts: &mut Attempts,
+) -> Result<Stationarity, InputError> {
+    Ok(match repair(runner, attempts, 0)? {
+        Repaired::Best(stationarity) => stationarity,
+        Repaired::Visited { .. } => Stationarity::None,
+    })
+}
+
 /// The sequences around the best, and its motion to start them from.
 struct Around {
-    neighbours: Vec<Sequence>,
+    neighbours: Vec<Neighbour>,
     /// The same with shorter contacts and flights where some are inserted; of a proof only.
-    nearer: Vec<Sequence>,
+    nearer: Vec<Neighbour>,
     /// No neighbours, but often in another basin: nothing is claimed about them.
     explored: Vec<Sequence>,
     guess: Trajectory,
@@ -113,9 +125,10 @@ impl Around {
     }
 }
 
-fn neighbours_of(pressure: &Pressure) -> Vec<Sequence> {
+fn neighbours_of(pressure: &Pressure) -> Vec<Neighbour> {
     let mut neighbours = neighbours::directed(pressure);
-    neighbours.extend(neighbours::insertions(pressure));
+    let inserted = neighbours::insertions(pressure).into_iter();
+    neighbours.extend(inserted.map(Neighbour::adjoining));
     neighbours.extend(friction_neighbours::sliding(pressure));
     neighbours.extend(edge_neighbours::edges(pressure));
     neighbours
@@ -145,23 +158,24 @@ fn compare(
     };
     let mut undecided = false;
     for neighbour in &around.neighbours {
-        let verdict = match attempts.known(neighbour) {
+        let Neighbour { sequence, adjoins } = neighbour;
+        let verdict = match attempts.known(sequence) {
             Some(verdict) => verdict,
-            None if runner.is_exhausted() => return Ok(Compared::Incomplete),
-            None if purpose == Purpose::Explore && attempts.was_tried(neighbour) => {
+            None if runner.is_exhausted() && *adjoins => return Ok(Compared::Incomplete),
+            None if runner.is_exhausted() => continue,
+            None if purpose == Purpose::Explore && attempts.was_tried(sequence) => {
                 Verdict::Undecided
             }
             None => decide(runner, attempts, around, neighbour, purpose)?,
         };
-        match verdict {
+        undecided |= match verdict {
             Verdict::Better => return Ok(Compared::Improved),
             // One try from one barrier parameter is no proof that a sequence allows no motion.
-            Verdict::NotBetter(least) if least.is_infinite() && purpose == Purpose::Explore => {
-                undecided = true;
+            Verdict::NotBetter(least) => {
+                *adjoins && least.is_infinite() && purpose == Purpose::Explore
             }
-            Verdict::NotBetter(_) => {}
-            Verdict::Undecided => undecided = true,
-        }
+            Verdict::Undecided => *adjoins,
+        };
     }
     Ok(if undecided {
         Compared::Undecided
@@ -170,39 +184,45 @@ fn compare(
     })
 }
 
-/// Decides a neighbour: by the multipliers of its new phases where these tell, or else by an attempt, and where that
-/// comes to nothing once more from nearer.
+/// Decides a neighbour: one that adjoins by the multipliers of its new phases where these tell, or else by an attempt, and
+/// where that comes to nothing once more from nearer.
 fn decide(
     runner: &mut Runner,
     attempts: &mut Attempts,
     around: &Around,
-    neighbour: &Sequence,
+    neighbour: &Neighbour,
     purpose: Purpose,
 ) -> Result<Verdict, InputError> {
-    let attempt = around.attempt(neighbour, purpose);
-    if purpose == Purpose::Explore {
+    let sequence = &neighbour.sequence;
+    let attempt = around.attempt(sequence, purpose);
+    if purpose == Purpose::Explore || !neighbour.adjoins {
         return attempts.attempt(runner, attempt);
     }
     let held = held(attempts, runner, attempt)?;
-    if let Held::Stationary(objective) = held {
-        let verdict = Verdict::NotBetter(objective);
-        attempts.learn(neighbour, verdict);
-        return Ok(verdict);
-    }
-    let mut verdict = attempts.attempt(runner, attempt)?;
-    let signature = neighbour.signature();
-    let mut nearer = around.nearer.iter();
+    let (start, apart) = match held {
+        Held::Stationary(objective) => {
+            let verdict = Verdict::NotBetter(objective);
+            attempts.learn(sequence, verdict);
+            return Ok(verdict);
+        }
+        Held::Better(start) => (Some(*start), None),
+        Held::Apart(objective) => (None, Some(objective)),
+        Held::Open => (None, None),
+    };
+    let mut verdict = attempts.attempt_from(runner, attempt, start)?;
+    let signature = sequence.signature();
+    let mut nearer = around.nearer.iter().map(|nearer| &nearer.sequence);
     if let Some(nearer) = nearer.find(|nearer| nearer.signature() == signature)
-        && nearer != neighbour
+        && nearer != sequence
         && verdict == Verdict::Undecided
     {
         verdict = attempts.attempt(runner, around.attempt(nearer, purpose))?;
     }
-    if let Held::Apart(objective) = held
+    if let Some(objective) = apart
         && verdict == Verdict::Undecided
     {
         verdict = Verdict::NotBetter(objective);
-        attempts.learn(neighbour, verdict);
+        attempts.learn(sequence, verdict);
     }
     Ok(verdict)
 }

@@ -11,7 +11,7 @@
 
 use hangtime_solver::nlp;
 
-use super::attempt::{Attempt, Attempts, interior_point};
+use super::attempt::{Attempt, Attempts, Start, interior_point};
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::program::runner::{Ended, Run, Runner};
@@ -23,23 +23,24 @@ const HELD: (f64, usize) = (1e-5, 60);
 const NONE: f64 = 1e-6;
 
 /// What a neighbour's program with held lengths says.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Held {
+pub(super) enum Held<'a> {
     /// It is stationary with this objective when the lengths are released.
     Stationary(f64),
     /// Longer phases are better, but the motion is another one than the best, and worse: with an objective like this,
     /// infinite if there is none.
     Apart(f64),
+    /// Its motion is better than the best.
+    Better(Box<Start<'a>>),
     /// Longer phases are better, or there is no answer.
     Open,
 }
 
 /// What the program of a neighbour of the best says with the lengths of its new phases held at their least.
-pub(super) fn held(
-    attempts: &Attempts,
+pub(super) fn held<'a>(
+    attempts: &Attempts<'a, '_>,
     runner: &mut Runner,
     attempt: Attempt,
-) -> Result<Held, InputError> {
+) -> Result<Held<'a>, InputError> {
     for relaxed in [false, true] {
         match solve_held(attempts, runner, attempt, relaxed)? {
             Some(Ok(held)) => return Ok(held),
@@ -54,12 +55,12 @@ pub(super) fn held(
 }
 
 /// `None` where there is nothing to hold.
-fn solve_held(
-    attempts: &Attempts,
+fn solve_held<'a>(
+    attempts: &Attempts<'a, '_>,
     runner: &mut Runner,
     attempt: Attempt,
     relaxed: bool,
-) -> Result<Option<Result<Held, nlp::Status>>, InputError> {
+) -> Result<Option<Result<Held<'a>, nlp::Status>>, InputError> {
     let Some(best) = &attempts.best else {
         return Ok(None);
     };
@@ -91,21 +92,24 @@ fn solve_held(
     let horizon = program.horizon;
     let ended: Ended<nlp::Solution> = runner.solve(&mut program.program, horizon, &run);
     Ok(Some(ended?.map(|solution| {
-        released(attempts, &program, &lengths, &solution)
+        if !attempts.improves(solution.objective) {
+            return released(attempts, &program, &lengths, &solution);
+        }
+        match relaxed {
+            true => Held::Open,
+            false => Held::Better(Box::new((program, solution))),
+        }
     })))
 }
 
-/// What follows from releasing the lengths.
-fn released(
-    attempts: &Attempts,
+/// What follows from releasing the lengths of a motion that is no better than the best.
+fn released<'a>(
+    attempts: &Attempts<'a, '_>,
     program: &Collocation,
     lengths: &[usize],
     held: &nlp::Solution,
-) -> Held {
+) -> Held<'a> {
     let objective = held.objective;
-    if attempts.improves(objective) {
-        return Held::Open;
-    }
     let unit = program.program.objective_unit();
     let interval = program.horizon_at(&program.program.physical(&held.x))
         / attempts.setting.problem.intervals as f64;

@@ -9,7 +9,7 @@
 use super::one_grid::Known;
 use super::optima::{Found, is_better, is_same, rank, result, sort};
 use super::portfolio::explore;
-use super::run::{NOT_WORSE, Task, is_confirmed};
+use super::run::{Task, is_as_good};
 use super::shared_observer::SharedObserver;
 use crate::Observer;
 use crate::model::Model;
@@ -156,16 +156,13 @@ fn carry(task: &Task, from: &[Found], seen: &mut Vec<Found>) -> Result<Vec<Found
     Ok(found)
 }
 
-/// Decides the neighbours of the best motion that is confirmed as the settings ask for; without one, looks once more on
-/// the grid asked for, with all programs. The result is the first of `found` then.
+/// Decides the neighbours of the best motion, and of the next one where it is not confirmed; without one that is, looks once
+/// more on the grid asked for, with all programs. The result is what is left of `found`.
 fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Result<(), InputError> {
     let mut best: Option<Found> = None;
     for one in std::mem::take(found) {
-        let objective = one.solution.objective;
-        if best
-            .as_ref()
-            .is_some_and(|best| is_as_good(&best.solution, objective))
-        {
+        let enough = |best: &Found| is_as_good(&best.solution, &one.solution);
+        if best.as_ref().is_some_and(enough) {
             break;
         }
         let one = judged(task, one, seen)?;
@@ -194,23 +191,16 @@ fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Resul
 
 /// A motion on the grid of the task as what its re-simulation and its neighbours come to; what is known of that is left.
 fn judged(task: &Task, one: Found, seen: &mut Vec<Found>) -> Result<Found, InputError> {
-    let judged = match one.solution.status {
-        Status::Solved => is_confirmed(&one.solution, task.settings),
-        Status::Uncertified | Status::Unconfirmed => false,
-        _ => true,
-    };
-    if judged || task.observer.stopped() {
+    let open = matches!(
+        one.solution.status,
+        Status::Uncertified | Status::Unconfirmed
+    );
+    if !open || task.observer.stopped() {
         return Ok(one);
     }
     let (carried, _) = task.carry(&one, Effort::Certify, Known::default())?;
     seen.push(carried.clone());
     Ok(carried)
-}
-
-/// Whether a solution is confirmed and as good as an objective.
-fn is_as_good(solution: &Solution, objective: f64) -> bool {
-    let (class, own) = rank(solution);
-    class == 0 && own <= objective + NOT_WORSE * objective.abs()
 }
 
 /// The best distinct motions that go on, the best first, after a plan that would be better than these if it were confirmed;
@@ -220,15 +210,12 @@ fn best_of(mut found: Vec<Found>) -> Vec<Found> {
     let least = found
         .first()
         .map_or(f64::NAN, |best| best.solution.objective);
-    let plan = found.iter().find(|found| {
+    let better = |found: &Found| {
         found.solution.status == Status::Unconfirmed && found.solution.objective < least
-    });
-    let plan = plan.cloned();
-    let mut best = distinct(found);
-    if let Some(plan) = plan {
-        best.insert(0, plan);
-    }
-    best
+    };
+    let place = found.iter().position(better);
+    let plan = place.map(|place| found.remove(place));
+    plan.into_iter().chain(distinct(found)).collect()
 }
 
 /// The best distinct motions of those that are sorted; without any, one of the failures.

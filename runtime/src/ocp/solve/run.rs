@@ -19,7 +19,7 @@ use crate::ocp::solution::{Counts, Solution, Status};
 use crate::simulation::InputError;
 
 /// Relative increase of the objective that rounding and tolerances explain.
-pub(super) const NOT_WORSE: f64 = 1e-6;
+const NOT_WORSE: f64 = 1e-6;
 
 /// A problem on one grid.
 #[derive(Clone, Copy)]
@@ -65,8 +65,7 @@ impl Task<'_, '_> {
     ) -> Result<(Found, Trace), InputError> {
         let previous = from.solution.previous.clone();
         let (solution, trace) = self.solve(self.settings, previous, effort, known)?;
-        let kept = on_grid(&from.solution, self.problem.intervals)
-            .filter(|kept| effort != Effort::Certify || is_confirmed(kept, self.settings));
+        let kept = on_grid(&from.solution, self.problem.intervals);
         let solution = match kept {
             Some(kept) if !is_as_good(&solution, &kept) => Solution {
                 counts: solution.counts,
@@ -105,12 +104,9 @@ impl Task<'_, '_> {
     }
 }
 
-/// Whether a re-simulation is as near to a plan as settings ask for.
-pub(super) fn is_confirmed(solution: &Solution, settings: &Settings) -> bool {
-    solution.resimulation_error <= settings.largest_distance
-}
-
-fn is_as_good(solution: &Solution, kept: &Solution) -> bool {
+/// Whether a solution came to as much as another one: to one that is confirmed sooner than to one that is not, else to an
+/// objective that is not worse.
+pub(super) fn is_as_good(solution: &Solution, kept: &Solution) -> bool {
     let (a, b) = (rank(solution), rank(kept));
     a.0 < b.0 || a.0 == b.0 && a.1 <= b.1 + NOT_WORSE * b.1.abs()
 }

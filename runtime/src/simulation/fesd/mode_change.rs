@@ -29,10 +29,37 @@ pub(super) fn carry_out(driver: &mut Driver<'_>, switch: Switch) -> Result<(), M
         driver.now.contacts.pieces.let_act(model, switch.contact);
         settle(driver, &[])?;
     } else {
-        settle(driver, &[switch.contact])?;
+        let contact = largest_from_here(driver, switch);
+        settle(driver, &[contact])?;
     }
     driver.record_state();
     Ok(())
+}
+
+/// The contact that a switch is of; where several pieces of an edge vanish together, as where a surface goes on smoothly, the
+/// piece whose gap falls slowest, which is the largest from there on and acts.
+fn largest_from_here(driver: &mut Driver<'_>, switch: Switch) -> usize {
+    let model = driver.setup.model;
+    let others = model.declaration().contacts[switch.contact].alternatives;
+    let closes = matches!(switch.kind, SwitchKind::Entry | SwitchKind::Reentry);
+    if !closes || others.is_empty() {
+        return switch.contact;
+    }
+    let now = &mut driver.now;
+    now.evaluate_contacts(others.iter().copied());
+    let mut largest = (switch.contact, 0.0);
+    for &other in others {
+        let size = now.size(other);
+        let falling = now.contacts.normal_velocity(other);
+        let ties = now.contacts.gap(other) <= size.touching_gap();
+        if ties && falling < largest.1 - size.velocity_rounding() {
+            largest = (other, falling);
+        }
+    }
+    if largest.0 != switch.contact {
+        now.contacts.pieces.let_act(model, largest.0);
+    }
+    largest.0
 }
 
 /// Ends the contact although its force has not vanished (no exit condition).
