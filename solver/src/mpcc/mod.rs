@@ -22,9 +22,6 @@
 //!     Proportional   sigma = 10 mu
 //! ```
 //!
-//! Sides whose partners linear rows and bounds keep above zero vanish at every exact point; they are fixed at zero before the first run. Where
-//! that does not end at a certified point, the same follows without: half of the iterations are for each.
-//!
 //! At `sigma = 1e-5` a *crossover* fixes one side of each pair at zero, the smaller one or those that
 //! [`Mpcc::vanishing_sides`] says, and with it all that linear rows then force to zero, and solves the remaining
 //! smooth program to full accuracy: `min(x_i, x_j) = 0` exactly. If that fails, the run goes on to the final `sigma`
@@ -52,6 +49,10 @@
 //! itself, and from exact points near these that are found without the objective. Its programs often have no multipliers (vanishing elements,
 //! equations that determine a point twice); their runs end where nothing moves any more, and the linear programs of the
 //! certificate, whose dual solutions prove that there is no descent, give the multipliers.
+//!
+//! Sides whose partners linear rows and bounds keep above zero vanish at every exact point, which a relaxed program knows only as far as
+//! its products do. Where there are such sides and half of the iterations have not led to a certified point, all of this follows once more
+//! with these sides fixed at zero: the path is another one.
 //!
 //! # How a solve ends
 //! Every end has a [`Status`]. *Infeasible* is said of a problem only where runs converged to stationary points of the

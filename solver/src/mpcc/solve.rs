@@ -116,31 +116,29 @@ pub fn solve_observed(
     settings.validate()?;
     check_pairs(problem)?;
     let mut watch = Watch::new(settings, observer);
-    let Some(vanishes) = decided_sides(problem) else {
+    let sides = settings.crossover.then(|| decided_sides(problem)).flatten();
+    let Some(vanishes) = sides else {
         return solve_stated(problem, settings, &mut watch);
     };
-    let mut decided_problem = Decided::new(problem, vanishes);
-    if !settings.crossover {
-        return solve_stated(&mut decided_problem, settings, &mut watch);
-    }
     watch.limit(settings.maximum_iterations.div_ceil(2));
-    let decided = solve_stated(&mut decided_problem, settings, &mut watch)?;
-    if !watch.limit(settings.maximum_iterations) || is_settled(decided.status) {
+    let stated = solve_stated(problem, settings, &mut watch)?;
+    if is_settled(problem, &stated) || !watch.limit(settings.maximum_iterations) {
+        return Ok(stated);
+    }
+    // sides that are fixed change the path, and another path may lead to a point that can be certified
+    let decided = solve_stated(&mut Decided::new(problem, vanishes), settings, &mut watch)?;
+    let interrupted = watch.stop == Some(nlp::Status::Interrupted);
+    if interrupted || compare(&decided, &stated).is_lt() {
         return Ok(decided);
     }
-    // the sides that are decided change the path, and another path may lead to a point that can be certified
-    let free = solve_stated(problem, settings, &mut watch)?;
-    let interrupted = watch.stop == Some(nlp::Status::Interrupted);
-    if interrupted || compare(&free, &decided).is_lt() {
-        return Ok(free);
-    }
-    Ok(with_totals(decided, &watch))
+    Ok(with_totals(stated, &watch))
 }
 
 /// Whether another path to a solution is not worth it.
-fn is_settled(status: Status) -> bool {
-    let unbounded = Status::Failed(nlp::Status::Diverging);
-    status.is_solved() || status == Status::Infeasible || status == unbounded
+fn is_settled(problem: &dyn Mpcc, solution: &Solution) -> bool {
+    solution.status.is_solved()
+        || solution.status == Status::Failed(nlp::Status::Diverging)
+        || is_infeasible_without_pairs(problem, solution)
 }
 
 /// The rules, and what follows on them.

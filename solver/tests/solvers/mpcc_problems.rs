@@ -92,7 +92,7 @@ fn solve_literature_ends_at_certified_points() {
         }
     }
     // certified local solutions, not global ones
-    insta::assert_snapshot!(format!("{iterations} iterations; local: {}", local.join(" ")), @"1117 iterations; local: bilevel1 bilin dempe ex9.2.5");
+    insta::assert_snapshot!(format!("{iterations} iterations; local: {}", local.join(" ")), @"1127 iterations; local: bilevel1 bilin dempe ex9.2.5");
 }
 
 #[test]
@@ -177,7 +177,7 @@ fn solve_finite_elements_needs_few_iterations_of_the_homotopy() {
         );
     }
     assert!(5 * tied <= homotopy, "{tied} against {homotopy}");
-    insta::assert_snapshot!(format!("{tied} iterations"), @"324 iterations");
+    insta::assert_snapshot!(format!("{tied} iterations"), @"332 iterations");
 }
 
 #[test]
@@ -201,7 +201,7 @@ fn solve_by_the_elastic_mode_ends_at_certified_points() {
             problem.name
         );
     }
-    insta::assert_snapshot!(format!("{solved} solved in {iterations} iterations; others: {}", other.join(", ")), @"57 solved in 3225 iterations; others:");
+    insta::assert_snapshot!(format!("{solved} solved in {iterations} iterations; others: {}", other.join(", ")), @"57 solved in 3259 iterations; others:");
 }
 
 #[test]
