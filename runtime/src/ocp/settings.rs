@@ -1,7 +1,5 @@
 //! What the caller may choose.
 
-use hangtime_solver::mpcc::RelaxationRule;
-
 use super::previous::Previous;
 use crate::model::{Model, edge};
 use crate::ocp::motion::control_grid::ControlShape;
@@ -107,9 +105,6 @@ pub struct TimeFreezingSettings {
     /// the goals; default false. Good where the motion that is looked for touches and leaves surfaces much
     /// as it does without control. Without goals it is always so.
     pub(crate) simulated_guess: bool,
-    /// How products are relaxed first; others follow where that fails. Default [`RelaxationRule::Proportional`], which takes about
-    /// half of the iterations of the roll-off.
-    pub(crate) relaxation: RelaxationRule,
     /// Largest product of a pair, and optimality error, at which [`solve`](super::solve) takes the program for
     /// solved before it polishes the motion; default 1e-6, in (0, 1). Below that the iterations double without
     /// another contact sequence.
@@ -124,7 +119,6 @@ impl Default for TimeFreezingSettings {
             elements: 3,
             auxiliary_acceleration: 20.0,
             simulated_guess: false,
-            relaxation: RelaxationRule::Proportional,
             complementarity: 1e-6,
         }
     }

@@ -48,8 +48,6 @@ pub(in crate::ocp) fn candidate(
     let mut program = TimeFreezing::from_guess(model, problem, &settings, guess)?;
     let mut relaxation = mpcc::Settings::default();
     relaxation.crossover = false;
-    relaxation.rules.retain(|&rule| rule != settings.relaxation);
-    relaxation.rules.insert(0, settings.relaxation);
     relaxation.final_relaxation = settings.complementarity;
     relaxation.interior_point.tolerance = settings.complementarity;
     relaxation.interior_point.maximum_iterations =

@@ -1,6 +1,5 @@
 //! Starts without an exploration: variants of the time-freezing formulation, and a known motion.
 
-use hangtime_solver::mpcc::RelaxationRule;
 use rayon::prelude::*;
 
 use super::optima::{Found, rank, result, sort};
@@ -83,10 +82,6 @@ fn variant(settings: &Settings, start: usize) -> Settings {
             let (elements, factor) = FREEZING[start / 2 % FREEZING.len()];
             freezing.elements += elements + start / 2 / FREEZING.len();
             freezing.auxiliary_acceleration *= factor;
-            // they lead to different local optima
-            if start % 2 == 1 {
-                freezing.relaxation = RelaxationRule::RollOff;
-            }
         }
     }
     variant
