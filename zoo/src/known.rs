@@ -37,7 +37,7 @@ const BEST: &[(&str, usize, f64)] = &[
     ("soft-landing", 10, 13.591984971525),
     ("soft-landing", 20, 13.564482001),
     ("soft-landing", 40, 13.557427526),
-    ("blocks-on-spring", 10, 30.031350397),
+    ("blocks-on-spring", 10, 28.143461057),
     ("blocks-on-spring", 20, 26.846820365),
     ("blocks-on-spring", 40, 26.459838772),
     ("plate-and-box", 10, 1.820078283),

@@ -111,7 +111,7 @@ fn solve_goal_below_the_ground_is_infeasible_with_names() {
     let names: Vec<&str> = solution.violations.iter().map(|v| &v.name[..]).collect();
     insta::assert_snapshot!(
         format!("{} iterations: {}", solution.iterations, names.join("; ")),
-        @"89 iterations: alpha _|_ ln of ground in element 2 of interval 0, 0.0000 to 0.5000 s; beta _|_ lp of ground in element 1 of interval 0, 0.0000 to 0.5000 s; beta _|_ lp of ground in element 0 of interval 0, 0.0000 to 0.5000 s; beta _|_ lp of ground in element 2 of interval 0, 0.0000 to 0.5000 s; p _|_ w of ground at stage 0 of element 2 of interval 0, 0.0000 to 0.5000 s; collocation of element 2 of interval 0, 0.0000 to 0.5000 s; collocation of element 1 of interval 0, 0.0000 to 0.5000 s; clock at the end of interval 0, 0.0000 to 0.5000 s; collocation of element 0 of interval 0, 0.0000 to 0.5000 s"
+        @"166 iterations: alpha _|_ ln of ground in element 2 of interval 0, 0.0000 to 0.5000 s; beta _|_ lp of ground in element 1 of interval 0, 0.0000 to 0.5000 s; beta _|_ lp of ground in element 0 of interval 0, 0.0000 to 0.5000 s; beta _|_ lp of ground in element 2 of interval 0, 0.0000 to 0.5000 s; p _|_ w of ground at stage 0 of element 2 of interval 0, 0.0000 to 0.5000 s; collocation of element 2 of interval 0, 0.0000 to 0.5000 s; collocation of element 1 of interval 0, 0.0000 to 0.5000 s; clock at the end of interval 0, 0.0000 to 0.5000 s; collocation of element 0 of interval 0, 0.0000 to 0.5000 s"
     );
 }
 

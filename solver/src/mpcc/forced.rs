@@ -5,58 +5,96 @@ use super::Mpcc;
 /// Size up to which the room that a row leaves its terms counts as none: sums of numbers of order one.
 const NO_ROOM: f64 = 1e-12;
 
+/// The linear rows of a problem: `least <= constant + sum_k a_k x_k <= most`. A row counts as linear if its derivatives at two points
+/// are the same.
+pub(crate) struct LinearRows {
+    /// Bounds of the variables.
+    pub(crate) lower: Vec<f64>,
+    pub(crate) upper: Vec<f64>,
+    pub(crate) rows: Vec<LinearRow>,
+}
+
+/// One of them.
+pub(crate) struct LinearRow {
+    pub(crate) constant: f64,
+    pub(crate) least: f64,
+    pub(crate) most: f64,
+    /// Variables and their factors.
+    pub(crate) terms: Vec<(usize, f64)>,
+}
+
+impl LinearRows {
+    /// Reads the rows off derivatives near `x`.
+    pub(crate) fn new(problem: &mut dyn Mpcc, x: &[f64]) -> Self {
+        let (n, m) = (problem.variables(), problem.constraints());
+        let (mut lower, mut upper) = (vec![0.0; n], vec![0.0; n]);
+        problem.variable_bounds(&mut lower, &mut upper);
+        // two points inside the bounds that differ in every variable that can move
+        let inside: Vec<f64> = (0..n).map(|i| x[i].clamp(lower[i], upper[i])).collect();
+        let moved: Vec<f64> = (0..n)
+            .map(|i| {
+                let (down, up) = (inside[i] - lower[i], upper[i] - inside[i]);
+                let step = 0.1 + 0.8 / (2.0 + i as f64).sqrt();
+                inside[i]
+                    + if up >= down {
+                        step * up.min(1.0)
+                    } else {
+                        -step * down.min(1.0)
+                    }
+            })
+            .collect();
+        let pattern = problem.jacobian_pattern();
+        let mut values = vec![0.0; pattern.len()];
+        let mut others = vec![0.0; pattern.len()];
+        problem.jacobian_values(&inside, &mut values);
+        problem.jacobian_values(&moved, &mut others);
+        let mut constant = vec![0.0; m];
+        problem.constraint_values(&inside, &mut constant);
+        let mut rows = vec![Some(Vec::new()); m];
+        for ((&(row, column), &value), &other) in pattern.iter().zip(&values).zip(&others) {
+            constant[row] -= value * inside[column];
+            if value != other {
+                rows[row] = None;
+            } else if value != 0.0
+                && let Some(terms) = &mut rows[row]
+            {
+                terms.push((column, value));
+            }
+        }
+        let (mut least, mut most) = (vec![0.0; m], vec![0.0; m]);
+        problem.constraint_bounds(&mut least, &mut most);
+        let rows = rows.into_iter().enumerate();
+        let rows = rows.filter_map(|(row, terms)| {
+            terms.map(|terms| LinearRow {
+                constant: constant[row],
+                least: least[row],
+                most: most[row],
+                terms,
+            })
+        });
+        Self {
+            rows: rows.collect(),
+            lower,
+            upper,
+        }
+    }
+}
+
 /// Marks, besides the variables that vanish already, those that a linear row then leaves no other value than
 /// zero, until there are no more: `sum_k a_k x_k <= b` with `a_k > 0`, `x_k >= 0` and `b = 0`.
 ///
 /// With all terms of a fixed sum at zero the program would have no interior, and an interior point method no
 /// multipliers to converge to. Presolvers of linear programs call such rows forcing (Andersen and Andersen,
-/// Mathematical Programming 71, 1995). A row counts as linear if its derivatives at two points are the same.
+/// Mathematical Programming 71, 1995).
 pub(crate) fn mark_forced(problem: &mut dyn Mpcc, x: &[f64], vanishes: &mut [bool]) {
-    let (n, m) = (problem.variables(), problem.constraints());
-    let (mut lower, mut upper) = (vec![0.0; n], vec![0.0; n]);
-    problem.variable_bounds(&mut lower, &mut upper);
-    // two points inside the bounds that differ in every variable that can move
-    let inside: Vec<f64> = (0..n).map(|i| x[i].clamp(lower[i], upper[i])).collect();
-    let moved: Vec<f64> = (0..n)
-        .map(|i| {
-            let (down, up) = (inside[i] - lower[i], upper[i] - inside[i]);
-            let step = 0.1 + 0.8 / (2.0 + i as f64).sqrt();
-            inside[i]
-                + if up >= down {
-                    step * up.min(1.0)
-                } else {
-                    -step * down.min(1.0)
-                }
-        })
-        .collect();
-    let pattern = problem.jacobian_pattern();
-    let mut values = vec![0.0; pattern.len()];
-    let mut others = vec![0.0; pattern.len()];
-    problem.jacobian_values(&inside, &mut values);
-    problem.jacobian_values(&moved, &mut others);
-    let mut constant = vec![0.0; m];
-    problem.constraint_values(&inside, &mut constant);
-    let mut rows = vec![Some(Vec::new()); m];
-    for ((&(row, column), &value), &other) in pattern.iter().zip(&values).zip(&others) {
-        constant[row] -= value * inside[column];
-        if value != other {
-            rows[row] = None;
-        } else if value != 0.0
-            && let Some(terms) = &mut rows[row]
-        {
-            terms.push((column, value));
-        }
-    }
-    let (mut least, mut most) = (vec![0.0; m], vec![0.0; m]);
-    problem.constraint_bounds(&mut least, &mut most);
+    let LinearRows { lower, upper, rows } = LinearRows::new(problem, x);
     loop {
         let mut changed = false;
-        for (row, terms) in rows.iter().enumerate() {
-            let Some(terms) = terms else { continue };
-            let mut rest = constant[row];
+        for row in &rows {
+            let mut rest = row.constant;
             let mut scale = rest.abs();
             let (mut positive, mut negative, mut zero_below) = (false, false, true);
-            for &(k, a) in terms {
+            for &(k, a) in &row.terms {
                 if vanishes[k] {
                     continue;
                 }
@@ -71,10 +109,10 @@ pub(crate) fn mark_forced(problem: &mut dyn Mpcc, x: &[f64], vanishes: &mut [boo
             }
             let room = NO_ROOM * (1.0 + scale);
             let forcing = zero_below
-                && (positive && !negative && most[row] - rest <= room
-                    || negative && !positive && least[row] - rest >= -room);
+                && (positive && !negative && row.most - rest <= room
+                    || negative && !positive && row.least - rest >= -room);
             if forcing {
-                for &(k, _) in terms {
+                for &(k, _) in &row.terms {
                     changed |= !vanishes[k] && lower[k] < upper[k];
                     vanishes[k] |= lower[k] < upper[k];
                 }

@@ -50,6 +50,10 @@
 //! equations that determine a point twice); their runs end where nothing moves any more, and the linear programs of the
 //! certificate, whose dual solutions prove that there is no descent, give the multipliers.
 //!
+//! Sides whose partners linear rows and bounds keep above zero vanish at every exact point, which a relaxed program knows only as far as
+//! its products do. Where there are such sides and half of the iterations have not led to a certified point, all of this follows once more
+//! with these sides fixed at zero: the path is another one.
+//!
 //! # How a solve ends
 //! Every end has a [`Status`]. *Infeasible* is said of a problem only where runs converged to stationary points of the
 //! violation, with the rows and pairs that are to blame; runs that end otherwise, by a limit among them, have *failed*, and
@@ -58,6 +62,7 @@
 mod branch;
 mod certificate;
 mod crossover;
+mod decided;
 mod elastic;
 mod finish;
 mod forced;

@@ -1,6 +1,7 @@
 //! The entry points: rules one after the other.
 
 use super::crossover::improve;
+use super::decided::{Decided, decided_sides};
 use super::finish::{BINDING, Ended, compare};
 use super::run::solve_with;
 use super::second_round::second_round;
@@ -115,11 +116,42 @@ pub fn solve_observed(
     settings.validate()?;
     check_pairs(problem)?;
     let mut watch = Watch::new(settings, observer);
+    let sides = settings.crossover.then(|| decided_sides(problem)).flatten();
+    let Some(vanishes) = sides else {
+        return solve_stated(problem, settings, &mut watch);
+    };
+    watch.limit(settings.maximum_iterations.div_ceil(2));
+    let stated = solve_stated(problem, settings, &mut watch)?;
+    if is_settled(problem, &stated) || !watch.limit(settings.maximum_iterations) {
+        return Ok(stated);
+    }
+    // sides that are fixed change the path, and another path may lead to a point that can be certified
+    let decided = solve_stated(&mut Decided::new(problem, vanishes), settings, &mut watch)?;
+    let interrupted = watch.stop == Some(nlp::Status::Interrupted);
+    if interrupted || compare(&decided, &stated).is_lt() {
+        return Ok(decided);
+    }
+    Ok(with_totals(stated, &watch))
+}
+
+/// Whether another path to a solution is not worth it.
+fn is_settled(problem: &dyn Mpcc, solution: &Solution) -> bool {
+    solution.status.is_solved()
+        || solution.status == Status::Failed(nlp::Status::Diverging)
+        || is_infeasible_without_pairs(problem, solution)
+}
+
+/// The rules, and what follows on them.
+fn solve_stated(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    watch: &mut Watch<'_>,
+) -> Result<Solution, InputError> {
     let mut best: Option<Ended> = None;
     let mut others: Vec<Ended> = Vec::new();
     let mut infeasible = 0;
     for &rule in &settings.rules {
-        let ended = solve_with(problem, settings, rule, &mut watch)?;
+        let ended = solve_with(problem, settings, rule, watch)?;
         infeasible += usize::from(ended.solution.status == Status::Infeasible);
         let finished = watch.stop.is_some()
             || best
@@ -155,9 +187,9 @@ pub fn solve_observed(
         && best.solution.status != Status::Infeasible
     {
         others.sort_by(|a, b| compare(&a.solution, &b.solution));
-        second_round(problem, settings, best, &others, &mut watch)?;
+        second_round(problem, settings, best, &others, watch)?;
     }
-    let best = best.map(|ended| complete(problem, settings, ended, &mut watch));
+    let best = best.map(|ended| complete(problem, settings, ended, watch));
     // the list of rules is not empty
     best.ok_or(InputError::from(Fault::Setting {
         name: "rules",
@@ -184,12 +216,19 @@ fn complete(
         // whoever interrupts has to see it
         solution.status = Status::Failed(nlp::Status::Interrupted);
     }
-    solution.iterations = watch.iterations;
-    solution.crossover_iterations = watch.crossover_iterations;
-    solution.certificate_iterations = watch.certificate_iterations;
-    solution.factorizations = watch.factorizations;
-    solution.cpu = watch.cpu;
-    solution
+    with_totals(solution, watch)
+}
+
+/// A solution with what all runs so far took.
+fn with_totals(solution: Solution, watch: &Watch<'_>) -> Solution {
+    Solution {
+        iterations: watch.iterations,
+        crossover_iterations: watch.crossover_iterations,
+        certificate_iterations: watch.certificate_iterations,
+        factorizations: watch.factorizations,
+        cpu: watch.cpu,
+        ..solution
+    }
 }
 
 /// Whether no pair had a part in the infeasibility of a point.

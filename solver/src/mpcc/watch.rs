@@ -48,6 +48,15 @@ impl<'o> Watch<'o> {
         }
     }
 
+    /// Changes the limit of iterations; whether there are some left for another run.
+    pub(crate) fn limit(&mut self, most: usize) -> bool {
+        self.maximum_iterations = most;
+        if self.stop == Some(nlp::Status::IterationLimit) && self.iterations_left() > 0 {
+            self.stop = None;
+        }
+        self.stop.is_none()
+    }
+
     fn iterations_left(&self) -> usize {
         self.maximum_iterations
             .saturating_sub(self.iterations + self.certificate_iterations)
