@@ -28,6 +28,25 @@ fn twice_the_intervals_never_end_at_a_worse_motion() {
 }
 
 #[test]
+#[ignore = "long"]
+fn twice_the_intervals_never_end_at_a_worse_motion_on_any_scene() {
+    for exhibit in exhibits() {
+        let coarse = solve(exhibit.name, 10, &Settings::default());
+        if coarse.motion.is_none() {
+            continue;
+        }
+        let fine = solve(exhibit.name, 20, &Settings::default());
+        assert!(fine.motion.is_some(), "{}", exhibit.name);
+        let (coarse, fine) = (coarse.objective, fine.objective);
+        assert!(
+            fine <= coarse + NOT_WORSE * coarse.abs(),
+            "{}: {coarse} {fine}",
+            exhibit.name
+        );
+    }
+}
+
+#[test]
 fn more_starts_never_end_at_a_worse_motion() {
     let with = |starts: usize| {
         let mut settings = Settings::default();

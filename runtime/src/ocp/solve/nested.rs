@@ -2,9 +2,9 @@
 //!
 //! Contact sequences are looked for where programs are small, on the coarsest grids whose intervals are made up of those
 //! of the grid asked for. A motion goes from there to all multiples of its grid that divide the one asked for, and is kept
-//! where a finer grid ends at a worse one. So the result is never worse than what was
-//! found on the way. That says nothing about another call on a coarser grid, which may look from more starts on it, and
-//! decides the neighbours there.
+//! where a finer grid ends at a worse one. On each of them the neighbours of the best motion are decided, as a call for that
+//! grid alone would do it. So the result is not worse than that of such a call, unless that one looks from more starts: the grid with all
+//! starts is the finest of the coarsest ones, which differs between 10 and 30 intervals, but not between 10, 20 and 40.
 
 use super::one_grid::Known;
 use super::optima::{Found, is_better, is_same, rank, result, sort};
@@ -27,8 +27,9 @@ const COARSE: usize = 16;
 const NEAR: usize = 10;
 /// Most starts on a grid beside the one that all starts are tried on.
 const BESIDE: usize = 2;
-/// Motions that go on to finer grids.
+/// Motions that go on to finer grids, and with them the one that the neighbours of the best lead to.
 const KEPT: usize = 2;
+const KEPT_WITH_PROVEN: usize = KEPT + 1;
 /// Most programs on a grid before the neighbours of the best motion are decided.
 const PROGRAMS: usize = 12;
 /// Relative excess of the objective beyond which a motion does not go on: finer grids seldom make up for more.
@@ -65,7 +66,7 @@ pub(super) fn solve(
         let coarser = known.iter().filter(|known| is_next(known.0, intervals));
         let from: Vec<Found> = coarser.flat_map(|(_, found)| found.clone()).collect();
         let explores = from.is_empty();
-        let from = best_of(from);
+        let from = best_of(from, KEPT_WITH_PROVEN);
         let found = if explores {
             look(&task, starts(&grids, intervals, settings), &mut seen)?
         } else if from.iter().any(|found| found.solution.motion.is_some()) {
@@ -73,7 +74,12 @@ pub(super) fn solve(
         } else {
             from
         };
-        known.push((intervals, best_of(found)));
+        let mut found = best_of(found, KEPT);
+        if intervals < problem.intervals {
+            let task = Task { settings, ..task };
+            found = proven(&task, found, &mut seen)?;
+        }
+        known.push((intervals, found));
     }
     let mut found = known.pop().map_or(Vec::new(), |(_, found)| found);
     let task = Task {
@@ -138,7 +144,7 @@ fn look(task: &Task, starts: usize, seen: &mut Vec<Found>) -> Result<Vec<Found>,
     if on_this_grid {
         Ok(found)
     } else {
-        carry(task, &best_of(found), seen)
+        carry(task, &best_of(found, KEPT), seen)
     }
 }
 
@@ -156,21 +162,18 @@ fn carry(task: &Task, from: &[Found], seen: &mut Vec<Found>) -> Result<Vec<Found
     Ok(found)
 }
 
+/// The motions that go on from a grid, the best of them as a call for that grid alone ends at it: so a finer grid begins no worse.
+fn proven(task: &Task, found: Vec<Found>, seen: &mut Vec<Found>) -> Result<Vec<Found>, InputError> {
+    let best = decided(task, found.clone(), seen)?;
+    let mut all: Vec<Found> = best.into_iter().collect();
+    all.extend(found);
+    Ok(best_of(all, KEPT_WITH_PROVEN))
+}
+
 /// Decides the neighbours of the best motion, and of the next one where it is not confirmed; without one that is, looks once
 /// more on the grid asked for, with all programs. The result is what is left of `found`.
 fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Result<(), InputError> {
-    let mut best: Option<Found> = None;
-    for one in std::mem::take(found) {
-        let enough = |best: &Found| is_as_good(&best.solution, &one.solution);
-        if best.as_ref().is_some_and(enough) {
-            break;
-        }
-        let one = judged(task, one, seen)?;
-        if best.as_ref().is_none_or(|best| is_better(&one, best)) {
-            best = Some(one);
-        }
-    }
-    let Some(best) = best else {
+    let Some(best) = decided(task, std::mem::take(found), seen)? else {
         return Ok(());
     };
     let failed =
@@ -189,6 +192,26 @@ fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Resul
     Ok(())
 }
 
+/// The best motion with its neighbours decided, or the next one where it is not confirmed.
+fn decided(
+    task: &Task,
+    found: Vec<Found>,
+    seen: &mut Vec<Found>,
+) -> Result<Option<Found>, InputError> {
+    let mut best: Option<Found> = None;
+    for one in found {
+        let enough = |best: &Found| is_as_good(&best.solution, &one.solution);
+        if best.as_ref().is_some_and(enough) {
+            break;
+        }
+        let one = judged(task, one, seen)?;
+        if best.as_ref().is_none_or(|best| is_better(&one, best)) {
+            best = Some(one);
+        }
+    }
+    Ok(best)
+}
+
 /// A motion on the grid of the task as what its re-simulation and its neighbours come to; what is known of that is left.
 fn judged(task: &Task, one: Found, seen: &mut Vec<Found>) -> Result<Found, InputError> {
     let open = matches!(
@@ -203,9 +226,9 @@ fn judged(task: &Task, one: Found, seen: &mut Vec<Found>) -> Result<Found, Input
     Ok(carried)
 }
 
-/// The best distinct motions that go on, the best first, after a plan that would be better than these if it were confirmed;
-/// without any, one of the failures.
-fn best_of(mut found: Vec<Found>) -> Vec<Found> {
+/// At most so many of the best distinct motions, which go on, the best first, after a plan that would be better than these if
+/// it were confirmed; without any, one of the failures.
+fn best_of(mut found: Vec<Found>, most: usize) -> Vec<Found> {
     sort(&mut found);
     let least = found
         .first()
@@ -215,11 +238,11 @@ fn best_of(mut found: Vec<Found>) -> Vec<Found> {
     };
     let place = found.iter().position(better);
     let plan = place.map(|place| found.remove(place));
-    plan.into_iter().chain(distinct(found)).collect()
+    plan.into_iter().chain(distinct(found, most)).collect()
 }
 
-/// The best distinct motions of those that are sorted; without any, one of the failures.
-fn distinct(found: Vec<Found>) -> Vec<Found> {
+/// At most so many of the best distinct motions of those that are sorted; without any, one of the failures.
+fn distinct(found: Vec<Found>, most: usize) -> Vec<Found> {
     let mut best: Vec<Found> = Vec::new();
     for one in found {
         let Some(first) = best.first() else {
@@ -231,7 +254,7 @@ fn distinct(found: Vec<Found>) -> Vec<Found> {
             .iter()
             .any(|other| is_same(&other.solution, &one.solution));
         let promising = one.solution.motion.is_some() && objective <= least + WORTH * least.abs();
-        if promising && !known && best.len() < KEPT {
+        if promising && !known && best.len() < most {
             best.push(one);
         }
     }
