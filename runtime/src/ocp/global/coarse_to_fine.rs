@@ -25,8 +25,9 @@ const COARSE_PROGRAMS: [(usize, RelaxationRule); 3] = [
     (2, RelaxationRule::RollOff),
 ];
 
-/// How many of the first programs have to end at stationary points of their violation until the others, and refined ones from the
-/// guess, are left: of 87 such searches of the zoo, 2 came through the third one, and none through a refined one.
+/// How many of the first programs have to end at stationary points of their violation until one of several starts leaves the
+/// others, and refined ones from the guess: of 87 such searches of the zoo, 2 came through the third one, and none through a
+/// refined one.
 const INFEASIBLE: usize = 2;
 
 /// Least number of elements of the whole motion in the coarsest program; with fewer intervals they are divided.
@@ -173,7 +174,7 @@ impl<'a, 'g> CoarseToFine<'a, 'g> {
             if runner.stopped() {
                 return Ok(None);
             }
-            if self.infeasible == INFEASIBLE {
+            if self.leaves_the_rest(runner) {
                 break;
             }
             let program = self.programs;
@@ -212,6 +213,11 @@ impl<'a, 'g> CoarseToFine<'a, 'g> {
         self.last(runner, elements)
     }
 
+    /// Whether enough programs are infeasible for one of several starts; a single one is solved with all of them.
+    fn leaves_the_rest(&self, runner: &Runner) -> bool {
+        runner.effort == Effort::Explore && self.infeasible >= INFEASIBLE
+    }
+
     /// What is left where the programs came to nothing.
     fn last(
         &mut self,
@@ -223,7 +229,7 @@ impl<'a, 'g> CoarseToFine<'a, 'g> {
             return Ok(None);
         }
         let (setting, guess) = (self.setting, self.guess);
-        let refined = if self.coarse.is_empty() && self.infeasible < INFEASIBLE {
+        let refined = if self.coarse.is_empty() && !self.leaves_the_rest(runner) {
             refined(runner, setting, guess, elements)?
         } else {
             None
