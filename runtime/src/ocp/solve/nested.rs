@@ -4,7 +4,8 @@
 //! of the grid asked for. A motion goes from there to all multiples of its grid that divide the one asked for, and is kept
 //! where a finer grid ends at a worse one. On each of them the neighbours of the best motion are decided, as a call for that
 //! grid alone would do it. So the result is not worse than that of such a call, unless that one looks from more starts: the grid with all
-//! starts is the finest of the coarsest ones, which differs between 10 and 30 intervals, but not between 10, 20 and 40.
+//! starts is the finest of the coarsest ones, which differs between 10 and 30 intervals, but not between 10, 20 and 40. A single start
+//! keeps to two motions a grid, and solves the coarsest grids with all programs instead.
 
 use super::one_grid::Known;
 use super::optima::{Found, is_better, is_same, rank, result, sort};
@@ -48,6 +49,8 @@ pub(super) fn solve(
     } else {
         PROGRAMS
     };
+    let proves = settings.starts() > 1;
+    let kept = if proves { KEPT_WITH_PROVEN } else { KEPT };
     let quick = Settings {
         maximum_programs: settings.maximum_programs.min(most),
         ..settings.clone()
@@ -66,7 +69,7 @@ pub(super) fn solve(
         let coarser = known.iter().filter(|known| is_next(known.0, intervals));
         let from: Vec<Found> = coarser.flat_map(|(_, found)| found.clone()).collect();
         let explores = from.is_empty();
-        let from = best_of(from, KEPT_WITH_PROVEN);
+        let from = best_of(from, kept);
         let found = if explores {
             look(&task, starts(&grids, intervals, settings), &mut seen)?
         } else if from.iter().any(|found| found.solution.motion.is_some()) {
@@ -75,7 +78,7 @@ pub(super) fn solve(
             from
         };
         let mut found = best_of(found, KEPT);
-        if intervals < problem.intervals {
+        if proves && intervals < problem.intervals {
             let task = Task { settings, ..task };
             found = proven(&task, found, &mut seen)?;
         }
