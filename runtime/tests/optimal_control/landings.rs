@@ -83,3 +83,58 @@ fn egg_that_bounces_well_is_struck_three_times() {
     let impacts = impacts.filter(|event| event.kind == EventKind::Impact);
     assert_eq!(impacts.count(), 3);
 }
+
+hangtime::model! {
+    /// A ball is dribbled: a hand presses it down, and it must be back at hand height in the end.
+    Dribble {
+        parameters { g: m/s^2 = 9.81, e = 0.75, height: m = 1 }
+        coordinates { z: m }
+        controls { press: m/s^2 in 0..=30 }
+        lagrangian 1[kg]/2*dot(z)^2 - 1[kg]*g*z
+        forces { z: -1[kg]*press }
+        surface floor: z >= 0
+        impact floor: restitution e
+        minimize integral(press^2)
+        finally { z == height, dot(z) == 0 [m/s] }
+        start { z: height }
+        horizon 3 [s]
+    }
+}
+
+impl Dribble {
+    /// Height and velocity at the end, and the number of impacts, by parabolas from control to control.
+    fn end(&self, presses: &[f64]) -> (f64, f64, usize) {
+        let (mut z, mut v, mut impacts) = (self.height, 0.0, 0);
+        for press in presses {
+            let (a, mut left) = (-self.g - press, 3.0 / presses.len() as f64);
+            loop {
+                let falls = (-v - f64::sqrt(v * v - 2.0 * a * z)) / a;
+                if falls > left {
+                    break;
+                }
+                (v, z) = (-self.e * (v + a * falls), 0.0);
+                left -= falls;
+                impacts += 1;
+            }
+            z += left * (v + 0.5 * a * left);
+            v += a * left;
+        }
+        (z, v, impacts)
+    }
+}
+
+#[test]
+fn ball_is_dribbled_as_often_as_it_takes() {
+    // A ball that nobody presses bounces lower and lower; with two impacts or three it cannot be back in time.
+    let ball = Dribble::default();
+    let problem = Problem::of(&ball, 20);
+    let solution = solve_with(&ball, &problem, &Default::default(), &mut |_| true).unwrap();
+    assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+    let presses: Vec<f64> = solution.controls.iter().map(|u| u[0]).collect();
+    let (z, v, impacts) = ball.end(&presses);
+    assert_eq!(impacts, 4);
+    assert!((z - 1.0).abs() < 1e-6 && v.abs() < 1e-5, "{z} {v}");
+    let cost: f64 = presses.iter().map(|press| press * press * 0.15).sum();
+    assert!((cost - solution.objective).abs() < 1e-9 * cost, "{cost}");
+    assert!(cost < 73.951, "{cost}");
+}

@@ -24,14 +24,10 @@ use crate::simulation::{ContactMode, InputError, SimulationStatus};
 /// Most switches of short contacts and flights for which a sequence is tried with them, too.
 const SHORT_SWITCHES: usize = 2;
 
-/// When a contact that bounces is struck in motions that are made up, in shares of the final time.
-const STRUCK: &[&[f64]] = &[
-    &[0.5],
-    &[1.0 / 3.0, 2.0 / 3.0],
-    &[0.25, 0.75],
-    &[0.25, 0.5, 0.75],
-    &[1.0 / 6.0, 0.5, 5.0 / 6.0],
-];
+/// How often a contact that bounces is struck in motions that are made up: always so often, and at most so often where that
+/// becomes better all the time, or there is no motion yet.
+const STRUCK: usize = 3;
+const MOST_STRUCK: usize = 8;
 
 /// What a search has found.
 #[derive(Default)]
@@ -69,9 +65,7 @@ impl<'a> Search<'a, '_> {
             self.try_candidate(runner, bouncing, false)?;
         }
         if first && runner.settings.formulation == Formulation::Phases {
-            for struck in struck(self.attempts.setting, guess) {
-                self.try_candidate(runner, struck, true)?;
-            }
+            self.try_struck(runner, guess)?;
         }
         match &runner.settings.formulation {
             Formulation::Phases => self.try_relaxed(runner, guess),
@@ -79,6 +73,36 @@ impl<'a> Search<'a, '_> {
                 self.try_time_freezing(runner, formulation, guess, simulated)
             }
         }
+    }
+
+    /// The same of motions like the guess in which a contact that bounces is struck a few times: how often, no simulation under
+    /// guessed controls tells.
+    fn try_struck(&mut self, runner: &mut Runner, guess: &Trajectory) -> Result<(), InputError> {
+        let setting = self.attempts.setting;
+        let initially = modes_at_start(setting, guess);
+        for contact in 0..initially.len() {
+            if !initially[contact].is_open() || setting.model.restitution(contact) == 0.0 {
+                continue;
+            }
+            for times in 1..=MOST_STRUCK {
+                let before = self.least();
+                for shares in struck(times) {
+                    let candidate = struck_at(setting, guess, contact, &shares);
+                    self.try_candidate(runner, candidate, true)?;
+                }
+                let least = self.least();
+                if times > STRUCK && least.is_finite() && least >= before {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Objective of the best local optimum so far, infinite without any.
+    fn least(&self) -> f64 {
+        let best = self.found.optima.first();
+        best.map_or(f64::INFINITY, |(local, _)| local.solution.objective)
     }
 
     /// The same of contact-implicit programs: the best of their motions, or, after other searches, one after the other up to
@@ -208,36 +232,37 @@ fn bouncing(
     }))
 }
 
-/// Motions like the guess in which a contact that bounces is struck a few times: how often, no simulation under guessed controls
-/// tells. Impacts are as far from each other as from both ends, or twice as far, as those of a ball from height to height.
-fn struck(setting: Setting, guess: &Trajectory) -> Vec<Candidate> {
-    let intervals = setting.problem.intervals as f64;
-    let initially = modes_at_start(setting, guess);
-    let model = setting.model;
-    let mut found = Vec::new();
-    for contact in 0..initially.len() {
-        if !initially[contact].is_open() || model.restitution(contact) == 0.0 {
-            continue;
-        }
-        let impulse = closed_mode(is_frictional(model, contact), 0.0, 0.0);
-        for &shares in STRUCK {
-            let mut sequence = Sequence::without_switches(initially.clone());
-            let touches = shares.iter().map(|share| Switch {
-                closes: true,
-                passes: false,
-                mode: ContactMode::Open,
-                impulse,
-                ..Switch::passage(contact, share * intervals)
-            });
-            sequence.switches = touches.collect();
-            found.push(Candidate {
-                objective: f64::INFINITY,
-                sequence,
-                trajectory: guess.clone(),
-            });
-        }
+/// When a contact is struck so often, in shares of the final time: with half as much time before the first impact and after the last
+/// one as in between, as of a ball that flies from height to height, or, seldom, with as much.
+fn struck(times: usize) -> Vec<Vec<f64>> {
+    let (all, count) = (0..times, times as f64);
+    let halves = all.clone().map(|i| (i as f64 + 0.5) / count).collect();
+    let equal: Vec<f64> = all.map(|i| (i + 1) as f64 / (count + 1.0)).collect();
+    if (2..=STRUCK).contains(&times) {
+        vec![equal, halves]
+    } else {
+        vec![halves]
     }
-    found
+}
+
+/// A motion like the guess in which a contact is struck at these shares of the final time.
+fn struck_at(setting: Setting, guess: &Trajectory, contact: usize, shares: &[f64]) -> Candidate {
+    let intervals = setting.problem.intervals as f64;
+    let impulse = closed_mode(is_frictional(setting.model, contact), 0.0, 0.0);
+    let mut sequence = Sequence::without_switches(modes_at_start(setting, guess));
+    let touches = shares.iter().map(|share| Switch {
+        closes: true,
+        passes: false,
+        mode: ContactMode::Open,
+        impulse,
+        ..Switch::passage(contact, share * intervals)
+    });
+    sequence.switches = touches.collect();
+    Candidate {
+        objective: f64::INFINITY,
+        sequence,
+        trajectory: guess.clone(),
+    }
 }
 
 /// A sequence to attempt and the motion to start it from.
