@@ -28,23 +28,29 @@ use crate::simulation::{
 
 /// Distance of plan and re-simulation within which they may be the same motion \[m or rad\].
 const SAME_MOTION: f64 = 1e-3;
+/// Relative excess of the objective over that of a known motion beyond which a plan is not refined: a refined one seldom makes up for it.
+const WORSE: f64 = 1e-3;
 /// Relative excess of the objective up to which a plan with another discretization is one of the same motion: that was coarse.
 const MUCH_WORSE: f64 = 0.1;
 /// Relative difference of the objective within which it is the same local optimum, of which the same is proved.
 const SAME_OPTIMUM: f64 = 1e-2;
 
 /// The judgement of a local optimum: re-simulated, with more elements where they are needed, and else with the schemes
-/// of `tableaus`, of growing order, as long as the plan does not agree with the simulation.
+/// of `tableaus`, of growing order, as long as the plan does not agree with the simulation, and is better than the objective of a
+/// `known` motion.
 pub(in crate::ocp) fn judge<'a>(
     runner: &mut Runner,
     setting: Setting<'a>,
     tableaus: &'a [ButcherTableau],
-    local: Local<'a>,
-    stationarity: Stationarity,
+    (local, stationarity): (Local<'a>, Stationarity),
+    known: f64,
 ) -> Result<Solution, InputError> {
     let coarse = vec![runner.settings.elements; setting.problem.intervals];
     let cuts = local.cuts.clone();
     let (mut plan, mut solution) = Plan::judged(runner, setting, &coarse, (local, stationarity))?;
+    if solution.objective - known > WORSE * known.abs() {
+        return Ok(solution);
+    }
     let mut elements = coarse.clone();
     // Where plan and simulation end together and differ in what contacts do, more elements rarely help.
     let mut read_otherwise = 0;

@@ -4,8 +4,8 @@
 //! of the grid asked for. A motion goes from there to all multiples of its grid that divide the one asked for, and is kept
 //! where a finer grid ends at a worse one. On each of them the neighbours of the best motion are decided, as a call for that
 //! grid alone would do it. So the result is not worse than that of such a call, unless that one looks from more starts: the grid with all
-//! starts is the finest of the coarsest ones, which differs between 10 and 30 intervals, but not between 10, 20 and 40. A single start
-//! keeps to two motions a grid, and solves the coarsest grids with all programs instead.
+//! starts is the finest of the coarsest ones, which differs between 10 and 30 intervals, but not between 10, 20 and 40. A single start,
+//! which is asked for to be quick, decides neighbours on the grid asked for only; it solves the coarsest grids with all programs.
 
 use super::one_grid::Known;
 use super::optima::{Found, is_better, is_same, rank, result, sort};
@@ -159,6 +159,7 @@ fn carry(task: &Task, from: &[Found], seen: &mut Vec<Found>) -> Result<Vec<Found
     for (index, from) in from.iter().enumerate() {
         let (carried, trace) = task.carry(from, Effort::Carry, known.from(index))?;
         known.extend(trace.known);
+        known.ended_at(&carried.solution);
         found.push(carried);
     }
     seen.extend(found.iter().cloned());

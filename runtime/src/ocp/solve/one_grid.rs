@@ -40,7 +40,7 @@ pub(super) struct Start<'s> {
 }
 
 /// What searches from other starts came through on a grid.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub(super) struct Known {
     /// Start of the present search.
     pub(super) start: usize,
@@ -48,6 +48,20 @@ pub(super) struct Known {
     pub(super) relaxed: RelaxedMotions,
     /// A motion near which to look, instead of near the guess, and the share of its range by which it is bent.
     pub(super) near: Option<(Previous, f64)>,
+    /// Objective of the best motion that is confirmed; infinite without any.
+    pub(super) confirmed: f64,
+}
+
+impl Default for Known {
+    fn default() -> Self {
+        Self {
+            start: 0,
+            visited: Vec::new(),
+            relaxed: RelaxedMotions::default(),
+            near: None,
+            confirmed: f64::INFINITY,
+        }
+    }
 }
 
 impl Known {
@@ -57,6 +71,13 @@ impl Known {
         self.visited
             .extend(new.filter(|visited| visited.start == other.start));
         self.relaxed.extend(other.relaxed);
+    }
+
+    /// Adds what a search ended at.
+    pub(super) fn ended_at(&mut self, solution: &Solution) {
+        if matches!(solution.status, Status::Solved | Status::Uncertified) {
+            self.confirmed = self.confirmed.min(solution.objective);
+        }
     }
 
     /// The motion near which to look, bent, on the grid of a problem.
@@ -75,6 +96,7 @@ impl Known {
             visited: self.visited.clone(),
             relaxed: self.relaxed.clone().from(start),
             near: None,
+            confirmed: self.confirmed,
         }
     }
 }
@@ -99,7 +121,7 @@ impl Trace {
             start,
             visited: attempts.into_visited(),
             relaxed,
-            near: None,
+            ..Known::default()
         };
         let repeats = found.repeats.filter(|_| found.optima.is_empty());
         (Self { known, repeats }, found)
@@ -180,7 +202,8 @@ pub(super) fn solve_round<'s>(
     let feasible = find(&mut runner, &mut search, &guessed, coarser.as_ref())?;
     let nearest = runner.nearest_horizon();
     let (trace, found) = Trace::of(origin, search);
-    let mut solution = best(&mut runner, setting, finer, found.optima, feasible)?;
+    let known = start.known.confirmed;
+    let mut solution = best(&mut runner, setting, finer, (found.optima, feasible), known)?;
     solution.time_freezing = found.time_freezing;
     let range = setting.final_times();
     let time = match &solution.motion {
@@ -264,20 +287,21 @@ fn find(
     Ok(ride.reaches)
 }
 
-/// The best that the re-simulation confirms, or else the best; why there is none.
+/// The best of what was `found` that the re-simulation confirms, or else the best; why there is none, of a problem that may be known
+/// to be feasible. Plans that are worse than a `known` motion are not refined.
 fn best<'a>(
     runner: &mut Runner,
     setting: Setting<'a>,
     finer: &'a [ButcherTableau],
-    found: Vec<(Local<'a>, Stationarity)>,
-    feasible: bool,
+    (found, feasible): (Vec<(Local<'a>, Stationarity)>, bool),
+    known: f64,
 ) -> Result<Solution, InputError> {
     let mut result: Option<Solution> = None;
     for (local, stationarity) in found {
         let at_an_end = setting.final_times().end_at(local.trajectory.horizon);
         // A plan at an end of the final times is not the last one: it is not worth finer grids.
         let finer = if at_an_end.is_some() { &[] } else { finer };
-        let solution = judge(runner, setting, finer, local, stationarity)?;
+        let solution = judge(runner, setting, finer, (local, stationarity), known)?;
         let confirmed = solution.status != Status::Unconfirmed;
         if confirmed || result.is_none() {
             result = Some(solution);

@@ -67,6 +67,7 @@ pub(super) fn explore(task: &Task, starts: usize) -> Result<Vec<Found>, InputErr
                 None => found,
             };
             known.extend(trace.known);
+            known.ended_at(&found.solution);
             all.push(found);
         }
         let enough = task.settings.starts.is_none() && best_was_found_again(&all);
