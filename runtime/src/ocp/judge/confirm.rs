@@ -28,6 +28,8 @@ use crate::simulation::{
 
 /// Distance of plan and re-simulation within which they may be the same motion \[m or rad\].
 const SAME_MOTION: f64 = 1e-3;
+/// By how much less a refined plan has to miss its re-simulation: the order of the scheme promises 32 times where elements are halved.
+const SLOW: f64 = 8.0;
 /// Relative excess of the objective over that of a known motion beyond which a plan is not refined: a refined one seldom makes up for it.
 const WORSE: f64 = 1e-3;
 /// Relative excess of the objective up to which a plan with another discretization is one of the same motion: that was coarse.
@@ -54,10 +56,20 @@ pub(in crate::ocp) fn judge<'a>(
     let mut elements = coarse.clone();
     // Where plan and simulation end together and differ in what contacts do, more elements rarely help.
     let mut read_otherwise = 0;
+    let mut before = f64::INFINITY;
     for _ in 0..ROUNDS {
         let unconfirmed = !runner.stopped() && solution.status == Status::Unconfirmed;
         let distance = solution.resimulation_error;
         read_otherwise += usize::from(distance <= runner.settings.largest_distance);
+        // Nor do they where they bring them together far more slowly than the order of the scheme promises.
+        let slow = distance > before / SLOW;
+        if unconfirmed
+            && (slow || read_otherwise > 1)
+            && let Some(other) = plan.judged_as_simulated(runner, setting, &elements, &solution)?
+        {
+            return Ok(other);
+        }
+        before = distance;
         if !unconfirmed
             || read_otherwise > 1
             || !refine(runner, setting, &mut elements, &plan.trajectory, distance)
@@ -68,11 +80,6 @@ pub(in crate::ocp) fn judge<'a>(
             break;
         };
         (plan, solution) = Plan::judged(runner, setting, &elements, again)?;
-    }
-    if read_otherwise > 1
-        && let Some(other) = plan.judged_as_simulated(runner, setting, &elements, &solution)?
-    {
-        return Ok(other);
     }
     for tableau in tableaus {
         if runner.stopped() || solution.status != Status::Unconfirmed {
