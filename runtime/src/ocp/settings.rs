@@ -303,6 +303,17 @@ impl Settings {
                 "use the formulation in phases, which is the default",
             ));
         }
+        let declared = model.declaration().optimal_control;
+        if let (Formulation::TimeFreezing(_), true) = (
+            &self.formulation,
+            declared.is_some_and(|declared| declared.contacts.any()),
+        ) {
+            return Err(refusal::unsupported(
+                "optimal control by time-freezing with forces or impulses of contacts in `minimize`, `constraint` or \
+                 `finally`",
+                "use the formulation in phases, which is the default",
+            ));
+        }
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 use hangtime_solver::mpcc::Stationarity;
 
 use super::disagreement::disagreement;
+use super::forces;
 use super::margins::margins;
 use super::refine_grid::{ROUNDS, refine};
 use crate::ocp::collocation::between_stages::excess;
@@ -215,7 +216,8 @@ fn confirm(
         (SimulationStatus::Solved, Some(q)) => largest_difference(q, &planned[..n]),
         _ => f64::INFINITY,
     };
-    let disagreement = compare(setting, settings, &sequence, &trajectory, &replay);
+    let disagreement = compare(setting, settings, &sequence, &trajectory, &replay)
+        .or_else(|| forces::violated(setting, &sequence, &replay));
     let margins = margins(&program, &solution);
     let stationarity = if margins.iter().all(|margin| margin.chosen) {
         stationarity
