@@ -216,8 +216,10 @@ fn confirm(
         (SimulationStatus::Solved, Some(q)) => largest_difference(q, &planned[..n]),
         _ => f64::INFINITY,
     };
+    let forces = forces::looked(setting, &sequence, &replay);
     let disagreement = compare(setting, settings, &sequence, &trajectory, &replay)
-        .or_else(|| forces::violated(setting, &sequence, &replay));
+        .or_else(|| forces::violated(&forces))
+        .or_else(|| forces::other_cost(setting, &sequence, solution.objective, &replay));
     let margins = margins(&program, &solution);
     let stationarity = if margins.iter().all(|margin| margin.chosen) {
         stationarity
@@ -235,6 +237,7 @@ fn confirm(
         Status::Solved
     };
     let interval = trajectory.horizon / setting.problem.intervals as f64;
+    let limits = Limits::new(setting, settings);
     Ok(Solution {
         status,
         objective: solution.objective,
@@ -250,7 +253,7 @@ fn confirm(
         },
         planned_events: planned_events(&sequence, interval),
         margins,
-        excess: excess(&program, &solution.x, Limits::new(setting, settings)),
+        excess: forces::excess(&forces, excess(&program, &solution.x, limits)),
         controls: trajectory.controls.values().to_vec(),
         shape: trajectory.controls.shape(),
         elements: elements.to_vec(),

@@ -1,19 +1,25 @@
-//! Conditions on forces and impulses, in the re-simulation of a plan.
+//! Conditions on forces and impulses, and the cost of them, in the re-simulation of a plan.
 //!
-//! The plan keeps them at its stages, and the forces there are less accurate than the motion. So they are looked at once more
-//! with the forces and impulses of the event-driven simulation.
+//! The plan keeps conditions at its stages, and the forces there are less accurate than the motion. So they are looked at
+//! once more with the forces and impulses of the event-driven simulation, and so is the objective that contains them.
 
 use crate::model::{ConstraintDeclaration, Model, contact_point};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::sequence::{Sequence, Switch};
+use crate::ocp::problem::Problem;
+use crate::ocp::solution::Excess;
 use crate::simulation::Simulation;
 
 /// Violation relative to the size of the condition up to which plan and re-simulation agree.
 const AGREES: f64 = 1e-4;
 
+/// Difference of the objectives, relative to the integral of what is added up: the trapezoids over the points of the
+/// simulation are good to about a tenth of that.
+const SAME_COST: f64 = 1e-2;
+
 /// A condition, what it came to, and its size: its largest value, with and without what contacts do.
-struct Looked {
+pub(super) struct Looked {
     declared: ConstraintDeclaration,
     violation: f64,
     time: f64,
@@ -33,27 +39,95 @@ impl Looked {
     }
 }
 
-/// The first condition on forces or impulses that the re-simulation violates, in words.
-pub(super) fn violated(setting: Setting, plan: &Sequence, replay: &Simulation) -> Option<String> {
-    let Setting { model, problem, .. } = setting;
-    let declared = model.declaration().optimal_control?;
-    if !declared.contacts.any() {
-        return None;
-    }
-    let (mut sums, impacts) = in_impacts(model, replay);
-    let conditions = along(model, replay).into_iter().chain(impacts);
-    let mut all: Vec<Looked> = conditions.collect();
-    // An impact at the end is one of the plan; the simulation ends right before or right after it.
-    let impact = |switch: &Switch| switch.interval == problem.intervals;
-    if !plan.switches.iter().any(impact) {
-        all.extend(at_the_end(model, replay, &mut sums));
-    }
+/// The first condition that is violated by more than plan and re-simulation may differ, in words.
+pub(super) fn violated(conditions: &[Looked]) -> Option<String> {
     let worse = |looked: &&Looked| looked.violation > AGREES * looked.size;
-    all.iter().find(worse).map(|looked| {
+    conditions.iter().find(worse).map(|looked| {
         format!(
             "`{}` is violated by {:.1e} {} at {:.6} s of the re-simulation",
             looked.declared.name, looked.violation, looked.declared.unit, looked.time
         )
+    })
+}
+
+/// The largest violation, if there is one that exceeds another.
+pub(super) fn excess(conditions: &[Looked], other: Option<Excess>) -> Option<Excess> {
+    let found = conditions.iter().map(|looked| Excess {
+        name: looked.declared.name.to_owned(),
+        amount: looked.violation,
+        time: looked.time,
+    });
+    let all = other.into_iter().chain(found);
+    all.filter(|excess| excess.amount > 0.0)
+        .reduce(|a, b| if b.amount > a.amount { b } else { a })
+}
+
+/// The conditions on forces and impulses in the re-simulation of a plan; none for scenes without.
+pub(super) fn looked(setting: Setting, plan: &Sequence, replay: &Simulation) -> Vec<Looked> {
+    let Setting { model, problem, .. } = setting;
+    let declared = model.declaration().optimal_control;
+    let simulated = !replay.trajectory.time.is_empty();
+    if !simulated || declared.is_none_or(|declared| !declared.contacts.any()) {
+        return Vec::new();
+    }
+    let (sums, impacts) = in_impacts(model, replay);
+    let conditions = along(model, replay).into_iter().chain(impacts);
+    let mut all: Vec<Looked> = conditions.collect();
+    if !ends_with_impact(plan, problem) {
+        all.extend(at_the_end(model, replay, &sums));
+    }
+    all
+}
+
+/// Whether a plan ends with an impact: the simulation ends right before or right after that.
+fn ends_with_impact(plan: &Sequence, problem: &Problem) -> bool {
+    let impact = |switch: &Switch| switch.interval == problem.intervals;
+    plan.switches.iter().any(impact)
+}
+
+/// Where an objective that contains forces or impulses is another one in the re-simulation than in the plan, in words.
+pub(super) fn other_cost(
+    setting: Setting,
+    plan: &Sequence,
+    planned: f64,
+    replay: &Simulation,
+) -> Option<String> {
+    let Setting { model, problem, .. } = setting;
+    let declaration = model.declaration();
+    let declared = declaration.optimal_control?;
+    let inputs = 2 * problem.q.len() + 1;
+    let runs = declared.running_cost && declared.path_jacobian.reads(0, declaration.inputs());
+    let ends = declared.final_cost && declared.terminal_jacobian.reads(0, inputs);
+    let simulated = !replay.trajectory.time.is_empty();
+    if !simulated || !(runs || ends) || ends_with_impact(plan, problem) {
+        return None;
+    }
+    let (mut cost, mut size) = (0.0, 0.0);
+    if declared.running_cost {
+        let times = &replay.trajectory.time;
+        let mut values = vec![0.0; declared.path_functions()];
+        let mut rate = |k: usize| {
+            model.path_functions(&path_input(model, replay, k), &mut values);
+            values[0]
+        };
+        let mut before = rate(0);
+        for k in 1..times.len() {
+            let (length, now) = (times[k] - times[k - 1], rate(k));
+            cost += 0.5 * length * (before + now);
+            size += 0.5 * length * (before.abs() + now.abs());
+            before = now;
+        }
+    }
+    if declared.final_cost {
+        let (sums, _) = in_impacts(model, replay);
+        let mut values = vec![0.0; declared.terminal_functions()];
+        model.terminal_functions(&end_input(model, replay, &sums)?, &mut values);
+        cost += values[0];
+        size += values[0].abs();
+    }
+    let differs = (cost - planned).abs() > SAME_COST * size;
+    differs.then(|| {
+        format!("the objective is {planned:.6} in the plan, {cost:.6} in the re-simulation")
     })
 }
 
@@ -112,6 +186,32 @@ fn forces(model: &dyn Model, replay: &Simulation, k: usize, x: &[f64]) -> Vec<f6
     provided(model, x, &[normal, friction].concat())
 }
 
+/// What path functions read at an instant.
+fn path_input(model: &dyn Model, replay: &Simulation, k: usize) -> Vec<f64> {
+    let mut x = input(model, replay, k);
+    if model.declaration().path_inputs() > x.len() {
+        x.extend(forces(model, replay, k, &x));
+    }
+    x
+}
+
+/// What terminal functions read after these sums over impacts.
+fn end_input(model: &dyn Model, replay: &Simulation, sums: &[f64]) -> Option<Vec<f64>> {
+    let motion = &replay.trajectory;
+    let mut z = [
+        &motion.q.last()?[..],
+        motion.v.last()?,
+        &[*motion.time.last()?],
+        sums,
+    ]
+    .concat();
+    if model.declaration().terminal_inputs() > z.len() {
+        let k = last(replay);
+        z.extend(forces(model, replay, k, &input(model, replay, k)));
+    }
+    Some(z)
+}
+
 /// The last instant before an impact at the end.
 fn last(replay: &Simulation) -> usize {
     let times = &replay.trajectory.time;
@@ -134,9 +234,7 @@ fn along(model: &dyn Model, replay: &Simulation) -> Vec<Looked> {
         vec![0.0; declared.path_functions()],
     ];
     for k in 0..=last(replay) {
-        let mut x = input(model, replay, k);
-        let forces = forces(model, replay, k, &x);
-        x.extend(forces);
+        let mut x = path_input(model, replay, k);
         model.path_functions(&x, &mut values[0]);
         x[plain..].fill(0.0);
         model.path_functions(&x, &mut values[1]);
@@ -192,28 +290,23 @@ fn in_impacts(model: &dyn Model, replay: &Simulation) -> (Vec<f64>, Vec<Looked>)
 }
 
 /// Goals that read sums over impacts or forces at the end.
-fn at_the_end(model: &dyn Model, replay: &Simulation, sums: &mut Vec<f64>) -> Vec<Looked> {
+fn at_the_end(model: &dyn Model, replay: &Simulation, sums: &[f64]) -> Vec<Looked> {
     let declaration = model.declaration();
-    let Some(declared) = declaration.optimal_control else {
-        return Vec::new();
-    };
-    let motion = &replay.trajectory;
-    let (Some(q), Some(v), Some(&time)) = (motion.q.last(), motion.v.last(), motion.time.last())
+    let (Some(declared), Some(mut z)) =
+        (declaration.optimal_control, end_input(model, replay, sums))
     else {
         return Vec::new();
     };
-    let (first, plain) = (usize::from(declared.final_cost), q.len() + v.len() + 1);
+    let (first, plain) = (
+        usize::from(declared.final_cost),
+        2 * declaration.coordinates.len() + 1,
+    );
     let pattern = declared.terminal_jacobian;
     let mut conditions = chosen(declared.goals, |i| pattern.reads(first + i, plain));
-    let mut z = [&q[..], v, &[time]].concat();
-    z.append(sums);
-    if declared.contacts.terminal {
-        let k = last(replay);
-        z.extend(forces(model, replay, k, &input(model, replay, k)));
-    }
     let mut values = vec![0.0; declared.terminal_functions()];
     let mut without = values.clone();
     model.terminal_functions(&z, &mut values);
+    let time = z[plain - 1];
     z[plain..].fill(0.0);
     model.terminal_functions(&z, &mut without);
     for (i, looked) in &mut conditions {
