@@ -187,7 +187,8 @@ fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Sym
         return Err(meaningless(checker, expr.place, message));
     }
     smooth(value, expr, checker)?;
-    for sum in checker.scope.sums[known..].to_vec() {
+    let new = checker.scope.sums[known..].to_vec();
+    for sum in new {
         smooth(sum, expr, checker)?;
     }
     Ok(value)
