@@ -303,18 +303,10 @@ impl Settings {
                 "use the formulation in phases, which is the default",
             ));
         }
-        let declared = model.declaration().optimal_control;
-        if let (Formulation::TimeFreezing(_), true) = (
-            &self.formulation,
-            declared.is_some_and(|declared| declared.contacts.any()),
-        ) {
-            return Err(refusal::unsupported(
-                "optimal control by time-freezing with forces or impulses of contacts in `minimize`, `constraint` or \
-                 `finally`",
-                "use the formulation in phases, which is the default",
-            ));
+        match self.formulation {
+            Formulation::TimeFreezing(_) => refuse_forces(model),
+            Formulation::Phases => Ok(()),
         }
-        Ok(())
     }
 
     pub(in crate::ocp) fn refuse_stages(&self) -> InputError {
@@ -325,4 +317,16 @@ impl Settings {
             format!("in 2..={}", ButcherTableau::MAX_STAGES),
         )
     }
+}
+
+/// The time-freezing program knows no forces: they are those of numerical time, and impulses are spread over it.
+pub(in crate::ocp) fn refuse_forces(model: &dyn Model) -> Result<(), InputError> {
+    let declared = model.declaration().optimal_control;
+    if declared.is_none_or(|declared| !declared.contacts.any()) {
+        return Ok(());
+    }
+    Err(refusal::unsupported(
+        "optimal control by time-freezing with forces or impulses of contacts in `minimize`, `constraint` or `finally`",
+        "use the formulation in phases, which is the default",
+    ))
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use crate::support::{DIGITS, attempt, one_start, solve, time_freezing};
-use hangtime::ocp::{self, Problem, Settings, Status};
+use hangtime::ocp::{self, Problem, Settings, Status, TimeFreezingSettings};
 
 fn close(found: f64, wanted: f64) {
     assert!(
@@ -353,6 +353,9 @@ fn time_freezing_refuses_forces_by_name() {
         Lift::default(),
         "forces or impulses of contacts in `minimize`",
     );
-    let error = ocp::solve(&model, &Problem::of(&model, 4), &settings, &mut |_| true);
+    let problem = Problem::of(&model, 4);
+    let error = ocp::solve(&model, &problem, &settings, &mut |_| true);
     assert!(error.unwrap_err().to_string().contains(refused));
+    let program = ocp::TimeFreezing::new(&model, &problem, &TimeFreezingSettings::default());
+    assert!(program.is_err_and(|error| error.to_string().contains(refused)));
 }
