@@ -4,6 +4,7 @@
 
 use crate::support::{DIGITS, attempt, one_start, solve, time_freezing};
 use hangtime::ocp::{self, Problem, Settings, Status, TimeFreezingSettings};
+use hangtime::simulation::EventKind;
 
 fn close(found: f64, wanted: f64) {
     assert!(
@@ -344,6 +345,83 @@ fn impulses_of_contacts_that_strike_together_are_told_apart() {
     let solution = solve(&Hammer::default(), 2, &Settings::default());
     close(solution.objective, -15.0);
     close(solution.motion.unwrap().trajectory.v[0][1], -4.0);
+}
+
+hangtime::model! {
+    /// A motorcycle brakes as hard as the load allows that its rear wheel is to keep.
+    Motorcycle {
+        parameters { m: kg = 200, inertia: kg m^2 = 40, g: m/s^2 = 10, b: m = 0.7, h: m = 0.6, least: N = 200 }
+        coordinates { y: m, z: m, a: rad }
+        controls { u: kN in 0..=3 }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) + inertia/2*dot(a)^2 - m*g*z
+        forces { y: -u, a: -u*h }
+        surface rear: z - b*sin(a) >= h*cos(a)
+        surface front: z + b*sin(a) >= h*cos(a)
+        impact rear, front: inelastic
+        minimize time
+        constraint steered: force(rear) >= least
+        finally { dot(y) == 0 }
+        start { z: 0.6, dot(y): 14 }
+        horizon 2 [s]
+    }
+}
+
+#[test]
+fn motorcycle_brakes_as_hard_as_the_least_load_of_its_rear_wheel_allows() {
+    // The moments about the centre of mass: `rear = (m g - u h / b) / 2`, so that `u = 1600 N b / h`.
+    let solution = solve(&Motorcycle::default(), 4, &one_start());
+    close(solution.horizon, 14.0 * 200.0 / (1600.0 * 0.7 / 0.6));
+}
+
+hangtime::model! {
+    /// A mass is let down with little effort and softly.
+    LetDown {
+        parameters { m: kg = 1, g: m/s^2 = 10, w: 1/s = 3 }
+        coordinates { z: m }
+        controls { u: N }
+        lagrangian m/2*dot(z)^2 - m*g*z
+        forces { z: u }
+        surface floor: z >= 0
+        impact floor: inelastic
+        minimize integral(u^2) + w*sum(impulse(floor)^2)
+        finally { z == 0 }
+        start { z: 1 }
+        horizon 1 [s]
+    }
+}
+
+/// Least effort and impulse of a landing after a time `tau`: the control is a line over time, `a + b t`.
+fn landing(tau: f64) -> f64 {
+    let cost = |b: f64| {
+        let a = (5.0 * tau * tau - 1.0 - b * tau.powi(3) / 6.0) * 2.0 / (tau * tau);
+        let v = -10.0 * tau + a * tau + b * tau * tau / 2.0;
+        a * a * tau + a * b * tau * tau + b * b * tau.powi(3) / 3.0 + 3.0 * v * v
+    };
+    // A parabola in `b`, through three of its points.
+    let (left, middle, right) = (cost(-1.0), cost(0.0), cost(1.0));
+    let (slope, bend) = ((right - left) / 2.0, left + right - 2.0 * middle);
+    cost(-slope / bend)
+}
+
+#[test]
+fn effort_and_impulse_of_a_landing_are_weighed_against_each_other() {
+    let times = (3000..=10_000).map(|k| 1e-4 * f64::from(k));
+    let best = times.map(landing).fold(f64::INFINITY, f64::min);
+    // Controls that are constant on intervals can only do worse: a landing inside an interval wastes the rest of its effort,
+    // so that each node near the best time is a local optimum.
+    let solution = attempt(&LetDown::default(), 20, &Settings::default());
+    assert_eq!(solution.status, Status::Solved);
+    let excess = solution.objective / best - 1.0;
+    assert!((0.0..0.02).contains(&excess), "{excess}");
+    // What it says that it costs is what its controls and its landing cost.
+    let effort: f64 = solution.controls.iter().map(|u| u[0] * u[0] / 20.0).sum();
+    let motion = solution.motion.unwrap();
+    let landing = motion
+        .events
+        .iter()
+        .find(|event| event.kind == EventKind::Impact);
+    let strike = landing.unwrap().v_before[0];
+    close(solution.objective, effort + 3.0 * strike * strike);
 }
 
 #[test]
