@@ -171,10 +171,13 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
     if !costs.is_empty() {
         let _ = writeln!(text, "minimize    {}", costs.join(" + "));
     }
-    for constraint in task.constraints.iter().chain(task.contacts.constraints) {
+    let at_impacts = task.contacts.constraints.iter();
+    let at_impacts = at_impacts.map(|known| (known, " at every impact"));
+    let constraints = task.constraints.iter().map(|known| (known, ""));
+    for (constraint, when) in constraints.chain(at_impacts) {
         let relation = if constraint.equality { "= 0" } else { ">= 0" };
         let name = headed(constraint.name, constraint.unit);
-        let _ = writeln!(text, "constraint  {name} {relation}");
+        let _ = writeln!(text, "constraint  {name} {relation}{when}");
     }
     for goal in task.goals {
         let _ = writeln!(text, "finally     {}", goal.name);

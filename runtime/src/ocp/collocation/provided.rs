@@ -56,22 +56,18 @@ fn terms(model: &dyn Model) -> ContactTerms {
     declared.map_or(ContactTerms::NONE, |declared| declared.contacts)
 }
 
-/// Which accelerations of contacts, the normal and then the tangential ones, path and terminal functions read; nothing if
-/// they read none.
-pub(in crate::ocp) fn read(declaration: &Declaration) -> Vec<bool> {
+/// Which accelerations of contacts, the normal and then the tangential ones, path functions read, and terminal functions
+/// where the motion `ends`; nothing if neither ever reads one.
+pub(in crate::ocp) fn read(declaration: &Declaration, ends: bool) -> Vec<bool> {
     let Some(declared) = declaration.optimal_control else {
         return Vec::new();
     };
-    let count = 2 * declaration.contacts.len();
     let terms = declared.contacts;
-    let mut read = vec![
-        false;
-        if terms.path || terms.terminal {
-            count
-        } else {
-            0
-        }
-    ];
+    if !terms.path && !terms.terminal {
+        return Vec::new();
+    }
+    let count = 2 * declaration.contacts.len();
+    let mut read = vec![false; count];
     let mut mark = |pattern: SparsityPattern, inputs: usize| {
         for &(_, column) in pattern.entries {
             if let Some(k) = (column as usize).checked_sub(inputs - count) {
@@ -82,7 +78,7 @@ pub(in crate::ocp) fn read(declaration: &Declaration) -> Vec<bool> {
     if terms.path {
         mark(declared.path_jacobian, declaration.path_inputs());
     }
-    if terms.terminal {
+    if terms.terminal && ends {
         mark(declared.terminal_jacobian, declaration.terminal_inputs());
     }
     read
@@ -97,13 +93,21 @@ pub(super) fn at_stages(builder: &mut Builder, phase: &mut Phase, [from, to]: [f
         ..
     } = builder.setting;
     let declaration = model.declaration();
-    let (contacts, read) = (declaration.contacts, read(declaration));
-    if read.is_empty() {
+    let contacts = declaration.contacts;
+    let (everywhere, at_the_end) = (read(declaration, false), read(declaration, true));
+    if everywhere.is_empty() {
         return;
     }
+    let ends = phase.interval + 1 == builder.setting.problem.intervals
+        && phase.index.0 + 1 == phase.index.1;
     let (scale, factor) = (phase.scale, phase.factor);
     for (m, stage) in phase.stages.iter_mut().enumerate() {
         let last = m + 1 == tableau.stages();
+        let read = if ends && last {
+            &at_the_end
+        } else {
+            &everywhere
+        };
         let time = from + tableau.c()[m] * (to - from);
         let sample = builder.guess.at(time, !last);
         let (interval, index) = (phase.interval, phase.index.0);
@@ -162,7 +166,8 @@ pub(super) fn within(
     let names = builder.setting.model.declaration().contacts;
     let program = &mut builder.program;
     let mut add = |k: usize| {
-        let variables: Vec<usize> = phase.stages.iter().filter_map(|s| s.provided[k]).collect();
+        let stages = phase.stages.iter();
+        let variables: Vec<usize> = stages.map(|s| s.provided[k]).collect::<Option<_>>()?;
         let first = *variables.first()?;
         let name = format!("provided ({k}) by `{}` {at}", names[k % names.len()].name);
         let unit = program.unit(first);

@@ -375,7 +375,7 @@ fn provided(
         }
         Some(force)
     };
-    let provided = read(declared).into_iter().enumerate();
+    let provided = read(declared, false).into_iter().enumerate();
     provided
         .map(|(k, read)| match k.checked_sub(contacts.len()) {
             _ if !read => None,
