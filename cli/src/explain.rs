@@ -171,10 +171,13 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
     if !costs.is_empty() {
         let _ = writeln!(text, "minimize    {}", costs.join(" + "));
     }
-    for constraint in task.constraints {
+    let at_impacts = task.contacts.constraints.iter();
+    let at_impacts = at_impacts.map(|known| (known, " at every impact"));
+    let constraints = task.constraints.iter().map(|known| (known, ""));
+    for (constraint, when) in constraints.chain(at_impacts) {
         let relation = if constraint.equality { "= 0" } else { ">= 0" };
         let name = headed(constraint.name, constraint.unit);
-        let _ = writeln!(text, "constraint  {name} {relation}");
+        let _ = writeln!(text, "constraint  {name} {relation}{when}");
     }
     for goal in task.goals {
         let _ = writeln!(text, "finally     {}", goal.name);
@@ -268,23 +271,40 @@ fn patterns(declaration: &Declaration) -> String {
         }
     }
     if let Some(task) = &declaration.optimal_control {
-        text += &task_patterns(task, &inputs, 2 * declaration.coordinates.len());
+        text += &task_patterns(declaration, task, &inputs);
     }
     text
 }
 
-/// The patterns of the functions of optimal control; the first `states` inputs are `(q, v)`.
-fn task_patterns(task: &OptimalControlDeclaration, inputs: &[String], states: usize) -> String {
+/// The patterns of the functions of optimal control.
+fn task_patterns(
+    declaration: &Declaration,
+    task: &OptimalControlDeclaration,
+    inputs: &[String],
+) -> String {
+    let names = |list: &[ConstraintDeclaration]| -> Vec<String> {
+        list.iter().map(|known| known.name.to_owned()).collect()
+    };
     let rows = |cost: bool, name: &str, list: &[ConstraintDeclaration]| -> Vec<String> {
         let cost = cost.then(|| name.to_owned());
-        cost.into_iter()
-            .chain(list.iter().map(|condition| condition.name.to_owned()))
-            .collect()
+        cost.into_iter().chain(names(list)).collect()
     };
-    let mut at_the_end = inputs[..states].to_vec();
+    let terms = task.contacts;
+    let sums: Vec<String> = (0..terms.sums).map(|k| format!("sum {k}")).collect();
+    // What contacts provide stands behind all else.
+    let contacts = declaration.contacts.iter();
+    let provided = ["r", "s"].into_iter().flat_map(|letter| {
+        let contacts = contacts.clone();
+        contacts.map(move |contact| format!("{letter}({})", contact.name))
+    });
+    let with_provided: Vec<String> = inputs.iter().cloned().chain(provided.clone()).collect();
+    let mut at_the_end = inputs[..2 * declaration.coordinates.len()].to_vec();
     at_the_end.push("time".to_owned());
+    at_the_end.extend_from_slice(&sums);
+    at_the_end.extend(provided);
     let path = rows(task.running_cost, "running cost", task.constraints);
     let terminal = rows(task.final_cost, "final cost", task.goals);
+    let impact = [sums, names(terms.constraints)].concat();
     let mut text = String::new();
     for (what, jacobian, hessian, rows, inputs) in [
         (
@@ -292,14 +312,21 @@ fn task_patterns(task: &OptimalControlDeclaration, inputs: &[String], states: us
             &task.path_jacobian,
             &task.path_hessian,
             path,
-            inputs,
+            &with_provided[..declaration.path_inputs()],
         ),
         (
             "terminal",
             &task.terminal_jacobian,
             &task.terminal_hessian,
             terminal,
-            &at_the_end,
+            &at_the_end[..declaration.terminal_inputs()],
+        ),
+        (
+            "impact",
+            &terms.impact_jacobian,
+            &terms.impact_hessian,
+            impact,
+            &with_provided,
         ),
     ] {
         if !rows.is_empty() {

@@ -35,6 +35,8 @@ pub(crate) enum Purpose {
     Bound,
     /// Path constraints.
     PathConstraint,
+    /// Forces and impulses in objective and conditions.
+    ForceTerm,
     /// Controls.
     Control,
     /// A final time that is free.
@@ -74,6 +76,10 @@ impl Purpose {
             Self::Goal => ("goals", "declared by `finally`"),
             Self::Bound => ("bounds", "bounds of a coordinate between the nodes"),
             Self::PathConstraint => ("path constraints", "declared by `constraint`"),
+            Self::ForceTerm => (
+                "declared forces",
+                "forces and impulses in objective and conditions",
+            ),
             Self::Control => ("controls", "declared by `controls`"),
             Self::FinalTime => (
                 "free final time",

@@ -1,9 +1,9 @@
 //! What a scene declares, as static data like that of a compiled one.
 
 use hangtime::model::{
-    ConstraintDeclaration, ContactDeclaration, Declaration, Equation, FrictionDeclaration,
-    ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration, Picture, Shape,
-    SparsityPattern, VariableDeclaration,
+    ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,
+    FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
+    Picture, Shape, SparsityPattern, VariableDeclaration,
 };
 use hangtime_dsl::description::{
     self, Condition, Contact, Description, OptimalControl, Outputs, Pattern, Rows, Variable,
@@ -139,5 +139,13 @@ fn optimal_control(task: &OptimalControl) -> OptimalControlDeclaration {
         path_hessian: pattern(&task.path.hessian),
         terminal_jacobian: pattern(&task.terminal.jacobian),
         terminal_hessian: pattern(&task.terminal.hessian),
+        contacts: ContactTerms {
+            path: task.contacts.path,
+            terminal: task.contacts.terminal,
+            sums: task.contacts.sums,
+            constraints: conditions(&task.contacts.constraints),
+            impact_jacobian: pattern(&task.contacts.impact.jacobian),
+            impact_hessian: pattern(&task.contacts.impact.hessian),
+        },
     }
 }

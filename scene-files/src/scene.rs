@@ -6,7 +6,7 @@ use crate::scratch::Scratch;
 use crate::system::zeros;
 use hangtime::model::{Declaration, Model, Picture, VariableDeclaration};
 use hangtime_dsl::description::{
-    Contact, Description, Friction, Functions, Motion, MotionDerivatives, Rows,
+    Contact, Description, Friction, Functions, Motion, MotionDerivatives, OptimalControl, Rows,
 };
 use std::sync::Arc;
 
@@ -222,10 +222,9 @@ impl TextScene {
     }
 
     /// The kernel at one place of functions of optimal control, if there are any.
-    fn function(&self, terminal: bool, place: usize) -> Option<usize> {
+    fn function(&self, of: fn(&OptimalControl) -> &Functions, place: usize) -> Option<usize> {
         let task = self.description().optimal_control.as_ref()?;
-        let Functions { kernels, .. } = if terminal { &task.terminal } else { &task.path };
-        kernels.map(|kernels| kernels[place])
+        of(task).kernels.map(|kernels| kernels[place])
     }
 }
 
@@ -386,38 +385,56 @@ impl Model for TextScene {
     }
 
     fn path_functions(&self, x: &[f64], values: &mut [f64]) {
-        if let Some(kernel) = self.function(false, 0) {
+        if let Some(kernel) = self.function(|task| &task.path, 0) {
             self.evaluate(kernel, x, &[], values);
         }
     }
 
     fn path_jacobian(&self, x: &[f64], values: &mut [f64]) {
-        if let Some(kernel) = self.function(false, 1) {
+        if let Some(kernel) = self.function(|task| &task.path, 1) {
             self.evaluate(kernel, x, &[], values);
         }
     }
 
     fn path_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
-        if let Some(kernel) = self.function(false, 2) {
+        if let Some(kernel) = self.function(|task| &task.path, 2) {
             self.evaluate(kernel, x, multipliers, values);
         }
     }
 
     fn terminal_functions(&self, z: &[f64], values: &mut [f64]) {
-        if let Some(kernel) = self.function(true, 0) {
+        if let Some(kernel) = self.function(|task| &task.terminal, 0) {
             self.evaluate(kernel, z, &[], values);
         }
     }
 
     fn terminal_jacobian(&self, z: &[f64], values: &mut [f64]) {
-        if let Some(kernel) = self.function(true, 1) {
+        if let Some(kernel) = self.function(|task| &task.terminal, 1) {
             self.evaluate(kernel, z, &[], values);
         }
     }
 
     fn terminal_hessian(&self, z: &[f64], multipliers: &[f64], values: &mut [f64]) {
-        if let Some(kernel) = self.function(true, 2) {
+        if let Some(kernel) = self.function(|task| &task.terminal, 2) {
             self.evaluate(kernel, z, multipliers, values);
+        }
+    }
+
+    fn impact_functions(&self, x: &[f64], values: &mut [f64]) {
+        if let Some(kernel) = self.function(|task| &task.contacts.impact, 0) {
+            self.evaluate(kernel, x, &[], values);
+        }
+    }
+
+    fn impact_jacobian(&self, x: &[f64], values: &mut [f64]) {
+        if let Some(kernel) = self.function(|task| &task.contacts.impact, 1) {
+            self.evaluate(kernel, x, &[], values);
+        }
+    }
+
+    fn impact_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
+        if let Some(kernel) = self.function(|task| &task.contacts.impact, 2) {
+            self.evaluate(kernel, x, multipliers, values);
         }
     }
 

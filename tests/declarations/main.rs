@@ -7,6 +7,7 @@ mod chain;
 mod contact_laws;
 mod derivatives;
 mod dry_friction;
+mod forces;
 mod hygiene;
 mod impact_laws;
 mod optimal_control_functions;

@@ -222,6 +222,24 @@ fn assert_optimal_control(pair: Pair<'_>, [x, z]: [&[f64]; 2], w: &[f64]) {
         return;
     };
     let (path, terminal) = (task.path_functions(), task.terminal_functions());
+    let with_contacts = |plain: &[f64], length: usize| -> Vec<f64> {
+        plain.iter().chain(w).copied().take(length).collect()
+    };
+    let declaration = pair.declaration();
+    let at_impacts = &with_contacts(x, declaration.impact_inputs())[..];
+    let x = &with_contacts(x, declaration.path_inputs())[..];
+    let z = &with_contacts(z, declaration.terminal_inputs())[..];
+    let terms = task.contacts;
+    let impact = terms.impact_functions();
+    pair.both("impact", impact, |model, out| {
+        model.impact_functions(at_impacts, out);
+    });
+    pair.derivatives(
+        "impact",
+        [terms.impact_jacobian, terms.impact_hessian],
+        |model, out| model.impact_jacobian(at_impacts, out),
+        |model, out| model.impact_hessian(at_impacts, &w[..impact], out),
+    );
     pair.both("path", path, |model, out| model.path_functions(x, out));
     pair.derivatives(
         "path",

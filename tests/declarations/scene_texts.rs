@@ -2,7 +2,7 @@
 
 use crate::same::assert_all_same;
 use crate::{
-    chain, contact_laws, derivatives, dry_friction, impact_laws, optimal_control_functions,
+    chain, contact_laws, derivatives, dry_friction, forces, impact_laws, optimal_control_functions,
     profiles, shown,
 };
 
@@ -40,6 +40,7 @@ fn text_evaluates_to_what_the_compiled_scene_does() {
                 &dry_friction::LongTrain::default(),
             ],
         )
+        + assert_all_same(include_str!("forces.rs"), &[&forces::Rod::default()])
         + assert_all_same(
             include_str!("impact_laws.rs"),
             &[&impact_laws::Ball::default(), &impact_laws::Hoop::default()],
@@ -64,5 +65,5 @@ fn text_evaluates_to_what_the_compiled_scene_does() {
             include_str!("shown.rs"),
             &[&shown::Wheel::default(), &shown::WrittenOut::default()],
         );
-    assert_eq!(compared, 27);
+    assert_eq!(compared, 28);
 }

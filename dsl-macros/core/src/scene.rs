@@ -96,6 +96,10 @@ pub(crate) struct OptimalControl {
     /// Here and in the goals, `Time` is the final time.
     pub(crate) final_cost: Option<Sym>,
     pub(crate) constraints: Vec<Condition>,
+    /// Constraints that hold at every impact of a contact that they name.
+    pub(crate) at_impacts: Vec<Condition>,
+    /// What is added up over all impacts: `Variable::Sum` counts them.
+    pub(crate) sums: Vec<Sym>,
     pub(crate) goals: Vec<Condition>,
     pub(crate) free_time: bool,
     /// Indices into `(q, v)`, increasing, with bounds in declared units.

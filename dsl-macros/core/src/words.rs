@@ -86,6 +86,9 @@ pub(crate) fn is_function(text: &str) -> bool {
 /// The running cost in an objective.
 pub(crate) const INTEGRAL: &str = "integral";
 
+/// What adds a function of impulses up over all impacts; its name may be taken by declarations.
+pub(crate) const SUM: &str = "sum";
+
 /// The final time in an objective or a terminal condition.
 pub(crate) const FINAL_TIME: &str = "time";
 
@@ -99,7 +102,7 @@ pub(crate) const MATRIX_FUNCTIONS: [&str; 6] = [
     "diagonal",
 ];
 
-/// Functions of a contact in `outputs`: its normal and its tangential force, and the same of the impulses of its impacts;
+/// Functions of a contact in `outputs` and in optimal control: its normal and its tangential force, and the same of the impulses of its impacts;
 /// their names may be taken by declarations.
 pub(crate) const CONTACT_FUNCTIONS: [&str; 4] =
     ["force", "friction_force", "impulse", "friction_impulse"];

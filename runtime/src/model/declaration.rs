@@ -35,6 +35,34 @@ impl Declaration {
     pub const fn inputs(&self) -> usize {
         2 * self.coordinates.len() + self.controls.len() + self.explicit_time as usize
     }
+
+    /// Length of what path functions read.
+    #[must_use]
+    pub const fn path_inputs(&self) -> usize {
+        match self.optimal_control {
+            Some(task) if task.contacts.path => self.impact_inputs(),
+            _ => self.inputs(),
+        }
+    }
+
+    /// Length of what terminal functions read.
+    #[must_use]
+    pub const fn terminal_inputs(&self) -> usize {
+        let plain = 2 * self.coordinates.len() + 1;
+        match self.optimal_control {
+            Some(task) if task.contacts.terminal => {
+                plain + task.contacts.sums + 2 * self.contacts.len()
+            }
+            Some(task) => plain + task.contacts.sums,
+            None => plain,
+        }
+    }
+
+    /// Length of what impact functions read.
+    #[must_use]
+    pub const fn impact_inputs(&self) -> usize {
+        self.inputs() + 2 * self.contacts.len()
+    }
 }
 
 /// A number that can be changed at run time.
@@ -116,7 +144,8 @@ pub struct FrictionDeclaration {
 ///
 /// The *path functions* are the running cost (if there is one) followed by the path constraints; they
 /// read the input vector `x` of the model. The *terminal functions* are the final cost (if there is
-/// one) followed by the terminal conditions; they read `z = (q, v, T)` with the final time `T`.
+/// one) followed by the terminal conditions; they read `z = (q, v, T)` with the final time `T`. Either may read
+/// [`contacts`](Self::contacts) besides.
 #[derive(Debug, Clone, Copy)]
 pub struct OptimalControlDeclaration {
     /// Whether the first path function is a running cost, to be integrated over physical time.
@@ -139,6 +168,54 @@ pub struct OptimalControlDeclaration {
     pub terminal_jacobian: SparsityPattern,
     /// Pattern (lower triangle) of the Hessian of the weighted terminal functions.
     pub terminal_hessian: SparsityPattern,
+    /// What the functions read of contacts.
+    pub contacts: ContactTerms,
+}
+
+/// What the functions of optimal control read of contacts: `(r, s)`, what all contacts provide along their normals, and
+/// then along their sliding velocities; 0 where they are open. Forces are `r_i / D_i` and `s_i / D_i` of accelerations,
+/// impulses the same of the velocities that an impact provides.
+///
+/// The *impact functions* are what is added up over all impacts, followed by conditions on impacts; they read
+/// `(x, r, s)` with those velocities, and no velocities or controls of `x`.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactTerms {
+    /// Whether path functions read `(x, r, s)` instead of `x`.
+    pub path: bool,
+    /// Whether terminal functions read `(r, s)` at the end of the motion, behind all else.
+    pub terminal: bool,
+    /// Number of sums over impacts; terminal functions read them behind `(q, v, T)`.
+    pub sums: usize,
+    /// Conditions on each impact of a contact that they read, in the order of their functions.
+    pub constraints: &'static [ConstraintDeclaration],
+    /// Pattern of the Jacobian of the impact functions.
+    pub impact_jacobian: SparsityPattern,
+    /// Pattern (lower triangle) of the Hessian of the weighted impact functions.
+    pub impact_hessian: SparsityPattern,
+}
+
+impl ContactTerms {
+    /// Functions that read nothing of contacts.
+    pub const NONE: Self = Self {
+        path: false,
+        terminal: false,
+        sums: 0,
+        constraints: &[],
+        impact_jacobian: SparsityPattern::EMPTY,
+        impact_hessian: SparsityPattern::EMPTY,
+    };
+
+    /// Number of impact functions.
+    #[must_use]
+    pub const fn impact_functions(&self) -> usize {
+        self.sums + self.constraints.len()
+    }
+
+    /// Whether anything is read.
+    #[must_use]
+    pub const fn any(&self) -> bool {
+        self.path || self.terminal || self.impact_functions() > 0
+    }
 }
 
 impl OptimalControlDeclaration {
@@ -177,6 +254,22 @@ pub struct SparsityPattern {
     pub columns: usize,
     /// (row, column) of each nonzero, in the order of the values, each position once.
     pub entries: &'static [(u32, u32)],
+}
+
+impl SparsityPattern {
+    /// That of a matrix without rows and columns.
+    pub const EMPTY: Self = Self {
+        rows: 0,
+        columns: 0,
+        entries: &[],
+    };
+
+    /// Whether a row depends on a column from `first` on.
+    #[must_use]
+    pub fn reads(&self, row: usize, first: usize) -> bool {
+        let mut entries = self.entries.iter();
+        entries.any(|&(r, column)| r as usize == row && column as usize >= first)
+    }
 }
 
 /// One emitted function and its cost.

@@ -46,9 +46,9 @@ pub(crate) use control_piece::ControlPiece;
 pub(crate) use pieces::{Pieces, bouncing_edge, edge};
 
 pub use declaration::{
-    ConstraintDeclaration, ContactDeclaration, Declaration, Equation, FrictionDeclaration,
-    ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration, SparsityPattern,
-    VariableDeclaration,
+    ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,
+    FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
+    SparsityPattern, VariableDeclaration,
 };
 pub use picture::{Picture, Shape};
 
@@ -166,7 +166,7 @@ pub trait Model: Send + Sync {
     ) {
     }
 
-    /// Path functions at `x`: the running cost if there is one, then the path constraints. Length
+    /// Path functions at `x`, or `(x, r, s)` if they read [forces](ContactTerms): the running cost if there is one, then the path constraints. Length
     /// [`OptimalControlDeclaration::path_functions`].
     fn path_functions(&self, _x: &[f64], _values: &mut [f64]) {}
 
@@ -176,7 +176,7 @@ pub trait Model: Send + Sync {
     /// Values of [`OptimalControlDeclaration::path_hessian`] for the weighted sum of the path functions.
     fn path_hessian(&self, _x: &[f64], _multipliers: &[f64], _values: &mut [f64]) {}
 
-    /// Terminal functions at `z = (q, v, T)`: the final cost if there is one, then the terminal
+    /// Terminal functions at `z = (q, v, T)`, with what they read of [contacts](ContactTerms) behind that: the final cost if there is one, then the terminal
     /// conditions. Length [`OptimalControlDeclaration::terminal_functions`].
     fn terminal_functions(&self, _z: &[f64], _values: &mut [f64]) {}
 
@@ -186,6 +186,16 @@ pub trait Model: Send + Sync {
     /// Values of [`OptimalControlDeclaration::terminal_hessian`] for the weighted sum of the terminal
     /// functions.
     fn terminal_hessian(&self, _z: &[f64], _multipliers: &[f64], _values: &mut [f64]) {}
+
+    /// Impact functions at `(x, r, s)`: what is added up over all impacts, then the conditions on impacts. Length
+    /// [`ContactTerms::impact_functions`].
+    fn impact_functions(&self, _x: &[f64], _values: &mut [f64]) {}
+
+    /// Values of [`ContactTerms::impact_jacobian`], in its order.
+    fn impact_jacobian(&self, _x: &[f64], _values: &mut [f64]) {}
+
+    /// Values of [`ContactTerms::impact_hessian`] for the weighted sum of the impact functions.
+    fn impact_hessian(&self, _x: &[f64], _multipliers: &[f64], _values: &mut [f64]) {}
 
     /// Bounds of the free initial values, in the order of [`OptimalControlDeclaration::free_start`];
     /// infinite where none is declared.

@@ -303,7 +303,10 @@ impl Settings {
                 "use the formulation in phases, which is the default",
             ));
         }
-        Ok(())
+        match self.formulation {
+            Formulation::TimeFreezing(_) => refuse_forces(model),
+            Formulation::Phases => Ok(()),
+        }
     }
 
     pub(in crate::ocp) fn refuse_stages(&self) -> InputError {
@@ -314,4 +317,16 @@ impl Settings {
             format!("in 2..={}", ButcherTableau::MAX_STAGES),
         )
     }
+}
+
+/// The time-freezing program knows no forces: they are those of numerical time, and impulses are spread over it.
+pub(in crate::ocp) fn refuse_forces(model: &dyn Model) -> Result<(), InputError> {
+    let declared = model.declaration().optimal_control;
+    if declared.is_none_or(|declared| !declared.contacts.any()) {
+        return Ok(());
+    }
+    Err(refusal::unsupported(
+        "optimal control by time-freezing with forces or impulses of contacts in `minimize`, `constraint` or `finally`",
+        "use the formulation in phases, which is the default",
+    ))
 }

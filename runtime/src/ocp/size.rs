@@ -128,7 +128,7 @@ fn phases(
             problem.intervals
         ),
         groups: groups(&coarse.program, declaration),
-        kernels: called(model, &["path_", "terminal_"]),
+        kernels: called(model, &["path_", "terminal_", "impact_"]),
     };
     let ridden = ride(settings.replay_tolerance, setting)?.map(|ride| ride.candidate);
     let sequence = Sequence::without_switches(modes_at_start(setting, &guessed));
@@ -152,7 +152,7 @@ fn phases(
             sequence.switches.len()
         ),
         groups: groups(&fine.program, declaration),
-        kernels: called(model, &["path_", "terminal_"]),
+        kernels: called(model, &["path_", "terminal_", "impact_"]),
     };
     Ok(vec![contact_implicit, collocation])
 }

@@ -125,7 +125,7 @@ impl Counts {
     }
 }
 
-/// A violation between the places where a condition is imposed.
+/// A violation between the places where a condition is imposed, or by the forces of the re-simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Excess {
     /// Name of the coordinate or path constraint.

@@ -8,6 +8,7 @@ mod edges;
 mod explicit_time;
 mod final_impact;
 mod final_time;
+mod forces;
 mod friction;
 #[path = "../../../solver/benches/homotopy.rs"]
 mod homotopy;

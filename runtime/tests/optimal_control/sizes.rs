@@ -92,6 +92,20 @@ scene! { Timeless;
     finally { y == 1[m] }
     horizon 1 [s]
 }
+scene! { Pressed;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic
+    minimize y
+    constraint strong: force(floor) <= 99[N]
+    horizon 1 [s]
+}
+scene! { Struck;
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    impact floor: inelastic
+    minimize y + sum(impulse(floor)^2)*1[m/kg/J]
+    constraint soft: impulse(floor) <= 9[N s]
+    horizon 1 [s]
+}
 
 scene! { Shown;
     lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
@@ -116,6 +130,7 @@ const FREE_START: &str = "free start";
 const FRICTION: &str = "friction";
 const GAP: &str = "gap";
 const GOAL: &str = "goals";
+const FORCES: &str = "declared forces";
 const PATH_CONSTRAINT: &str = "path constraints";
 const RESTITUTION: &str = "restitution";
 const SEVERAL_CONTACTS: &str = "several contacts";
@@ -143,7 +158,8 @@ fn sizes(model: &dyn Model) -> Vec<FormulationSize> {
     all.extend(simulated(model, StepFormulation::Complementarity));
     all.extend(programs(model, Formulation::Phases).unwrap());
     let time_freezing = Formulation::TimeFreezing(TimeFreezingSettings::default());
-    all.extend(programs(model, time_freezing).unwrap());
+    // Scenes that read forces have none; where it is asked for, it is missed by name.
+    all.extend(programs(model, time_freezing).unwrap_or_default());
     all
 }
 
@@ -233,6 +249,45 @@ fn what_is_recorded_and_drawn_adds_nothing() {
 }
 
 #[test]
+fn force_adds_a_variable_and_an_equation_at_each_stage_of_its_contact() {
+    let pressed = Pressed::default();
+    assert_eq!(added(&pressed, HELD, HELD), []);
+    // Six intervals and a switch: seven phases of four stages and a start each, of which all but the first are in contact.
+    let more = [
+        (PATH_CONSTRAINT, [0, 0, 35, 0, 0, 0]),
+        (FORCES, [25, 25, 0, 0, 94, 4]),
+    ];
+    assert_eq!(added(&pressed, FINE, FINE), more);
+    assert_eq!(added(&pressed, COARSE, COARSE), []);
+    let kernels = ["path_functions", "path_jacobian", "path_hessian"];
+    assert_eq!(added_kernels(&pressed), kernels);
+    let refused = programs(
+        &pressed,
+        Formulation::TimeFreezing(TimeFreezingSettings::default()),
+    );
+    assert!(
+        refused
+            .unwrap_err()
+            .to_string()
+            .contains("forces or impulses")
+    );
+}
+
+#[test]
+fn impulses_add_a_sum_and_a_condition_an_impact() {
+    let struck = Struck::default();
+    let more = [
+        ("impacts", [0, 0, 0, 0, 0, 1]),
+        (PATH_CONSTRAINT, [0, 0, 1, 0, 1, 0]),
+        (FORCES, [1, 1, 0, 0, 2, 0]),
+    ];
+    assert_eq!(added(&struck, FINE, FINE), more);
+    assert_eq!(added(&struck, COARSE, COARSE), []);
+    let kernels = ["impact_functions", "impact_jacobian", "impact_hessian"];
+    assert_eq!(added_kernels(&struck), kernels);
+}
+
+#[test]
 fn minimal_scene_takes_nothing_for_what_it_does_not_declare() {
     let minimal = Minimal::default();
     let all = sizes(&minimal);
@@ -249,7 +304,7 @@ fn minimal_scene_takes_nothing_for_what_it_does_not_declare() {
         }
     }
     for kernel in minimal.declaration().kernels {
-        let own = ["tangent", "path"]
+        let own = ["tangent", "path", "impact"]
             .iter()
             .any(|other| kernel.name.starts_with(other));
         assert!(!own, "{}", kernel.name);

@@ -199,6 +199,37 @@ fn outputs_stand_beside_the_motion_in_every_file() {
     assert!(plain["quantities"].get("outputs").is_none());
 }
 
+/// A lander with legs that bear so much.
+const LANDER: &str = "parameters { m: kg = 2, g: m/s^2 = 10, bearable: N s = 10 } coordinates { z: m } \
+    controls { u: N in 0..=30 } lagrangian m/2*dot(z)^2 - m*g*z forces { z: u } \
+    surface ground: z >= 0 impact ground: inelastic minimize time + sum(impulse(ground)^2)*1e-9 [1/N^2/s] \
+    constraint soft: impulse(ground) <= bearable constraint strong: force(ground) <= 90 [N] \
+    finally { z == 0, dot(z) == 0 } start { z: 12.5 } horizon 2 [s]";
+
+#[test]
+fn forces_and_impulses_are_explained_solved_for_and_refused_by_name_where_they_are_not_known() {
+    let scratch = Scratch::new("forces-scene");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("lander.hang");
+    fs::write(&file, LANDER).unwrap();
+    let file = file.to_str().unwrap();
+    let text = solved(&["explain", file]);
+    for line in [
+        "constraint  soft [N s] >= 0 at every impact",
+        "constraint  strong [N] >= 0\n",
+        "constraint(soft) = bearable - impulse(ground)",
+        "Jacobian of the impact functions: 2 x 5, 2 nonzeros",
+        "columns: z, z', time, sum 0\n",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    let solution = json(&["solve", file, "--intervals", "2", "--json"]);
+    let objective = solution["objective"].as_f64().unwrap();
+    assert!((objective - 2.0).abs() < 1e-6, "{objective}");
+    let error = refused(&["solve", file, "--formulation", "time-freezing"]);
+    assert!(error.contains("forces or impulses of contacts"), "{error}");
+}
+
 #[test]
 fn fmt_writes_the_settled_style_or_says_what_is_not_in_it() {
     let scratch = Scratch::new("formatted-scene");

@@ -139,6 +139,7 @@ impl Checker<'_> {
             Variable::ContactImpulse(_) | Variable::FrictionImpulse(_) => {
                 "the impulse of a contact".to_owned()
             }
+            Variable::Sum(_) => "a sum over impacts".to_owned(),
             _ => "a parameter".to_owned(),
         }
     }

@@ -83,15 +83,23 @@ pub(super) fn append(
     contacts: &mut Vec<Contact>,
 ) {
     let surfaces = contacts.len() as u16;
-    for output in &mut checker.shown.outputs {
-        let placed = graph::substitute(&[output.value], |variable| match variable {
+    let place = |value: &mut Sym| {
+        let placed = graph::substitute(&[*value], |variable| match variable {
             Variable::FrictionForce(i) if i >= FIRST_DRY => Some(Sym::variable(
                 Variable::FrictionForce(i - FIRST_DRY + surfaces),
             )),
             _ => None,
         });
-        output.value = placed[0];
-    }
+        *value = placed[0];
+    };
+    let outputs = checker.shown.outputs.iter_mut();
+    outputs.for_each(|output| place(&mut output.value));
+    let task = &mut checker.task;
+    let costs = task.cost.iter_mut();
+    let costs = costs.flat_map(|cost| cost.running.iter_mut().chain(&mut cost.terminal));
+    costs.for_each(&place);
+    let conditions = task.constraints.iter_mut().chain(&mut task.goals);
+    conditions.for_each(|condition| place(&mut condition.function));
     for dry in std::mem::take(&mut checker.laws.dry) {
         contacts.push(Contact {
             unit: units.get(&dry.name.text).copied(),

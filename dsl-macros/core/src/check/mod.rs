@@ -262,7 +262,9 @@ fn finish(
     let optimal_control = optimal_control::optimal_control(&mut checker, units);
     if let Some(task) = &optimal_control {
         dynamics.extend(task.running_cost);
-        dynamics.extend(task.constraints.iter().map(|known| known.function));
+        let constraints = task.constraints.iter().chain(&task.at_impacts);
+        dynamics.extend(constraints.map(|known| known.function));
+        dynamics.extend(&task.sums);
     }
     moves?;
     outputs::finish(&mut checker, &contacts, units);

@@ -5,8 +5,8 @@ use super::rules::smooth;
 use super::{units, values};
 use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
 use crate::diagnostics::{Checked, Place, Reported};
-use crate::evaluate::Role;
 use crate::evaluate::expression;
+use crate::evaluate::{Role, at_impacts};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, OptimalControl};
 use crate::words;
@@ -166,6 +166,7 @@ fn final_term(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Co
 
 /// A number at the final instant, where a control has no value.
 fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Sym> {
+    let known = checker.scope.sums.len();
     let value = in_role(checker, Role::End, |checker| {
         expression::scalar(&mut checker.scope, expr, checker.diagnostics)
     })?;
@@ -186,6 +187,10 @@ fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Sym
         return Err(meaningless(checker, expr.place, message));
     }
     smooth(value, expr, checker)?;
+    let new = checker.scope.sums[known..].to_vec();
+    for sum in new {
+        smooth(sum, expr, checker)?;
+    }
     Ok(value)
 }
 
@@ -233,16 +238,27 @@ pub(super) fn constraint(
         ));
     }
     let mut side = |expr: &Expr| {
-        in_role(checker, Role::Running, |checker| {
+        in_role(checker, Role::Constraint, |checker| {
             let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
             smooth(value, expr, checker)?;
             Ok(value)
         })
     };
     let (left, right) = (side(&condition.left), side(&condition.right));
-    let constraint = checked_condition(checker, condition, name.text.clone(), left?, right?)?;
+    let (left, right) = (left?, right?);
+    let constraint = checked_condition(checker, condition, name.text.clone(), left, right)?;
+    if is_at_impacts(&constraint) {
+        for (value, expr) in [(left, &condition.left), (right, &condition.right)] {
+            at_impacts(value, expr, checker.diagnostics)?;
+        }
+    }
     checker.task.constraints.push(constraint);
     Ok(())
+}
+
+/// Whether a constraint holds at impacts, not all the time.
+fn is_at_impacts(constraint: &scene::Condition) -> bool {
+    graph::depends_on(constraint.function, Variable::is_impulse)
 }
 
 /// A condition with its sides evaluated.
@@ -340,10 +356,13 @@ pub(super) fn optimal_control(
     }
     free.sort_by_key(|free| free.index);
     let cost = cost.unwrap_or_default();
+    let (at_impacts, constraints) = constraints.into_iter().partition(is_at_impacts);
     Some(OptimalControl {
         running_cost: cost.running,
         final_cost: cost.terminal,
         constraints,
+        at_impacts,
+        sums: std::mem::take(&mut checker.scope.sums),
         goals,
         free_time: checker.scope.used.contains(words::FINAL_TIME),
         free_start: free

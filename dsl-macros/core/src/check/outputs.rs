@@ -5,7 +5,7 @@ use super::{units, values};
 use crate::ast::{Expr, Quantity};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::expression;
-use crate::evaluate::{Meaning, Role, Value, has_edge};
+use crate::evaluate::{Contents, Meaning, Role, Value, has_edge};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, Contact};
 
@@ -57,12 +57,11 @@ fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
         let message = format!("a scene has at most {MOST} outputs");
         return Err(checker.diagnostics.syntax(name.place(), message));
     }
-    if graph::depends_on(value, Variable::is_of_contact) {
-        checker.scope.recorded.insert(name.text.clone());
-    }
-    if has_edge(&[value]) {
-        checker.scope.edged.insert(name.text.clone());
-    }
+    let contents = Contents {
+        contacts: graph::depends_on(value, Variable::is_of_contact),
+        edges: has_edge(&[value]),
+    };
+    checker.scope.recorded.insert(name.text.clone(), contents);
     let meaning = Meaning::Value(Value::Scalar(value));
     checker.scope.names.insert(name.text.clone(), meaning);
     checker.shown.outputs.push(scene::Output {

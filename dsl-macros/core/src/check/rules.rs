@@ -112,6 +112,7 @@ pub(super) fn smooth(value: Sym, expr: &Expr, checker: &mut Checker<'_>) -> Chec
             }
         }
     }
+    of_contacts(value, expr, checker)?;
     for sym in graph::reachable(&[value]) {
         if let Node::Call(Function::Cbrt | Function::Ln, argument) = sym.node()
             && graph::depends_on(argument, is_velocity)
@@ -125,6 +126,35 @@ pub(super) fn smooth(value: Sym, expr: &Expr, checker: &mut Checker<'_>) -> Chec
                 expr.place,
                 "a root or logarithm of velocities is not differentiable at rest",
             ));
+        }
+    }
+    Ok(())
+}
+
+/// E13: forces and impulses are 0 while a contact is open, where their roots have no derivative and their reciprocals no
+/// value.
+fn of_contacts(value: Sym, expr: &Expr, checker: &mut Checker<'_>) -> Checked<()> {
+    let vanishes = |factor: Sym| {
+        graph::depends_on(factor, Variable::is_of_contact)
+            && graph::substitute(&[factor], |variable| {
+                variable.is_of_contact().then_some(Sym::ZERO)
+            })[0]
+                .is_structural_zero()
+    };
+    for sym in graph::reachable(&[value]) {
+        let singular = match sym.node() {
+            Node::Product(factors) => factors
+                .iter()
+                .any(|&(factor, halves)| (halves < 0 || halves % 2 != 0) && vanishes(factor)),
+            Node::Call(Function::Cbrt | Function::Ln, argument) => vanishes(argument),
+            _ => false,
+        };
+        if singular {
+            let message = format!(
+                "`{expr}` has a root, a logarithm or the reciprocal of the force or impulse of a contact, which is 0 \
+                 while the contact is open; use powers of it, as in `force(ground)^2`"
+            );
+            return Err(checker.diagnostics.report("E13", expr.place, message));
         }
     }
     Ok(())

@@ -219,6 +219,22 @@ impl Mechanism<'_> {
         })
     }
 
+    /// `D` of a contact as a formula, however long.
+    pub(super) fn inverse_inertia(
+        &self,
+        declared: &Contact,
+        contact: &ContactEquations,
+    ) -> Result<Sym, Failure> {
+        if let InverseInertia::Formula(formula) = contact.inverse_inertia {
+            return Ok(formula);
+        }
+        let inertia = self.holding(&declared.held);
+        let factors = Factorization::stepwise(&inertia.matrix(), self.momenta.len())
+            .map_err(|coordinate| Failure::SingularMass { coordinate })?;
+        let normal = inertia.free_part(&contact.normal);
+        Ok(Bordered::new(&factors, vec![normal]).inverse_inertia())
+    }
+
     /// The inertia with coordinates locked.
     fn holding<'h>(&'h self, held: &'h [usize]) -> implicit::Locked<'h> {
         implicit::Locked {

@@ -7,6 +7,7 @@
 //! ```
 
 mod contact;
+mod control;
 mod explicit;
 mod failure;
 mod implicit;
@@ -15,6 +16,7 @@ mod residual;
 mod simplify;
 
 pub(crate) use contact::{ContactEquations, FrictionEquations, InverseInertia};
+pub(crate) use control::ControlEquations;
 pub(crate) use explicit::{Explicit, Sparse};
 pub(crate) use failure::Failure;
 pub(crate) use implicit::Implicit;
@@ -22,7 +24,7 @@ pub(crate) use simplify::simplify;
 
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
-use crate::scene::{CheckedScene, Condition, OptimalControl};
+use crate::scene::CheckedScene;
 use ldl::Factorization;
 use simplify::simplify_equation;
 
@@ -57,14 +59,6 @@ pub(crate) struct Equations {
     pub(crate) acceleration: Solution,
     pub(crate) contacts: Vec<ContactEquations>,
     pub(crate) optimal_control: Option<ControlEquations>,
-}
-
-/// Functions of optimal control.
-pub(crate) struct ControlEquations {
-    /// Running cost, then path constraints; functions of the input vector.
-    pub(crate) path: Explicit,
-    /// Final cost, then terminal conditions; functions of coordinates, velocities and final time.
-    pub(crate) terminal: Explicit,
 }
 
 /// Derives all equations of a scene.
@@ -126,11 +120,15 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         written_out,
         inputs: &inputs,
     };
-    let contacts = scene
+    let contacts: Vec<ContactEquations> = scene
         .contacts
         .iter()
         .map(|contact| inertia.contact(contact))
         .collect::<Result<_, _>>()?;
+    let optimal_control = scene.optimal_control.as_ref();
+    let optimal_control = optimal_control
+        .map(|task| control::equations(task, scene, &contacts, &inertia))
+        .transpose()?;
     Ok(Equations {
         inputs: inputs.len(),
         right,
@@ -139,10 +137,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         energy,
         acceleration,
         contacts,
-        optimal_control: scene
-            .optimal_control
-            .as_ref()
-            .map(|task| optimal_control(task, n, &inputs)),
+        optimal_control,
     })
 }
 
@@ -176,20 +171,6 @@ fn mass_matrix(momenta: &[Sym], velocities: &[Variable]) -> Result<Vec<Sym>, Fai
     match rows.position(|row| row.iter().all(|entry| entry.is_structural_zero())) {
         Some(coordinate) => Err(Failure::SingularMass { coordinate }),
         None => Ok(mass),
-    }
-}
-
-fn optimal_control(task: &OptimalControl, n: usize, inputs: &[Variable]) -> ControlEquations {
-    let functions = |cost: Option<Sym>, conditions: &[Condition], inputs: &[Variable]| {
-        let functions = conditions.iter().map(|condition| condition.function);
-        let values: Vec<Sym> = cost.into_iter().chain(functions).map(simplify).collect();
-        Explicit::new(values, inputs)
-    };
-    let mut at_the_end = inputs[..2 * n].to_vec();
-    at_the_end.push(Variable::Time);
-    ControlEquations {
-        path: functions(task.running_cost, &task.constraints, inputs),
-        terminal: functions(task.final_cost, &task.goals, &at_the_end),
     }
 }
 

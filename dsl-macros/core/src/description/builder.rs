@@ -46,7 +46,8 @@ impl Pattern {
 pub(super) struct Builder<'a> {
     pub(super) scene: &'a CheckedScene,
     pub(super) inputs: usize,
-    /// Whether kernels from now on read `(q, v, T)` with the final time `T` instead of the input vector.
+    /// Whether kernels from now on read `(q, v, T)` with the final time `T` and what follows it instead of the input
+    /// vector.
     pub(super) at_the_end: bool,
     pub(super) kernels: Vec<Kernel>,
     pub(super) systems: Vec<System>,

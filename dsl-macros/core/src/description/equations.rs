@@ -1,9 +1,7 @@
 //! The derived equations as a person would write them.
 
 use super::readable::{formula, formula_with};
-use crate::derive::{
-    ContactEquations, ControlEquations, Equations, InverseInertia, Solution, simplify,
-};
+use crate::derive::{ContactEquations, Equations, InverseInertia, Solution, simplify};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{CheckedScene, Condition, Contact, OptimalControl};
 use crate::words;
@@ -36,8 +34,8 @@ pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<[Stri
             list.auxiliary_dynamics(contact, derived);
         }
     }
-    if let (Some(task), Some(derived)) = (&scene.optimal_control, &equations.optimal_control) {
-        list.optimal_control(task, derived);
+    if let Some(task) = &scene.optimal_control {
+        list.optimal_control(task);
     }
     for output in &scene.outputs {
         list.add(output.name.text.clone(), simplify(output.value));
@@ -132,19 +130,21 @@ impl List<'_> {
     }
 
     /// Costs and the functions of conditions.
-    fn optimal_control(&mut self, task: &OptimalControl, derived: &ControlEquations) {
+    fn optimal_control(&mut self, task: &OptimalControl) {
         let path = names(
             "running cost",
             task.running_cost,
             "constraint",
             &task.constraints,
         );
-        for (name, &function) in path.into_iter().zip(&derived.path.values) {
-            self.add(name, function);
+        for (name, function) in path {
+            self.add(name, simplify(function));
         }
-        let terminal = names("final cost", task.final_cost, "goal", &task.goals);
-        for (name, function) in terminal.into_iter().zip(&derived.terminal.values) {
-            let named = graph::substitute(&[*function], |variable| {
+        for (name, function) in names("", None, "constraint", &task.at_impacts) {
+            self.add(name, simplify(function));
+        }
+        for (name, function) in names("final cost", task.final_cost, "goal", &task.goals) {
+            let named = graph::substitute(&[simplify(function)], |variable| {
                 (variable == Variable::Time).then(|| Sym::variable(Variable::Argument(0)))
             });
             let right = formula_with(self.scene, named[0], &[words::FINAL_TIME.to_owned()]);
@@ -257,12 +257,18 @@ impl List<'_> {
     }
 }
 
-/// What the functions of optimal control are called.
-fn names(cost: &str, has: Option<Sym>, kind: &str, conditions: &[Condition]) -> Vec<String> {
+/// The functions of optimal control, and what they are called.
+fn names(
+    cost: &str,
+    costs: Option<Sym>,
+    kind: &str,
+    conditions: &[Condition],
+) -> Vec<(String, Sym)> {
     let conditions = conditions
         .iter()
-        .map(|condition| format!("{kind}({})", condition.name));
-    has.map(|_| cost.to_owned())
+        .map(|condition| (format!("{kind}({})", condition.name), condition.function));
+    costs
+        .map(|function| (cost.to_owned(), function))
         .into_iter()
         .chain(conditions)
         .collect()

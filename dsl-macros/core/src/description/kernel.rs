@@ -90,8 +90,8 @@ impl Operation {
 }
 
 impl Kernel {
-    /// The kernel of these outputs. With `at_the_end` it reads `(q, v, T)` with the final time `T` instead of the
-    /// input vector.
+    /// The kernel of these outputs. With `at_the_end` it reads `(q, v, T)` with the final time `T`, and sums behind it,
+    /// instead of the input vector; what contacts provide stands behind either.
     pub(super) fn new(
         scene: &CheckedScene,
         name: &str,
@@ -138,6 +138,15 @@ impl Kernel {
 fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Operation {
     let (n, m) = (scene.coordinates.len(), scene.controls.len());
     let input = |i: usize| Operation::Input(i as u32);
+    let sums = scene
+        .optimal_control
+        .as_ref()
+        .map_or(0, |task| task.sums.len());
+    let plain = if at_the_end {
+        2 * n + 1 + sums
+    } else {
+        2 * n + m + usize::from(scene.explicit_time)
+    };
     let of_contact = |group: usize, i: u16| {
         Operation::Weight((group * scene.contacts.len() + usize::from(i)) as u32)
     };
@@ -152,6 +161,9 @@ fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Operatio
         Variable::FrictionForce(i) => of_contact(1, i),
         Variable::ContactImpulse(i) => of_contact(2, i),
         Variable::FrictionImpulse(i) => of_contact(3, i),
+        Variable::Sum(i) => input(2 * n + 1 + usize::from(i)),
+        Variable::Provided(i) => input(plain + usize::from(i)),
+        Variable::ProvidedSliding(i) => input(plain + scene.contacts.len() + usize::from(i)),
         Variable::Multiplier(i) | Variable::Unknown(i) | Variable::Argument(i) => {
             Operation::Weight(u32::from(i))
         }

@@ -17,7 +17,7 @@ pub use contact::{Contact, Friction, Rows, SolvedRows};
 pub(crate) use declared::text as documentation_text;
 pub use declared::{Parameter, Variable};
 pub use kernel::{Kernel, Operation};
-pub use optimal_control::{Condition, Functions, OptimalControl};
+pub use optimal_control::{Condition, ContactTerms, Functions, OptimalControl};
 pub(crate) use readable::formula;
 pub use shown::{Outputs, Picture, Shape};
 

@@ -27,6 +27,25 @@ pub struct OptimalControl {
     pub path: Functions,
     /// Final cost and terminal conditions, of `(q, v, T)` with the final time `T`.
     pub terminal: Functions,
+    /// What they read of contacts.
+    pub contacts: ContactTerms,
+}
+
+/// What the functions of optimal control read of contacts: `(r, s)`, what all contacts provide along their normals and
+/// then along their sliding velocities.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactTerms {
+    /// Whether path functions read accelerations `(r, s)` behind the input vector.
+    pub path: bool,
+    /// Whether terminal functions read those at the end, last.
+    pub terminal: bool,
+    /// Number of sums over impacts, which terminal functions read behind the final time.
+    pub sums: usize,
+    /// Conditions on impacts, in the order of their functions.
+    pub constraints: Vec<Condition>,
+    /// What is added up, and the conditions, of the input vector with the velocities `(r, s)` that an impact provides
+    /// behind it.
+    pub impact: Functions,
 }
 
 /// A condition on one scalar function.
@@ -62,6 +81,7 @@ pub(super) fn optimal_control(
     builder.at_the_end = true;
     let terminal = functions(builder, "terminal", &derived.terminal);
     builder.at_the_end = false;
+    let impact = functions(builder, "impact", &derived.impact);
     let free_start_bounds = (!declared.free_start.is_empty()).then(|| {
         let bound = |open: f64, pick: fn((Sym, Sym)) -> Sym| -> Vec<Sym> {
             let bounds = declared.free_start.iter();
@@ -99,6 +119,13 @@ pub(super) fn optimal_control(
         free_start_bounds,
         path,
         terminal,
+        contacts: ContactTerms {
+            path: derived.path_reads_forces,
+            terminal: derived.terminal_reads_forces,
+            sums: declared.sums.len(),
+            constraints: conditions(&declared.at_impacts),
+            impact,
+        },
     }
 }
 

@@ -259,6 +259,16 @@ impl Printer<'_> {
             Variable::ContactImpulse(i) => format!("impulse({})", self.contact(i)),
             Variable::FrictionImpulse(i) => format!("friction_impulse({})", self.contact(i)),
             Variable::Time => "t".to_owned(),
+            Variable::Provided(i) => format!("r({})", self.contact(i)),
+            Variable::ProvidedSliding(i) => format!("s({})", self.contact(i)),
+            Variable::Sum(i) => {
+                let task = self.scene.optimal_control.as_ref();
+                let summed = task.and_then(|task| task.sums.get(usize::from(i)));
+                format!(
+                    "sum({})",
+                    summed.map_or_else(String::new, |&sum| formula(self.scene, sum))
+                )
+            }
             Variable::Multiplier(i) => format!("lambda{i}"),
             Variable::Unknown(i) => format!("a{i}"),
             Variable::Argument(i) => {

@@ -3,7 +3,8 @@
 use super::kernel::literal;
 use super::methods::positions;
 use crate::description::{
-    Condition, Contact, Description, OptimalControl, Pattern, Picture, Shape, Variable,
+    Condition, Contact, ContactTerms, Description, OptimalControl, Pattern, Picture, Shape,
+    Variable,
 };
 use std::fmt::Write;
 
@@ -142,7 +143,7 @@ fn optimal_control(task: Option<&OptimalControl>) -> String {
     format!(
         "__Option::Some(::hangtime::model::OptimalControlDeclaration {{ running_cost: {}, final_cost: {}, \
          constraints: &[{}], goals: &[{}], free_time: {}, free_start: &{:?}, path_jacobian: {}, \
-         path_hessian: {}, terminal_jacobian: {}, terminal_hessian: {} }})",
+         path_hessian: {}, terminal_jacobian: {}, terminal_hessian: {}, contacts: {} }})",
         task.running_cost,
         task.final_cost,
         conditions(&task.constraints),
@@ -152,7 +153,21 @@ fn optimal_control(task: Option<&OptimalControl>) -> String {
         pattern(&task.path.jacobian),
         pattern(&task.path.hessian),
         pattern(&task.terminal.jacobian),
-        pattern(&task.terminal.hessian)
+        pattern(&task.terminal.hessian),
+        contact_terms(&task.contacts)
+    )
+}
+
+fn contact_terms(terms: &ContactTerms) -> String {
+    format!(
+        "::hangtime::model::ContactTerms {{ path: {}, terminal: {}, sums: {}, constraints: &[{}], impact_jacobian: {}, \
+         impact_hessian: {} }}",
+        terms.path,
+        terms.terminal,
+        terms.sums,
+        conditions(&terms.constraints),
+        pattern(&terms.impact.jacobian),
+        pattern(&terms.impact.hessian)
     )
 }
 

@@ -193,6 +193,7 @@ fn optimal_control(derived: &Description) -> String {
     for (kind, input, functions) in [
         ("path", "x", &control.path),
         ("terminal", "z", &control.terminal),
+        ("impact", "x", &control.contacts.impact),
     ] {
         if let Some([values, jacobian, hessian]) = methods::functions(derived, functions, input) {
             let _ = write!(

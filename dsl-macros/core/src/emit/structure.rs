@@ -237,6 +237,7 @@ fn optimal_control(scene: &CheckedScene, task: &OptimalControl) -> String {
     }
     for (what, conditions) in [
         ("constraint", &task.constraints),
+        ("constraint", &task.at_impacts),
         ("at the end", &task.goals),
     ] {
         for condition in conditions {

@@ -381,6 +381,13 @@ fn call(
         }
         return matrix::call(function, &values, diagnostics);
     }
+    if text == words::SUM && !diagnostics.is_poisoned(text) {
+        let argument = recorded::summand(scope, whole, arguments, diagnostics)?;
+        scope.role = Role::Impact;
+        let summed = scalar(scope, argument, diagnostics);
+        scope.role = Role::End;
+        return recorded::sum(scope, argument, summed?, diagnostics);
+    }
     if words::CONTACT_FUNCTIONS.contains(&text) {
         return recorded::of_contact(scope, whole, text, arguments, diagnostics);
     }
@@ -549,7 +556,7 @@ fn time_derivative(
             _ => continue,
         };
         return Err(match (variable, scope.role) {
-            (Variable::Control(_), Role::Running | Role::End) => {
+            (Variable::Control(_), Role::Running | Role::Constraint | Role::End) => {
                 diagnostics.report("E15", argument.place, message)
             }
             _ => diagnostics.syntax(argument.place, message),

@@ -1,10 +1,10 @@
-//! Forces and impulses of contacts in what is recorded.
+//! Forces and impulses of contacts, in what is recorded and in optimal control.
 
 use super::scope::{Role, Scope};
 use super::value::Value;
 use crate::ast::{Expr, Kind};
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
-use crate::graph::{Sym, Variable};
+use crate::graph::{self, Sym, Variable};
 
 /// Number of the first dry friction in forces, until the number of contacts before it is known.
 pub(crate) const FIRST_DRY: u16 = 1 << 15;
@@ -19,6 +19,93 @@ fn quantity(text: &str) -> (fn(u16) -> Variable, bool) {
     }
 }
 
+/// E24: where the force or the impulse of a contact has no meaning, what to write instead.
+fn admit(role: Role, whole: &Expr, text: &str, diagnostics: &mut Diagnostics) -> Checked<()> {
+    let is_force = matches!(text, "force" | "friction_force");
+    let message = match (role, is_force) {
+        (Role::Record | Role::Constraint, _)
+        | (Role::Running | Role::End, true)
+        | (Role::Impact, false) => return Ok(()),
+        (Role::Running, false) => format!(
+            "`{whole}` acts at the instant of an impact, so that it has no integral; write \
+             `sum({whole}^2)` in `minimize`, which adds up over all impacts"
+        ),
+        (Role::End, false) => format!(
+            "`{whole}` is that of one impact, and there may be several; write `sum({whole})`, which adds up \
+             over all of them, or limit each by `constraint limit: {whole} <= ...`"
+        ),
+        (Role::Impact, true) => format!(
+            "`{whole}` acts over a time, and `sum` adds up over impacts; write `integral({whole}^2)` in \
+             `minimize`, or an impulse"
+        ),
+        (Role::Motion | Role::Surface | Role::Draw, _) => format!(
+            "`{text}` of a contact follows from the motion; it can be used in `outputs`, `minimize`, \
+             `constraint` and `finally` only"
+        ),
+    };
+    Err(diagnostics.report("E24", whole.place, message))
+}
+
+/// What `sum(expression)` adds up over all impacts, where that has a meaning.
+pub(super) fn summand<'e>(
+    scope: &Scope,
+    whole: &Expr,
+    arguments: &'e [Expr],
+    diagnostics: &mut Diagnostics,
+) -> Checked<&'e Expr> {
+    if scope.role != Role::End {
+        let message = "`sum` adds a function of impulses up over all impacts; it stands in `minimize` and \
+                       `finally` only, and not within `integral` or another `sum`";
+        return Err(diagnostics.report("E24", whole.place, message));
+    }
+    match arguments {
+        [argument] => Ok(argument),
+        _ => {
+            let message = format!("`sum` takes 1 argument, found {}", arguments.len());
+            Err(diagnostics.report("E02", whole.place, message))
+        }
+    }
+}
+
+/// The sum of a value over all impacts.
+pub(super) fn sum(
+    scope: &mut Scope,
+    argument: &Expr,
+    value: Sym,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    if !graph::depends_on(value, Variable::is_impulse) {
+        let message = format!(
+            "`{argument}` contains no impulse, and `sum` adds up over impacts; use `impulse(...)` of a surface in it"
+        );
+        return Err(diagnostics.report("E24", argument.place, message));
+    }
+    at_impacts(value, argument, diagnostics)?;
+    let known = scope.sums.iter().position(|sum| *sum == value);
+    let index = known.unwrap_or_else(|| {
+        scope.sums.push(value);
+        scope.sums.len() - 1
+    });
+    Ok(Value::Scalar(Sym::variable(Variable::Sum(index as u16))))
+}
+
+/// E24: what holds at an impact knows no velocities, which jump there, and no controls.
+pub(crate) fn at_impacts(value: Sym, expr: &Expr, diagnostics: &mut Diagnostics) -> Checked<()> {
+    let what = graph::variables(&[value])
+        .into_iter()
+        .find_map(|variable| match variable {
+            Variable::Velocity(_) => Some("a velocity, which jumps there"),
+            Variable::Control(_) => Some("a control, which has no part in it"),
+            known if known.is_force() => Some("a force, which has no part in it"),
+            _ => None,
+        });
+    let Some(what) = what else { return Ok(()) };
+    let message = format!(
+        "`{expr}` stands where impulses act, at impacts, and contains {what}; use coordinates, the time and impulses"
+    );
+    Err(diagnostics.report("E24", expr.place, message))
+}
+
 /// `force(surface)`, `friction_force(surface)`, `impulse(surface)` or `friction_impulse(surface)`.
 pub(super) fn of_contact(
     scope: &mut Scope,
@@ -27,12 +114,7 @@ pub(super) fn of_contact(
     arguments: &[Expr],
     diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
-    if scope.role != Role::Record {
-        let message = format!(
-            "`{text}` of a contact follows from the motion; it can be used in `outputs` only"
-        );
-        return Err(diagnostics.report("E24", whole.place, message));
-    }
+    admit(scope.role, whole, text, diagnostics)?;
     let surface = match arguments {
         [
             Expr {
@@ -74,7 +156,7 @@ pub(super) fn of_contact(
         let name = &surface.text;
         let message = match closest(name, known()) {
             _ if scope.surfaces.is_empty() => {
-                format!("no surface `{name}` stands above `outputs`; declare it there")
+                format!("no surface `{name}` stands above this statement; declare it there")
             }
             Some(near) => format!("there is no surface `{name}` above; did you mean `{near}`?"),
             None => format!(

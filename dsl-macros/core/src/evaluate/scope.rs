@@ -4,7 +4,7 @@ use super::kink::Kink;
 use super::value::Value;
 use crate::ast::{Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
-use crate::graph::{Sym, Variable};
+use crate::graph::{self, Sym, Variable};
 use crate::words;
 use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
@@ -31,14 +31,28 @@ pub(crate) enum Role {
     Motion,
     /// A surface, which may have edges.
     Surface,
-    /// What is added up or holds during the motion: running cost and constraints.
+    /// What is added up during the motion: the running cost, which knows contact forces.
     Running,
-    /// What counts at the final instant: final cost and terminal conditions, which know the final time.
+    /// What holds all the time, or at every impact: constraints, which know contact forces or impulses.
+    Constraint,
+    /// What counts at the final instant: final cost and terminal conditions, which know the final time, contact forces, and
+    /// sums over impacts.
     End,
-    /// What is recorded of a motion, which knows the contact forces as well, and may have edges.
+    /// What is added up over all impacts, which knows impulses.
+    Impact,
+    /// What is recorded of a motion, which knows contact forces and impulses, and may have edges.
     Record,
     /// What is drawn, which may have edges.
     Draw,
+}
+
+/// What an output contains that not every statement may use.
+#[derive(Clone, Copy)]
+pub(crate) struct Contents {
+    /// Forces or impulses of contacts.
+    pub(crate) contacts: bool,
+    /// Edges.
+    pub(crate) edges: bool,
 }
 
 /// All names in force, and which of them have been used.
@@ -57,10 +71,10 @@ pub(crate) struct Scope {
     pub(crate) kinks: Vec<Kink>,
     /// Contacts of which the friction is recorded, by which function.
     pub(crate) rubbing: Vec<(usize, String, Place)>,
-    /// Outputs that contain forces or impulses of contacts.
-    pub(crate) recorded: HashSet<String>,
-    /// Outputs that contain edges.
-    pub(crate) edged: HashSet<String>,
+    /// What the outputs declared so far contain.
+    pub(crate) recorded: BTreeMap<String, Contents>,
+    /// What is added up over all impacts.
+    pub(crate) sums: Vec<Sym>,
     /// Arguments of the functions being evaluated, innermost last.
     pub(super) frames: Vec<Vec<(String, Value)>>,
     /// Functions being evaluated.
@@ -80,19 +94,16 @@ impl Scope {
             return Ok(value.clone());
         }
         match self.names.get(&name.text) {
-            Some(Meaning::Value(_))
-                if self.role != Role::Record && self.recorded.contains(&name.text) =>
+            Some(Meaning::Value(value))
+                if self.is_recorded(name, |known| known.contacts)
+                    && let Some(why) = recorded_only(self.role, value) =>
             {
-                let message = format!(
-                    "`{}` contains the force or the impulse of a contact, which follows from the motion; it can be used \
-                     in `outputs` only",
-                    name.text
-                );
+                let message = format!("`{}` contains {why}", name.text);
                 Err(diagnostics.report("E24", name.place(), message))
             }
             Some(Meaning::Value(_))
                 if !matches!(self.role, Role::Record | Role::Draw)
-                    && self.edged.contains(&name.text) =>
+                    && self.is_recorded(name, |known| known.edges) =>
             {
                 let message = format!(
                     "`{}` contains `max`, `min` or `|x|`, which have no derivative at the edge; it can be used in `outputs` \
@@ -218,10 +229,43 @@ impl Scope {
         diagnostics.report("E01", function.place(), message)
     }
 
+    /// Whether a name is an output with such contents.
+    fn is_recorded(&self, name: &Name, contents: impl Fn(&Contents) -> bool) -> bool {
+        self.recorded.get(&name.text).is_some_and(contents)
+    }
+
     pub(super) fn is_local(&self, name: &str) -> bool {
         self.frames
             .last()
             .is_some_and(|frame| frame.iter().any(|(known, _)| known == name))
+    }
+}
+
+/// Why an output that contains forces or impulses of contacts has no meaning in this role; none if it has one.
+fn recorded_only(role: Role, value: &Value) -> Option<&'static str> {
+    let values = value.components();
+    let impulses = values
+        .iter()
+        .any(|&value| graph::depends_on(value, Variable::is_impulse));
+    match role {
+        Role::Record => None,
+        Role::Running | Role::Constraint | Role::End if !impulses => None,
+        Role::Constraint => Some(
+            "the sum of impulses until each instant, which is recorded only; a condition on each impact is written with \
+             `impulse(...)` itself",
+        ),
+        Role::Running | Role::End | Role::Impact if impulses => Some(
+            "the sum of impulses until each instant, which is recorded only; write `sum(...)` with `impulse(...)` itself, \
+             which adds up over all impacts",
+        ),
+        Role::Impact => Some(
+            "the force of a contact, which acts over a time, and `sum` adds up over impacts; write `integral(...)` in \
+             `minimize`",
+        ),
+        _ => Some(
+            "the force or the impulse of a contact, which follows from the motion; it can be used in `outputs`, \
+             `minimize`, `constraint` and `finally` only",
+        ),
     }
 }
 

@@ -39,20 +39,31 @@ pub(crate) enum Variable {
     ContactImpulse(u16),
     /// Tangential impulse of all impacts of a contact so far, in SI units.
     FrictionImpulse(u16),
+    /// Normal acceleration that a contact provides, or normal velocity that it does in an impact: what its force or its
+    /// impulse is to the solvers.
+    Provided(u16),
+    /// The same of the tangential side.
+    ProvidedSliding(u16),
+    /// One of the sums over all impacts.
+    Sum(u16),
     /// Stands for the argument of a function while it is differentiated.
     Argument(u16),
 }
 
 impl Variable {
-    /// Whether it follows from the contacts of a motion: it is known of what is recorded only.
+    /// Whether it is the force of a contact, which acts over a time.
+    pub(crate) fn is_force(self) -> bool {
+        matches!(self, Self::ContactForce(_) | Self::FrictionForce(_))
+    }
+
+    /// Whether it is the impulse of a contact, which acts at an instant.
+    pub(crate) fn is_impulse(self) -> bool {
+        matches!(self, Self::ContactImpulse(_) | Self::FrictionImpulse(_))
+    }
+
+    /// Whether it follows from the contacts of a motion: no part of the dynamics knows it.
     pub(crate) fn is_of_contact(self) -> bool {
-        matches!(
-            self,
-            Self::ContactForce(_)
-                | Self::FrictionForce(_)
-                | Self::ContactImpulse(_)
-                | Self::FrictionImpulse(_)
-        )
+        self.is_force() || self.is_impulse() || matches!(self, Self::Sum(_))
     }
 }
 

@@ -56,11 +56,65 @@ texts! {
         "E24: contact `wall` has no friction; declare it by `impact wall: ..., friction mu`, or leave \
          `friction_impulse(wall)` out";
     impulse_at_the_end: "finally { impulse(floor) <= 3 [N s] }" =>
-        "E24: `impulse` of a contact follows from the motion; it can be used in `outputs` only";
+        "E24: `impulse(floor)` is that of one impact, and there may be several; write `sum(impulse(floor))`, which adds \
+         up over all of them, or limit each by `constraint limit: impulse(floor) <= ...`";
+    impulse_as_a_final_cost: "minimize impulse(floor)^2" =>
+        "E24: `impulse(floor)` is that of one impact, and there may be several; write `sum(impulse(floor))`, which adds \
+         up over all of them, or limit each by `constraint limit: impulse(floor) <= ...`";
+    integral_of_an_impulse: "minimize integral(impulse(floor)^2)" =>
+        "E24: `impulse(floor)` acts at the instant of an impact, so that it has no integral; write \
+         `sum(impulse(floor)^2)` in `minimize`, which adds up over all impacts";
     output_of_an_impulse_in_a_constraint:
         "outputs { hit: N s = impulse(floor) } constraint soft: hit <= 3 [N s]" =>
-        "E24: `hit` contains the force or the impulse of a contact, which follows from the motion; it can be used in \
-         `outputs` only";
+        "E24: `hit` contains the sum of impulses until each instant, which is recorded only; a condition on each impact \
+         is written with `impulse(...)` itself";
+    output_of_an_impulse_in_an_objective:
+        "outputs { hit: N s = impulse(floor) } minimize integral(hit) + sum(hit)" =>
+        "E24: `hit` contains the sum of impulses until each instant, which is recorded only; write `sum(...)` with \
+         `impulse(...)` itself, which adds up over all impacts";
+    forces_and_impulses_in_optimal_control:
+        "outputs { push: N = force(floor) - force(wall) } \
+         minimize integral(push^2 + friction_force(floor)*dot(y)*1 [N s/m]) + 2*sum(impulse(wall)^2)/1 [s] + \
+            force(floor)*1 [N s] \
+         constraint strong: push <= 100 [N] constraint soft: impulse(wall) + impulse(floor) <= 3 [N s] \
+         finally { push >= 1 [N], sum(z*friction_impulse(floor)) <= 1 [J s] }"
+        => "accepted";
+    sum_of_a_force: "minimize sum(force(floor)^2)" =>
+        "E24: `force(floor)` acts over a time, and `sum` adds up over impacts; write `integral(force(floor)^2)` in \
+         `minimize`, or an impulse";
+    sum_of_an_output_of_a_force: "outputs { push: N = force(floor) } minimize sum(push)" =>
+        "E24: `push` contains the force of a contact, which acts over a time, and `sum` adds up over impacts; write \
+         `integral(...)` in `minimize`";
+    sum_without_an_impulse: "minimize sum(z^2)" =>
+        "E24: `z^2` contains no impulse, and `sum` adds up over impacts; use `impulse(...)` of a surface in it";
+    sum_of_what_jumps: "minimize sum(impulse(floor)*dot(y)) + sum(u*impulse(floor))" =>
+        "E24: `impulse(floor)*dot(y)` stands where impulses act, at impacts, and contains a velocity, which jumps there; \
+         use coordinates, the time and impulses",
+        "E24: `u*impulse(floor)` stands where impulses act, at impacts, and contains a control, which has no part in it; \
+         use coordinates, the time and impulses";
+    sum_of_several: "minimize sum(impulse(floor), impulse(wall))" =>
+        "E02: `sum` takes 1 argument, found 2";
+    sum_in_other_places: "constraint soft: sum(impulse(floor)) <= 3 [N s] minimize integral(sum(impulse(floor)^2))" =>
+        "E24: `sum` adds a function of impulses up over all impacts; it stands in `minimize` and `finally` only, and not \
+         within `integral` or another `sum`";
+    sum_in_another_unit: "finally { sum(impulse(floor)^2) <= 3 [N s] }" =>
+        "E03: units differ: `sum(impulse(floor)^2)` is in kg^2 m^2/s^2, `3 [N s]` is in N s; both sides of a terminal \
+         condition must agree";
+    impulse_beside_what_jumps: "constraint soft: impulse(floor) <= m*dot(y)" =>
+        "E24: `m*dot(y)` stands where impulses act, at impacts, and contains a velocity, which jumps there; use \
+         coordinates, the time and impulses";
+    impulse_beside_a_force: "constraint soft: impulse(floor) + force(wall)*1 [s] <= 3 [N s]" =>
+        "E24: `impulse(floor) + force(wall)*1 [s]` stands where impulses act, at impacts, and contains a force, which has \
+         no part in it; use coordinates, the time and impulses";
+    root_of_a_force: "minimize integral(sqrt(force(floor)))" =>
+        "E13: `sqrt(force(floor))` has a root, a logarithm or the reciprocal of the force or impulse of a contact, which \
+         is 0 while the contact is open; use powers of it, as in `force(ground)^2`";
+    reciprocal_of_an_impulse: "minimize sum(1/impulse(wall))" =>
+        "E13: `sum(1/impulse(wall))` has a root, a logarithm or the reciprocal of the force or impulse of a contact, which is 0 \
+         while the contact is open; use powers of it, as in `force(ground)^2`";
+    friction_of_a_contact_without_in_an_objective: "minimize integral(friction_force(wall)^2)" =>
+        "E24: contact `wall` has no friction; declare it by `impact wall: ..., friction mu`, or leave \
+         `friction_force(wall)` out";
     rate_of_an_impulse: "outputs { push: N = dot(impulse(floor)) }" =>
         "`dot(impulse(floor))` needs the derivative of what a contact does, which may jump; take `dot` of positions only";
     edges_are_recorded_and_drawn:
@@ -104,10 +158,11 @@ texts! {
         "E24: contact `wall` has no friction; declare it by `impact wall: ..., friction mu`, or leave \
          `friction_force(wall)` out";
     force_in_the_dynamics: "dissipation force(floor)*dot(y)^2" =>
-        "E24: `force` of a contact follows from the motion; it can be used in `outputs` only";
-    output_of_a_force_in_an_objective: "outputs { push: N = force(floor) } minimize integral(push^2)" =>
+        "E24: `force` of a contact follows from the motion; it can be used in `outputs`, `minimize`, `constraint` and \
+         `finally` only";
+    output_of_a_force_in_the_dynamics: "outputs { push: N = force(floor) } forces { y: push }" =>
         "E24: `push` contains the force or the impulse of a contact, which follows from the motion; it can be used in \
-         `outputs` only";
+         `outputs`, `minimize`, `constraint` and `finally` only";
     rate_of_a_force: "outputs { push: N/s = dot(force(floor)) }" =>
         "`dot(force(floor))` needs the derivative of what a contact does, which may jump; take `dot` of positions only";
 
@@ -149,7 +204,8 @@ texts! {
         "E24: the form of `ground` depends on the coordinate `z`; it may depend on parameters only, what moves is the \
          place and the angle of a body";
     force_in_a_picture: "picture { point ball at (y, z + r*force(floor)/(m*g)) }" =>
-        "E24: `force` of a contact follows from the motion; it can be used in `outputs` only";
+        "E24: `force` of a contact follows from the motion; it can be used in `outputs`, `minimize`, `constraint` and \
+         `finally` only";
     curve_without_its_number: "picture { curve ground: (w, 0), curve other (w, 0) over w }" =>
         "expected `over` and the number that runs along the curve, as in `(w, h(w)) over w`, found `,`",
         "expected `:` after the curve's name, as in `curve track: (w, h(w)) over w`, found `(`";
@@ -170,7 +226,7 @@ fn mistakes_stand_where_they_were_made() {
         outputs { high, push: N = force(flor), place = (y, z) } \
         picture { circle ball at (y, z), point nose at z, link ball to nose, link nose to hook, elipse egg, \
             point eye at (y, z) radius m, curve track: (w, y) over w } \
-        constraint gentle: force(floor) <= 3 [N]";
+        finally { impulse(floor) <= 3 [N s] }";
     let mistakes = hangtime_dsl::describe_text(text, "ball").unwrap_err();
     let found: Vec<_> = mistakes
         .iter()
@@ -186,7 +242,7 @@ fn mistakes_stand_where_they_were_made() {
         (None, "elipse"),
         (None, "radius"),
         (Some("E24"), "(w, y)"),
-        (Some("E24"), "force(floor)"),
+        (Some("E24"), "impulse(floor)"),
     ];
     assert_eq!(found, wanted);
 }

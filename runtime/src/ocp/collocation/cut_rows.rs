@@ -4,8 +4,9 @@ use super::builder::Builder;
 use super::discretization::Setting;
 use super::friction_rows::reserve_between;
 use super::layout::{Cut, CutKind, Distance, Kept, Phase};
+use super::provided;
 use super::stage_inputs::drive_within;
-use crate::ocp::program::frame::state_name;
+use crate::ocp::program::frame::{Provided, state_name};
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::program::sparse_program::Program;
 use crate::simulation::{ContactMode, Direction};
@@ -76,9 +77,10 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
                 let state = state_at(builder, phase, cut, 2 * n, &at);
                 let (q, v) = state.split_at(n);
                 let u = drive_within(builder, phase, cut.theta, &at);
-                let frame = &builder.frame;
-                let inputs = [q, v, &u[..]];
-                frame.path_rows_of(&mut builder.program, &[constraint], inputs, &at);
+                let provided = provided::within(builder, phase, cut.theta, &at);
+                let (frame, program) = (&builder.frame, &mut builder.program);
+                let (inputs, known) = ([q, v, &u[..]], Provided::Known(&provided));
+                frame.path_rows_of(program, &[constraint], inputs, known, &at);
             }
         }
     }

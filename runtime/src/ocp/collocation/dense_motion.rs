@@ -2,6 +2,7 @@
 
 use super::layout::SolvedPhase;
 use super::program::Collocation;
+use super::provided;
 
 /// Points of a phase that are looked at.
 pub(super) const POINTS: usize = 64;
@@ -65,12 +66,21 @@ impl<'p, 'm> DenseMotion<'p, 'm> {
         let model = self.program.model;
         let declaration = model.declaration();
         let declared = declaration.optimal_control;
-        let mut input = vec![0.0; declaration.inputs()];
+        let mut input = vec![0.0; declaration.path_inputs()];
+        let plain = declaration.inputs();
+        let reads_forces = input.len() > plain;
+        let mut weights = vec![0.0; self.program.tableau.stages()];
         let mut values = vec![0.0; declared.map_or(0, |d| d.path_functions())];
         let first = declared.map_or(0, |d| usize::from(d.running_cost));
         let is_equality = declared.is_some_and(|d| d.constraints[constraint].equality);
         move |phase, theta| {
             self.write(phase, theta, &mut input);
+            if reads_forces {
+                self.program.tableau.lagrange_values(theta, &mut weights);
+                let provided = provided::values(&self.program.phases[phase], &weights, &self.x);
+                let slots = input[plain..].iter_mut();
+                slots.zip(provided).for_each(|(slot, value)| *slot = value);
+            }
             model.path_functions(&input, &mut values);
             let value = values[first + constraint];
             if is_equality { -value.abs() } else { value }

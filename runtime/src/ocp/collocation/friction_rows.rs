@@ -328,6 +328,34 @@ mod tests {
         }
     }
 
+    crate::model! {
+        /// The sledge on rough waves, of which forces and impulses are read in every statement.
+        Felt {
+            parameters { m: kg = 2, g: m/s^2 = 9.81, w: 1/m = 3, mu = 0.4, e = 0.3 }
+            coordinates { y: m, z: m, r: m }
+            controls { u: N in -5..=5, p: N in -3..=3 }
+            fn ground(y) = 0.1[m]*sin(w*y)
+            lagrangian m/2*(dot(y)^2 + (2 + sin(w*r))*dot(z)^2 + dot(r)^2) - m*g*z
+            forces { y: u*cos(w*y), r: p }
+            surface ground: z - ground(y) >= 0
+            surface wall: z + y <= 3 [m]
+            impact ground: friction mu, restitution e, sliding dot(y) + 0.1[m]*w*cos(w*y)*dot(z)
+            impact wall: inelastic, friction 2*mu, sliding dot(y) - dot(z) - 0.2[m/s]*cos(w*y)
+            minimize integral(force(ground)^2*y + friction_force(wall)*friction_force(ground)*sin(t/1 [s])*1 [m])
+                + sum(impulse(wall)^2*impulse(ground)*t)*1 [m/N/s^3] + force(ground)^2*z*time
+            constraint strong: force(ground)*cos(w*r) + friction_force(wall) + u <= 90 [N]
+            constraint soft: impulse(ground)*cos(w*r) + friction_impulse(wall) <= 9 [N s]
+            finally { y == 1.5 [m], friction_force(ground) + sum(friction_impulse(ground))/1 [s] <= 8 [N] }
+            start { z: 0.5 [m], dot(y): 1 [m/s] }
+        }
+    }
+
+    #[test]
+    fn derivatives_with_forces_and_impulses_in_all_modes_agree_with_differences() {
+        let cuts = [(0, CutKind::Path(0)), (1, CutKind::Path(0))];
+        compare_derivatives(&Felt::default(), &sequence_of_all_modes(), cuts, (10, 3));
+    }
+
     #[test]
     fn coordinate_that_friction_acts_on_is_no_parabola() {
         assert_eq!(parabolas(&Flat::default(), &[0.0; 6]), [false, false, true]);

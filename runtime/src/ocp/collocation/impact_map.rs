@@ -2,10 +2,10 @@
 
 use super::builder::Builder;
 use super::discretization::Setting;
-use super::friction_rows;
 use super::friction_rows::Normal;
 use super::layout::{Distance, FREE, Kept};
 use super::turns::Turns;
+use super::{friction_rows, provided};
 use crate::model::contact_point;
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::program::frame::state_name;
@@ -104,6 +104,7 @@ pub(super) fn close(builder: &mut Builder, instant: &Instant, label: &str, time:
     let (q, v) = after.split_at(n);
     let drive = builder.before.clone();
     let mut impulses = Vec::new();
+    let first = builder.impacts.len();
     for &(contact, mode) in &laws {
         let impulse = impulse_rows(builder, instant, contact, &after, label);
         impulses.push(impulse);
@@ -126,9 +127,11 @@ pub(super) fn close(builder: &mut Builder, instant: &Instant, label: &str, time:
         }
     }
     let acting: Vec<usize> = laws.iter().map(|law| law.0).collect();
-    let kernel = Kernel::Push(acting);
+    let kernel = Kernel::Push(acting.clone());
     let program = &mut builder.program;
     program.block(&kernel, [q, &[], &drive, &impulses], None, uses(&rows));
+    let of_contacts: Vec<(usize, usize)> = acting.into_iter().zip(impulses).collect();
+    provided::in_impact(builder, first, &of_contacts, label);
     touch_rows(builder, instant, label);
     enter(builder, instant);
     builder.state = after;

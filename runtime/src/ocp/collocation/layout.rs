@@ -65,6 +65,9 @@ pub(in crate::ocp) struct Stage {
     pub(in crate::ocp) gap_rows: Vec<Option<usize>>,
     /// The closed contacts with friction.
     pub(in crate::ocp) tangential: Vec<Tangential>,
+    /// Normal and then tangential accelerations that all contacts provide, as far as the scene reads their forces; none
+    /// where they are 0, and nothing at all in scenes that read no forces.
+    pub(in crate::ocp) provided: Vec<Option<usize>>,
 }
 
 /// A closed contact with friction at a stage or in an impact: where its unknown and its conditions are.

@@ -48,6 +48,7 @@ pub(in crate::ocp) mod layout;
 pub(in crate::ocp) mod limits;
 mod phase;
 pub(in crate::ocp) mod program;
+pub(in crate::ocp) mod provided;
 mod stage_inputs;
 mod start_conditions;
 #[cfg(test)]

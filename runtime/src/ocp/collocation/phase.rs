@@ -6,10 +6,10 @@ use super::friction_rows::Normal;
 use super::layout::{FREE, Phase, Stage};
 use super::stage_inputs::{Elapsed, drive_at, drive_within};
 use super::turns::Turns;
-use super::{cut_rows, friction_rows, start_conditions};
+use super::{cut_rows, friction_rows, provided, start_conditions};
 use crate::model::Pieces;
 use crate::ocp::motion::control_grid::ControlShape;
-use crate::ocp::program::frame::{force_name, state_name};
+use crate::ocp::program::frame::{Provided, force_name, state_name};
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::settings::PathPoints;
 
@@ -70,6 +70,7 @@ pub(super) fn add(builder: &mut Builder, element: &Element) {
     for (stage, corrections) in corrections.iter().enumerate() {
         stage_rows(builder, element, &mut phase, stage, corrections);
     }
+    provided::at_stages(builder, &mut phase, [element.from, element.to]);
     costs_and_path_rows(builder, element, &phase);
     force_rows_at_start(builder, element, &phase);
     opening_rows(builder, element, &mut phase);
@@ -138,6 +139,7 @@ fn unknowns(
             forces: Vec::new(),
             gap_rows: Vec::new(),
             tangential: Vec::new(),
+            provided: Vec::new(),
         };
         let mut shifts = Vec::new();
         let (model, length) = (builder.setting.model, element.to - element.from);
@@ -419,21 +421,33 @@ fn costs_and_path_rows(builder: &mut Builder, element: &Element, phase: &Phase) 
         let (q, v) = stage.state.split_at(n);
         let (frame, program) = (&builder.frame, &mut builder.program);
         let (inputs, factor) = ([q, v, &stage.drive[..]], element.factor * tableau.b()[m]);
-        frame.running_cost(program, inputs, element.scale, factor);
+        let known = Provided::Known(&stage.provided);
+        frame.running_cost(program, inputs, known, element.scale, factor);
         if places.path != PathPoints::Ends || m + 1 == phase.stages.len() {
             let place = format!("at stage {m} of {label}");
-            frame.path_rows(program, inputs, &place);
+            frame.path_rows(program, inputs, known, &place);
         }
-    }
-    if places.path == PathPoints::Both && !element.is_first_of_motion() {
-        let (q, v) = phase.start.split_at(n);
-        let place = format!("at the start of {label}");
-        let u = drive_within(builder, phase, 0.0, &place);
-        let program = &mut builder.program;
-        builder.frame.path_rows(program, [q, v, &u], &place);
     }
     if element.is_first_of_motion() {
         start_conditions::path_rows(builder, phase);
+        return;
+    }
+    let declaration = builder.setting.model.declaration();
+    let declared = declaration.optimal_control;
+    let constraints = 0..declared.map_or(0, |declared| declared.constraints.len());
+    let at_start = provided::at_start(declaration);
+    let chosen: Vec<usize> = constraints
+        .filter(|&i| places.path == PathPoints::Both || at_start(i))
+        .collect();
+    if !chosen.is_empty() {
+        let (q, v) = phase.start.split_at(n);
+        let place = format!("at the start of {label}");
+        let u = drive_within(builder, phase, 0.0, &place);
+        let provided = provided::within(builder, phase, 0.0, &place);
+        let (program, known) = (&mut builder.program, Provided::Known(&provided));
+        builder
+            .frame
+            .path_rows_of(program, &chosen, [q, v, &u], known, &place);
     }
 }
 

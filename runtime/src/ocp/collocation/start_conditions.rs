@@ -3,9 +3,11 @@
 use super::builder::Builder;
 use super::discretization::Setting;
 use super::layout::Phase;
+use super::provided;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::mode::{sliding_velocity, zero_velocity};
 use crate::ocp::problem::has_free_start;
+use crate::ocp::program::frame::Provided;
 use crate::ocp::program::kernel::Kernel;
 use crate::simulation::ContactMode;
 
@@ -85,12 +87,13 @@ pub(in crate::ocp) fn add(builder: &mut Builder) {
     }
 }
 
-/// The path constraints on linear controls at the very start, which is no stage.
+/// The path constraints on linear controls, and on forces, at the very start, which is no stage.
 pub(in crate::ocp) fn path_rows(builder: &mut Builder, phase: &Phase) {
-    let declared = builder.setting.model.declaration().optimal_control;
-    let Some(declared) = declared.filter(|_| builder.setting.shape == ControlShape::Linear) else {
+    let declaration = builder.setting.model.declaration();
+    let Some(declared) = declaration.optimal_control else {
         return;
     };
+    let linear = builder.setting.shape == ControlShape::Linear;
     let first = usize::from(declared.running_cost);
     let (from, u) = (2 * builder.n, builder.frame.controls[0].clone());
     let reads = |constraint: &usize| {
@@ -99,9 +102,17 @@ pub(in crate::ocp) fn path_rows(builder: &mut Builder, phase: &Phase) {
         entries
             .any(|&(row, column)| row as usize == first + constraint && controls(column as usize))
     };
-    let chosen: Vec<usize> = (0..declared.constraints.len()).filter(reads).collect();
+    let forces = provided::at_start(declaration);
+    let chosen: Vec<usize> = (0..declared.constraints.len())
+        .filter(|i| linear && reads(i) || forces(*i))
+        .collect();
+    if chosen.is_empty() {
+        return;
+    }
+    let provided = provided::within(builder, phase, 0.0, "at the start");
     let inputs = [&phase.start[..builder.n], &phase.start[builder.n..], &u[..]];
+    let (program, known) = (&mut builder.program, Provided::Known(&provided));
     builder
         .frame
-        .path_rows_of(&mut builder.program, &chosen, inputs, "at the start");
+        .path_rows_of(program, &chosen, inputs, known, "at the start");
 }

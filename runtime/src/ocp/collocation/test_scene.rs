@@ -3,7 +3,8 @@
 use std::sync::OnceLock;
 
 use crate::model::{
-    ConstraintDeclaration, Declaration, Model, OptimalControlDeclaration, SparsityPattern,
+    ConstraintDeclaration, ContactTerms, Declaration, Model, OptimalControlDeclaration,
+    SparsityPattern,
 };
 
 crate::model! {
@@ -69,6 +70,7 @@ const DECLARED: OptimalControlDeclaration = OptimalControlDeclaration {
     path_hessian: pattern(8, 8, &PATH_HESSIAN),
     terminal_jacobian: pattern(3, 7, &TERMINAL_JACOBIAN),
     terminal_hessian: pattern(7, 7, &TERMINAL_HESSIAN),
+    contacts: ContactTerms::NONE,
 };
 
 impl Model for Demanding {

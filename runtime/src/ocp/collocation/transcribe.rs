@@ -5,10 +5,10 @@ use super::discretization::Setting;
 use super::impact_map::Instant;
 use super::layout::Cut;
 use super::program::Collocation;
-use super::{impact_map, interval, start_conditions};
+use super::{impact_map, interval, provided, start_conditions};
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
-use crate::ocp::program::frame::Frame;
+use crate::ocp::program::frame::{Frame, Provided};
 use crate::ocp::program::sparse_program::Program;
 
 /// The program of a sequence, started at `guess`, with `elements` of each interval's phases.
@@ -21,7 +21,7 @@ pub(in crate::ocp) fn transcribe<'a>(
 ) -> Collocation<'a> {
     let (model, problem) = (setting.model, setting.problem);
     let mut program = Program::new(model);
-    let frame = Frame::add(
+    let mut frame = Frame::add(
         &mut program,
         model,
         problem,
@@ -31,6 +31,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         setting.bounds,
     );
     let state = frame.start.clone();
+    frame.sums = provided::sums(&mut program, setting);
     let mut builder = Builder {
         setting,
         program,
@@ -63,7 +64,10 @@ pub(in crate::ocp) fn transcribe<'a>(
         }
     }
     let (frame, mut program) = (builder.frame, builder.program);
-    frame.finish(&mut program, &builder.state);
+    // Right before an impact at the end.
+    let forces = builder.phases.last().and_then(|phase| phase.stages.last());
+    let known = Provided::Known(forces.map_or(&[], |stage| &stage.provided));
+    frame.finish(&mut program, &builder.state, known);
     Collocation {
         program: program.finish(&frame.controls, setting.units),
         model,

@@ -31,11 +31,12 @@
 use crate::model::Model;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::FREE;
+use crate::ocp::collocation::provided::read;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::mode::{is_frictional, sliding_velocity};
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::trajectory::Trajectory;
-use crate::ocp::program::frame::{Frame, force_name, state_name};
+use crate::ocp::program::frame::{Frame, Provided, force_name, state_name};
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::program::sparse_program::Program;
 use crate::ocp::settings::EulerStep;
@@ -153,16 +154,18 @@ impl<'a> ContactImplicit<'a> {
                 from,
                 frame.horizon,
             );
-            let inputs = [q, v, &u[..]];
-            frame.running_cost(&mut program, inputs, frame.horizon, share);
-            let place = format!("after element {index}");
-            frame.path_rows(&mut program, inputs, &place);
+            // An impact is a force of one element here, which neither costs nor conditions mean: one kind of steps goes
+            // without them.
+            let read = matches!(step, EulerStep::Symplectic)
+                .then(|| provided(&mut program, setting, index, &contacts));
+            let known = read.as_deref().map_or(Provided::Unknown, Provided::Known);
+            declared(&mut program, &frame, &element, known);
             before.clone_from(&variables);
             variables.extend(forces);
             elements.push(variables);
             unknowns.push(contacts);
         }
-        frame.finish(&mut program, &before);
+        frame.finish(&mut program, &before, Provided::Unknown);
         Self {
             program: program.finish(&frame.controls, setting.units),
             horizon: frame.horizon,
@@ -332,6 +335,52 @@ fn contacts(program: &mut Program, setting: Setting, element: &Element) -> Vec<C
                 gap,
                 sliding,
             }
+        })
+        .collect()
+}
+
+/// Adds the running cost and the path constraints of an element.
+fn declared(program: &mut Program, frame: &Frame, element: &Element, known: Provided) {
+    let &Element {
+        index,
+        share,
+        q,
+        v,
+        u,
+        ..
+    } = element;
+    frame.running_cost(program, [q, v, u], known, frame.horizon, share);
+    let place = format!("after element {index}");
+    frame.path_rows(program, [q, v, u], known, &place);
+}
+
+/// What contacts provide in an element, as far as the scene reads it: normal and then tangential accelerations.
+fn provided(
+    program: &mut Program,
+    setting: Setting,
+    index: usize,
+    contacts: &[Contact],
+) -> Vec<Option<usize>> {
+    let Setting { model, units, .. } = setting;
+    let declared = model.declaration();
+    let mut sliding = |contact: usize| {
+        let sides = contacts[contact].sliding?;
+        let name = declared.contacts[contact].name;
+        let name = format!("provided sliding by `{name}` in element {index}");
+        let force = program.variable(name.clone(), FREE, 0.0, units.force[contact]);
+        let row = program.row_in(units.gap_rows[contact], name, 0.0, 0.0);
+        program.linear(row, force, -1.0);
+        for (direction, side) in Direction::BOTH.into_iter().zip(sides) {
+            program.linear(row, side.reserve, 0.5 * direction.sign());
+        }
+        Some(force)
+    };
+    let provided = read(declared, false).into_iter().enumerate();
+    provided
+        .map(|(k, read)| match k.checked_sub(contacts.len()) {
+            _ if !read => None,
+            None => Some(contacts[k].force),
+            Some(contact) => sliding(contact),
         })
         .collect()
 }

@@ -70,6 +70,7 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
     ) -> Result<Self, InputError> {
         problem.check(model)?;
+        settings::refuse_forces(model)?;
         let (lower, upper) = bounds(model);
         let bounds = (&lower[..], &upper[..]);
         let guess = guess(model, problem, &settings::Guess::Straight, bounds)?;

@@ -3,6 +3,7 @@
 use hangtime_solver::mpcc::Stationarity;
 
 use super::disagreement::disagreement;
+use super::forces;
 use super::margins::margins;
 use super::refine_grid::{ROUNDS, refine};
 use crate::ocp::collocation::between_stages::excess;
@@ -228,7 +229,10 @@ fn confirm(
         (SimulationStatus::Solved, Some(q)) => largest_difference(q, &planned[..n]),
         _ => f64::INFINITY,
     };
-    let disagreement = compare(setting, settings, &sequence, &trajectory, &replay);
+    let forces = forces::looked(setting, &sequence, &replay);
+    let disagreement = compare(setting, settings, &sequence, &trajectory, &replay)
+        .or_else(|| forces::violated(&forces))
+        .or_else(|| forces::other_cost(setting, &sequence, solution.objective, &replay));
     let margins = margins(&program, &solution);
     let stationarity = if margins.iter().all(|margin| margin.chosen) {
         stationarity
@@ -246,6 +250,7 @@ fn confirm(
         Status::Solved
     };
     let interval = trajectory.horizon / setting.problem.intervals as f64;
+    let limits = Limits::new(setting, settings);
     Ok(Solution {
         status,
         objective: solution.objective,
@@ -261,7 +266,7 @@ fn confirm(
         },
         planned_events: planned_events(&sequence, interval),
         margins,
-        excess: excess(&program, &solution.x, Limits::new(setting, settings)),
+        excess: forces::excess(&forces, excess(&program, &solution.x, limits)),
         controls: trajectory.controls.values().to_vec(),
         shape: trajectory.controls.shape(),
         elements: elements.to_vec(),

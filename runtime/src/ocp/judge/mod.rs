@@ -5,5 +5,6 @@
 
 pub(in crate::ocp) mod confirm;
 mod disagreement;
+mod forces;
 mod margins;
 mod refine_grid;

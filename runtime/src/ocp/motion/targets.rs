@@ -44,6 +44,7 @@ pub(in crate::ocp) fn targets(problem: &Problem, model: &dyn Model) -> Vec<Optio
             } => horizon,
             Horizon::Free { guess: None } => model.horizon().unwrap_or(1.0),
         });
+        z.resize(model.declaration().terminal_inputs(), 0.0);
         approach(model, &declared, &mut z);
         let (lower, upper) = bounds(model);
         for k in 0..n {
@@ -56,7 +57,7 @@ pub(in crate::ocp) fn targets(problem: &Problem, model: &dyn Model) -> Vec<Optio
     targets
 }
 
-/// Moves `z = (q, v, T)` by shortest Newton steps towards fulfilling the terminal conditions.
+/// Moves `z = (q, v, T)`, and what terminal functions read of contacts behind it, by shortest Newton steps towards fulfilling the terminal conditions.
 fn approach(model: &dyn Model, declared: &OptimalControlDeclaration, z: &mut [f64]) {
     let first = usize::from(declared.final_cost);
     let pattern = declared.terminal_jacobian.entries;

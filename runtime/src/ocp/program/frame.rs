@@ -17,6 +17,14 @@ pub(in crate::ocp) struct Frame<'a> {
     pub(in crate::ocp) controls: Vec<Vec<usize>>,
     /// `(q, v)` at the start; fixed but for the free initial values.
     pub(in crate::ocp) start: Vec<usize>,
+    /// Sums over impacts; none where they are not asked for.
+    pub(in crate::ocp) sums: Vec<Sum>,
+}
+
+/// A sum over all impacts: its variable, and the row that says what it is.
+pub(in crate::ocp) struct Sum {
+    pub(in crate::ocp) variable: usize,
+    pub(in crate::ocp) row: usize,
 }
 
 impl<'a> Frame<'a> {
@@ -67,6 +75,7 @@ impl<'a> Frame<'a> {
             horizon,
             controls,
             start,
+            sums: Vec::new(),
         }
     }
 
@@ -89,36 +98,35 @@ impl<'a> Frame<'a> {
         time
     }
 
-    /// Adds `factor scale` times the running cost at `(q, v, u)` to the objective.
+    /// Adds `factor scale` times the running cost at `(q, v, u)` to the objective; `provided` is what contacts do there.
     pub(in crate::ocp) fn running_cost(
         &self,
         program: &mut Program,
         [q, v, u]: [&[usize]; 3],
+        provided: Provided,
         scale: usize,
         factor: f64,
     ) {
-        if self
-            .model
-            .declaration()
-            .optimal_control
-            .is_some_and(|d| d.running_cost)
-        {
+        let declared = self.model.declaration().optimal_control;
+        if declared.is_some_and(|d| d.running_cost) {
+            let behind = provided.behind(declared.is_some_and(|d| d.contacts.path));
             let uses = vec![(OBJECTIVE, 0, factor)];
-            program.block(&Kernel::Path, [q, v, u, &[]], Some(scale), uses);
+            program.block_behind(&Kernel::Path, [q, v, u], behind, Some(scale), uses);
         }
     }
 
-    /// Adds the rows of the path constraints at `(q, v, u)`.
+    /// Adds the rows of the path constraints at `(q, v, u)`, as far as it is known what contacts do.
     pub(in crate::ocp) fn path_rows(
         &self,
         program: &mut Program,
         inputs: [&[usize]; 3],
+        provided: Provided,
         place: &str,
     ) {
         let declared = self.model.declaration().optimal_control;
         let constraints = declared.map_or(0, |d| d.constraints.len());
         let all: Vec<usize> = (0..constraints).collect();
-        self.path_rows_of(program, &all, inputs, place);
+        self.path_rows_of(program, &all, inputs, provided, place);
     }
 
     /// Adds the rows of some path constraints at `(q, v, u)`.
@@ -126,30 +134,37 @@ impl<'a> Frame<'a> {
         &self,
         program: &mut Program,
         chosen: &[usize],
-        [q, v, u]: [&[usize]; 3],
+        inputs: [&[usize]; 3],
+        provided: Provided,
         place: &str,
     ) {
-        let Some(declared) = self.model.declaration().optimal_control else {
+        let declaration = self.model.declaration();
+        let Some(declared) = declaration.optimal_control else {
             return;
         };
         let first = usize::from(declared.running_cost);
+        let pattern = declared.path_jacobian;
+        let known =
+            |i: &&usize| provided.is_known() || !pattern.reads(first + **i, declaration.inputs());
         let uses: Vec<(usize, usize, f64)> = chosen
             .iter()
+            .filter(known)
             .map(|&i| {
                 (
-                    row(program, &declared.constraints[i], place),
+                    condition(program, &declared.constraints[i], place),
                     first + i,
                     1.0,
                 )
             })
             .collect();
         if !uses.is_empty() {
-            program.block(&Kernel::Path, [q, v, u, &[]], None, uses);
+            let behind = provided.behind(declared.contacts.path);
+            program.block_behind(&Kernel::Path, inputs, behind, None, uses);
         }
     }
 
-    /// Adds the final cost and the goals on the final state `(q, v)`.
-    pub(in crate::ocp) fn finish(&self, program: &mut Program, last: &[usize]) {
+    /// Adds the final cost and the goals on the final state `(q, v)`, as far as it is known what contacts do.
+    pub(in crate::ocp) fn finish(&self, program: &mut Program, last: &[usize], provided: Provided) {
         let Some(declared) = self.model.declaration().optimal_control else {
             return;
         };
@@ -158,18 +173,52 @@ impl<'a> Frame<'a> {
         if declared.final_cost {
             uses.push((OBJECTIVE, 0, 1.0));
         }
+        let pattern = declared.terminal_jacobian;
         for (i, goal) in declared.goals.iter().enumerate() {
-            uses.push((row(program, goal, "at the end"), first + i, 1.0));
+            if provided.is_known() || !pattern.reads(first + i, last.len() + 1) {
+                uses.push((condition(program, goal, "at the end"), first + i, 1.0));
+            }
         }
         if !uses.is_empty() {
             let (q, v) = last.split_at(last.len() / 2);
-            program.block(&Kernel::Terminal, [q, v, &[self.horizon], &[]], None, uses);
+            let sums = self.sums.iter().map(|sum| Some(sum.variable));
+            let mut behind: Vec<Option<usize>> = sums.collect();
+            behind.extend(provided.behind(declared.contacts.terminal));
+            let inputs = [q, v, &[self.horizon]];
+            program.block_behind(&Kernel::Terminal, inputs, &behind, None, uses);
+        }
+    }
+}
+
+/// What contacts do where functions that the scene declares are evaluated.
+#[derive(Clone, Copy)]
+pub(in crate::ocp) enum Provided<'a> {
+    /// It is not asked: conditions on it are left out, and it costs nothing.
+    Unknown,
+    /// Variables of the normal and then the tangential accelerations that they provide, none for 0.
+    Known(&'a [Option<usize>]),
+}
+
+impl<'a> Provided<'a> {
+    fn is_known(self) -> bool {
+        matches!(self, Self::Known(_))
+    }
+
+    /// What a function reads behind all else, if it reads this.
+    fn behind(self, is_read: bool) -> &'a [Option<usize>] {
+        match self {
+            Self::Known(provided) if is_read => provided,
+            _ => &[],
         }
     }
 }
 
 /// Adds the row of a declared constraint.
-fn row(program: &mut Program, constraint: &ConstraintDeclaration, place: &str) -> usize {
+pub(in crate::ocp) fn condition(
+    program: &mut Program,
+    constraint: &ConstraintDeclaration,
+    place: &str,
+) -> usize {
     let upper = if constraint.equality {
         0.0
     } else {

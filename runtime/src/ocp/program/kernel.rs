@@ -16,10 +16,12 @@ pub(in crate::ocp) enum Kernel {
     Sliding(usize),
     /// `e_i(q) s_i`: the effect of a tangential force or impulse of one contact with friction.
     Friction(Vec<usize>),
-    /// The path functions that the scene declares, of `(q, v, u)`.
+    /// The path functions that the scene declares, of `(q, v, u)` and what contacts provide.
     Path,
-    /// The terminal functions that the scene declares, of `(q, v, T)`.
+    /// The terminal functions that the scene declares, of `(q, v, T)`, sums over impacts and what contacts provide.
     Terminal,
+    /// The impact functions that the scene declares, of `(q, v, u)` and what contacts provide.
+    Impact,
 }
 
 impl Kernel {
@@ -29,7 +31,7 @@ impl Kernel {
             Self::Acceleration(contacts) | Self::Push(contacts) | Self::Friction(contacts) => {
                 contacts
             }
-            Self::Contact(_) | Self::Sliding(_) | Self::Path | Self::Terminal => &[],
+            Self::Contact(_) | Self::Sliding(_) | Self::Path | Self::Terminal | Self::Impact => &[],
         }
     }
 
@@ -82,6 +84,11 @@ fn declared(
             declared.terminal_hessian,
             declared.terminal_functions(),
         )),
+        Kernel::Impact => Some((
+            declared.contacts.impact_jacobian,
+            declared.contacts.impact_hessian,
+            declared.contacts.impact_functions(),
+        )),
         _ => None,
     }
 }
@@ -90,7 +97,7 @@ fn declared(
 pub(in crate::ocp) struct Evaluator<'a> {
     model: &'a dyn Model,
     kernel: Kernel,
-    /// Length of `(q, v, u)`, or of `(q, v, T)`.
+    /// Length of `(q, v, u)`, or of what functions that the scene declares read.
     plain: usize,
     coordinates: usize,
     /// Structural nonzeros of the Jacobian as (output, input).
@@ -186,7 +193,9 @@ impl<'a> Evaluator<'a> {
         let declaration = model.declaration();
         let n = declaration.coordinates.len();
         let plain = match kernel {
-            Kernel::Terminal => 2 * n + 1,
+            Kernel::Path => declaration.path_inputs(),
+            Kernel::Terminal => declaration.terminal_inputs(),
+            Kernel::Impact => declaration.impact_inputs(),
             _ => declaration.inputs(),
         };
         let inputs = plain + kernel.acting().len();
@@ -194,7 +203,7 @@ impl<'a> Evaluator<'a> {
         let outputs = match kernel {
             Kernel::Contact(_) => 2,
             Kernel::Sliding(_) => 1,
-            Kernel::Path | Kernel::Terminal => functions.map_or(0, |f| f.2),
+            Kernel::Path | Kernel::Terminal | Kernel::Impact => functions.map_or(0, |f| f.2),
             Kernel::Acceleration(_) | Kernel::Push(_) | Kernel::Friction(_) => n,
         };
         let structure = Structure::of(&kernel, declaration, plain, outputs);
@@ -247,6 +256,7 @@ impl<'a> Evaluator<'a> {
             Kernel::Push(_) | Kernel::Friction(_) => self.outputs.fill(0.0),
             Kernel::Path => self.model.path_functions(plain, &mut self.outputs),
             Kernel::Terminal => self.model.terminal_functions(plain, &mut self.outputs),
+            Kernel::Impact => self.model.impact_functions(plain, &mut self.outputs),
             Kernel::Contact(contact) => {
                 self.model.contact(*contact, plain, &mut self.point);
                 self.outputs[0] = self.point[contact_point::GAP];
@@ -346,6 +356,7 @@ impl<'a> Evaluator<'a> {
             let values = &mut self.values[..pattern.entries.len()];
             match self.kernel {
                 Kernel::Terminal => self.model.terminal_jacobian(plain, values),
+                Kernel::Impact => self.model.impact_jacobian(plain, values),
                 _ => self.model.path_jacobian(plain, values),
             }
             scatter(pattern.entries, &self.values, &mut self.jacobian, inputs);
@@ -393,6 +404,7 @@ impl<'a> Evaluator<'a> {
             let values = &mut self.values[..pattern.entries.len()];
             match self.kernel {
                 Kernel::Terminal => self.model.terminal_hessian(plain, multipliers, values),
+                Kernel::Impact => self.model.impact_hessian(plain, multipliers, values),
                 _ => self.model.path_hessian(plain, multipliers, values),
             }
             scatter(pattern.entries, &self.values, &mut self.hessian, inputs);

@@ -8,7 +8,7 @@ use crate::model::Declaration;
 use crate::size::{Purpose, SizeGroup, groups_of};
 
 /// Beginnings of the names of variables and rows, without the names that the scene gives.
-const BEGINNINGS: [(&str, Purpose); 28] = [
+const BEGINNINGS: [(&str, Purpose); 30] = [
     ("final time", Purpose::FinalTime),
     ("initial ", Purpose::FreeStart),
     ("time ", Purpose::ExplicitTime),
@@ -21,6 +21,8 @@ const BEGINNINGS: [(&str, Purpose); 28] = [
     ("normal velocity of", Purpose::ContactForce),
     ("correction of", Purpose::Gap),
     ("gap `", Purpose::Gap),
+    ("provided ", Purpose::ForceTerm),
+    ("sum ", Purpose::ForceTerm),
     ("friction", Purpose::Friction),
     ("sliding", Purpose::Friction),
     ("cone", Purpose::Friction),

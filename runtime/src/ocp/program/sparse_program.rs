@@ -237,7 +237,7 @@ impl<'a> Program<'a> {
 
     /// Adds `coefficient scale output` for each (row, output, coefficient); the inputs are the variables of
     /// `q`, `v`, `u` (or of `T` for terminal functions) and the forces, empty slices where the kernel reads
-    /// nothing.
+    /// nothing, which is 0 to it.
     pub(in crate::ocp) fn block(
         &mut self,
         kernel: &Kernel,
@@ -245,14 +245,7 @@ impl<'a> Program<'a> {
         scale: Option<usize>,
         uses: Vec<(usize, usize, f64)>,
     ) {
-        let evaluator = match self.evaluators.iter().position(|e| e.kernel() == kernel) {
-            Some(index) => index,
-            None => {
-                self.evaluators
-                    .push(Evaluator::new(self.model, kernel.clone()));
-                self.evaluators.len() - 1
-            }
-        };
+        let evaluator = self.evaluator(kernel);
         let declaration = self.model.declaration();
         let n = declaration.coordinates.len();
         let mut inputs = vec![None; self.evaluators[evaluator].inputs()];
@@ -266,6 +259,32 @@ impl<'a> Program<'a> {
             scale,
             uses,
         });
+    }
+
+    /// The same of functions that read more: `behind` all else, where there is none for 0.
+    pub(in crate::ocp) fn block_behind(
+        &mut self,
+        kernel: &Kernel,
+        [q, v, u]: [&[usize]; 3],
+        behind: &[Option<usize>],
+        scale: Option<usize>,
+        uses: Vec<(usize, usize, f64)>,
+    ) {
+        self.block(kernel, [q, v, u, &[]], scale, uses);
+        if let Some(block) = self.blocks.last_mut() {
+            let first = block.inputs.len() - behind.len();
+            block.inputs[first..].copy_from_slice(behind);
+        }
+    }
+
+    /// Index of the evaluator of a kernel.
+    fn evaluator(&mut self, kernel: &Kernel) -> usize {
+        let known = self.evaluators.iter().position(|e| e.kernel() == kernel);
+        known.unwrap_or_else(|| {
+            let evaluator = Evaluator::new(self.model, kernel.clone());
+            self.evaluators.push(evaluator);
+            self.evaluators.len() - 1
+        })
     }
 
     /// Distance of each row from the nearest of its bounds, in its unit, at a solver's point.

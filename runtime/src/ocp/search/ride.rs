@@ -77,7 +77,11 @@ pub(in crate::ocp) fn ride(tolerance: f64, setting: Setting) -> Result<Option<Ri
         return Ok(None);
     }
     let before = states.iter().take_while(|state| state[2 * n] < horizon);
+    // What contacts do on the way is not asked here.
+    let declared = model.declaration().optimal_control;
+    let free_of_contacts = declared.is_none_or(|declared| !declared.contacts.any());
     let reaches = end.reaches
+        && free_of_contacts
         && before.chain([&end.state]).all(|state| {
             let controls = ridden.controls.start();
             is_within(setting, state, controls)
@@ -148,7 +152,9 @@ fn goal_values(setting: Setting, z: &[f64]) -> Vec<f64> {
     let mut values = Vec::new();
     if let Some(declared) = model.declaration().optimal_control {
         let mut all = vec![0.0; declared.terminal_functions()];
-        model.terminal_functions(z, &mut all);
+        let mut z = z.to_vec();
+        z.resize(model.declaration().terminal_inputs(), 0.0);
+        model.terminal_functions(&z, &mut all);
         let own = &all[usize::from(declared.final_cost)..];
         let goals = declared.goals.iter().zip(own);
         values
@@ -177,6 +183,7 @@ fn is_within(setting: Setting, z: &[f64], controls: &[f64]) -> bool {
     let mut values = vec![0.0; declared.path_functions()];
     let mut input = z[..2 * n].to_vec();
     input.extend(drive(model, controls, z[2 * n]));
+    input.resize(model.declaration().path_inputs(), 0.0);
     model.path_functions(&input, &mut values);
     let own = &values[usize::from(declared.running_cost)..];
     let mut constraints = declared.constraints.iter().zip(own);

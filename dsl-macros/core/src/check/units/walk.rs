@@ -360,6 +360,7 @@ impl Walk<'_> {
                 let own = self.scalar(argument)?;
                 Ok(Units::Scalar(own.times(&Dimension::second())))
             }
+            (words::SUM, [argument]) => self.scalar(argument).map(Units::Scalar),
             ("dot", [left, right]) => {
                 let (own, its) = (self.units(left)?, self.units(right)?);
                 self.inner(left, &own, &its)
