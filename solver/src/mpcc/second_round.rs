@@ -12,8 +12,8 @@ use crate::nlp::{self, InputError};
 /// Violation and relaxation up to which a relaxed point shows the sides of an exact one, optimal or not.
 const NEAR: f64 = 1e-6;
 
-/// Where no rule ended at a certified point: crossovers with more patience from where they ended, the best first, each time from where
-/// a penalty of the smaller sides leads before that; then the same from exact points near these and near the point of the problem,
+/// Where no rule ended at a certified point: crossovers with more patience from where they ended, the best first; then from where
+/// a penalty of the smaller sides leads from there; then from exact points near these and near the point of the problem,
 /// found without the objective.
 pub(crate) fn second_round(
     problem: &mut dyn Mpcc,
@@ -33,12 +33,16 @@ pub(crate) fn second_round(
     let ends: Vec<&Solution> = ends
         .filter(|end| end.status != Status::Infeasible)
         .collect();
-    for end in &ends {
-        let starts = [
-            penalized(problem, settings, warm(end), watch),
-            Some(warm(end)),
-        ];
-        for from in starts.into_iter().flatten() {
+    for penalizes in [false, true] {
+        for end in &ends {
+            let from = if penalizes {
+                penalized(problem, settings, warm(end), watch)
+            } else {
+                Some(warm(end))
+            };
+            let Some(from) = from else {
+                continue;
+            };
             let vanishes = choose(problem, &from);
             try_sides(problem, settings, (end, vanishes, &from), best, watch);
             if best.solution.status.is_solved() || watch.stop.is_some() {

@@ -22,6 +22,8 @@ pub(crate) struct Watch<'o> {
     start: Instant,
     maximum_seconds: f64,
     maximum_iterations: usize,
+    /// The limit of the whole solve, of which `maximum_iterations` may be a part.
+    all_iterations: usize,
     /// Iterations of relaxed runs and crossovers.
     pub(crate) iterations: usize,
     pub(crate) crossover_iterations: usize,
@@ -39,6 +41,7 @@ impl<'o> Watch<'o> {
             start: Instant::now(),
             maximum_seconds: settings.interior_point.maximum_seconds,
             maximum_iterations: settings.maximum_iterations,
+            all_iterations: settings.maximum_iterations,
             iterations: 0,
             crossover_iterations: 0,
             certificate_iterations: 0,
@@ -55,6 +58,18 @@ impl<'o> Watch<'o> {
             self.stop = None;
         }
         self.stop.is_none()
+    }
+
+    /// Some work with the limit of the whole solve: an exact point is worth its certificate, whatever part its path may take.
+    pub(crate) fn with_all<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let part = self.maximum_iterations;
+        self.limit(self.all_iterations);
+        let result = work(self);
+        self.maximum_iterations = part;
+        if self.stop.is_none() && self.iterations_left() == 0 {
+            self.stop = Some(nlp::Status::IterationLimit);
+        }
+        result
     }
 
     fn iterations_left(&self) -> usize {
