@@ -137,3 +137,33 @@ impl<'o> Watch<'o> {
         self.stop.is_none()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn with_all_goes_beyond_a_part_and_leaves_it_used_up() {
+        let settings = Settings {
+            maximum_iterations: 5,
+            ..Settings::default()
+        };
+        let mut observer = |_: &IterationInfo| true;
+        let mut watch = Watch::new(&settings, &mut observer);
+        let info = IterationInfo::default();
+        watch.limit(2);
+        while watch.certificate_iteration(&info) {}
+        assert_eq!(watch.certificate_iterations, 2);
+        assert_eq!(watch.stop, Some(nlp::Status::IterationLimit));
+        // the certificate of an exact point that the part led to
+        let goes_on = watch.with_all(|watch| watch.certificate_iteration(&info));
+        assert!(goes_on);
+        assert_eq!(watch.certificate_iterations, 3);
+        assert_eq!(watch.stop, Some(nlp::Status::IterationLimit));
+        // the rest belongs to the next path
+        assert!(watch.limit(5));
+        while watch.certificate_iteration(&info) {}
+        assert_eq!(watch.certificate_iterations, 5);
+        assert!(!watch.limit(5));
+    }
+}
