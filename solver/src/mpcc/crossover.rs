@@ -218,7 +218,7 @@ pub(crate) fn patient_point(
     })
 }
 
-/// The certificate of a point of a choice of sides, or of a lower one, with as many iterations.
+/// The certificate of a point of a choice of sides, or of a lower one: what two attempts do not leave is for a penalty.
 pub(crate) fn descend_from(
     problem: &mut dyn Mpcc,
     settings: &Settings,
@@ -226,10 +226,9 @@ pub(crate) fn descend_from(
     point: nlp::Solution,
     watch: &mut Watch<'_>,
 ) -> Exact {
-    let attempts = [NEAR[0], NEAR[1], PATIENT[0], PATIENT[1]];
     watch.with_all(|watch| {
         let exact = Exact::new(problem, settings, vanishes, point, watch);
-        descend(problem, settings, exact, &attempts, watch)
+        descend(problem, settings, exact, &NEAR[..2], watch)
     })
 }
 
