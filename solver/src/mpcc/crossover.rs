@@ -31,11 +31,23 @@ impl Exact {
         problem: &mut dyn Mpcc,
         settings: &Settings,
         vanishes: Vec<bool>,
-        mut point: nlp::Solution,
+        point: nlp::Solution,
+        watch: &mut Watch<'_>,
+    ) -> Self {
+        Self::below(problem, settings, (vanishes, point), f64::INFINITY, watch)
+    }
+
+    /// The same of one that a descent from a point of this objective led to.
+    fn below(
+        problem: &mut dyn Mpcc,
+        settings: &Settings,
+        (vanishes, mut point): (Vec<bool>, nlp::Solution),
+        left: f64,
         watch: &mut Watch<'_>,
     ) -> Self {
         clean(problem, &vanishes, &mut point);
         let mut judge = Judge::new(problem, settings, vanishes.clone(), point);
+        judge.left = left;
         let certificate = judge.certify(problem, watch);
         if certificate.b_stationary == Some(true) {
             judge.take_multipliers(problem, watch);
@@ -154,8 +166,10 @@ pub(crate) fn cross_over(
             attempt_all(problem, &vanishes, &start, watch)?
         }
     };
-    let exact = Exact::new(problem, settings, vanishes, point, watch);
-    Some(descend(problem, settings, exact, &NEAR, watch))
+    Some(watch.with_all(|watch| {
+        let exact = Exact::new(problem, settings, vanishes, point, watch);
+        descend(problem, settings, exact, &NEAR, watch)
+    }))
 }
 
 /// Repairs while the certificate finds descent.
@@ -204,7 +218,7 @@ pub(crate) fn patient_point(
     })
 }
 
-/// The certificate of a point of a choice of sides, or of a lower one, with as many iterations.
+/// The certificate of a point of a choice of sides, or of a lower one: what two attempts do not leave is for a penalty.
 pub(crate) fn descend_from(
     problem: &mut dyn Mpcc,
     settings: &Settings,
@@ -212,9 +226,10 @@ pub(crate) fn descend_from(
     point: nlp::Solution,
     watch: &mut Watch<'_>,
 ) -> Exact {
-    let exact = Exact::new(problem, settings, vanishes, point, watch);
-    let attempts = [NEAR[0], NEAR[1], PATIENT[0], PATIENT[1]];
-    descend(problem, settings, exact, &attempts, watch)
+    watch.with_all(|watch| {
+        let exact = Exact::new(problem, settings, vanishes, point, watch);
+        descend(problem, settings, exact, &NEAR[..2], watch)
+    })
 }
 
 /// The sides that stay at zero along a descent direction of the certificate. A side may belong to several pairs, and what one
@@ -264,7 +279,8 @@ fn repair(
         solve_branch(problem, settings, &vanishes, &start, attempt, watch)
             .filter(|next| next.objective < lower)
     })?;
-    Some(Exact::new(problem, settings, vanishes, point, watch))
+    let found = (vanishes, point);
+    Some(Exact::below(problem, settings, found, lower, watch))
 }
 
 /// Iterations that neighbours may take at least, and at most as a part of those before: a step of a scene has few
@@ -345,6 +361,8 @@ const MOST_NEAR: f64 = 1e-2;
 const RADIUS: f64 = 0.1;
 /// Most programs that decide whether sides vanish.
 const MOST_TRIALS: usize = 20;
+/// Most of them that cannot be solved: where one fails, those beside it do as well.
+const MOST_FAILURES: usize = 5;
 
 /// Decides which pairs of a solved branch are biactive, and certifies it.
 ///
@@ -365,6 +383,10 @@ struct Judge<'s> {
     /// Pairs of which it could not be decided.
     undecided: Vec<bool>,
     trials: usize,
+    /// Trials that could not be solved.
+    failures: usize,
+    /// Objective of the point whose descent led here: a path that came down from there does not go back.
+    left: f64,
 }
 
 impl<'s> Judge<'s> {
@@ -390,6 +412,8 @@ impl<'s> Judge<'s> {
             point,
             vanishes,
             trials: 0,
+            failures: 0,
+            left: f64::INFINITY,
         }
     }
 
@@ -570,7 +594,7 @@ impl<'s> Judge<'s> {
         pairs: &[usize],
         watch: &mut Watch<'_>,
     ) -> Option<bool> {
-        if self.trials >= MOST_TRIALS {
+        if self.trials >= MOST_TRIALS || self.failures >= MOST_FAILURES {
             return None;
         }
         self.trials += 1;
@@ -583,7 +607,9 @@ impl<'s> Judge<'s> {
             }
         }
         mark_forced(problem, &start.x, &mut vanishes);
-        let mut point = solve_branch(problem, self.settings, &vanishes, &start, PAUSED[0], watch)?;
+        let point = solve_branch(problem, self.settings, &vanishes, &start, PAUSED[0], watch);
+        self.failures += usize::from(point.is_none());
+        let mut point = point?;
         clean(problem, &vanishes, &mut point);
         // what is left on the central path: a product for each bound
         let products = (point.x.len() + point.multipliers.len()) as f64;
@@ -591,7 +617,7 @@ impl<'s> Judge<'s> {
             products * point.residuals.complementarity.max(point.barrier_parameter)
         };
         let least = gap(&point).max(gap(&self.point)) + 1e-12 * self.point.objective.abs();
-        let both = point.objective <= self.point.objective + least;
+        let both = point.objective <= self.point.objective + least && point.objective < self.left;
         let distance = point.x.iter().zip(&self.point.x);
         let distance = distance.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
         if both {

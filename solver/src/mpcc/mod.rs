@@ -44,15 +44,15 @@
 //! None means B-stationary: certified. A direction leads to another choice of sides and a lower point. Last, choices
 //! next to the certified one that the problem knows of ([`Mpcc::neighbour`]) are tried for a better objective.
 //!
-//! Where no rule ends at a certified point, a *second round* crosses over with many more iterations from where they ended: first
-//! from where a penalty leads, a cost of the smaller side of each pair that grows where a side does not vanish, then from the end
-//! itself, and from exact points near these that are found without the objective. Its programs often have no multipliers (vanishing elements,
+//! Where no rule ends at a certified point, a *second round* crosses over with many more iterations from where they ended: from
+//! these ends first, then from where a penalty leads, a cost of the smaller side of each pair that grows where a side does not vanish,
+//! then from exact points near these that are found without the objective. Its programs often have no multipliers (vanishing elements,
 //! equations that determine a point twice); their runs end where nothing moves any more, and the linear programs of the
 //! certificate, whose dual solutions prove that there is no descent, give the multipliers.
 //!
 //! Sides whose partners linear rows and bounds keep above zero vanish at every exact point, which a relaxed program knows only as far as
-//! its products do. Where there are such sides and half of the iterations have not led to a certified point, all of this follows once more
-//! with these sides fixed at zero: the path is another one.
+//! its products do. Where there are such sides and six tenths of the iterations have not led to a certified point, the first two rules and the
+//! second round follow once more with these sides fixed at zero: the path is another one.
 //!
 //! # How a solve ends
 //! Every end has a [`Status`]. *Infeasible* is said of a problem only where runs converged to stationary points of the

@@ -12,8 +12,8 @@ use crate::nlp::{self, InputError};
 /// Violation and relaxation up to which a relaxed point shows the sides of an exact one, optimal or not.
 const NEAR: f64 = 1e-6;
 
-/// Where no rule ended at a certified point: crossovers with more patience from where they ended, the best first, each time from where
-/// a penalty of the smaller sides leads before that; then the same from exact points near these and near the point of the problem,
+/// Where no rule ended at a certified point: crossovers with more patience from where they ended, the best first; then from where
+/// a penalty of the smaller sides leads from there, at once where the crossover had come to an exact point; then from exact points near these and near the point of the problem,
 /// found without the objective.
 pub(crate) fn second_round(
     problem: &mut dyn Mpcc,
@@ -33,17 +33,23 @@ pub(crate) fn second_round(
     let ends: Vec<&Solution> = ends
         .filter(|end| end.status != Status::Infeasible)
         .collect();
-    for end in &ends {
-        let starts = [
-            penalized(problem, settings, warm(end), watch),
-            Some(warm(end)),
-        ];
-        for from in starts.into_iter().flatten() {
-            let vanishes = choose(problem, &from);
-            try_sides(problem, settings, (end, vanishes, &from), best, watch);
-            if best.solution.status.is_solved() || watch.stop.is_some() {
-                return Ok(());
-            }
+    let mut later = Vec::new();
+    for &end in &ends {
+        let is_exact = try_sides(problem, settings, (end, warm(end)), best, watch);
+        if is_exact && !best.solution.status.is_solved() {
+            // an exact point from which its own descent does not lead on: a penalty may
+            watch.with_all(|watch| try_penalty(problem, settings, end, best, watch));
+        } else {
+            later.push(end);
+        }
+        if best.solution.status.is_solved() || watch.stop.is_some() {
+            return Ok(());
+        }
+    }
+    for end in later {
+        try_penalty(problem, settings, end, best, watch);
+        if best.solution.status.is_solved() || watch.stop.is_some() {
+            return Ok(());
         }
     }
     let mut points: Vec<(&Solution, Vec<f64>)> =
@@ -56,7 +62,7 @@ pub(crate) fn second_round(
             let Some((vanishes, from)) = nearest(problem, settings, rule, x, watch)? else {
                 continue;
             };
-            try_sides(problem, settings, (end, vanishes, &from), best, watch);
+            try_choice(problem, settings, (end, vanishes, &from), best, watch);
             if best.solution.status.is_solved() || watch.stop.is_some() {
                 return Ok(());
             }
@@ -76,16 +82,42 @@ fn warm(solution: &Solution) -> nlp::WarmStart {
     }
 }
 
-/// Solves the program of a choice of sides and goes down from there; takes the point over where it is better.
+/// The same from where a penalty of the smaller sides leads, if it leads anywhere.
+fn try_penalty(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    end: &Solution,
+    best: &mut Ended,
+    watch: &mut Watch<'_>,
+) {
+    if let Some(from) = penalized(problem, settings, warm(end), watch) {
+        try_sides(problem, settings, (end, from), best, watch);
+    }
+}
+
+/// Solves the program of the sides that vanish near a point and goes down from there; takes the point over where it is better. Whether
+/// there is an exact point at all.
 fn try_sides(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    (end, from): (&Solution, nlp::WarmStart),
+    best: &mut Ended,
+    watch: &mut Watch<'_>,
+) -> bool {
+    let vanishes = choose(problem, &from);
+    try_choice(problem, settings, (end, vanishes, &from), best, watch)
+}
+
+/// The same with a choice of sides.
+fn try_choice(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     (start, vanishes, from): (&Solution, Vec<bool>, &nlp::WarmStart),
     best: &mut Ended,
     watch: &mut Watch<'_>,
-) {
+) -> bool {
     let Some(point) = patient_point(problem, settings, &vanishes, from, false, watch) else {
-        return;
+        return false;
     };
     let exact = descend_from(problem, settings, vanishes, point, watch);
     let mut solution = start.clone();
@@ -94,6 +126,7 @@ fn try_sides(
     if compare(&solution, &best.solution).is_lt() {
         (best.solution, best.vanishes) = (solution, vanishes);
     }
+    true
 }
 
 /// A choice of sides that has a point near a given one, and that point.

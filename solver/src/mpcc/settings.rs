@@ -28,8 +28,8 @@ pub struct Settings {
     /// `maximum_iterations`, here 1000, limit one rule; its `maximum_seconds` limit the whole solve.
     pub interior_point: nlp::Settings,
     /// Most interior point iterations of the whole solve, those of crossovers and certificates included; default
-    /// 10 000. Where linear rows decide sides, the program as it is stated may take half of them, and what it leaves is for the
-    /// program with these sides fixed.
+    /// 10 000. Where linear rows decide sides, the program as it is stated may take six tenths of them, but for the certificates of
+    /// exact points, and what it leaves is for the program with these sides fixed.
     pub maximum_iterations: usize,
     /// Rules to try, in this order, until one ends at a certified point; default all.
     pub rules: Vec<RelaxationRule>,

@@ -9,6 +9,11 @@ use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
 use crate::nlp::{self, Fault, InputError};
 
+/// Part of the iterations that the problem as it is stated may take where linear rows decide sides, and rules that are asked for the
+/// problem with these sides fixed.
+const STATED: f64 = 0.6;
+const DECIDED_RULES: usize = 2;
+
 /// Solves a mathematical program with complementarity constraints from its own starting point: the rules of
 /// [`Settings::rules`] one after the other, until one ends at a certified point; where none does, a second round from where
 /// they ended.
@@ -120,13 +125,19 @@ pub fn solve_observed(
     let Some(vanishes) = sides else {
         return solve_stated(problem, settings, &mut watch);
     };
-    watch.limit(settings.maximum_iterations.div_ceil(2));
+    watch.limit((STATED * settings.maximum_iterations as f64) as usize);
     let stated = solve_stated(problem, settings, &mut watch)?;
     if is_settled(problem, &stated) || !watch.limit(settings.maximum_iterations) {
         return Ok(stated);
     }
     // sides that are fixed change the path, and another path may lead to a point that can be certified
-    let decided = solve_stated(&mut Decided::new(problem, vanishes), settings, &mut watch)?;
+    let first = settings.rules.iter().take(DECIDED_RULES);
+    let settings = Settings {
+        rules: first.copied().collect(),
+        ..settings.clone()
+    };
+    let mut program = Decided::new(problem, vanishes);
+    let decided = solve_stated(&mut program, &settings, &mut watch)?;
     let interrupted = watch.stop == Some(nlp::Status::Interrupted);
     if interrupted || compare(&decided, &stated).is_lt() {
         return Ok(decided);

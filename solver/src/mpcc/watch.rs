@@ -22,6 +22,8 @@ pub(crate) struct Watch<'o> {
     start: Instant,
     maximum_seconds: f64,
     maximum_iterations: usize,
+    /// The limit of the whole solve, of which `maximum_iterations` may be a part.
+    all_iterations: usize,
     /// Iterations of relaxed runs and crossovers.
     pub(crate) iterations: usize,
     pub(crate) crossover_iterations: usize,
@@ -39,6 +41,7 @@ impl<'o> Watch<'o> {
             start: Instant::now(),
             maximum_seconds: settings.interior_point.maximum_seconds,
             maximum_iterations: settings.maximum_iterations,
+            all_iterations: settings.maximum_iterations,
             iterations: 0,
             crossover_iterations: 0,
             certificate_iterations: 0,
@@ -55,6 +58,18 @@ impl<'o> Watch<'o> {
             self.stop = None;
         }
         self.stop.is_none()
+    }
+
+    /// Some work with the limit of the whole solve: an exact point is worth its certificate, whatever part its path may take.
+    pub(crate) fn with_all<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let part = self.maximum_iterations;
+        self.limit(self.all_iterations);
+        let result = work(self);
+        self.maximum_iterations = part;
+        if self.stop.is_none() && self.iterations_left() == 0 {
+            self.stop = Some(nlp::Status::IterationLimit);
+        }
+        result
     }
 
     fn iterations_left(&self) -> usize {
@@ -120,5 +135,35 @@ impl<'o> Watch<'o> {
             self.stop = Some(nlp::Status::TimeLimit);
         }
         self.stop.is_none()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn with_all_goes_beyond_a_part_and_leaves_it_used_up() {
+        let settings = Settings {
+            maximum_iterations: 5,
+            ..Settings::default()
+        };
+        let mut observer = |_: &IterationInfo| true;
+        let mut watch = Watch::new(&settings, &mut observer);
+        let info = IterationInfo::default();
+        watch.limit(2);
+        while watch.certificate_iteration(&info) {}
+        assert_eq!(watch.certificate_iterations, 2);
+        assert_eq!(watch.stop, Some(nlp::Status::IterationLimit));
+        // the certificate of an exact point that the part led to
+        let goes_on = watch.with_all(|watch| watch.certificate_iteration(&info));
+        assert!(goes_on);
+        assert_eq!(watch.certificate_iterations, 3);
+        assert_eq!(watch.stop, Some(nlp::Status::IterationLimit));
+        // the rest belongs to the next path
+        assert!(watch.limit(5));
+        while watch.certificate_iteration(&info) {}
+        assert_eq!(watch.certificate_iterations, 5);
+        assert!(!watch.limit(5));
     }
 }
