@@ -138,3 +138,57 @@ fn ball_is_dribbled_as_often_as_it_takes() {
     assert!((cost - solution.objective).abs() < 1e-9 * cost, "{cost}");
     assert!(cost < 73.951, "{cost}");
 }
+
+hangtime::model! {
+    /// A boot kicks a ball that lies on a lawn, so that it is at a place and height at a given time.
+    Kick {
+        parameters { m: kg = 0.45, boot: kg = 3, g: m/s^2 = 9.81, e = 0.6, up: rad = 0.6 }
+        coordinates { s: m in -1..=0.6, y: m, z: m }
+        controls { u: N in -600..=600 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z + boot/2*dot(s)^2
+        forces { s: u }
+        surface toe: y*cos(up) + z*sin(up) >= s
+        surface lawn: z >= 0
+        impact toe: restitution e
+        impact lawn: restitution 0.4
+        minimize integral(u^2)
+        finally { y == 8 [m], z == 0.5 [m] }
+        start { s: -0.5 [m] }
+        horizon 1.6 [s]
+    }
+}
+
+#[test]
+fn ball_is_kicked_off_the_lawn_when_it_is_time() {
+    // It leaves at the angle of the boot: the height that is missing at the end says how long it flies, and with that when and
+    // how fast it is kicked. The impact takes the weight off the lawn at the same instant.
+    let kick = Kick::default();
+    let slope = kick.up.tan();
+    let flight = f64::sqrt(2.0 * (8.0 * slope - 0.5) / kick.g);
+    let speed = 8.0 / flight / kick.up.cos();
+    let solution = solve_with(
+        &kick,
+        &Problem::of(&kick, 10),
+        &Default::default(),
+        &mut |_| true,
+    );
+    let solution = solution.unwrap();
+    assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+    let motion = solution.motion.unwrap();
+    let impact = |event: &&hangtime::simulation::Event| event.kind == EventKind::Impact;
+    let struck = motion.events.iter().find(impact).unwrap();
+    assert!(
+        (struck.time - (1.6 - flight)).abs() < 1e-6,
+        "{}",
+        struck.time
+    );
+    let left = struck.v_after[1].hypot(struck.v_after[2]);
+    assert!((left - speed).abs() < 1e-5, "{left} {speed}");
+    // Newton's law for the boot, which is that much slower afterwards.
+    let boot = speed * (kick.m + kick.boot) / ((1.0 + kick.e) * kick.boot);
+    assert!(
+        (struck.v_before[0] - boot).abs() < 1e-5,
+        "{:?}",
+        struck.v_before
+    );
+}

@@ -29,6 +29,9 @@ const SHORT_SWITCHES: usize = 2;
 const STRUCK: usize = 3;
 const MOST_STRUCK: usize = 8;
 
+/// When it is struck once in further ones, in shares of the final time, where there is no motion yet.
+const EARLY_OR_LATE: &[f64] = &[1.0 / 3.0, 2.0 / 3.0, 1.0 / 6.0, 5.0 / 6.0];
+
 /// What a search has found.
 #[derive(Default)]
 pub(in crate::ocp) struct Found<'a> {
@@ -87,16 +90,40 @@ impl<'a> Search<'a, '_> {
             for times in 1..=MOST_STRUCK {
                 let before = self.least();
                 for shares in struck(times) {
-                    let candidate = struck_at(setting, guess, contact, &shares);
-                    self.try_candidate(runner, candidate, true)?;
+                    self.try_struck_at(runner, guess, contact, &shares)?;
                 }
                 let least = self.least();
                 if times > STRUCK && least.is_finite() && least >= before {
                     break;
                 }
             }
+            for &share in EARLY_OR_LATE {
+                if self.least().is_infinite() {
+                    self.try_struck_at(runner, guess, contact, &[share])?;
+                }
+            }
         }
         Ok(())
+    }
+
+    /// The same of a motion in which a contact is struck at these shares of the final time, and of one in which that lifts off
+    /// what else is in contact.
+    fn try_struck_at(
+        &mut self,
+        runner: &mut Runner,
+        guess: &Trajectory,
+        contact: usize,
+        shares: &[f64],
+    ) -> Result<(), InputError> {
+        let setting = self.attempts.setting;
+        let candidate = struck_at(setting, guess, contact, shares);
+        let few = shares.len() <= STRUCK;
+        let lifting = few.then(|| lifting_others(setting, &candidate));
+        self.try_candidate(runner, candidate, true)?;
+        match lifting.flatten() {
+            Some(lifting) => self.try_candidate(runner, lifting, true),
+            None => Ok(()),
+        }
     }
 
     /// Objective of the best local optimum so far, infinite without any.
@@ -263,6 +290,31 @@ fn struck_at(setting: Setting, guess: &Trajectory, contact: usize, shares: &[f64
         sequence,
         trajectory: guess.clone(),
     }
+}
+
+/// The same where the first impact lifts off whatever is in contact at the start, if anything is: a ball that is kicked off the ground.
+fn lifting_others(setting: Setting, struck: &Candidate) -> Option<Candidate> {
+    let mut candidate = struck.clone();
+    let first = *candidate.sequence.switches.first()?;
+    let declared = setting.model.declaration().contacts;
+    let modes = candidate.sequence.initially.iter().enumerate();
+    let lifted = modes.filter(|(other, mode)| {
+        *other != first.contact && !mode.is_open() && !declared[*other].dry
+    });
+    let lifts: Vec<Switch> = lifted
+        .map(|(contact, _)| Switch {
+            contact,
+            closes: false,
+            impulse: ContactMode::Open,
+            accompanies: true,
+            ..first
+        })
+        .collect();
+    if lifts.is_empty() {
+        return None;
+    }
+    candidate.sequence.switches.splice(1..1, lifts);
+    Some(candidate)
 }
 
 /// A sequence to attempt and the motion to start it from.
