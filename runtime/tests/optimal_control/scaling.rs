@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::one_start;
+use crate::support::{self, one_start};
 use hangtime::model::Model;
-use hangtime::ocp::{self, ControlShape, Guess, Horizon, Problem, Solution, Status};
+use hangtime::ocp::{self, ControlShape, Guess, Horizon, Problem, Settings, Solution, Status};
 
 hangtime::model! {
     /// A mass with engines that hops over a hill and shifts its weight.
@@ -165,4 +165,61 @@ fn cpu_time_is_reported_by_kind_of_work() {
     // What is left is simulation and bookkeeping.
     let known = seconds.evaluate + seconds.factorize + seconds.solve;
     assert!(known < seconds.total, "{seconds:?}");
+}
+
+hangtime::model! {
+    /// A bob hangs on a winch, which swings it up.
+    Winch {
+        parameters { m: kg = 1, g: m/s^2 = 9.81 }
+        coordinates { r: m in 0.5..=1.5, theta: rad }
+        controls { f: N in 0..=40 }
+        let bob = (r*sin(theta), -r*cos(theta))
+        lagrangian m/2*|dot(bob)|^2 - m*g*bob.z
+        forces { r: -f }
+        minimize integral((f - m*g)^2)
+        finally { theta == 0.9 [rad], dot(theta) == 0 [rad/s] }
+        start { r: 1 [m], theta: 0.2 [rad] }
+        horizon 4 [s]
+    }
+}
+
+hangtime::model! {
+    /// The same between two walls that it stays away from.
+    WinchBetweenWalls {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, wide: m = 1.2 }
+        coordinates { r: m in 0.5..=1.5, theta: rad }
+        controls { f: N in 0..=40 }
+        let bob = (r*sin(theta), -r*cos(theta))
+        lagrangian m/2*|dot(bob)|^2 - m*g*bob.z
+        forces { r: -f }
+        surface left: bob.y >= -wide
+        surface right: bob.y <= wide
+        impact left, right: restitution 0.3
+        minimize integral((f - m*g)^2)
+        finally { theta == 0.9 [rad], dot(theta) == 0 [rad/s] }
+        start { r: 1 [m], theta: 0.2 [rad] }
+        horizon 4 [s]
+    }
+}
+
+#[test]
+fn walls_beside_a_body_that_falls_do_not_change_its_motion() {
+    // Nothing accelerates it towards a wall at the start but rounding errors, which programs must not be measured in.
+    let solved = |model: &dyn Model| {
+        let solution = support::attempt(model, 10, &Settings::default());
+        assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+        solution
+    };
+    let alone = solved(&Winch::default());
+    for wide in [1.2, 1.3] {
+        let between = WinchBetweenWalls {
+            wide,
+            ..WinchBetweenWalls::default()
+        };
+        let between = solved(&between);
+        let off = (between.objective - alone.objective).abs();
+        assert!(off < 1e-6 * alone.objective, "{wide} {}", between.objective);
+        let motion = between.motion.unwrap();
+        assert!(motion.events.is_empty(), "{:?}", motion.events);
+    }
 }

@@ -22,7 +22,11 @@ pub(in crate::ocp) fn with_forces(model: &dyn Model, state: Vec<f64>, drive: &[f
     x
 }
 
-/// Normal acceleration of a contact without its force, `n'a + curvature`, at an input vector.
+/// Share of its terms below which a normal acceleration is none, but rounding error.
+const ROUNDING: f64 = 1e-12;
+
+/// Normal acceleration of a contact without its force, `n'a + curvature`, at an input vector; 0 where its terms cancel up to
+/// rounding error, as of a wall beside a body that falls: programs are measured in it.
 pub(in crate::ocp) fn free_normal_acceleration(
     model: &dyn Model,
     contact: usize,
@@ -34,6 +38,14 @@ pub(in crate::ocp) fn free_normal_acceleration(
     model.contact(contact, x, &mut point);
     model.free_acceleration(x, &mut acceleration);
     let normal = &point[contact_point::NORMAL..][..n];
-    let along: f64 = normal.iter().zip(&acceleration).map(|(n, a)| n * a).sum();
-    along + point[contact_point::CURVATURE]
+    let along = normal.iter().zip(&acceleration).map(|(n, a)| n * a);
+    let terms = along.chain([point[contact_point::CURVATURE]]);
+    let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term| {
+        (sum + term, size + f64::abs(term))
+    });
+    if f64::abs(sum) > ROUNDING * size {
+        sum
+    } else {
+        0.0
+    }
 }

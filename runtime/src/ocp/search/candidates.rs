@@ -83,11 +83,14 @@ impl<'a> Search<'a, '_> {
     fn try_struck(&mut self, runner: &mut Runner, guess: &Trajectory) -> Result<(), InputError> {
         let setting = self.attempts.setting;
         let initially = modes_at_start(setting, guess);
+        // Where programs that fail are not left, further ones take too long.
+        let explores = runner.effort == Effort::Explore;
+        let most = if explores { MOST_STRUCK } else { STRUCK };
         for contact in 0..initially.len() {
             if !initially[contact].is_open() || setting.model.restitution(contact) == 0.0 {
                 continue;
             }
-            for times in 1..=MOST_STRUCK {
+            for times in 1..=most {
                 let before = self.least();
                 for shares in struck(times) {
                     self.try_struck_at(runner, guess, contact, &shares)?;
@@ -98,7 +101,7 @@ impl<'a> Search<'a, '_> {
                 }
             }
             for &share in EARLY_OR_LATE {
-                if self.least().is_infinite() {
+                if explores && self.least().is_infinite() {
                     self.try_struck_at(runner, guess, contact, &[share])?;
                 }
             }
