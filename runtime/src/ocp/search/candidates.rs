@@ -86,8 +86,8 @@ impl<'a> Search<'a, '_> {
         // Where programs that fail are not left, further ones take too long.
         let explores = runner.effort == Effort::Explore;
         let most = if explores { MOST_STRUCK } else { STRUCK };
-        for contact in 0..initially.len() {
-            if !initially[contact].is_open() || setting.model.restitution(contact) == 0.0 {
+        for (contact, mode) in initially.iter().enumerate() {
+            if !mode.is_open() || setting.model.restitution(contact) == 0.0 {
                 continue;
             }
             for times in 1..=most {
