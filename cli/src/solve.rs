@@ -121,6 +121,13 @@ fn tables(
     text += &ends(chosen.model.as_ref(), &motion.trajectory);
     text += &switches(chosen.model.declaration(), solution);
     text += &controls(chosen.model.declaration(), solution);
+    for excess in &solution.excess {
+        let _ = writeln!(
+            text,
+            "exceeded      `{}` by up to {:.1e} {}, at {:.6} s",
+            excess.name, excess.amount, excess.unit, excess.time
+        );
+    }
     let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
     text + &work(solution)
 }

@@ -1,7 +1,7 @@
 //! The JSON document of an optimal control problem.
 
 use hangtime::model::Model;
-use hangtime::ocp::{Formulation, Optimum, Settings, Solution, TimeFreezingReport};
+use hangtime::ocp::{Excess, Formulation, Optimum, Settings, Solution, TimeFreezingReport};
 use hangtime::rk::Scheme;
 use hangtime::simulation::{ProblemSize, Residuals, Seconds};
 use serde::Serialize;
@@ -95,6 +95,26 @@ impl TimeFreezingEntry {
     }
 }
 
+/// A violation between the places where a condition is imposed.
+#[derive(Serialize)]
+struct ExcessEntry<'a> {
+    name: &'a str,
+    amount: f64,
+    unit: &'a str,
+    time: f64,
+}
+
+impl<'a> ExcessEntry<'a> {
+    fn new(excess: &'a Excess) -> Self {
+        Self {
+            name: &excess.name,
+            amount: excess.amount,
+            unit: &excess.unit,
+            time: excess.time,
+        }
+    }
+}
+
 /// A distinct local optimum.
 #[derive(Serialize)]
 struct OptimumEntry<'a> {
@@ -152,6 +172,7 @@ pub(crate) struct SolutionDocument<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     time_freezing: Option<TimeFreezingEntry>,
     optima: Vec<OptimumEntry<'a>>,
+    excess: Vec<ExcessEntry<'a>>,
     notes: Vec<String>,
     quantities: QuantitiesEntry,
 }
@@ -219,6 +240,7 @@ impl<'a> SolutionDocument<'a> {
             seconds: solution.seconds,
             time_freezing: solution.time_freezing.as_ref().map(TimeFreezingEntry::new),
             optima: solution.optima.iter().map(OptimumEntry::new).collect(),
+            excess: solution.excess.iter().map(ExcessEntry::new).collect(),
             notes: note.into_iter().collect(),
             quantities: QuantitiesEntry::of(chosen.model.as_ref()),
         }

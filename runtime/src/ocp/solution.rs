@@ -128,10 +128,12 @@ impl Counts {
 /// A violation between the places where a condition is imposed, or by the forces of the re-simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Excess {
-    /// Name of the coordinate or path constraint.
+    /// Name of the coordinate, path constraint or condition on forces.
     pub name: String,
     /// By how much it leaves its bounds, in its unit.
     pub amount: f64,
+    /// That unit.
+    pub unit: String,
     /// When \[s\].
     pub time: f64,
 }
@@ -198,9 +200,10 @@ pub struct Solution {
     pub residuals: Residuals,
     /// (time \[s\], kind, contact) of the switches of the plan; a closing counts as an impact.
     pub planned_events: Vec<(f64, EventKind, usize)>,
-    /// Largest violation of a bound of a coordinate or of a path constraint along the whole plan, if there is any;
-    /// of the order of the tolerance unless bounds are asked for at the nodes only.
-    pub excess: Option<Excess>,
+    /// Largest violation of the bounds of each coordinate and of each path constraint along the whole plan, and of each condition on
+    /// forces or impulses by those of the re-simulation, where there is any; of the order of the tolerance unless bounds are asked
+    /// for at the nodes only, and of the order of the scheme for forces.
+    pub excess: Vec<Excess>,
     /// Distances that hold the plan back, the dearest first.
     pub margins: Vec<Margin>,
     /// Controls of each interval, all of equal length, or at each node where they are linear in between.
@@ -250,7 +253,7 @@ impl Solution {
             },
             planned_events: Vec::new(),
             margins: Vec::new(),
-            excess: None,
+            excess: Vec::new(),
             controls: Vec::new(),
             shape: ControlShape::default(),
             elements: Vec::new(),

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::{DIGITS, attempt, one_start, solve, time_freezing};
+use crate::support::{DIGITS, attempt, most_exceeded, one_start, solve, time_freezing};
 use hangtime::ocp::{self, Problem, Settings, Status, TimeFreezingSettings};
 use hangtime::simulation::EventKind;
 
@@ -37,11 +37,11 @@ fn least_time_of_a_lift_whose_floor_presses_within_bounds_is_that_of_its_largest
     let solution = solve(&Lift::default(), 4, &Settings::default());
     assert_eq!(solution.status, Status::Solved);
     close(solution.horizon, 2.0 * (12.0_f64 / 3.0).sqrt());
-    let motion = solution.motion.unwrap();
+    let motion = solution.motion.as_ref().unwrap();
     for force in &motion.trajectory.contact_force {
         assert!((489.999..=910.001).contains(&force[0]), "{force:?}");
     }
-    let excess = solution.excess.map_or(0.0, |excess| excess.amount);
+    let excess = most_exceeded(&solution);
     assert!(excess < 1e-6, "{excess}");
     // Who bears more is lifted by up to 11 m/s^2 and braked by 3, over times as 3 to 11.
     let lift = Lift {

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::{linear, one_start};
+use crate::support::{linear, most_exceeded, one_start};
 use hangtime::model::Model;
 use hangtime::ocp::{
     self, ControlShape, Formulation, Guess, Problem, Settings, Solution, Status,
@@ -132,7 +132,7 @@ fn coordinate_that_rests_on_its_bound_follows_the_closed_form() {
         // The objective is flat to second order.
         assert!((u[0] - expected).abs() < 1e-3, "{u:?} against {expected}");
     }
-    let excess = solution.excess.map_or(0.0, |excess| excess.amount);
+    let excess = most_exceeded(&solution);
     assert!(excess < DIGITS, "{excess}");
 }
 
@@ -167,7 +167,7 @@ fn path_constraint_on_linear_controls_holds_from_the_start_on() {
         "{:?}",
         solution.controls
     );
-    let excess = solution.excess.map_or(0.0, |excess| excess.amount);
+    let excess = most_exceeded(&solution);
     assert!(excess < DIGITS, "{excess}");
 }
 

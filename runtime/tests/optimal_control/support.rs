@@ -56,3 +56,9 @@ pub(crate) fn kinds(solution: &Solution) -> Vec<EventKind> {
     let events = solution.planned_events.iter();
     events.map(|event| event.1).collect()
 }
+
+/// The largest violation between the places where conditions are imposed.
+pub(crate) fn most_exceeded(solution: &Solution) -> f64 {
+    let amounts = solution.excess.iter().map(|excess| excess.amount);
+    amounts.fold(0.0, f64::max)
+}

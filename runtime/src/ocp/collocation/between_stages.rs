@@ -90,52 +90,63 @@ pub(in crate::ocp) fn between_stages(program: &Collocation, x: &[f64], limits: L
     found
 }
 
-/// The largest violation of a bound of a coordinate or of a path constraint along the whole motion.
-pub(in crate::ocp) fn excess(program: &Collocation, x: &[f64], limits: Limits) -> Option<Excess> {
+/// The largest violation of the bounds of each coordinate and of each path constraint along the whole motion, where there is any.
+pub(in crate::ocp) fn excess(program: &Collocation, x: &[f64], limits: Limits) -> Vec<Excess> {
     let declaration = program.model.declaration();
     let motion = DenseMotion::new(program, x);
-    let mut largest: Option<Excess> = None;
-    let mut look = |name: &str, value: &mut dyn FnMut(usize, f64) -> f64| {
-        for (phase, solved) in motion.solved.iter().enumerate() {
-            let (mut lowest, mut place) = (f64::INFINITY, 0.0);
-            for i in 0..=POINTS {
-                let theta = i as f64 / POINTS as f64;
-                let here = value(phase, theta);
-                if here < lowest {
-                    (lowest, place) = (here, theta);
-                }
-            }
-            let step = 1.0 / POINTS as f64;
-            let (from, to) = ((place - step).max(0.0), (place + step).min(1.0));
-            let known = largest.as_ref().map_or(0.0, |excess| excess.amount);
-            if -lowest > known - step * step {
-                let better = minimum(&mut |theta| value(phase, theta), from, to);
-                let refined = value(phase, better);
-                if refined < lowest {
-                    (lowest, place) = (refined, better);
-                }
-            }
-            if -lowest > known {
-                largest = Some(Excess {
-                    name: name.to_owned(),
-                    amount: -lowest,
-                    time: solved.start + place * solved.length,
-                });
-            }
-        }
+    let mut found = Vec::new();
+    let mut look = |[name, unit]: [&str; 2], value: &mut dyn FnMut(usize, f64) -> f64| {
+        let worst = worst(&motion, value);
+        found.extend(worst.map(|(amount, time)| Excess {
+            name: name.to_owned(),
+            amount,
+            unit: unit.to_owned(),
+            time,
+        }));
     };
     for (k, coordinate) in declaration.coordinates.iter().enumerate() {
         let bounds = (limits.setting.bounds.0[k], limits.setting.bounds.1[k]);
         if bounds != (f64::NEG_INFINITY, f64::INFINITY) {
-            look(coordinate.name, &mut motion.inside(k, bounds));
+            let names = [coordinate.name, coordinate.unit];
+            look(names, &mut motion.inside(k, bounds));
         }
     }
-    for constraint in 0..motion.constraints().len() {
-        let declared = declaration.optimal_control;
-        let name = declared.map_or("", |d| d.constraints[constraint].name);
-        look(name, &mut motion.path(constraint));
+    let constraints = declaration
+        .optimal_control
+        .map_or(&[][..], |d| d.constraints);
+    for (k, constraint) in constraints.iter().enumerate() {
+        look([constraint.name, constraint.unit], &mut motion.path(k));
     }
-    largest
+    found
+}
+
+/// By how much a value of a place in a phase is below 0, where it is so the most, and when that is; nothing where it never is.
+fn worst(motion: &DenseMotion, value: &mut dyn FnMut(usize, f64) -> f64) -> Option<(f64, f64)> {
+    let mut most: Option<(f64, f64)> = None;
+    for (phase, solved) in motion.solved.iter().enumerate() {
+        let (mut lowest, mut place) = (f64::INFINITY, 0.0);
+        for i in 0..=POINTS {
+            let theta = i as f64 / POINTS as f64;
+            let here = value(phase, theta);
+            if here < lowest {
+                (lowest, place) = (here, theta);
+            }
+        }
+        let step = 1.0 / POINTS as f64;
+        let (from, to) = ((place - step).max(0.0), (place + step).min(1.0));
+        let known = most.map_or(0.0, |(amount, _)| amount);
+        if -lowest > known - step * step {
+            let better = minimum(&mut |theta| value(phase, theta), from, to);
+            let refined = value(phase, better);
+            if refined < lowest {
+                (lowest, place) = (refined, better);
+            }
+        }
+        if -lowest > known {
+            most = Some((-lowest, solved.start + place * solved.length));
+        }
+    }
+    most
 }
 
 /// Flights that pass a jump of the controls so shortly after their opening that they are still on the surface,

@@ -50,16 +50,22 @@ pub(super) fn violated(conditions: &[Looked]) -> Option<String> {
     })
 }
 
-/// The largest violation, if there is one that exceeds another.
-pub(super) fn excess(conditions: &[Looked], other: Option<Excess>) -> Option<Excess> {
-    let found = conditions.iter().map(|looked| Excess {
-        name: looked.declared.name.to_owned(),
-        amount: looked.violation,
-        time: looked.time,
-    });
-    let all = other.into_iter().chain(found);
-    all.filter(|excess| excess.amount > 0.0)
-        .reduce(|a, b| if b.amount > a.amount { b } else { a })
+/// The violations of a plan with those of its re-simulation: the larger one of each condition.
+pub(super) fn excess(conditions: &[Looked], mut all: Vec<Excess>) -> Vec<Excess> {
+    for looked in conditions.iter().filter(|looked| looked.violation > 0.0) {
+        let found = Excess {
+            name: looked.declared.name.to_owned(),
+            amount: looked.violation,
+            unit: looked.declared.unit.to_owned(),
+            time: looked.time,
+        };
+        match all.iter_mut().find(|known| known.name == found.name) {
+            Some(known) if known.amount < found.amount => *known = found,
+            Some(_) => {}
+            None => all.push(found),
+        }
+    }
+    all
 }
 
 /// The conditions on forces and impulses in the re-simulation of a plan; none for scenes without.

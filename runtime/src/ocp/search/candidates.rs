@@ -119,14 +119,12 @@ impl<'a> Search<'a, '_> {
         shares: &[f64],
     ) -> Result<(), InputError> {
         let setting = self.attempts.setting;
-        let candidate = struck_at(setting, guess, contact, shares);
-        let few = shares.len() <= STRUCK;
-        let lifting = few.then(|| lifting_others(setting, &candidate));
-        self.try_candidate(runner, candidate, true)?;
-        match lifting.flatten() {
-            Some(lifting) => self.try_candidate(runner, lifting, true),
-            None => Ok(()),
+        let struck = struck_at(setting, guess, contact, shares);
+        let lifting = lifting_others(setting, &struck).filter(|_| shares.len() <= STRUCK);
+        for candidate in std::iter::once(struck).chain(lifting) {
+            self.try_candidate(runner, candidate, true)?;
         }
+        Ok(())
     }
 
     /// Objective of the best local optimum so far, infinite without any.
