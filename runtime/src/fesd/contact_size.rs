@@ -30,6 +30,14 @@ pub(crate) struct ContactSize {
 }
 
 impl ContactSize {
+    /// That of terms of a gap with this rounding error.
+    pub(super) fn of_rounding_error(error: f64) -> Self {
+        Self {
+            gap: error / f64::EPSILON,
+            ..Self::default()
+        }
+    }
+
     /// Grows to sizes seen elsewhere.
     pub(super) fn include(&mut self, other: Self) {
         let larger = |a: f64, b: f64| if b.is_finite() { a.max(b) } else { a };

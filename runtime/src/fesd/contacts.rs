@@ -7,6 +7,7 @@
 use super::active_contact::{ActiveContact, Tangential};
 use super::contact_size::ContactSize;
 use crate::linalg::{dense, lcp};
+use crate::model::rounding::rounding_error_at_start;
 use crate::model::{
     Model, Pieces, contact_point, contains_ground, friction_coefficients, surfaces, tangent_point,
 };
@@ -262,6 +263,17 @@ impl<'a> Contacts<'a> {
         for i in 0..self.sizes.len() {
             let size = self.size_at(x, i);
             self.sizes[i].include(size);
+        }
+    }
+
+    /// Remembers what the measured rounding errors of the gaps at the start `x` say of the sizes of their terms, which may cancel inside
+    /// of the model. The `moment` is short beside the motion.
+    pub(crate) fn remember_rounding_at_start(&mut self, x: &[f64], moment: f64) {
+        self.evaluate(x, 0..self.sizes.len());
+        for i in 0..self.sizes.len() {
+            let gap = |x: &[f64]| self.pieces.gap(self.model, i, x);
+            let error = rounding_error_at_start(x, &self.acceleration, moment, gap);
+            self.sizes[i].include(ContactSize::of_rounding_error(error));
         }
     }
 

@@ -41,6 +41,7 @@ mod control_piece;
 mod declaration;
 mod picture;
 mod pieces;
+pub(crate) mod rounding;
 
 pub(crate) use control_piece::ControlPiece;
 pub(crate) use pieces::{Pieces, bouncing_edge, edge};

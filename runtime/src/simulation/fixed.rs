@@ -286,7 +286,7 @@ impl<'a> FixedRun<'a> {
         };
         self.dynamics.load(t, &self.y);
         self.dynamics.choose_pieces();
-        self.dynamics.observe_rounding(t, &self.y, h);
+        self.dynamics.observe_rounding(t, &self.y, h, false);
         let impact = velocity_jump::impact(&mut self.dynamics, t, &mut self.y, None, lowest)
             .map_err(|problem| self.undetermined(t, problem))?;
         self.y[2 * n] += impact.impulse / self.settings.auxiliary_acceleration;

@@ -1,11 +1,16 @@
 //! The initial value problem that every simulator takes, and the checks that come before it.
 
 use crate::InputError;
+use crate::model::rounding::rounding_error_at_start;
 use crate::model::{ContactDeclaration, ControlPiece, ImpactLaw, Model, contact_point};
 use crate::refusal;
 
 /// Gaps above `-GAP_TOLERANCE` times the size of their terms count as "on the surface".
 const GAP_TOLERANCE: f64 = 1e-9;
+/// So do gaps above minus so many rounding errors, of terms that cancel inside of the model.
+const ROUNDINGS: f64 = 64.0;
+/// Share of the horizon that is short beside any motion.
+pub(in crate::simulation) const GLANCE: f64 = 1e-7;
 
 /// Horizons \[s\] of which a share, and the square of a share, is still a number of full precision.
 const HORIZONS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
@@ -243,6 +248,14 @@ impl InitialValueProblem {
         self.check_contacts(model, &x)
     }
 
+    /// Rounding error of a gap at the start `x`.
+    fn gap_rounding(&self, model: &dyn Model, contact: usize, x: &[f64]) -> f64 {
+        let mut a = vec![0.0; self.q.len()];
+        model.free_acceleration(x, &mut a);
+        let moment = GLANCE * self.horizon;
+        rounding_error_at_start(x, &a, moment, |x| model.gap(contact, x))
+    }
+
     /// Checks gaps and coefficients at the start `x`.
     fn check_contacts(&self, model: &dyn Model, x: &[f64]) -> Result<(), InputError> {
         let declaration = model.declaration();
@@ -259,7 +272,8 @@ impl InitialValueProblem {
                 .iter()
                 .map(|&other| model.gap(other, x));
             let largest = others.all(|other| other <= gap);
-            if largest && gap < -GAP_TOLERANCE * terms.sum::<f64>() {
+            let inside = largest && gap < -GAP_TOLERANCE * terms.sum::<f64>();
+            if inside && gap < -ROUNDINGS * self.gap_rounding(model, i, x) {
                 return Err(InputError::new(format!(
                     "start inside the ground (E08): gap `{}` = {gap:e} {} < 0; start at gap >= 0, or write the surface \
                      with the other sign if the free side is meant to be there",

@@ -298,3 +298,57 @@ fn field_that_ends_stops_the_run_with_a_diagnosis() {
     let at_once = run(&accurate(), &model, &start(&[2.0], &[1.0], 5.0));
     assert!(matches!(at_once.status, SimulationStatus::NotFinite(_)));
 }
+
+hangtime::model! {
+    /// A bead in a trough whose height is given by terms that cancel near its lowest point.
+    pub Trough {
+        parameters { depth: m = 0.4, k: 1/m = 2, g: m/s^2 = 9.81 }
+        coordinates { y: m, z: m }
+        lagrangian |dot((y, z))|^2/2*1[kg] - 1[kg]*g*z
+        surface ground: z >= depth*(1 - cos(k*y))
+        impact ground: inelastic
+        horizon 0.1 [s]
+    }
+}
+
+#[test]
+fn start_on_a_surface_whose_gap_is_a_rounding_error_of_cancelling_terms_is_in_contact() {
+    let trough = Trough::default();
+    let declared = InitialValueProblem::of(&trough, None).unwrap();
+    let (depth, k) = (trough.depth, trough.k);
+    let mut above = 0;
+    for i in 0..60 {
+        // The same height by another formula, which does not cancel.
+        let y = 1e-6 * 1.2_f64.powi(i);
+        let z = 2.0 * depth * (0.5 * k * y).sin().powi(2);
+        above += usize::from(z > depth * (1.0 - (k * y).cos()));
+        let v = vec![-0.3, -0.3 * depth * k * (k * y).sin()];
+        let problem = InitialValueProblem {
+            q: vec![y, z],
+            v,
+            ..declared.clone()
+        };
+        let methods: [&dyn Simulator; 4] = [
+            &EventDriven::default(),
+            &EventDriven {
+                tolerance: 1e-6,
+                ..EventDriven::default()
+            },
+            &Fesd::default().with_tolerance(1e-12),
+            &Fesd::default(),
+        ];
+        let ends = methods.map(|method| {
+            let motion = run(method, &trough, &problem);
+            assert_eq!(motion.status, SimulationStatus::Solved, "{y}");
+            let events: Vec<_> = motion.events.iter().map(|event| event.kind).collect();
+            assert_eq!(events, [], "{y}");
+            let trajectory = &motion.trajectory;
+            [&trajectory.q[..], &trajectory.v].map(|values| values.last().unwrap().clone())
+        });
+        for end in &ends[1..] {
+            let far = distance(&end.concat(), &ends[0].concat());
+            assert!(far < 1e-6, "{y}: {far}");
+        }
+    }
+    assert!(above > 20, "{above}");
+}

@@ -398,7 +398,8 @@ impl<'a> Integration<'a> {
             skipped: self.counts.repeats / PATIENCE,
         };
         let vanished = self.pass_edge(vanished);
-        self.dynamics.observe_rounding(self.t, &self.y, self.h);
+        self.dynamics
+            .observe_rounding(self.t, &self.y, self.h, at_start);
         let impact = self.impact(vanished)?;
         if at_start && !impact.struck.is_empty() {
             let after = self.y[n..2 * n].to_vec();

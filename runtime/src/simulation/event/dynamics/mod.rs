@@ -13,6 +13,7 @@ pub(in crate::simulation) mod switching;
 pub(in crate::simulation) use switch::Switch;
 
 use super::contact_state::{ContactState, Direction};
+use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
     ControlPiece, Model, Pieces, contact_point, contains_ground, surfaces, tangent_point,
 };
@@ -508,19 +509,33 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// Measures the rounding errors of all gaps around a state.
-    pub(in crate::simulation) fn observe_rounding(&mut self, t: f64, y: &[f64], moment: f64) {
+    /// Measures the rounding errors of all gaps around a state, which may be that `at_start`.
+    pub(in crate::simulation) fn observe_rounding(
+        &mut self,
+        t: f64,
+        y: &[f64],
+        moment: f64,
+        at_start: bool,
+    ) {
         self.observe(t, y, moment);
         let n = self.n;
         for i in 0..self.contacts {
-            let gaps = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|multiple| {
-                let instant = Instant::new(&y[..2 * n], &self.evaluated.acceleration, moment);
-                for k in 0..n {
-                    self.evaluated.x[k] = instant.moved(k, multiple);
-                }
-                self.gap(i)
-            });
-            self.scales[i].observe_rounding(gaps);
+            let (pieces, model) = (&self.pieces, self.model);
+            let a = &self.evaluated.acceleration;
+            let x = &mut self.evaluated.x;
+            x[..2 * n].copy_from_slice(&y[..2 * n]);
+            let error = if at_start {
+                rounding_error_at_start(x, a, moment, |x| pieces.gap(model, i, x))
+            } else {
+                rounding_error(|share| {
+                    let instant = Instant::new(&y[..2 * n], a, moment);
+                    for (k, x) in x[..n].iter_mut().enumerate() {
+                        *x = instant.moved(k, share);
+                    }
+                    pieces.gap(model, i, x)
+                })
+            };
+            self.scales[i].observe_rounding(error);
         }
         self.load(t, y);
     }

@@ -15,12 +15,6 @@ const TURNS: f64 = 4.0;
 /// A flight lower than this share of the range of the gap is none. It ends the geometric sequence of impacts of,
 /// for example, a rocking block.
 const LOWEST_FLIGHT: f64 = 1e-14;
-/// Share of the motion of a moment by which points are apart from which the rounding error of a gap is measured:
-/// what is smooth leaves the fourth power of it in fourth differences.
-const APART: f64 = 1e-4;
-/// Fourth differences of numbers with an error of one have errors of this size, `sqrt(70)`.
-const FOURTH_DIFFERENCE: f64 = 8.366_600_265_340_756;
-
 /// Sizes at one contact, measured along the motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ContactScale {
@@ -65,10 +59,10 @@ impl<'a> Instant<'a> {
             .sum()
     }
 
-    /// A multiple of what the coordinate `k` moves in a small part of the moment.
-    pub(super) fn moved(&self, k: usize, multiple: f64) -> f64 {
+    /// The coordinate `k` after a share of what it moves in the moment.
+    pub(super) fn moved(&self, k: usize, share: f64) -> f64 {
         let speed = self.v[k] + self.moment * self.a[k];
-        self.q[k] + multiple * APART * self.moment * speed
+        self.q[k] + share * self.moment * speed
     }
 }
 
@@ -120,13 +114,9 @@ impl ContactScale {
         };
     }
 
-    /// Takes note of gaps at five points at equal distances along the motion: what is left of their fourth
-    /// difference is rounding error (More, Wild, *Estimating computational noise*, 2011).
-    pub(super) fn observe_rounding(&mut self, gaps: [f64; 5]) {
-        let [a, b, c, d, e] = gaps;
-        let difference = a - 4.0 * b + 6.0 * c - 4.0 * d + e;
-        // NaN leaves what is known.
-        self.rounding = self.rounding.max(difference.abs() / FOURTH_DIFFERENCE);
+    /// Takes note of a measured rounding error of the gap; NaN leaves what is known.
+    pub(super) fn observe_rounding(&mut self, error: f64) {
+        self.rounding = self.rounding.max(error);
     }
 
     /// Range of the values of the gap so far.
