@@ -50,6 +50,9 @@ pub enum Guess {
     Perturbed(u64),
     /// The simulated motion under random controls, which change a few times, from this seed.
     Random(u64),
+    /// Simulated motions under the largest and smallest controls and those at rest, of many the few that end nearest to the
+    /// goals: for goals that take several swings. [`Straight`](Self::Straight) for the time-freezing formulation.
+    Reachable,
     /// The motion of an earlier [`Solution`](super::Solution) of the same scene, for other parameters or another
     /// number of intervals. Its contact sequence is tried first; there is no global search unless that fails.
     Previous(Box<Previous>),

@@ -18,3 +18,4 @@ mod refinement;
 mod scaling;
 mod sizes;
 mod support;
+mod swings;

@@ -57,6 +57,23 @@ pub(in crate::ocp) fn targets(problem: &Problem, model: &dyn Model) -> Vec<Optio
     targets
 }
 
+/// What is missing from each goal at `(q, v, T)`: its value where it is to be 0, its negative part where it is to be
+/// at least 0.
+pub(in crate::ocp) fn goal_values(model: &dyn Model, z: &[f64]) -> Vec<f64> {
+    let mut values = Vec::new();
+    if let Some(declared) = model.declaration().optimal_control {
+        let mut all = vec![0.0; declared.terminal_functions()];
+        let mut z = z.to_vec();
+        z.resize(model.declaration().terminal_inputs(), 0.0);
+        model.terminal_functions(&z, &mut all);
+        let own = &all[usize::from(declared.final_cost)..];
+        let goals = declared.goals.iter().zip(own);
+        values
+            .extend(goals.map(|(goal, &value)| if goal.equality { value } else { value.min(0.0) }));
+    }
+    values
+}
+
 /// Moves `z = (q, v, T)`, and what terminal functions read of contacts behind it, by shortest Newton steps towards fulfilling the terminal conditions.
 fn approach(model: &dyn Model, declared: &OptimalControlDeclaration, z: &mut [f64]) {
     let first = usize::from(declared.final_cost);

@@ -3,6 +3,7 @@
 use hangtime_solver::mpcc::Stationarity;
 
 use super::attempt::{Attempt, Attempts, Local, Purpose};
+use super::reach::reachable;
 use super::repair::{Repaired, repair};
 use super::replay::{read_replay, simulate};
 use crate::ocp::collocation::discretization::Setting;
@@ -76,6 +77,18 @@ impl<'a> Search<'a, '_> {
                 self.try_time_freezing(runner, formulation, guess, simulated)
             }
         }
+    }
+
+    /// The same of motions to states that controls can lead to, the one that ends nearest to the goals first, until one leads to a
+    /// local optimum.
+    pub(in crate::ocp) fn try_reachable(&mut self, runner: &mut Runner) -> Result<(), InputError> {
+        for candidate in reachable(self.attempts.setting, runner.settings.replay_tolerance)? {
+            if self.found.optima.is_empty() && !runner.stopped() {
+                self.attempts.forget();
+                self.try_candidate(runner, candidate, false)?;
+            }
+        }
+        Ok(())
     }
 
     /// The same of motions like the guess in which a contact that bounces is struck a few times: how often, no simulation under

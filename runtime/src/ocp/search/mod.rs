@@ -9,6 +9,7 @@ mod edge_neighbours;
 pub(in crate::ocp) mod friction_neighbours;
 pub(in crate::ocp) mod neighbours;
 pub(in crate::ocp) mod pressure;
+pub(in crate::ocp) mod reach;
 pub(in crate::ocp) mod repair;
 pub(in crate::ocp) mod replay;
 pub(in crate::ocp) mod ride;

@@ -6,6 +6,7 @@ use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::model_input::drive;
+use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::simulation::{EventDriven, InputError, SimulationStatus, simulate_once};
 
@@ -103,10 +104,10 @@ fn nearest_end(setting: Setting, states: &[Vec<f64>]) -> Option<End> {
     let mut nearest: Option<End> = None;
     let inside = |state: &Vec<f64>| state.last().is_some_and(|time| *time >= range.shortest);
     for (index, state) in states.iter().enumerate().filter(|(_, state)| inside(state)) {
-        let after = goal_values(setting, state);
+        let after = goal_values(setting.model, state);
         let mut ends = vec![end_of(setting, state.clone(), None)];
         if let Some(state_before) = index.checked_sub(1).map(|before| &states[before]) {
-            let before = goal_values(setting, state_before);
+            let before = goal_values(setting.model, state_before);
             let crossed = |k: &usize| before[*k] * after[*k] < 0.0;
             for k in (0..after.len()).filter(crossed) {
                 let share = before[k] / (before[k] - after[k]);
@@ -131,7 +132,7 @@ fn nearest_end(setting: Setting, states: &[Vec<f64>]) -> Option<End> {
 
 /// A state as an end of the ride; the goal `met` is fulfilled there by continuity.
 fn end_of(setting: Setting, state: Vec<f64>, met: Option<usize>) -> End {
-    let values = goal_values(setting, &state);
+    let values = goal_values(setting.model, &state);
     let others = values
         .iter()
         .enumerate()
@@ -145,26 +146,8 @@ fn end_of(setting: Setting, state: Vec<f64>, met: Option<usize>) -> End {
     }
 }
 
-/// What is missing from each goal at `(q, v, T)`: its value where it is to be 0, its negative part where it is to be
-/// at least 0.
-fn goal_values(setting: Setting, z: &[f64]) -> Vec<f64> {
-    let model = setting.model;
-    let mut values = Vec::new();
-    if let Some(declared) = model.declaration().optimal_control {
-        let mut all = vec![0.0; declared.terminal_functions()];
-        let mut z = z.to_vec();
-        z.resize(model.declaration().terminal_inputs(), 0.0);
-        model.terminal_functions(&z, &mut all);
-        let own = &all[usize::from(declared.final_cost)..];
-        let goals = declared.goals.iter().zip(own);
-        values
-            .extend(goals.map(|(goal, &value)| if goal.equality { value } else { value.min(0.0) }));
-    }
-    values
-}
-
 /// Whether a state of the ride keeps the bounds and the path constraints.
-fn is_within(setting: Setting, z: &[f64], controls: &[f64]) -> bool {
+pub(super) fn is_within(setting: Setting, z: &[f64], controls: &[f64]) -> bool {
     let Setting {
         model,
         problem,

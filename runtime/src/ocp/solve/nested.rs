@@ -16,7 +16,7 @@ use crate::Observer;
 use crate::model::Model;
 use crate::ocp::effort::Effort;
 use crate::ocp::problem::Problem;
-use crate::ocp::settings::Settings;
+use crate::ocp::settings::{Guess, Settings};
 use crate::ocp::solution::{Solution, Status};
 use crate::simulation::InputError;
 
@@ -183,8 +183,16 @@ fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Resul
     let failed =
         !matches!(rank(&best.solution).0, 0 | 1) && best.solution.status != Status::Unbounded;
     *found = if failed && !task.observer.stopped() {
-        let other = task.solve_from(0, task.settings, Effort::Certify)?;
+        let mut other = task.solve_from(0, task.settings, Effort::Certify)?;
         seen.push(other.clone());
+        if !is_better(&other, &best) && task.settings.starts() > 1 {
+            let settings = Settings {
+                guess: Guess::Reachable,
+                ..task.settings.clone()
+            };
+            other = task.solve_from(0, &settings, Effort::Certify)?;
+            seen.push(other.clone());
+        }
         vec![if is_better(&other, &best) {
             other
         } else {

@@ -20,7 +20,7 @@ use crate::ocp::progress::Watch;
 use crate::ocp::search::attempt::{Attempts, Local, Visited};
 use crate::ocp::search::candidates::{Found, Search};
 use crate::ocp::search::ride::ride;
-use crate::ocp::settings::{Guess, Settings};
+use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Status};
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
@@ -256,6 +256,11 @@ fn find(
         && let Some(candidate) = coarse_to_fine::on_this_grid(runner, setting, guessed)?
     {
         search.try_candidate(runner, candidate, true)?;
+    }
+    let reaches = settings.guess == Guess::Reachable && settings.formulation == Formulation::Phases;
+    if reaches && coarser.is_none() {
+        search.try_reachable(runner)?;
+        return Ok(false);
     }
     // Without a previous motion, or too far from it: search.
     let none = search.found.optima.is_empty();

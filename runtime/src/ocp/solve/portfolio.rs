@@ -3,7 +3,8 @@
 //! Programs on a coarse grid are small, so that many starts cost less than one program of the grid asked for. Starts are
 //! solved in batches of a fixed size, each start by itself: what comes out does not depend on the number of threads. A
 //! start ends where one of an earlier batch was before, which makes those cheap that bring nothing new; after the first
-//! batch every second one begins at the best motion so far, bent out of shape, which finds what random motions seldom do.
+//! batch every second one begins at the best motion so far, bent out of shape, which finds what random motions seldom do. Where that
+//! batch has no motion at all, the next one begins with those that simulated controls lead nearest to the goals.
 
 use rayon::prelude::*;
 
@@ -51,14 +52,18 @@ pub(super) fn explore(task: &Task, starts: usize) -> Result<Vec<Found>, InputErr
         let batch = all.len()..starts.min(end);
         let best = best(&all);
         let runs = batch.into_par_iter().map(|start| {
-            let settings = member(task.settings, start);
+            let settings = member(task.settings, start, best.is_some());
             let near = best.filter(|_| looks_near_the_best(start));
             let near = near.and_then(|best| best.solution.previous.clone());
             let known = Known {
                 near: near.map(|near| (near, BENDS[start / 2 % BENDS.len()])),
                 ..known.from(start)
             };
-            task.solve_after(&settings, Effort::Explore, known)
+            let effort = match settings.guess {
+                Guess::Reachable => Effort::Certify,
+                _ => Effort::Explore,
+            };
+            task.solve_after(&settings, effort, known)
         });
         let runs = runs.collect::<Result<Vec<_>, _>>()?;
         for (found, trace) in runs {
@@ -116,11 +121,12 @@ fn looks_near_the_best(start: usize) -> bool {
 }
 
 /// The settings of a start; the guess of the first one is the caller's. Those near the best have a guess as well: there may be
-/// none yet.
-fn member(settings: &Settings, start: usize) -> Settings {
+/// none yet. Where the first batch has not `found` a motion, one looks for states that controls can lead to.
+fn member(settings: &Settings, start: usize, found: bool) -> Settings {
     let guess = match start {
         0 => settings.guess.clone(),
         2 => Guess::Ride,
+        4 if !found => Guess::Reachable,
         4 => Guess::Rest,
         5 => Guess::Perturbed(start as u64),
         _ => Guess::Random(start as u64),

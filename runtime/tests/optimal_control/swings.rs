@@ -1,0 +1,58 @@
+//! Goals that no control reaches at once: motions that gain energy in swings.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+use crate::support::attempt;
+use hangtime::ocp::{Settings, Solution, Status};
+
+hangtime::model! {
+    /// A bead in a trough is to come to rest at the lowest point of the next one. Its push is half of what holds it on the
+    /// steepest part of the hill in between.
+    Troughs {
+        parameters { g: m/s^2 = 9.81, depth: m = 0.4, k: 1/m = 2, most: N = 4, far: m = 3.141_592_653_589_793 }
+        coordinates { y: m, z: m }
+        controls { push: N in -most..=most }
+        lagrangian 1[kg]*(|dot((y, z))|^2/2 - g*z)
+        surface ground: z >= depth*(1 - cos(k*y))
+        impact ground: inelastic
+        forces { y: push }
+        minimize time
+        finally { y == far, dot(y) == 0 }
+        start { y: 0, z: 0 }
+        horizon 3 [s]
+    }
+}
+
+/// Whether the re-simulation is at rest at the goal, having been behind its start on the way.
+fn swung(solution: &Solution) {
+    let motion = &solution.motion.as_ref().unwrap().trajectory;
+    let (q, v) = (motion.q.last().unwrap(), motion.v.last().unwrap());
+    assert!((q[0] - 3.141_592_653_589_793).abs() < 1e-6, "{q:?}");
+    assert!(v[0].abs() < 1e-5, "{v:?}");
+    let behind = motion.q.iter().map(|q| q[0]).fold(0.0, f64::min);
+    assert!(behind < -0.3, "{behind}");
+}
+
+#[test]
+fn bead_with_a_weak_push_swings_over_the_hill_into_the_next_trough() {
+    let troughs = Troughs::default();
+    // What the push does over both slopes is less than the height of the hill takes, so that it has to swing.
+    let (push, hill) = (troughs.most * troughs.far / 2.0, 9.81 * 2.0 * troughs.depth);
+    assert!(push < hill);
+    let solution = attempt(&troughs, 10, &Settings::default());
+    assert_eq!(solution.status, Status::Solved);
+    swung(&solution);
+}
+
+#[test]
+#[ignore = "long"]
+fn finer_grids_do_not_lose_the_swing_of_a_coarser_one() {
+    let mut before = f64::INFINITY;
+    for intervals in [10, 20, 40] {
+        let solution = attempt(&Troughs::default(), intervals, &Settings::default());
+        assert_eq!(solution.status, Status::Solved, "{intervals}");
+        swung(&solution);
+        assert!(solution.objective <= before * (1.0 + 1e-6), "{intervals}");
+        before = solution.objective;
+    }
+}
