@@ -185,7 +185,8 @@ fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Resul
     *found = if failed && !task.observer.stopped() {
         let mut other = task.solve_from(0, task.settings, Effort::Certify)?;
         seen.push(other.clone());
-        if !is_better(&other, &best) && task.settings.starts() > 1 {
+        let explored = task.problem.intervals <= COARSE || task.settings.starts() == 1;
+        if rank(&other.solution).0 > 1 && !explored {
             let settings = Settings {
                 guess: Guess::Reachable,
                 ..task.settings.clone()

@@ -59,11 +59,7 @@ pub(super) fn explore(task: &Task, starts: usize) -> Result<Vec<Found>, InputErr
                 near: near.map(|near| (near, BENDS[start / 2 % BENDS.len()])),
                 ..known.from(start)
             };
-            let effort = match settings.guess {
-                Guess::Reachable => Effort::Certify,
-                _ => Effort::Explore,
-            };
-            task.solve_after(&settings, effort, known)
+            task.solve_after(&settings, Effort::Explore, known)
         });
         let runs = runs.collect::<Result<Vec<_>, _>>()?;
         for (found, trace) in runs {
