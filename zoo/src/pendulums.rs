@@ -69,7 +69,7 @@ hangtime::model! {
     pub AcrobotStops {
         parameters { g = 9.81, reach = 1.4 }
         coordinates { shoulder, elbow }
-        controls { torque in -15..=15 }
+        controls { torque in -20..=20 }
         let knee = (sin(shoulder), -cos(shoulder))
         let tip = (knee.y + sin(shoulder + elbow), knee.z - cos(shoulder + elbow))
         lagrangian |dot(knee)|^2/2 + |dot(tip)|^2/2 - g*(knee.z + tip.z)
@@ -79,7 +79,7 @@ hangtime::model! {
         impact low, high: inelastic
         minimize integral(torque^2)
         finally { tip.z == 1 }
-        horizon 4
+        horizon 8
     }
 }
 
