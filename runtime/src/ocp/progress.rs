@@ -35,6 +35,14 @@ impl<'o> Watch<'o> {
         self.progress.best = best;
     }
 
+    /// Reports work on something other than a program; `false` stops it.
+    pub(in crate::ocp) fn goes_on(&mut self, step: &'static str) -> bool {
+        self.progress.step = step;
+        self.progress.seconds = self.start.elapsed().as_secs_f64();
+        self.stopped |= !(self.observer)(&self.progress);
+        !self.stopped
+    }
+
     /// Reports an iteration of a program with the objective in that unit; `false` stops it.
     pub(in crate::ocp) fn iteration(&mut self, info: &IterationInfo, unit: f64) -> bool {
         self.progress.iterations = self.before + info.iteration;

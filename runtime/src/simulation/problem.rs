@@ -253,7 +253,9 @@ impl InitialValueProblem {
         let mut a = vec![0.0; self.q.len()];
         model.free_acceleration(x, &mut a);
         let moment = GLANCE * self.horizon;
-        rounding_error_at_start(x, &a, moment, |x| model.gap(contact, x))
+        let error = rounding_error_at_start(x, &a, moment, |x| model.gap(contact, x));
+        // NaN where the gap has no value nearby.
+        error.max(0.0)
     }
 
     /// Checks gaps and coefficients at the start `x`.

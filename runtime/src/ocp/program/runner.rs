@@ -93,6 +93,11 @@ impl<'s> Runner<'s> {
         self.watch.stopped
     }
 
+    /// Reports work on something other than a program; `false` if the observer asks to stop.
+    pub(in crate::ocp) fn goes_on(&mut self, step: &'static str) -> bool {
+        self.watch.goes_on(step)
+    }
+
     /// Whether the observer has asked to stop, or the programs are used up.
     pub(in crate::ocp) fn is_exhausted(&self) -> bool {
         self.watch.stopped || self.counts.programs >= self.most_programs

@@ -82,7 +82,7 @@ impl<'a> Search<'a, '_> {
     /// The same of motions to states that controls can lead to, the one that ends nearest to the goals first, until one leads to a
     /// local optimum.
     pub(in crate::ocp) fn try_reachable(&mut self, runner: &mut Runner) -> Result<(), InputError> {
-        for candidate in reachable(self.attempts.setting, runner.settings.replay_tolerance)? {
+        for candidate in reachable(runner, self.attempts.setting)? {
             if self.found.optima.is_empty() && !runner.stopped() {
                 self.attempts.forget();
                 self.try_candidate(runner, candidate, false)?;

@@ -16,6 +16,7 @@ use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::targets::{goal_values, horizon_guess};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Horizon;
+use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Guess;
 use crate::simulation::{ControlSignal, EventDriven, InputError, SimulationStatus, simulate_once};
 
@@ -23,8 +24,9 @@ use crate::simulation::{ControlSignal, EventDriven, InputError, SimulationStatus
 const STEPS: usize = 20;
 /// Longest motion where the final time is free, relative to its guess.
 const LONGEST: f64 = 4.0;
-/// States that are kept after each step.
-const KEPT: usize = 1000;
+/// Most motions that are simulated on a step: the product of the states that are kept after the one before it and the controls that
+/// are tried.
+const SIMULATED: usize = 3000;
 /// Finest cells of the range of a state, and how many there are of the next coarser ones.
 const FINEST: f64 = 64.0;
 const COARSER: f64 = 0.8;
@@ -70,8 +72,8 @@ struct Reach<'a> {
 /// The motions that end nearest to the goals, the nearest first; none where the model depends on time, without controls, or
 /// without goals.
 pub(in crate::ocp) fn reachable(
+    runner: &mut Runner,
     setting: Setting,
-    tolerance: f64,
 ) -> Result<Vec<Candidate>, InputError> {
     let Setting { model, problem, .. } = setting;
     let choices = choices(setting)?;
@@ -96,12 +98,15 @@ pub(in crate::ocp) fn reachable(
         layers: vec![vec![start]],
     };
     for _ in 0..steps {
+        if !runner.goes_on("reachable states") {
+            return Ok(Vec::new());
+        }
         let next = reach.one_step_on();
         reach.layers.push(next);
     }
     let mut found = Vec::new();
     for end in reach.nearest(fewest) {
-        found.extend(reach.candidate(&end, tolerance)?);
+        found.extend(reach.candidate(&end, runner.settings.replay_tolerance)?);
     }
     Ok(found)
 }
@@ -160,7 +165,7 @@ impl Reach<'_> {
                 }));
             }
         }
-        thinned(found)
+        thinned(found, SIMULATED / self.choices.len())
     }
 
     /// The state after a step under controls; nothing where the motion ends before, or leaves the bounds.
@@ -267,8 +272,8 @@ impl Reach<'_> {
     }
 }
 
-/// One state in each cell of the finest grid with few enough of them.
-fn thinned(mut states: Vec<Reached>) -> Vec<Reached> {
+/// One state in each cell of the finest grid with at most so many of them.
+fn thinned(mut states: Vec<Reached>, most: usize) -> Vec<Reached> {
     let Some(first) = states.first() else {
         return states;
     };
@@ -290,7 +295,7 @@ fn thinned(mut states: Vec<Reached>) -> Vec<Reached> {
             seen.insert(cell)
         };
         let kept: Vec<bool> = states.iter().map(is_first).collect();
-        if seen.len() <= KEPT || cells < 1.0 {
+        if seen.len() <= most || cells < 1.0 {
             let mut kept = kept.into_iter();
             states.retain(|_| kept.next().unwrap_or(false));
             return states;
@@ -328,12 +333,12 @@ mod tests {
         };
         // Few enough: all that differ stay, and equal ones once.
         let few: Vec<Reached> = (0..50).map(|i| at(f64::from(i / 2), -7.0)).collect();
-        assert_eq!(thinned(few).len(), 25);
+        assert_eq!(thinned(few, 1000).len(), 25);
         // 10,000 states over a square: some 30 cells each way.
         let many =
             (0..100).flat_map(|i| (0..100).map(move |j| at(f64::from(i), 1e6 * f64::from(j))));
-        let kept = thinned(many.collect());
-        assert!((500..=KEPT).contains(&kept.len()), "{}", kept.len());
+        let kept = thinned(many.collect(), 1000);
+        assert!((500..=1000).contains(&kept.len()), "{}", kept.len());
         let far = |place: usize| kept.iter().map(|r| r.state[place]).fold(0.0, f64::max);
         assert!(far(0) >= 95.0 && far(1) >= 95e6);
     }
