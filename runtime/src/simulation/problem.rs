@@ -1,16 +1,15 @@
 //! The initial value problem that every simulator takes, and the checks that come before it.
 
 use crate::InputError;
-use crate::model::rounding::rounding_error_at_start;
+use crate::model::rounding::{ROUNDINGS, rounding_error_at_start};
 use crate::model::{ContactDeclaration, ControlPiece, ImpactLaw, Model, contact_point};
 use crate::refusal;
 
-/// Gaps above `-GAP_TOLERANCE` times the size of their terms count as "on the surface".
+/// Gaps above `-GAP_TOLERANCE` times the size of their terms count as "on the surface"; so do those above minus [`ROUNDINGS`]
+/// rounding errors, of terms that cancel inside of the model.
 const GAP_TOLERANCE: f64 = 1e-9;
-/// So do gaps above minus so many rounding errors, of terms that cancel inside of the model.
-const ROUNDINGS: f64 = 64.0;
 /// Share of the horizon that is short beside any motion.
-pub(in crate::simulation) const GLANCE: f64 = 1e-7;
+pub(in crate::simulation) const MOMENT: f64 = 1e-7;
 
 /// Horizons \[s\] of which a share, and the square of a share, is still a number of full precision.
 const HORIZONS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
@@ -252,7 +251,7 @@ impl InitialValueProblem {
     fn gap_rounding(&self, model: &dyn Model, contact: usize, x: &[f64]) -> f64 {
         let mut a = vec![0.0; self.q.len()];
         model.free_acceleration(x, &mut a);
-        let moment = GLANCE * self.horizon;
+        let moment = MOMENT * self.horizon;
         let error = rounding_error_at_start(x, &a, moment, |x| model.gap(contact, x));
         // NaN where the gap has no value nearby.
         error.max(0.0)

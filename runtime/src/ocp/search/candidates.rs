@@ -5,7 +5,7 @@ use hangtime_solver::mpcc::Stationarity;
 use super::attempt::{Attempt, Attempts, Local, Purpose};
 use super::reach::reachable;
 use super::repair::{Repaired, repair};
-use super::replay::{read_replay, simulate};
+use super::replay::simulated;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
 use crate::ocp::global::coarse_to_fine::{CoarseToFine, RelaxedMotions};
@@ -20,7 +20,7 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::{Formulation, TimeFreezingSettings};
 use crate::ocp::solution::TimeFreezingReport;
-use crate::simulation::{ContactMode, InputError, SimulationStatus};
+use crate::simulation::{ContactMode, InputError};
 
 /// Most switches of short contacts and flights for which a sequence is tried with them, too.
 const SHORT_SWITCHES: usize = 2;
@@ -261,16 +261,7 @@ fn bouncing(
     if contacts.all(|contact| model.restitution(contact) == 0.0) {
         return Ok(None);
     }
-    let replay = simulate(setting, guess, runner.settings.replay_tolerance)?;
-    if replay.status != SimulationStatus::Solved {
-        return Ok(None);
-    }
-    let (horizon, controls) = (guess.horizon, guess.controls.clone());
-    Ok(Some(Candidate {
-        objective: f64::INFINITY,
-        sequence: read_replay(setting, &replay, guess),
-        trajectory: Trajectory::of_simulation(model, &replay, horizon, controls),
-    }))
+    simulated(setting, guess, runner.settings.replay_tolerance)
 }
 
 /// When a contact is struck so often, in shares of the final time: with half as much time before the first impact and after the last
@@ -392,15 +383,9 @@ fn motions(
         candidate.trajectory.controls = controls.resampled(ControlShape::Linear, intervals);
     }
     let trajectory = &candidate.trajectory;
-    let replay = simulate(setting, trajectory, runner.settings.replay_tolerance)?;
-    let mut motions = Vec::new();
-    if replay.status == SimulationStatus::Solved {
-        let (horizon, controls) = (trajectory.horizon, trajectory.controls.clone());
-        motions.push((
-            read_replay(setting, &replay, trajectory),
-            Trajectory::of_simulation(setting.model, &replay, horizon, controls),
-        ));
-    }
+    let replay = simulated(setting, trajectory, runner.settings.replay_tolerance)?;
+    let replay = replay.map(|replay| (replay.sequence, replay.trajectory));
+    let mut motions: Vec<(Sequence, Trajectory)> = replay.into_iter().collect();
     motions.push((candidate.sequence, candidate.trajectory));
     Ok(motions)
 }

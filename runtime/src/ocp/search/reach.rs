@@ -7,7 +7,7 @@
 
 use std::collections::HashSet;
 
-use super::replay::{read_replay, simulate};
+use super::replay::simulated;
 use super::ride::is_within;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::guess::{guess, natural_size};
@@ -69,8 +69,7 @@ struct Reach<'a> {
     layers: Vec<Vec<Reached>>,
 }
 
-/// The motions that end nearest to the goals, the nearest first; none where the model depends on time, without controls, or
-/// without goals.
+/// The motions that end nearest to the goals, the nearest first; none without controls, or where the model depends on time.
 pub(in crate::ocp) fn reachable(
     runner: &mut Runner,
     setting: Setting,
@@ -126,13 +125,12 @@ fn choices(setting: Setting) -> Result<Vec<Vec<f64>>, InputError> {
         let k = n + control;
         let size = natural_size(model, &straight, k);
         let end = |bound: f64, other: f64| if bound.is_finite() { bound } else { other };
-        [
-            rest,
-            end(bounds.0[k], rest - size),
-            end(bounds.1[k], rest + size),
-        ]
+        let ends = [end(bounds.0[k], rest - size), end(bounds.1[k], rest + size)];
+        // The control at rest may be at an end.
+        let ends = ends.into_iter().filter(move |&end| end != rest);
+        std::iter::once(rest).chain(ends).collect()
     });
-    let values: Vec<[f64; 3]> = values.collect();
+    let values: Vec<Vec<f64>> = values.collect();
     if values.len() > COMBINED {
         let ends = values.iter().enumerate().flat_map(|(control, values)| {
             let rest = &rest;
@@ -146,7 +144,12 @@ fn choices(setting: Setting) -> Result<Vec<Vec<f64>>, InputError> {
     }
     let mut all = vec![Vec::new()];
     for values in &values {
-        let longer = |before: &Vec<f64>| values.map(|value| [&before[..], &[value]].concat());
+        let longer = |before: &Vec<f64>| {
+            let before = before.clone();
+            values
+                .iter()
+                .map(move |&value| [&before[..], &[value]].concat())
+        };
         all = all.iter().flat_map(longer).collect();
     }
     Ok(all)
@@ -243,7 +246,6 @@ impl Reach<'_> {
 
     /// The motion to an end, on the grid of the problem; nothing if all of it cannot be simulated as its steps can.
     fn candidate(&self, end: &End, tolerance: f64) -> Result<Option<Candidate>, InputError> {
-        let Setting { model, problem, .. } = self.setting;
         let mut place = end.place;
         let mut controls = Vec::with_capacity(end.steps);
         for layer in self.layers[1..=end.steps].iter().rev() {
@@ -256,19 +258,9 @@ impl Reach<'_> {
             horizon: self.step * end.steps as f64,
             controls: ControlGrid::constant(controls),
             time: vec![0.0],
-            states: vec![problem.start()],
+            states: vec![self.setting.problem.start()],
         };
-        let replay = simulate(self.setting, &driven, tolerance)?;
-        if replay.status != SimulationStatus::Solved {
-            return Ok(None);
-        }
-        let shape = self.setting.shape;
-        let controls = driven.controls.resampled(shape, problem.intervals);
-        Ok(Some(Candidate {
-            objective: f64::INFINITY,
-            sequence: read_replay(self.setting, &replay, &driven),
-            trajectory: Trajectory::of_simulation(model, &replay, driven.horizon, controls),
-        }))
+        simulated(self.setting, &driven, tolerance)
     }
 }
 

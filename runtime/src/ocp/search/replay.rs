@@ -2,11 +2,14 @@
 
 use crate::model::{Pieces, edge};
 use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::passages::with_passages;
 use crate::ocp::motion::read_sequence::Replay;
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
-use crate::simulation::{Event, EventDriven, EventKind, InputError, Simulation, simulate_once};
+use crate::simulation::{
+    Event, EventDriven, EventKind, InputError, Simulation, SimulationStatus, simulate_once,
+};
 
 /// A contact that closes within this share of the first interval, from a gap \[its unit\] no larger than this, was
 /// closed at the start.
@@ -32,6 +35,26 @@ pub(in crate::ocp) fn simulate(
     };
     let motion = problem.initial_value_problem(&start, trajectory.horizon, trajectory.signal());
     simulate_once(&simulator, model, &motion)
+}
+
+/// The motion under the controls of a trajectory, on the grid of the problem; nothing where it cannot be simulated to its end.
+pub(in crate::ocp) fn simulated(
+    setting: Setting,
+    driven: &Trajectory,
+    tolerance: f64,
+) -> Result<Option<Candidate>, InputError> {
+    let replay = simulate(setting, driven, tolerance)?;
+    if replay.status != SimulationStatus::Solved {
+        return Ok(None);
+    }
+    let Setting { model, problem, .. } = setting;
+    let (horizon, grid) = (driven.horizon, &driven.controls);
+    let controls = grid.resampled(setting.shape, problem.intervals);
+    Ok(Some(Candidate {
+        objective: f64::INFINITY,
+        sequence: read_replay(setting, &replay, driven),
+        trajectory: Trajectory::of_simulation(model, &replay, horizon, controls),
+    }))
 }
 
 /// The contact sequence of a simulation under the controls of a trajectory.

@@ -1,14 +1,14 @@
 //! The motion without controls, up to where it comes nearest to the goals: what has to be looked at before a problem is
 //! called infeasible.
 
-use super::replay::{read_replay, simulate};
+use super::replay::simulated;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
-use crate::simulation::{EventDriven, InputError, SimulationStatus, simulate_once};
+use crate::simulation::{EventDriven, InputError, simulate_once};
 
 /// Instants at which the goals are looked at.
 const SAMPLES: usize = 2000;
@@ -73,10 +73,9 @@ pub(in crate::ocp) fn ride(tolerance: f64, setting: Setting) -> Result<Option<Ri
         time: vec![0.0],
         states: vec![start],
     };
-    let replay = simulate(setting, &ridden, tolerance)?;
-    if replay.status != SimulationStatus::Solved {
+    let Some(candidate) = simulated(setting, &ridden, tolerance)? else {
         return Ok(None);
-    }
+    };
     let before = states.iter().take_while(|state| state[2 * n] < horizon);
     // What contacts do on the way is not asked here.
     let declared = model.declaration().optimal_control;
@@ -87,15 +86,7 @@ pub(in crate::ocp) fn ride(tolerance: f64, setting: Setting) -> Result<Option<Ri
             let controls = ridden.controls.start();
             is_within(setting, state, controls)
         });
-    let sequence = read_replay(setting, &replay, &ridden);
-    Ok(Some(Ride {
-        candidate: Candidate {
-            objective: f64::INFINITY,
-            sequence,
-            trajectory: Trajectory::of_simulation(model, &replay, horizon, ridden.controls),
-        },
-        reaches,
-    }))
+    Ok(Some(Ride { candidate, reaches }))
 }
 
 /// The first of the states that fulfils the goals, or else the one that comes nearest to that.

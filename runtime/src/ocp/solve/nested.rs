@@ -177,31 +177,29 @@ fn proven(task: &Task, found: Vec<Found>, seen: &mut Vec<Found>) -> Result<Vec<F
 /// Decides the neighbours of the best motion, and of the next one where it is not confirmed; without one that is, looks once
 /// more on the grid asked for, with all programs. The result is what is left of `found`.
 fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Result<(), InputError> {
-    let Some(best) = decided(task, std::mem::take(found), seen)? else {
+    let Some(mut best) = decided(task, std::mem::take(found), seen)? else {
         return Ok(());
     };
-    let failed =
-        !matches!(rank(&best.solution).0, 0 | 1) && best.solution.status != Status::Unbounded;
-    *found = if failed && !task.observer.stopped() {
-        let mut other = task.solve_from(0, task.settings, Effort::Certify)?;
-        seen.push(other.clone());
-        let explored = task.problem.intervals <= COARSE || task.settings.starts() == 1;
-        if rank(&other.solution).0 > 1 && !explored {
-            let settings = Settings {
-                guess: Guess::Reachable,
-                ..task.settings.clone()
-            };
-            other = task.solve_from(0, &settings, Effort::Certify)?;
-            seen.push(other.clone());
+    // States that controls can lead to were looked for on coarse grids already, unless there was a single start.
+    let reaches = task.problem.intervals > COARSE && task.settings.starts() > 1;
+    let guesses = [task.settings.guess.clone(), Guess::Reachable];
+    for guess in guesses.into_iter().take(1 + usize::from(reaches)) {
+        let failed =
+            !matches!(rank(&best.solution).0, 0 | 1) && best.solution.status != Status::Unbounded;
+        if !failed || task.observer.stopped() {
+            break;
         }
-        vec![if is_better(&other, &best) {
-            other
-        } else {
-            best
-        }]
-    } else {
-        vec![best]
-    };
+        let settings = Settings {
+            guess,
+            ..task.settings.clone()
+        };
+        let other = task.solve_from(0, &settings, Effort::Certify)?;
+        seen.push(other.clone());
+        if is_better(&other, &best) {
+            best = other;
+        }
+    }
+    *found = vec![best];
     Ok(())
 }
 

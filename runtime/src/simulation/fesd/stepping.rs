@@ -11,7 +11,7 @@ use super::{bounces, impacts, location, mode_change, program};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
 use crate::model::edge;
-use crate::simulation::problem::GLANCE;
+use crate::simulation::problem::MOMENT;
 use crate::simulation::watch::Watch;
 use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
 
@@ -80,7 +80,7 @@ fn steps(driver: &mut Driver<'_>, watch: &mut Watch<'_>) -> Result<(), Simulatio
     driver.now.write_input();
     let now = &mut driver.now;
     now.contacts
-        .remember_rounding_at_start(&now.x, GLANCE * driver.setup.horizon);
+        .remember_rounding_at_start(&now.x, MOMENT * driver.setup.horizon);
     if let Err(error) = mode_change::settle(driver, &[]) {
         driver.record_state();
         return Err(diagnosis::stopped(driver, 0, &Stop::Mode(error)));

@@ -1,13 +1,12 @@
 //! What counts as zero at a contact: shares of the sizes of its own functions, so that it depends neither on where
 //! a scene is nor on the units in which it is written.
 
+use crate::model::rounding::ROUNDINGS;
 use crate::model::{contact_point, tangent_point};
 
 /// Gaps below this share of the range of values that the gap has had are closed: contacts that close at one
 /// instant do so up to the errors of integration.
 const CLOSED_GAP: f64 = 1e-12;
-/// Gaps below this multiple of the rounding error of a gap are closed.
-const ROUNDINGS: f64 = 64.0;
 /// Velocities below this share of the largest terms they have been sums of are zero.
 const ZERO_VELOCITY: f64 = 1e-12;
 /// Normal velocities below this multiple of what rounding of the place leaves of them are zero.
