@@ -29,7 +29,9 @@ fn swung(solution: &Solution) {
     let motion = &solution.motion.as_ref().unwrap().trajectory;
     let (q, v) = (motion.q.last().unwrap(), motion.v.last().unwrap());
     assert!((q[0] - PI).abs() < 1e-6, "{q:?}");
-    assert!(v[0].abs() < 1e-6, "{v:?}");
+    // A goal is reached to a share of the speeds on the way.
+    let fastest = motion.v.iter().map(|v| v[0].abs()).fold(0.0, f64::max);
+    assert!(v[0].abs() < 1e-6 * fastest, "{v:?}");
     let behind = motion.q.iter().map(|q| q[0]).fold(0.0, f64::min);
     assert!(behind < -0.3, "{behind}");
 }
