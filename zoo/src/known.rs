@@ -16,6 +16,8 @@ const BEST: &[(&str, usize, f64)] = &[
     ("three-carts", 20, 157.587513188319),
     ("three-carts", 40, 156.014068721756),
     ("three-carts", 80, 155.660273915),
+    ("push-and-roll", 10, 3.25),
+    ("push-and-roll", 20, 3.05),
     ("push-and-roll", 40, 3.011904761905),
     ("push-and-roll", 80, 3.002941176),
     ("fast-cart", 10, 2.000000000909),

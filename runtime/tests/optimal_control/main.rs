@@ -12,6 +12,7 @@ mod forces;
 mod friction;
 #[path = "../../../solver/benches/homotopy.rs"]
 mod homotopy;
+mod impacts_at_nodes;
 mod landings;
 mod linear_controls;
 mod refinement;

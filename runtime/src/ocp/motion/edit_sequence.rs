@@ -12,6 +12,9 @@ const SHORT_FLIGHT: f64 = 0.6;
 /// The same for a contact that sticks, or slips in one direction.
 const SHORT_SLIDING: f64 = 0.6;
 
+/// An impact less than this many intervals from the end of one may be meant there: two elements of the relaxed motion.
+const NEAR_AN_END: f64 = 0.15;
+
 /// With one switch, or none, in the place of those of a contact from `first` to `last`.
 pub(in crate::ocp) fn without(given: &Sequence, first: usize, last: usize) -> Sequence {
     let mut sequence = given.clone();
@@ -74,6 +77,30 @@ pub(in crate::ocp) fn ending(given: &Sequence, intervals: usize) -> Option<Seque
         });
     }
     Some(sequence)
+}
+
+/// With the impacts near interval ends at these: there alone they may have to be, as where the goal leaves them no other time.
+/// `None` if there are none.
+pub(in crate::ocp) fn at_interval_ends(given: &Sequence, intervals: usize) -> Option<Sequence> {
+    let mut sequence = given.clone();
+    let (mut any, mut leader) = (false, false);
+    for switch in &mut sequence.switches {
+        let end = switch.time.round();
+        let distance = (switch.time - end).abs();
+        leader = if switch.accompanies {
+            leader
+        } else {
+            let inside = switch.place == Place::Inside && end >= 1.0 && end < intervals as f64;
+            switch.closes && inside && distance < NEAR_AN_END
+        };
+        if leader {
+            switch.interval = end as usize;
+            switch.place = Place::Start;
+            switch.time = end;
+            any = true;
+        }
+    }
+    any.then_some(sequence)
 }
 
 /// With touches in the place of contacts that are too short to be meant as such; `None` if there are none.

@@ -13,7 +13,9 @@ use crate::ocp::global::start_modes::modes_at_start;
 use crate::ocp::global::time_freezing_search;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlShape;
-use crate::ocp::motion::edit_sequence::{ending, tidied, touching, untouched, without_jumps};
+use crate::ocp::motion::edit_sequence::{
+    at_interval_ends, ending, tidied, touching, untouched, without_jumps,
+};
 use crate::ocp::motion::mode::{closed_mode, is_frictional};
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
@@ -338,7 +340,7 @@ fn attempt_readings(
     let setting = attempts.setting;
     let intervals = setting.problem.intervals;
     let motions = motions(runner, setting, candidate)?;
-    let (mut likely, ending) = readings(&motions, intervals);
+    let (mut likely, other) = readings(&motions, intervals);
     if near
         && runner.effort == Effort::Certify
         && let Some((plan, motion)) = motions.last()
@@ -347,7 +349,7 @@ fn attempt_readings(
         likely.insert(0, (plan.clone(), motion));
     }
     let count = likely.len();
-    for (index, (sequence, guess)) in likely.into_iter().chain(ending).enumerate() {
+    for (index, (sequence, guess)) in likely.into_iter().chain(other).enumerate() {
         if index >= count && attempts.best.is_some() {
             break;
         }
@@ -390,31 +392,31 @@ fn motions(
     Ok(motions)
 }
 
-/// The sequences that motions suggest, and those that end the motion with its last impact, which are looked at where
-/// nothing else has a solution.
+/// The sequences that motions suggest, and those with impacts at ends of intervals, or at the end of the motion, which are looked at
+/// where nothing else has a solution.
 fn readings(
     motions: &[(Sequence, Trajectory)],
     intervals: usize,
 ) -> (Vec<Reading<'_>>, Vec<Reading<'_>>) {
-    let tidy = motions
-        .iter()
-        .map(|(sequence, motion)| (tidied(sequence.clone()), motion));
-    let untouched = motions
-        .iter()
-        .filter_map(|(sequence, motion)| Some((tidied(untouched(sequence)?), motion)));
-    let raw = motions.iter().filter(|(sequence, _)| {
-        let short = sequence.switches.len() - tidied(sequence.clone()).switches.len();
-        short <= SHORT_SWITCHES
-    });
-    let raw = raw.map(|(sequence, motion)| (sequence.clone(), motion));
-    let touching = motions
-        .iter()
-        .filter_map(|(sequence, motion)| Some((touching(sequence)?, motion)));
-    let ending = motions
-        .iter()
-        .filter_map(|(sequence, motion)| Some((ending(sequence, intervals)?, motion)));
-    (
-        tidy.chain(untouched).chain(raw).chain(touching).collect(),
-        ending.collect(),
-    )
+    let edited = |edit: &dyn Fn(&Sequence) -> Option<Sequence>| -> Vec<Reading<'_>> {
+        let readings = motions.iter();
+        let readings = readings.filter_map(|(sequence, motion)| Some((edit(sequence)?, motion)));
+        readings.collect()
+    };
+    let tidy = |sequence: &Sequence| tidied(sequence.clone());
+    let raw = |sequence: &Sequence| {
+        let short = sequence.switches.len() - tidy(sequence).switches.len();
+        (short <= SHORT_SWITCHES).then(|| sequence.clone())
+    };
+    let likely = [
+        edited(&|sequence| Some(tidy(sequence))),
+        edited(&|sequence| untouched(sequence).map(tidied)),
+        edited(&raw),
+        edited(&touching),
+    ];
+    let other = [
+        edited(&|sequence| at_interval_ends(&tidy(sequence), intervals)),
+        edited(&|sequence| ending(sequence, intervals)),
+    ];
+    (likely.concat(), other.concat())
 }
