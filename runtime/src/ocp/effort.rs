@@ -9,4 +9,13 @@ pub(in crate::ocp) enum Effort {
     Carry,
     /// A proof: every neighbour is decided, as far as the programs go.
     Certify,
+    /// The same of a motion that may be the result: it is polished.
+    Conclude,
+}
+
+impl Effort {
+    /// Whether every neighbour is decided.
+    pub(in crate::ocp) fn proves(self) -> bool {
+        matches!(self, Self::Certify | Self::Conclude)
+    }
 }

@@ -33,7 +33,7 @@ fn impact_at_the_end_of_an_interval_is_found() {
         let h = 4.0 / intervals as f64;
         let exact = 1.6_f64.powi(2) + 12.0 * 0.4_f64.powi(2) / (1.0 - h * h);
         let excess = solution.objective / exact - 1.0;
-        assert!(excess.abs() < 1e-7, "{intervals}: {excess:e}");
+        assert!(excess.abs() < 1e-10, "{intervals}: {excess:e}");
         let events = &solution.motion.as_ref().unwrap().events;
         assert!((events[0].time - 1.0).abs() < 1e-6, "{}", events[0].time);
     }

@@ -267,7 +267,7 @@ fn refined(
 ) -> Result<Option<Candidate>, InputError> {
     let rules = match runner.effort {
         Effort::Explore => &FINE_RULES[..1],
-        Effort::Carry | Effort::Certify => &FINE_RULES,
+        Effort::Carry | Effort::Certify | Effort::Conclude => &FINE_RULES,
     };
     for &rule in rules {
         if runner.stopped() {

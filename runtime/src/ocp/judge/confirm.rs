@@ -11,6 +11,7 @@ use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::Limits;
 use crate::ocp::collocation::program::Collocation;
+use crate::ocp::effort::Effort;
 use crate::ocp::motion::read_sequence::seen;
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::{Trajectory, largest_difference};
@@ -115,13 +116,17 @@ impl Plan {
         }
     }
 
-    /// A local optimum re-simulated, and what a finer program of it starts from.
+    /// A local optimum, polished where it may be the result, re-simulated, and what a finer program of it starts from.
     fn judged(
-        runner: &Runner,
+        runner: &mut Runner,
         setting: Setting,
         elements: &[usize],
         (local, stationarity): (Local, Stationarity),
     ) -> Result<(Self, Solution), InputError> {
+        let local = match runner.effort {
+            Effort::Conclude => local.polished(runner)?,
+            Effort::Explore | Effort::Carry | Effort::Certify => local,
+        };
         let plan = Self::of(&local, stationarity);
         let solution = confirm(runner, setting, elements, local, stationarity)?;
         Ok((plan, solution))

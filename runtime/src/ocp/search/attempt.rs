@@ -12,7 +12,6 @@ use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::Limits;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
-use crate::ocp::effort::Effort;
 use crate::ocp::motion::sequence::{Sequence, Signature};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Ended, Run, Runner};
@@ -32,6 +31,9 @@ const AFTER_CUT: (f64, usize) = (1e-5, 80);
 const ROUNDS: usize = 6;
 /// Tolerance of the first stage.
 const FIRST_TOLERANCE: f64 = 2e-7;
+/// Share of the tolerance to which a result is polished, and most iterations: most take one to seven.
+const POLISH: f64 = 1e-3;
+const POLISH_ITERATIONS: usize = 30;
 /// Relative difference of the objective within which two local optima of a sequence are the same.
 const SAME: f64 = 1e-7;
 /// Relative decrease of the objective that counts as an improvement.
@@ -335,7 +337,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
             purpose,
         } = attempt;
         let mut program = transcribe(self.setting, sequence, guess, cuts, self.elements);
-        let proves = runner.effort == Effort::Certify;
+        let proves = runner.effort.proves();
         let barriers = match (&self.best, purpose) {
             // After a cut the motion is a start that others do not better.
             _ if !proves && before.is_some() => &[],
@@ -404,6 +406,37 @@ fn second(
     };
     let horizon = program.horizon;
     runner.solve(&mut program.program, horizon, &run)
+}
+
+impl Local<'_> {
+    /// The same with smaller residuals. Where a solution is not strictly complementary its objective is off by the root of the
+    /// barrier parameter, and what errors of the states grow to until the end may be far more than the tolerance.
+    pub(in crate::ocp) fn polished(mut self, runner: &mut Runner) -> Result<Self, InputError> {
+        if runner.stopped() {
+            return Ok(self);
+        }
+        let mut settings = warm(
+            interior_point(runner.settings),
+            self.solution.barrier_parameter,
+        );
+        settings.tolerance *= POLISH;
+        settings.constraint_tolerance *= POLISH;
+        settings.maximum_iterations = settings.maximum_iterations.min(POLISH_ITERATIONS);
+        let run = Run {
+            settings: &settings,
+            start: Some(&nlp::WarmStart::from_solution(&self.solution)),
+            gives_up: true,
+            best: Some(self.solution.objective),
+        };
+        let horizon = self.program.horizon;
+        // Where rounding leaves no smaller residuals it stays as it is.
+        if let Ok(solution) = runner.solve(&mut self.program.program, horizon, &run)? {
+            self.slacks = self.program.program.slacks(&solution.x);
+            (self.trajectory, self.sequence) = self.program.result(&solution.x);
+            self.solution = solution;
+        }
+        Ok(self)
+    }
 }
 
 fn verdict_of(failure: nlp::Status) -> Verdict {

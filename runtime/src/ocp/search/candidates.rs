@@ -17,7 +17,7 @@ use crate::ocp::motion::edit_sequence::{
     at_interval_ends, ending, tidied, touching, untouched, without_jumps,
 };
 use crate::ocp::motion::mode::{closed_mode, is_frictional};
-use crate::ocp::motion::sequence::{Sequence, Switch};
+use crate::ocp::motion::sequence::{Sequence, Signature, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::{Formulation, TimeFreezingSettings};
@@ -26,6 +26,9 @@ use crate::simulation::{ContactMode, InputError};
 
 /// Most switches of short contacts and flights for which a sequence is tried with them, too.
 const SHORT_SWITCHES: usize = 2;
+
+/// Relative difference of the objective within which a motion that is solved anew is the same.
+const SAME: f64 = 1e-3;
 
 /// How often a contact that bounces is struck in motions that are made up: always so often, and at most so often where that
 /// becomes better all the time, or there is no motion yet.
@@ -52,6 +55,25 @@ pub(in crate::ocp) struct Search<'a, 'e> {
     pub(in crate::ocp) found: Found<'a>,
     /// The relaxed motions that it and the searches before it came through.
     pub(in crate::ocp) relaxed: RelaxedMotions,
+    /// What is proved of the known motion that it begins with.
+    pub(in crate::ocp) proved: Option<Proved>,
+}
+
+/// What is proved of a motion.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::ocp) struct Proved {
+    pub(in crate::ocp) stationarity: Stationarity,
+    pub(in crate::ocp) objective: f64,
+}
+
+impl Proved {
+    /// Whether a local optimum is the same one, which was solved less exactly before.
+    fn is_of(&self, local: &Local, sequence: &Signature) -> bool {
+        let difference = (local.solution.objective - self.objective).abs();
+        let size = local.program.program.objective_unit();
+        local.sequence.signature() == *sequence
+            && difference <= SAME * self.objective.abs().max(size)
+    }
 }
 
 impl<'a> Search<'a, '_> {
@@ -219,15 +241,17 @@ impl<'a> Search<'a, '_> {
         near: bool,
     ) -> Result<(), InputError> {
         let visits = self.attempts.visits();
+        let sequence = candidate.sequence.signature();
         attempt_readings(runner, &mut self.attempts, candidate, near, visits)?;
         let Some(best) = &self.attempts.best else {
             return Ok(());
         };
         // A plan at an end of the final times that are looked at is none: they are moved.
-        let repaired = if self.lies_at_an_end(best) {
-            Repaired::Best(Stationarity::None)
-        } else {
-            repair(runner, &mut self.attempts, visits)?
+        let proved = self.proved.filter(|proved| proved.is_of(best, &sequence));
+        let repaired = match proved {
+            Some(proved) => Repaired::Best(proved.stationarity),
+            None if self.lies_at_an_end(best) => Repaired::Best(Stationarity::None),
+            None => repair(runner, &mut self.attempts, visits)?,
         };
         let best = self.attempts.best.take();
         let outdone = self.attempts.outdone.take();
@@ -239,7 +263,7 @@ impl<'a> Search<'a, '_> {
             }
         };
         // The one before it is what is left where the re-simulation does not confirm it.
-        let outdone = outdone.filter(|_| runner.effort == Effort::Certify);
+        let outdone = outdone.filter(|_| runner.effort.proves());
         let found = best.map(|best| (best, stationarity)).into_iter();
         let found = found.chain(outdone.map(|outdone| (outdone, Stationarity::None)));
         for (local, stationarity) in found {
@@ -342,7 +366,7 @@ fn attempt_readings(
     let motions = motions(runner, setting, candidate)?;
     let (mut likely, other) = readings(&motions, intervals);
     if near
-        && runner.effort == Effort::Certify
+        && runner.effort.proves()
         && let Some((plan, motion)) = motions.last()
     {
         // What is to be judged is the plan as it is, whatever other readings make of it.

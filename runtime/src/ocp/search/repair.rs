@@ -97,7 +97,7 @@ impl Around {
         };
         let shifted = friction_neighbours::shifted(&pressure);
         let nearer = match runner.effort {
-            Effort::Certify => neighbours_of(&Pressure {
+            Effort::Certify | Effort::Conclude => neighbours_of(&Pressure {
                 inserted: neighbours::INSERTED[1],
                 ..pressure
             }),
@@ -153,7 +153,7 @@ fn compare(
     around: &Around,
 ) -> Result<Compared, InputError> {
     let purpose = match runner.effort {
-        Effort::Certify => Purpose::Compare,
+        Effort::Certify | Effort::Conclude => Purpose::Compare,
         Effort::Explore | Effort::Carry => Purpose::Explore,
     };
     let mut undecided = false;

@@ -16,6 +16,7 @@ use crate::Observer;
 use crate::model::Model;
 use crate::ocp::effort::Effort;
 use crate::ocp::problem::Problem;
+use crate::ocp::search::candidates::Proved;
 use crate::ocp::settings::{Guess, Settings};
 use crate::ocp::solution::{Solution, Status};
 use crate::simulation::InputError;
@@ -58,6 +59,13 @@ pub(super) fn solve(
     let mut seen: Vec<Found> = Vec::new();
     let mut known: Vec<(usize, Vec<Found>)> = Vec::new();
     let grids = grids(problem.intervals);
+    // One start on this grid alone is solved with all programs at once.
+    let complete = settings.starts() == 1 && grids.len() == 1 && problem.intervals <= COARSE;
+    let single = if complete {
+        Effort::Conclude
+    } else {
+        Effort::Certify
+    };
     for &intervals in &grids {
         let grid = with_intervals(problem, intervals);
         let task = Task {
@@ -71,7 +79,8 @@ pub(super) fn solve(
         let explores = from.is_empty();
         let from = best_of(from, kept);
         let found = if explores {
-            look(&task, starts(&grids, intervals, settings), &mut seen)?
+            let starts = starts(&grids, intervals, settings);
+            look(&task, (starts, single), &mut seen)?
         } else if from.iter().any(|found| found.solution.motion.is_some()) {
             carry(&task, &from, &mut seen)?
         } else {
@@ -91,8 +100,6 @@ pub(super) fn solve(
         settings,
         observer: &observer,
     };
-    // One start on this grid alone was solved with all programs already.
-    let complete = settings.starts() == 1 && grids.len() == 1 && problem.intervals <= COARSE;
     if !complete {
         conclude(&task, &mut found, &mut seen)?;
     }
@@ -132,7 +139,11 @@ fn starts(grids: &[usize], intervals: usize, settings: &Settings) -> usize {
 
 /// Looks for motions from nothing; on a fine grid by way of one that is coarser, but not contained in it. What is run is
 /// added to `seen`.
-fn look(task: &Task, starts: usize, seen: &mut Vec<Found>) -> Result<Vec<Found>, InputError> {
+fn look(
+    task: &Task,
+    (starts, single): (usize, Effort),
+    seen: &mut Vec<Found>,
+) -> Result<Vec<Found>, InputError> {
     let intervals = task.problem.intervals;
     let on_this_grid = intervals <= COARSE;
     let factor = if on_this_grid {
@@ -142,7 +153,7 @@ fn look(task: &Task, starts: usize, seen: &mut Vec<Found>) -> Result<Vec<Found>,
     };
     let coarse = with_intervals(task.problem, intervals.div_ceil(factor));
     let problem = &coarse;
-    let found = explore(&Task { problem, ..*task }, starts)?;
+    let found = explore(&Task { problem, ..*task }, starts, single)?;
     seen.extend(found.iter().cloned());
     if on_this_grid {
         Ok(found)
@@ -168,7 +179,7 @@ fn carry(task: &Task, from: &[Found], seen: &mut Vec<Found>) -> Result<Vec<Found
 
 /// The motions that go on from a grid, the best of them as a call for that grid alone ends at it: so a finer grid begins no worse.
 fn proven(task: &Task, found: Vec<Found>, seen: &mut Vec<Found>) -> Result<Vec<Found>, InputError> {
-    let best = decided(task, found.clone(), seen)?;
+    let best = decided(task, found.clone(), Effort::Certify, seen)?;
     let mut all: Vec<Found> = best.into_iter().collect();
     all.extend(found);
     Ok(best_of(all, KEPT_WITH_PROVEN))
@@ -177,7 +188,7 @@ fn proven(task: &Task, found: Vec<Found>, seen: &mut Vec<Found>) -> Result<Vec<F
 /// Decides the neighbours of the best motion, and of the next one where it is not confirmed; without one that is, looks once
 /// more on the grid asked for, with all programs. The result is what is left of `found`.
 fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Result<(), InputError> {
-    let Some(mut best) = decided(task, std::mem::take(found), seen)? else {
+    let Some(mut best) = decided(task, std::mem::take(found), Effort::Conclude, seen)? else {
         return Ok(());
     };
     // States that controls can lead to were looked for on coarse grids already, unless there was a single start.
@@ -193,7 +204,7 @@ fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Resul
             guess,
             ..task.settings.clone()
         };
-        let other = task.solve_from(0, &settings, Effort::Certify)?;
+        let other = task.solve_from(0, &settings, Effort::Conclude)?;
         seen.push(other.clone());
         if is_better(&other, &best) {
             best = other;
@@ -207,6 +218,7 @@ fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Resul
 fn decided(
     task: &Task,
     found: Vec<Found>,
+    effort: Effort,
     seen: &mut Vec<Found>,
 ) -> Result<Option<Found>, InputError> {
     let mut best: Option<Found> = None;
@@ -215,7 +227,7 @@ fn decided(
         if best.as_ref().is_some_and(enough) {
             break;
         }
-        let one = judged(task, one, seen)?;
+        let one = judged(task, one, effort, seen)?;
         if best.as_ref().is_none_or(|best| is_better(&one, best)) {
             best = Some(one);
         }
@@ -223,16 +235,36 @@ fn decided(
     Ok(best)
 }
 
-/// A motion on the grid of the task as what its re-simulation and its neighbours come to; what is known of that is left.
-fn judged(task: &Task, one: Found, seen: &mut Vec<Found>) -> Result<Found, InputError> {
-    let open = matches!(
-        one.solution.status,
-        Status::Uncertified | Status::Unconfirmed
-    );
-    if !open || task.observer.stopped() {
+/// A motion on the grid of the task as what its re-simulation and its neighbours come to; what is proved already is left, and
+/// only polished where it may be the result.
+fn judged(
+    task: &Task,
+    one: Found,
+    effort: Effort,
+    seen: &mut Vec<Found>,
+) -> Result<Found, InputError> {
+    let Solution {
+        status,
+        stationarity,
+        objective,
+        ..
+    } = one.solution;
+    let open = matches!(status, Status::Uncertified | Status::Unconfirmed);
+    let solved = status == Status::Solved && effort == Effort::Conclude;
+    if !(open || solved) || task.observer.stopped() {
         return Ok(one);
     }
-    let (carried, _) = task.carry(&one, Effort::Certify, Known::default())?;
+    let known = Known {
+        proved: solved.then_some(Proved {
+            stationarity,
+            objective,
+        }),
+        ..Known::default()
+    };
+    let (carried, _) = task.carry(&one, effort, known)?;
+    if solved && carried.solution.status != Status::Solved {
+        return Ok(one);
+    }
     seen.push(carried.clone());
     Ok(carried)
 }

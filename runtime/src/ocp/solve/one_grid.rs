@@ -18,7 +18,7 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::program::units::Units;
 use crate::ocp::progress::Watch;
 use crate::ocp::search::attempt::{Attempts, Local, Visited};
-use crate::ocp::search::candidates::{Found, Search};
+use crate::ocp::search::candidates::{Found, Proved, Search};
 use crate::ocp::search::ride::ride;
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Status};
@@ -50,6 +50,8 @@ pub(super) struct Known {
     pub(super) near: Option<(Previous, f64)>,
     /// Objective of the best motion that is confirmed; infinite without any.
     pub(super) confirmed: f64,
+    /// What is proved of the motion that it is to begin with.
+    pub(super) proved: Option<Proved>,
 }
 
 impl Default for Known {
@@ -60,6 +62,7 @@ impl Default for Known {
             relaxed: RelaxedMotions::default(),
             near: None,
             confirmed: f64::INFINITY,
+            proved: None,
         }
     }
 }
@@ -97,6 +100,7 @@ impl Known {
             relaxed: self.relaxed.clone().from(start),
             near: None,
             confirmed: self.confirmed,
+            proved: None,
         }
     }
 }
@@ -116,6 +120,7 @@ impl Trace {
             found,
             attempts,
             relaxed,
+            ..
         } = search;
         let known = Known {
             start,
@@ -164,7 +169,7 @@ pub(super) fn solve_round<'s>(
         None => guessed,
     };
     let units = Units::new(model, &guessed, bounds).measured_by(known, bounds);
-    let units = if start.effort == Effort::Certify && coarser.is_some() {
+    let units = if start.effort.proves() && coarser.is_some() {
         units.exact()
     } else {
         units
@@ -198,6 +203,7 @@ pub(super) fn solve_round<'s>(
         attempts: Attempts::new(setting, &elements).after(origin, start.known.visited),
         relaxed: start.known.relaxed,
         found: Found::default(),
+        proved: start.known.proved,
     };
     let feasible = find(&mut runner, &mut search, &guessed, coarser.as_ref())?;
     let nearest = runner.nearest_horizon();

@@ -36,10 +36,14 @@ const FROM_A_DISTANCE: f64 = 10.0;
 const SAME: f64 = 1e-3;
 
 /// What that many starts end at, in their order; fewer where the caller leaves their number open and the best motion is
-/// found again. A single one is solved with all its programs.
-pub(super) fn explore(task: &Task, starts: usize) -> Result<Vec<Found>, InputError> {
+/// found again. A `single` one is solved with all its programs.
+pub(super) fn explore(
+    task: &Task,
+    starts: usize,
+    single: Effort,
+) -> Result<Vec<Found>, InputError> {
     if starts == 1 {
-        return Ok(vec![task.solve_from(0, task.settings, Effort::Certify)?]);
+        return Ok(vec![task.solve_from(0, task.settings, single)?]);
     }
     let mut all: Vec<Found> = Vec::new();
     let mut known = Known::default();

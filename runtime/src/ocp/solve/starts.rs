@@ -38,7 +38,7 @@ pub(super) fn solve(
         settings,
         observer: &observer,
     };
-    let run = |start| task.solve_from(start, &variant(settings, start), Effort::Certify);
+    let run = |start| task.solve_from(start, &variant(settings, start), Effort::Conclude);
     let freezes = matches!(settings.formulation, Formulation::TimeFreezing(_));
     let seen = if freezes && settings.starts.is_none() {
         let mut seen: Vec<Found> = Vec::new();
