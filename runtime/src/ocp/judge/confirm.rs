@@ -116,20 +116,31 @@ impl Plan {
         }
     }
 
-    /// A local optimum, polished where it may be the result, re-simulated, and what a finer program of it starts from.
+    /// A local optimum re-simulated, and what a finer program of it starts from. One that may be the result is polished, unless
+    /// that loses its confirmation: where a contact opens at once, rounding decides whether the re-simulation sees it close.
     fn judged(
         runner: &mut Runner,
         setting: Setting,
         elements: &[usize],
         (local, stationarity): (Local, Stationarity),
     ) -> Result<(Self, Solution), InputError> {
-        let local = match runner.effort {
-            Effort::Conclude => local.polished(runner)?,
-            Effort::Explore | Effort::Carry | Effort::Certify => local,
-        };
         let plan = Self::of(&local, stationarity);
-        let solution = confirm(runner, setting, elements, local, stationarity)?;
-        Ok((plan, solution))
+        let solution = confirm(runner, setting, elements, &local, stationarity)?;
+        if runner.effort != Effort::Conclude {
+            return Ok((plan, solution));
+        }
+        let local = local.polished(runner)?;
+        let polished = confirm(runner, setting, elements, &local, stationarity)?;
+        if polished.status == Status::Unconfirmed && solution.status != Status::Unconfirmed {
+            let (counts, seconds) = (runner.counts, runner.seconds);
+            let solution = Solution {
+                counts,
+                seconds,
+                ..solution
+            };
+            return Ok((plan, solution));
+        }
+        Ok((Self::of(&local, stationarity), polished))
     }
 
     /// An unconfirmed plan with the contact sequence of its re-simulation, if that is confirmed: a motion that is the same may be another
@@ -216,7 +227,7 @@ fn confirm(
     runner: &Runner,
     setting: Setting,
     elements: &[usize],
-    plan: Local,
+    plan: &Local,
     stationarity: Stationarity,
 ) -> Result<Solution, InputError> {
     let settings = runner.settings;
@@ -227,18 +238,18 @@ fn confirm(
         sequence,
         ..
     } = plan;
-    let replay = simulate(setting, &trajectory, settings.resimulation_tolerance)?;
+    let replay = simulate(setting, trajectory, settings.resimulation_tolerance)?;
     let n = setting.problem.q.len();
     let planned = trajectory.at(trajectory.horizon, true);
     let distance = match (&replay.status, replay.trajectory.q.last()) {
         (SimulationStatus::Solved, Some(q)) => largest_difference(q, &planned[..n]),
         _ => f64::INFINITY,
     };
-    let forces = forces::looked(setting, &sequence, &replay);
-    let disagreement = compare(setting, settings, &sequence, &trajectory, &replay)
+    let forces = forces::looked(setting, sequence, &replay);
+    let disagreement = compare(setting, settings, sequence, trajectory, &replay)
         .or_else(|| forces::violated(&forces))
-        .or_else(|| forces::other_cost(setting, &sequence, solution.objective, &replay));
-    let margins = margins(&program, &solution);
+        .or_else(|| forces::other_cost(setting, sequence, solution.objective, &replay));
+    let margins = margins(program, solution);
     let stationarity = if margins.iter().all(|margin| margin.chosen) {
         stationarity
     } else {
@@ -267,17 +278,17 @@ fn confirm(
         residuals: Residuals {
             primal: solution.residuals.primal,
             dual: solution.residuals.dual,
-            complementarity: complementarity(&program, &solution.x),
+            complementarity: complementarity(program, &solution.x),
         },
-        planned_events: planned_events(&sequence, interval),
+        planned_events: planned_events(sequence, interval),
         margins,
-        excess: forces::excess(&forces, excess(&program, &solution.x, limits)),
+        excess: forces::excess(&forces, excess(program, &solution.x, limits)),
         controls: trajectory.controls.values().to_vec(),
         shape: trajectory.controls.shape(),
         elements: elements.to_vec(),
-        previous: Some(Previous::new(trajectory, sequence)),
+        previous: Some(Previous::new(trajectory.clone(), sequence.clone())),
         motion: Some(replay),
-        violations: solution.violations,
+        violations: solution.violations.clone(),
         size: ProblemSize::of(&program.program, 0),
         counts: runner.counts,
         seconds: runner.seconds,
