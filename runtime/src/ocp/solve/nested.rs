@@ -34,6 +34,8 @@ const KEPT: usize = 2;
 const KEPT_WITH_PROVEN: usize = KEPT + 1;
 /// Most programs on a grid before the neighbours of the best motion are decided.
 const PROGRAMS: usize = 12;
+/// Relative excess of the objective that residuals before a polish explain; beyond it the motion before is kept.
+const POLISHED: f64 = 1e-7;
 /// Relative excess of the objective beyond which a motion does not go on: finer grids seldom make up for more.
 const WORTH: f64 = 0.5;
 
@@ -262,7 +264,23 @@ fn judged(
         ..Known::default()
     };
     let (carried, _) = task.carry(&one, effort, known)?;
-    if solved && carried.solution.status != Status::Solved {
+    let worse = carried.solution.objective - objective > POLISHED * objective.abs();
+    if solved && (worse || carried.solution.status != Status::Solved) {
+        // What is left of it is the work.
+        let Solution {
+            status,
+            counts,
+            seconds,
+            ..
+        } = carried.solution;
+        let solution = Solution {
+            seconds,
+            ..Solution::without_motion(status, Vec::new(), counts)
+        };
+        seen.push(Found {
+            solution,
+            ..carried
+        });
         return Ok(one);
     }
     seen.push(carried.clone());
