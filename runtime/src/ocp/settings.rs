@@ -199,7 +199,8 @@ pub struct Settings {
     pub bounds_at_nodes: bool,
     /// Where path constraints are imposed; default at all stages.
     pub path_points: PathPoints,
-    /// Tolerance of the collocation programs; default 1e-9, in (0, 1).
+    /// Tolerance of the collocation programs; default 1e-9, in (0, 1). The motion that is returned is solved to a thousandth of it,
+    /// where rounding allows that.
     pub tolerance: f64,
     /// Gap that a flight keeps where it would otherwise graze the surface \[unit of the gap\]; default
     /// 1e-5, > 0. A grazing plan is not one that a motion can follow: a hair lower it would land.

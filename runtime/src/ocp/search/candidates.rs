@@ -27,7 +27,7 @@ use crate::simulation::{ContactMode, InputError};
 /// Most switches of short contacts and flights for which a sequence is tried with them, too.
 const SHORT_SWITCHES: usize = 2;
 
-/// Relative difference of the objective within which a motion that is solved anew is the same.
+/// Relative difference of the objective within which a motion that is solved anew is the same: what smaller residuals change, and more.
 const SAME: f64 = 1e-3;
 
 /// How often a contact that bounces is struck in motions that are made up: always so often, and at most so often where that
@@ -246,11 +246,11 @@ impl<'a> Search<'a, '_> {
         let Some(best) = &self.attempts.best else {
             return Ok(());
         };
-        // A plan at an end of the final times that are looked at is none: they are moved.
         let proved = self.proved.filter(|proved| proved.is_of(best, &sequence));
         let repaired = match proved {
+            // A plan at an end of the final times that are looked at is none: they are moved.
+            _ if self.lies_at_an_end(best) => Repaired::Best(Stationarity::None),
             Some(proved) => Repaired::Best(proved.stationarity),
-            None if self.lies_at_an_end(best) => Repaired::Best(Stationarity::None),
             None => repair(runner, &mut self.attempts, visits)?,
         };
         let best = self.attempts.best.take();
