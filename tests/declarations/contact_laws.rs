@@ -1,7 +1,7 @@
 //! What `model!` derives from impact laws with restitution, friction and held coordinates, against dual
 //! numbers at run time and against closed forms.
 
-use crate::support::compare;
+use crate::support::{cases, compare};
 use hangtime::model::{ImpactLaw, Model, contact_point, tangent_point};
 use num_dual::DualNum;
 use proptest::prelude::*;
@@ -149,7 +149,7 @@ fn chain_sliding<D: Number>(scene: &Chain, contact: usize, q: &[D], v: &[D], _: 
 macro_rules! property {
     ($name:ident, $scene:ty, $inputs:expr, $cases:expr) => {
         proptest! {
-            #![proptest_config(ProptestConfig { cases: $cases, failure_persistence: None, ..ProptestConfig::default() })]
+            #![proptest_config(cases($cases))]
             #[test]
             fn $name(
                 x in prop::collection::vec(-1.2..1.2_f64, $inputs),

@@ -2,7 +2,7 @@
 
 #![allow(deprecated, reason = "warned of: a floor that nothing touches")]
 
-use crate::support::compare;
+use crate::support::{cases, compare};
 use hangtime::model::Model;
 use num_dual::DualNum;
 use proptest::prelude::*;
@@ -212,7 +212,7 @@ fn point(inputs: usize) -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
 macro_rules! property {
     ($name:ident, $scene:ty, $inputs:expr, $cases:expr) => {
         proptest! {
-            #![proptest_config(ProptestConfig { cases: $cases, failure_persistence: None, ..ProptestConfig::default() })]
+            #![proptest_config(cases($cases))]
             #[test]
             fn $name((x, weights) in point($inputs)) {
                 let model = <$scene>::default();

@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::support::cases;
 use hangtime::model::{Model, SparsityPattern, contact_point};
 use proptest::prelude::*;
 
@@ -178,7 +179,7 @@ fn inverse_inertias(model: &dyn Model, x: &[f64]) -> Vec<f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(cases(64))]
 
     #[test]
     fn functions_of_forces_are_those_of_accelerations_over_inverse_inertias(

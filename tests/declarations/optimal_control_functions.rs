@@ -1,7 +1,7 @@
 //! Costs, constraints, terminal conditions and free initial values that `model!` derives, against dual
 //! numbers at run time.
 
-use crate::support::compare;
+use crate::support::{cases, compare};
 use hangtime::model::{Model, OptimalControlDeclaration};
 use num_dual::DualNum;
 use proptest::prelude::*;
@@ -126,7 +126,7 @@ fn cart_terminal<D: DualNum<Primitive = f64> + Copy>(scene: &Cart, z: &[D]) -> V
 macro_rules! property {
     ($name:ident, $scene:ty, $inputs:expr) => {
         proptest! {
-            #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+            #![proptest_config(cases(96))]
             #[test]
             fn $name(
                 x in prop::collection::vec(-1.2..1.2_f64, $inputs),

@@ -3,6 +3,18 @@
 
 use hangtime::model::{Model, SparsityPattern, contact_point, tangent_point};
 use num_dual::{Dual, Dual64, DualNum, HyperDual, HyperDual64};
+use proptest::prelude::ProptestConfig;
+use proptest::test_runner::RngSeed;
+
+/// So many random cases, the same in every run.
+pub(crate) fn cases(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        rng_seed: RngSeed::Fixed(20_261_122),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
 
 /// The generic functions that a declaration emits beside the derived ones.
 pub(crate) trait Oracle: Model + Sized {
