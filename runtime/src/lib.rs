@@ -62,6 +62,8 @@ pub mod model;
 pub mod ocp;
 pub mod prelude;
 mod progress;
+#[cfg(test)]
+mod random_cases;
 mod refusal;
 pub mod rk;
 pub mod simulation;

@@ -319,12 +319,7 @@ mod tests {
             proptest::collection::vec(-1.0..1.0, 4),
             (0.0..1.5, 0.0..1.5),
         );
-        let config = ProptestConfig {
-            rng_seed: proptest::test_runner::RngSeed::Fixed(20_261_122),
-            failure_persistence: None,
-            ..ProptestConfig::default()
-        };
-        proptest!(config, |((root, q, mu) in problem)| {
+        proptest!(crate::random_cases::same_in_every_run(), |((root, q, mu) in problem)| {
             // Two normals and two tangents of a system with five coordinates, well away from dependence.
             let m: Vec<f64> = (0..16)
                 .map(|k| {

@@ -79,8 +79,8 @@ pub(crate) fn solve(factors: &[f64], pivots: &[usize], b: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random_cases::same_in_every_run;
     use proptest::prelude::*;
-    use proptest::test_runner::RngSeed;
 
     #[test]
     fn matrix_that_needs_pivoting_is_solved() {
@@ -106,11 +106,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            rng_seed: RngSeed::Fixed(20_261_122),
-            failure_persistence: None,
-            ..ProptestConfig::default()
-        })]
+        #![proptest_config(same_in_every_run())]
         #[test]
         fn solution_reproduces_the_right_hand_side(
             entries in proptest::collection::vec(-1.0..1.0, 36),

@@ -144,8 +144,8 @@ fn ratio_test(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random_cases::same_in_every_run;
     use proptest::prelude::*;
-    use proptest::test_runner::RngSeed;
 
     #[test]
     fn one_contact_takes_the_impulse_that_stops_it() {
@@ -189,11 +189,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            rng_seed: RngSeed::Fixed(20_261_122),
-            failure_persistence: None,
-            ..ProptestConfig::default()
-        })]
+        #![proptest_config(same_in_every_run())]
         #[test]
         fn positive_definite_problems_are_solved_complementarily(
             root in proptest::collection::vec(-1.0..1.0, 25),

@@ -80,6 +80,7 @@ mod tests {
         }
         let error = measured(0.0, 1.0, |y| (y - 0.07).abs());
         assert!(error < 1e-15, "{error}");
+        // The height at the nearest points, and not the hundred times as high one at the furthest.
         let error = measured(0.0, 1.0, |y| y.abs().sqrt());
         assert!(error < 1e-2, "{error}");
         assert!(measured(0.0, 1.0, |_| f64::NAN).is_nan());

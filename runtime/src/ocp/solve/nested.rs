@@ -36,7 +36,7 @@ const KEPT_WITH_PROVEN: usize = KEPT + 1;
 /// Most programs on a grid before the neighbours of the best motion are decided.
 const PROGRAMS: usize = 12;
 /// Relative excess of the objective that residuals before a polish explain; beyond it the motion before is kept.
-const POLISHED: f64 = 1e-7;
+const UNPOLISHED: f64 = 1e-7;
 /// Relative excess of the objective beyond which a motion does not go on: finer grids seldom make up for more.
 const WORTH: f64 = 0.5;
 
@@ -265,7 +265,7 @@ fn judged(
         ..Known::default()
     };
     let (carried, _) = task.carry(&one, effort, known)?;
-    let worse = carried.solution.objective - objective > POLISHED * objective.abs();
+    let worse = carried.solution.objective - objective > UNPOLISHED * objective.abs();
     if solved && (worse || carried.solution.status != Status::Solved) {
         // What is left of it is the work.
         let Solution {

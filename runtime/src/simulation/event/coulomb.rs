@@ -234,8 +234,8 @@ impl CoulombProblem<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random_cases::same_in_every_run;
     use proptest::prelude::*;
-    use proptest::test_runner::RngSeed;
 
     /// The problem without friction.
     fn frictionless(matrix: &[f64], q: &[f64]) -> Vec<CoulombSolution> {
@@ -330,11 +330,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            rng_seed: RngSeed::Fixed(20_261_122),
-            failure_persistence: None,
-            ..ProptestConfig::default()
-        })]
+        #![proptest_config(same_in_every_run())]
         /// Positive definite matrices: the problem of an impact always has a solution, and every one found
         /// obeys the laws and takes energy.
         #[test]
