@@ -15,6 +15,7 @@ mod homotopy;
 mod impacts_at_nodes;
 mod landings;
 mod linear_controls;
+mod polish;
 mod refinement;
 mod scaling;
 mod sizes;
