@@ -10,6 +10,7 @@ mod final_impact;
 mod final_time;
 mod forces;
 mod friction;
+mod grip;
 #[path = "../../../solver/benches/homotopy.rs"]
 mod homotopy;
 mod impacts_at_nodes;

@@ -14,3 +14,4 @@ pub(in crate::ocp) mod repair;
 pub(in crate::ocp) mod replay;
 pub(in crate::ocp) mod ride;
 pub(in crate::ocp) mod stationary;
+mod together;

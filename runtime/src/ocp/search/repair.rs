@@ -6,6 +6,7 @@ use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
 use super::neighbours::Neighbour;
 use super::pressure::{DISTANT, Pressure};
 use super::stationary::{Held, held};
+use super::together::{Insertion, learn_together};
 use super::{edge_neighbours, friction_neighbours, neighbours};
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::touching_gap;
@@ -72,6 +73,8 @@ struct Around {
     nearer: Vec<Neighbour>,
     /// No neighbours, but often in another basin: nothing is claimed about them.
     explored: Vec<Sequence>,
+    /// That of the best.
+    sequence: Sequence,
     guess: Trajectory,
     cuts: Vec<Cut>,
 }
@@ -110,6 +113,7 @@ impl Around {
                 .into_iter()
                 .chain(shifted)
                 .collect(),
+            sequence: best.sequence.clone(),
             guess: best.trajectory.clone(),
             cuts: best.cuts.clone(),
         }
@@ -157,8 +161,14 @@ fn compare(
         Effort::Explore | Effort::Carry => Purpose::Explore,
     };
     let mut undecided = false;
+    let mut asked = false;
     for neighbour in &around.neighbours {
         let Neighbour { sequence, adjoins } = neighbour;
+        let asks = !asked && *adjoins && Insertion::of(sequence, &around.sequence).is_some();
+        if asks && attempts.known(sequence).is_none() {
+            asked = true;
+            decide_together(runner, attempts, around)?;
+        }
         let verdict = match attempts.known(sequence) {
             Some(verdict) => verdict,
             None if runner.is_exhausted() && *adjoins => return Ok(Compared::Incomplete),
@@ -182,6 +192,21 @@ fn compare(
     } else {
         Compared::Best
     })
+}
+
+/// Decides of the neighbours with further phases what one program tells of many.
+fn decide_together(
+    runner: &mut Runner,
+    attempts: &mut Attempts,
+    around: &Around,
+) -> Result<(), InputError> {
+    let neighbours = around.neighbours.iter().filter(|near| near.adjoins);
+    let insertions: Vec<Insertion> = neighbours
+        .filter(|near| attempts.known(&near.sequence).is_none())
+        .filter_map(|near| Insertion::of(&near.sequence, &around.sequence))
+        .collect();
+    let best = around.attempt(&around.sequence, Purpose::Compare);
+    learn_together(attempts, runner, insertions, best)
 }
 
 /// Decides a neighbour: one that adjoins by the multipliers of its new phases where these tell, or else by an attempt, and

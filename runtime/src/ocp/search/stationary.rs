@@ -61,6 +61,34 @@ fn solve_held<'a>(
     attempt: Attempt,
     relaxed: bool,
 ) -> Result<Option<Result<Held<'a>, nlp::Status>>, InputError> {
+    let Some((program, lengths, ended)) = solved(attempts, runner, attempt, relaxed)? else {
+        return Ok(None);
+    };
+    Ok(Some(ended.map(|solution| {
+        if !attempts.improves(solution.objective) {
+            return released(attempts, &program, &lengths, &solution);
+        }
+        match relaxed {
+            true => Held::Open,
+            false => Held::Better(Box::new((program, solution))),
+        }
+    })))
+}
+
+/// A program whose new phases are held, the variables of their lengths, and its solution or why it has none.
+pub(super) type Solved<'a> = (
+    Collocation<'a>,
+    Vec<usize>,
+    Result<nlp::Solution, nlp::Status>,
+);
+
+/// Solves the program of a sequence with the lengths of phases that the best has not held at their least, if there are any.
+pub(super) fn solved<'a>(
+    attempts: &Attempts<'a, '_>,
+    runner: &mut Runner,
+    attempt: Attempt,
+    relaxed: bool,
+) -> Result<Option<Solved<'a>>, InputError> {
     let Some(best) = &attempts.best else {
         return Ok(None);
     };
@@ -91,15 +119,7 @@ fn solve_held<'a>(
     };
     let horizon = program.horizon;
     let ended: Ended<nlp::Solution> = runner.solve(&mut program.program, horizon, &run);
-    Ok(Some(ended?.map(|solution| {
-        if !attempts.improves(solution.objective) {
-            return released(attempts, &program, &lengths, &solution);
-        }
-        match relaxed {
-            true => Held::Open,
-            false => Held::Better(Box::new((program, solution))),
-        }
-    })))
+    Ok(Some((program, lengths, ended?)))
 }
 
 /// What follows from releasing the lengths of a motion that is no better than the best.
@@ -110,15 +130,11 @@ fn released<'a>(
     held: &nlp::Solution,
 ) -> Held<'a> {
     let objective = held.objective;
-    let unit = program.program.objective_unit();
-    let interval = program.horizon_at(&program.program.physical(&held.x))
-        / attempts.setting.problem.intervals as f64;
-    let slope = |&length: &usize| {
-        let multiplier = held.multipliers_lower[length] - held.multipliers_upper[length];
-        multiplier * unit / program.program.unit(length) * interval
-    };
-    let least = lengths.iter().map(slope).fold(f64::INFINITY, f64::min);
-    let none = NONE * objective.abs().max(NONE * unit);
+    let none = none(program, objective);
+    let slopes = lengths
+        .iter()
+        .map(|&length| slope(attempts, program, held, length));
+    let least = slopes.fold(f64::INFINITY, f64::min);
     if least >= -none {
         Held::Stationary(objective)
     } else if attempts
@@ -129,4 +145,22 @@ fn released<'a>(
     } else {
         Held::Open
     }
+}
+
+/// Change of the objective for an interval of a held length.
+pub(super) fn slope(
+    attempts: &Attempts,
+    program: &Collocation,
+    held: &nlp::Solution,
+    length: usize,
+) -> f64 {
+    let interval = program.horizon_at(&program.program.physical(&held.x))
+        / attempts.setting.problem.intervals as f64;
+    let multiplier = held.multipliers_lower[length] - held.multipliers_upper[length];
+    multiplier * program.program.objective_unit() / program.program.unit(length) * interval
+}
+
+/// Change of an objective that counts as none.
+pub(super) fn none(program: &Collocation, objective: f64) -> f64 {
+    NONE * objective.abs().max(NONE * program.program.objective_unit())
 }
