@@ -1,7 +1,7 @@
 //! Dry friction without a surface: closed forms in every simulator, the default one against the event-driven one on random
 //! scenes, and how both say that a bound is negative.
 
-use crate::common::{distance, last, start};
+use crate::common::{distance, last, same_in_every_run, start};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -9,7 +9,6 @@ use hangtime::simulation::{
     InitialValueProblem, Moreau, Simulation, SimulationStatus, Simulator, Smooth, StepFormulation,
 };
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use std::f64::consts::PI;
 
 hangtime::model! {
@@ -317,16 +316,6 @@ fn bound_below_zero_is_named() {
     assert!(message.contains("`rail` is negative") && message.contains("E10"));
 }
 
-/// The same cases every time: what fails here fails everywhere.
-fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(20_261_121),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
-
 /// Same events at the same times and the same end.
 fn agree(model: &dyn Model, problem: &InitialValueProblem) -> Result<(), TestCaseError> {
     let event = EventDriven {
@@ -414,7 +403,7 @@ fn drawers() -> impl Strategy<Value = (Drawer, InitialValueProblem)> {
 }
 
 proptest! {
-    #![proptest_config(config(40))]
+    #![proptest_config(same_in_every_run(40))]
 
     #[test]
     fn arm_with_dry_hinges_moves_alike((model, problem) in arms()) {
@@ -428,7 +417,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(500))]
+    #![proptest_config(same_in_every_run(500))]
 
     #[test]
     #[ignore = "long"]

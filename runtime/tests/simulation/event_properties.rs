@@ -2,23 +2,12 @@
 //! nowhere and gains no energy.
 
 use crate::common::scenes;
-use crate::common::{check_energy, gap_at, start};
+use crate::common::{check_energy, gap_at, same_in_every_run, start};
 use hangtime::model::Model;
 use hangtime::simulation::{
     ControlSignal, EventDriven, InitialValueProblem, Simulation, SimulationStatus, Simulator,
 };
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
-
-/// The same cases every time: what fails here fails everywhere.
-fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(20_230_517),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
 
 fn tolerances() -> impl Strategy<Value = f64> {
     prop::sample::select(vec![1e-4, 1e-6, 1e-9, 1e-12])
@@ -54,7 +43,7 @@ fn checked(
 }
 
 proptest! {
-    #![proptest_config(config(150))]
+    #![proptest_config(same_in_every_run(150))]
 
     #[test]
     fn bar_thrown_onto_the_ground_loses_energy_and_comes_to_its_horizon(

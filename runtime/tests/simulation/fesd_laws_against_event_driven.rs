@@ -2,7 +2,7 @@
 //! two implementations of the laws that share nothing but the model's functions.
 
 use crate::common::laws::{Feet, Ground, Rod};
-use crate::common::{check_energy, distance, last, start};
+use crate::common::{check_energy, distance, last, same_in_every_run, start};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -10,17 +10,6 @@ use hangtime::simulation::{
     SimulationStatus, Simulator, StepFormulation,
 };
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
-
-/// The same cases every time: what fails here fails everywhere.
-fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(20_261_120),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
 
 /// Bounces end here in both simulators [m/s]: high enough for both to tell a bounce from rounding.
 const REST: f64 = 1e-3;
@@ -135,7 +124,7 @@ fn restitution() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(config(120))]
+    #![proptest_config(same_in_every_run(120))]
 
     #[test]
     fn mass_that_bounces_and_rubs_moves_alike(

@@ -3,24 +3,13 @@
 
 use crate::common::laws::{Ground, rough_crate};
 use crate::common::scenes;
-use crate::common::{check_energy, gap_at, start};
+use crate::common::{check_energy, gap_at, same_in_every_run, start};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
     ControlSignal, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
 };
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
-
-/// The same cases every time: what fails here fails everywhere.
-fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(20_260_131),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
 
 /// Stages and tolerance.
 fn settings() -> impl Strategy<Value = (usize, f64)> {
@@ -76,7 +65,7 @@ fn check_complementarity(simulation: &Simulation, accelerations: f64) -> Result<
 }
 
 proptest! {
-    #![proptest_config(config(100))]
+    #![proptest_config(same_in_every_run(100))]
 
     #[test]
     fn bar_thrown_onto_the_ground_loses_energy_and_comes_to_its_horizon(

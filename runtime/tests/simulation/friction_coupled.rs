@@ -5,10 +5,9 @@ use crate::common::assembled::Assembled;
 use crate::common::event::{accurate, run, sequence};
 use crate::common::laws::{Rod, Room, Table};
 use crate::common::scenes::GRAVITY;
-use crate::common::{check_energy, distance, last, start};
+use crate::common::{check_energy, distance, last, same_in_every_run, start};
 use hangtime::simulation::{EventDriven, EventKind, SimulationStatus};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
 #[test]
 fn tables_share_the_load_of_two_sticking_feet() {
@@ -209,18 +208,8 @@ fn ball_in_a_corner_with_friction_rests_on_both_surfaces() {
     assert_eq!(v, [0.0, 0.0]);
 }
 
-/// The same cases every time: what fails here fails everywhere.
-fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(20_230_517),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
-
 proptest! {
-    #![proptest_config(config(100))]
+    #![proptest_config(same_in_every_run(100))]
 
     #[test]
     fn thrown_table_with_friction_comes_to_its_horizon_without_gaining_energy(

@@ -3,11 +3,10 @@
 use crate::common::event::{accurate, run, sequence};
 use crate::common::laws::{Disc, Ground, Rod, Room, Table};
 use crate::common::scenes::GRAVITY;
-use crate::common::{check_energy, energies, last, start};
+use crate::common::{check_energy, energies, last, same_in_every_run, start};
 use hangtime::model::{Model, contact_point};
 use hangtime::simulation::{EventDriven, EventKind, Simulation, SimulationStatus, Simulator};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
 /// Normal velocities of the first contact before and after an event.
 fn normal_velocities(model: &dyn Model, simulation: &Simulation, event: usize) -> (f64, f64) {
@@ -293,18 +292,8 @@ fn impact_that_gains_energy_by_newtons_law_with_friction_is_noted() {
     );
 }
 
-/// The same cases every time: what fails here fails everywhere.
-fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(20_230_517),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
-
 proptest! {
-    #![proptest_config(config(100))]
+    #![proptest_config(same_in_every_run(100))]
 
     #[test]
     fn spinning_disc_with_any_laws_bounces_without_gaining_energy(

@@ -8,8 +8,18 @@ pub(crate) mod scenes;
 
 use hangtime::model::Model;
 use hangtime::simulation::{ControlSignal, InitialValueProblem, Simulation, Trajectory};
-use proptest::prelude::prop_assert;
-use proptest::test_runner::TestCaseError;
+use proptest::prelude::{ProptestConfig, prop_assert};
+use proptest::test_runner::{RngSeed, TestCaseError};
+
+/// Random cases, the same in every run: what fails here fails everywhere.
+pub(crate) fn same_in_every_run(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        rng_seed: RngSeed::Fixed(20_261_122),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
 
 /// The problem that starts at `(q, v)` and has no controls.
 pub(crate) fn start(q: &[f64], v: &[f64], horizon: f64) -> InitialValueProblem {
