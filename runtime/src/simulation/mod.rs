@@ -38,7 +38,7 @@ pub use smooth::Smooth;
 pub use state::State;
 pub use trajectory::Trajectory;
 
-pub(crate) use event::simulate_once;
+pub(crate) use event::{Ending, simulate_once, simulate_to};
 pub(crate) use quantity::{Quantity, number};
 
 use crate::Observer;

@@ -72,6 +72,12 @@ fn impact_at_the_final_time_brings_the_motion_to_rest() {
             solution.planned_events,
             [(solution.horizon, EventKind::Impact, 0)]
         );
+        // So does the motion under its controls, wherever rounding has put the end of that.
+        let motion = solution.motion.as_ref().unwrap();
+        assert_eq!(motion.trajectory.v.last().unwrap(), &[0.0]);
+        let speed = ((9.81 + 1.0) * 2.0_f64).sqrt();
+        assert_eq!(motion.events.len(), 1);
+        assert!((motion.events[0].v_before[0] + speed).abs() < 1e-7);
         // The motion is a start for others, with the impact where it is.
         settings.guess = Guess::Previous(Box::new(solution.previous.unwrap()));
         let again = solve(&Lander::default(), &settings);
@@ -108,4 +114,8 @@ fn bounce_at_the_final_time_gives_the_speed_after_it() {
         solution.planned_events,
         [(solution.horizon, EventKind::Impact, 0)]
     );
+    let motion = solution.motion.unwrap();
+    let speed = motion.trajectory.v.last().unwrap()[0];
+    assert!((speed - 2.2).abs() < 1e-8, "{speed}");
+    assert_eq!(motion.events.len(), 1);
 }

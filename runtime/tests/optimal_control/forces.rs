@@ -142,7 +142,8 @@ fn lander_on_legs_that_bear_an_impulse_lands_with_it_in_least_time() {
     close(solution.controls[0][0], 0.0);
     close(solution.controls[1][0], 30.0);
     let motion = solution.motion.unwrap();
-    close(motion.trajectory.v.last().unwrap()[0], -5.0);
+    close(motion.events[0].v_before[0], -5.0);
+    close(motion.trajectory.v.last().unwrap()[0], 0.0);
     // Legs that bear everything: it falls.
     let lander = Lander {
         bearable: 1e3,

@@ -23,8 +23,8 @@ hangtime::model! {
     }
 }
 
-/// Polished, this plan begins with a flight that the re-simulation sees as contact for a third of a millisecond: what was confirmed
-/// before is returned.
+/// Polished, this plan begins with a flight that the re-simulation sees as contact for a third of a millisecond: too short to be
+/// another motion.
 #[test]
 fn polish_does_not_lose_a_confirmation() {
     let solution = attempt(&Crests::default(), 20, &Settings::default());

@@ -37,10 +37,14 @@ pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
         ));
     };
     let Some(body) = cursor.eat_group(Delimiter::Brace) else {
+        let remedy = match name.text.as_str() {
+            "model" | "hangtime" => "; leave out `model!` and its braces here",
+            _ => "",
+        };
         return Err(diagnostics.syntax(
             cursor.place(),
             format!(
-                "expected `{{` after the name `{}`, found {}",
+                "expected `{{` after the name `{}`, found {}{remedy}",
                 name.text,
                 cursor.describe()
             ),

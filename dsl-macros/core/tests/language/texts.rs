@@ -53,6 +53,11 @@ fn text_that_is_no_declaration_is_answered_by_a_message() {
     for (text, words) in [
         ("", "declares no coordinates"),
         ("Ball", "expected `{` after the name `Ball`"),
+        (
+            "model! { pub Ball { } }",
+            "leave out `model!` and its braces",
+        ),
+        ("hangtime::model! { pub Ball { } }", "leave out `model!`"),
         ("pub Ball { } pub Other { }", "after the scene"),
         (
             "coordinates { y } lagrangian dot(y)^2/2 + 0x",

@@ -2,7 +2,7 @@
 
 use hangtime_solver::mpcc::Stationarity;
 
-use super::disagreement::disagreement;
+use super::disagreement::compare;
 use super::forces;
 use super::margins::margins;
 use super::refine_grid::{ROUNDS, refine};
@@ -12,7 +12,6 @@ use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::Limits;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::effort::Effort;
-use crate::ocp::motion::read_sequence::seen;
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::{Trajectory, largest_difference};
 use crate::ocp::previous::Previous;
@@ -20,13 +19,10 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::search::repair::certificate;
 use crate::ocp::search::replay::{read_replay, simulate};
-use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
 use crate::rk::ButcherTableau;
 use crate::simulation::ContactMode;
-use crate::simulation::{
-    EventKind, InputError, ProblemSize, Residuals, Simulation, SimulationStatus,
-};
+use crate::simulation::{EventKind, InputError, ProblemSize, Residuals, SimulationStatus};
 
 /// Distance of plan and re-simulation within which they may be the same motion \[m or rad\].
 const SAME_MOTION: f64 = 1e-3;
@@ -238,17 +234,18 @@ fn confirm(
         sequence,
         ..
     } = plan;
-    let replay = simulate(setting, trajectory, settings.resimulation_tolerance)?;
+    let tolerance = settings.resimulation_tolerance;
+    let replay = simulate(setting, trajectory, Some(sequence), tolerance)?;
     let n = setting.problem.q.len();
     let planned = trajectory.at(trajectory.horizon, true);
     let distance = match (&replay.status, replay.trajectory.q.last()) {
         (SimulationStatus::Solved, Some(q)) => largest_difference(q, &planned[..n]),
         _ => f64::INFINITY,
     };
-    let forces = forces::looked(setting, sequence, &replay);
+    let forces = forces::looked(setting.model, &replay);
     let disagreement = compare(setting, settings, sequence, trajectory, &replay)
         .or_else(|| forces::violated(&forces))
-        .or_else(|| forces::other_cost(setting, sequence, solution.objective, &replay));
+        .or_else(|| forces::other_cost(setting, solution.objective, &replay));
     let margins = margins(program, solution);
     let stationarity = if margins.iter().all(|margin| margin.chosen) {
         stationarity
@@ -295,33 +292,6 @@ fn confirm(
         time_freezing: None,
         optima: Vec::new(),
     })
-}
-
-/// The first difference in kind between a plan and its re-simulation, in words.
-fn compare(
-    setting: Setting,
-    settings: &Settings,
-    plan: &Sequence,
-    trajectory: &Trajectory,
-    replay: &Simulation,
-) -> Option<String> {
-    let Setting { model, problem, .. } = setting;
-    let simulated = Trajectory::of_simulation(
-        model,
-        replay,
-        trajectory.horizon,
-        trajectory.controls.clone(),
-    );
-    // A slip over less than the distance that is let pass is none.
-    let slowest = settings.largest_distance / trajectory.horizon;
-    let read = read_replay(setting, replay, trajectory);
-    disagreement(
-        model,
-        &seen(plan, model, trajectory, slowest).without_passages(),
-        &seen(&read, model, &simulated, slowest).without_passages(),
-        problem.intervals,
-        trajectory.horizon,
-    )
 }
 
 fn planned_events(sequence: &Sequence, interval: f64) -> Vec<(f64, EventKind, usize)> {

@@ -1,11 +1,84 @@
 //! How a plan and its re-simulation differ in kind.
 
-use crate::model::Model;
+use crate::model::{Model, contact_point};
+use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::motion::model_input::drive;
+use crate::ocp::motion::read_sequence::seen;
 use crate::ocp::motion::sequence::{Sequence, Switch};
-use crate::simulation::ContactMode;
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::search::replay::read_replay;
+use crate::ocp::settings::Settings;
+use crate::simulation::{ContactMode, Simulation};
+
+/// The first difference in kind between a plan and its re-simulation, in words.
+pub(super) fn compare(
+    setting: Setting,
+    settings: &Settings,
+    plan: &Sequence,
+    trajectory: &Trajectory,
+    replay: &Simulation,
+) -> Option<String> {
+    let Setting { model, problem, .. } = setting;
+    let simulated = Trajectory::of_simulation(
+        model,
+        replay,
+        trajectory.horizon,
+        trajectory.controls.clone(),
+    );
+    // A slip over less than the distance that is let pass is none.
+    let slowest = settings.largest_distance / trajectory.horizon;
+    let plan = seen(plan, model, trajectory, slowest);
+    let mut read = seen(
+        &read_replay(setting, replay, trajectory),
+        model,
+        &simulated,
+        slowest,
+    );
+    leave_at_once(setting, &plan, trajectory, settings, &mut read);
+    disagreement(
+        model,
+        &plan.without_passages(),
+        &read.without_passages(),
+        problem.intervals,
+        trajectory.horizon,
+    )
+}
+
+/// Leaves out what contacts that are open in the plan do from the start, if they open before the plan is further from them than
+/// is let pass.
+fn leave_at_once(
+    Setting { model, problem, .. }: Setting,
+    plan: &Sequence,
+    trajectory: &Trajectory,
+    settings: &Settings,
+    read: &mut Sequence,
+) {
+    let interval = trajectory.horizon / problem.intervals as f64;
+    let distance = |contact: usize, time: f64| {
+        let mut point = vec![0.0; contact_point::length(problem.q.len())];
+        let state = trajectory.at(time, true);
+        let controls = trajectory.controls.at(0.0);
+        let mut input = state[..2 * problem.q.len()].to_vec();
+        input.extend(drive(model, &controls, time));
+        model.contact(contact, &input, &mut point);
+        time * point[contact_point::NORMAL_VELOCITY].abs()
+    };
+    for contact in 0..read.initially.len() {
+        let own = |switch: &&Switch| switch.contact == contact;
+        let first = read.switches.iter().find(own).copied();
+        if let Some(opening) = first.filter(Switch::opens)
+            && !read.initially[contact].is_open()
+            && plan.initially[contact].is_open()
+            && distance(contact, opening.time * interval) <= settings.largest_distance
+        {
+            read.initially[contact] = ContactMode::Open;
+            read.switches.retain(|switch| *switch != opening);
+        }
+    }
+}
 
 /// The first difference in kind between the switches of a plan and of its re-simulation over `horizon`, in words.
-pub(super) fn disagreement(
+fn disagreement(
     model: &dyn Model,
     plan: &Sequence,
     read: &Sequence,

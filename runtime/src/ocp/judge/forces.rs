@@ -6,8 +6,6 @@
 use crate::model::{ConstraintDeclaration, Model, contact_point};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::model_input::drive;
-use crate::ocp::motion::sequence::{Sequence, Switch};
-use crate::ocp::problem::Problem;
 use crate::ocp::solution::Excess;
 use crate::simulation::Simulation;
 
@@ -69,8 +67,7 @@ pub(super) fn excess(conditions: &[Looked], mut all: Vec<Excess>) -> Vec<Excess>
 }
 
 /// The conditions on forces and impulses in the re-simulation of a plan; none for scenes without.
-pub(super) fn looked(setting: Setting, plan: &Sequence, replay: &Simulation) -> Vec<Looked> {
-    let Setting { model, problem, .. } = setting;
+pub(super) fn looked(model: &dyn Model, replay: &Simulation) -> Vec<Looked> {
     let declared = model.declaration().optimal_control;
     let simulated = !replay.trajectory.time.is_empty();
     if !simulated || declared.is_none_or(|declared| !declared.contacts.any()) {
@@ -78,26 +75,11 @@ pub(super) fn looked(setting: Setting, plan: &Sequence, replay: &Simulation) -> 
     }
     let (sums, impacts) = in_impacts(model, replay);
     let conditions = along(model, replay).into_iter().chain(impacts);
-    let mut all: Vec<Looked> = conditions.collect();
-    if !ends_with_impact(plan, problem) {
-        all.extend(at_the_end(model, replay, &sums));
-    }
-    all
-}
-
-/// Whether a plan ends with an impact: the simulation ends right before or right after that.
-fn ends_with_impact(plan: &Sequence, problem: &Problem) -> bool {
-    let impact = |switch: &Switch| switch.interval == problem.intervals;
-    plan.switches.iter().any(impact)
+    conditions.chain(at_the_end(model, replay, &sums)).collect()
 }
 
 /// Where an objective that contains forces or impulses is another one in the re-simulation than in the plan, in words.
-pub(super) fn other_cost(
-    setting: Setting,
-    plan: &Sequence,
-    planned: f64,
-    replay: &Simulation,
-) -> Option<String> {
+pub(super) fn other_cost(setting: Setting, planned: f64, replay: &Simulation) -> Option<String> {
     let Setting { model, problem, .. } = setting;
     let declaration = model.declaration();
     let declared = declaration.optimal_control?;
@@ -105,7 +87,7 @@ pub(super) fn other_cost(
     let runs = declared.running_cost && declared.path_jacobian.reads(0, declaration.inputs());
     let ends = declared.final_cost && declared.terminal_jacobian.reads(0, inputs);
     let simulated = !replay.trajectory.time.is_empty();
-    if !simulated || !(runs || ends) || ends_with_impact(plan, problem) {
+    if !simulated || !(runs || ends) {
         return None;
     }
     let (mut cost, mut size) = (0.0, 0.0);

@@ -9,7 +9,7 @@ use crate::simulation::ContactMode;
 use crate::simulation::{Event, EventKind, Simulation};
 
 /// Events nearer to an interval end than this share of the interval lie on it.
-const AT_THE_END: f64 = 1e-7;
+pub(in crate::ocp) const AT_THE_END: f64 = 1e-7;
 
 /// Bounces that end within this many intervals are one landing.
 const COMES_TO_REST: f64 = 0.5;

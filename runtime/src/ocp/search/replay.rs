@@ -4,11 +4,11 @@ use crate::model::{Pieces, edge};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::passages::with_passages;
-use crate::ocp::motion::read_sequence::Replay;
+use crate::ocp::motion::read_sequence::{AT_THE_END, Replay};
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::simulation::{
-    Event, EventDriven, EventKind, InputError, Simulation, SimulationStatus, simulate_once,
+    Ending, Event, EventDriven, EventKind, InputError, Simulation, SimulationStatus, simulate_to,
 };
 
 /// A contact that closes within this share of the first interval, from a gap \[its unit\] no larger than this, was
@@ -19,10 +19,12 @@ const ON_THE_SURFACE: f64 = 1e-9;
 /// Points of the simulation in each interval.
 const OUTPUTS: usize = 10;
 
-/// The motion under the controls of a trajectory, from its start.
+/// The motion under the controls of a trajectory, from its start. That of a `plan` ends with the impacts that the plan ends with:
+/// rounding puts them on either side of the final time.
 pub(in crate::ocp) fn simulate(
     setting: Setting,
     trajectory: &Trajectory,
+    plan: Option<&Sequence>,
     tolerance: f64,
 ) -> Result<Simulation, InputError> {
     let Setting { model, problem, .. } = setting;
@@ -34,7 +36,16 @@ pub(in crate::ocp) fn simulate(
         ..EventDriven::default()
     };
     let motion = problem.initial_value_problem(&start, trajectory.horizon, trajectory.signal());
-    simulate_once(&simulator, model, &motion)
+    let struck: Option<Vec<usize>> = plan.map(|plan| {
+        let last = plan.switches.iter();
+        let last = last.filter(|s| s.interval == problem.intervals && s.closes);
+        last.map(|switch| switch.contact).collect()
+    });
+    let ending = struck.as_deref().map(|struck| Ending {
+        near: AT_THE_END * trajectory.horizon / problem.intervals as f64,
+        struck,
+    });
+    simulate_to(&simulator, model, &motion, ending)
 }
 
 /// The motion under the controls of a trajectory, on the grid of the problem; nothing where it cannot be simulated to its end.
@@ -43,7 +54,7 @@ pub(in crate::ocp) fn simulated(
     driven: &Trajectory,
     tolerance: f64,
 ) -> Result<Option<Candidate>, InputError> {
-    let replay = simulate(setting, driven, tolerance)?;
+    let replay = simulate(setting, driven, None, tolerance)?;
     if replay.status != SimulationStatus::Solved {
         return Ok(None);
     }

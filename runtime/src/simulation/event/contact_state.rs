@@ -1,7 +1,7 @@
 //! What a single contact does between two events.
 
-use crate::simulation::ContactMode;
 pub(in crate::simulation) use crate::simulation::Direction;
+use crate::simulation::{ContactMode, EventKind};
 
 /// State of a contact in a contact mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +38,19 @@ impl ContactState {
     /// Whether the sliding velocity is zero throughout.
     pub(in crate::simulation) fn is_stuck(self) -> bool {
         matches!(self, Self::Stick | Self::Held(_))
+    }
+
+    /// The event that the change to another state is, without an impact; `None` where nothing changes.
+    pub(in crate::simulation) fn event(self, now: Self) -> Option<EventKind> {
+        if self == now || self.is_stuck() && now.is_stuck() {
+            return None;
+        }
+        Some(match (self, now) {
+            (Self::Open, _) => EventKind::Contact,
+            (_, Self::Open) => EventKind::LiftOff,
+            (_, now) if now.is_stuck() => EventKind::Stick,
+            _ => EventKind::Slip,
+        })
     }
 
     /// `s / r` of a contact whose tangential force follows from the normal one; 0 for the others.

@@ -8,6 +8,7 @@ use super::contact_state::ContactState;
 use super::diagnosis::Place;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
+use super::ending::Ending;
 use super::error_scale::ErrorScale;
 use super::impact::{Impact, LowestBounce};
 use super::remarks::Remarks;
@@ -39,6 +40,7 @@ const PATIENCE: usize = 2;
 pub(super) struct Integration<'a> {
     settings: &'a EventDriven,
     problem: &'a InitialValueProblem,
+    ending: Option<Ending<'a>>,
     dynamics: Dynamics<'a>,
     method: Dop853,
     /// The method that looks ahead where a contact mode is chosen.
@@ -102,6 +104,7 @@ impl<'a> Integration<'a> {
         settings: &'a EventDriven,
         model: &'a dyn Model,
         problem: &'a InitialValueProblem,
+        ending: Option<Ending<'a>>,
     ) -> Self {
         let dynamics = Dynamics::new(model, settings.auxiliary_acceleration);
         let (n, contacts, functions) = (dynamics.n, dynamics.contacts, dynamics.functions());
@@ -112,6 +115,7 @@ impl<'a> Integration<'a> {
         Self {
             settings,
             problem,
+            ending,
             method: Dop853::new(dimension, 2 * n),
             probe: Dop853::new(dimension, 2 * n),
             search: EventSearch::new(dimension, functions),
@@ -211,12 +215,17 @@ impl<'a> Integration<'a> {
             match event {
                 Some(event) => {
                     self.t += event.h;
+                    let over = self.is_over(switch);
+                    self.t = if over { horizon } else { self.t };
                     self.y.copy_from_slice(self.method.end());
                     self.method.finish(&mut self.dynamics, self.t, 0.0);
                     let measured = self.measure();
                     self.audit_now();
                     self.keep(measured);
                     self.record();
+                    if over {
+                        break;
+                    }
                     self.enter_mode(switch, false)?;
                 }
                 None => {
@@ -239,6 +248,26 @@ impl<'a> Integration<'a> {
             }
             let count = self.result.counts.elements;
             watch.reach(self.t, count, &mut self.result.trajectory)?;
+        }
+        self.strike_at_the_end()
+    }
+
+    /// Whether the motion is over at the present instant.
+    fn is_over(&self, vanished: Option<Switch>) -> bool {
+        let before = self.problem.horizon - self.t;
+        let over = |ending: Ending| ending.is_over(&self.dynamics, vanished, before);
+        self.ending.is_some_and(over)
+    }
+
+    /// Carries out the impacts that are known to end the motion, where rounding has put them behind its end.
+    fn strike_at_the_end(&mut self) -> Result<(), SimulationStatus> {
+        let Some(ending) = self.ending else {
+            return Ok(());
+        };
+        for &contact in ending.struck {
+            if ending.is_due(&mut self.dynamics, contact, (self.t, &self.y)) {
+                self.enter_mode(Some(Switch::Gap(contact)), false)?;
+            }
         }
         Ok(())
     }
@@ -472,19 +501,10 @@ impl<'a> Integration<'a> {
         }
         for (i, &was) in previously.iter().enumerate() {
             let is = self.dynamics.state(i);
-            let kind = match (was.is_open(), is.is_open()) {
-                (true, true) => continue,
-                (true, false) if at_start || struck.contains(&i) => continue,
-                (true, false) => EventKind::Contact,
-                (false, true) => EventKind::LiftOff,
-                (false, false) => match (was.is_stuck(), is.is_stuck()) {
-                    (false, true) => EventKind::Stick,
-                    (true, false) => EventKind::Slip,
-                    (false, false) if was != is => EventKind::Slip,
-                    _ => continue,
-                },
-            };
-            self.write_event(kind, i, before);
+            let lands = was.is_open() && (at_start || struck.contains(&i));
+            if let Some(kind) = was.event(is).filter(|_| !lands) {
+                self.write_event(kind, i, before);
+            }
         }
         let events = &self.result.events;
         if events.len() > self.settings.max_events {

@@ -3,7 +3,7 @@
 //! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
 //! mode, `dop853` integrates it (`error_scale` says how accurately), `search` and `locate` find where the mode ends,
 //! `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `audit` measures the signs,
-//! `diagnosis` says why a run ends early. `accuracy` compares two runs.
+//! `diagnosis` says why a run ends early, `ending` which impacts belong to its end. `accuracy` compares two runs.
 
 mod accuracy;
 mod audit;
@@ -15,6 +15,7 @@ pub(super) mod coulomb;
 mod diagnosis;
 pub(super) mod dop853;
 pub(super) mod dynamics;
+mod ending;
 mod error_scale;
 pub(super) mod impact;
 mod integration;
@@ -26,6 +27,7 @@ mod small_system;
 mod tableau;
 pub(in crate::simulation) mod velocity_jump;
 
+pub(crate) use ending::Ending;
 pub use settings::EventDriven;
 
 use integration::Integration;
@@ -70,10 +72,23 @@ pub(crate) fn simulate_once(
     model: &dyn Model,
     problem: &InitialValueProblem,
 ) -> Result<Simulation, InputError> {
+    simulate_to(settings, model, problem, None)
+}
+
+/// The same for a motion whose `ending` may be known.
+///
+/// # Errors
+/// [`InputError`] if the problem or the method's settings are refused.
+pub(crate) fn simulate_to(
+    settings: &EventDriven,
+    model: &dyn Model,
+    problem: &InitialValueProblem,
+    ending: Option<Ending>,
+) -> Result<Simulation, InputError> {
     check(settings, model, problem)?;
     let mut unseen = |_: &Progress| true;
     let mut watch = Watch::new(problem, &mut unseen);
-    let mut result = Integration::new(settings, model, problem).run(&mut watch);
+    let mut result = Integration::new(settings, model, problem, ending).run(&mut watch);
     impulse::record(model, &mut result);
     watch.finish(model, &mut result);
     Ok(result)
@@ -90,7 +105,7 @@ pub(super) fn simulate_to_check(
         tolerance,
         ..EventDriven::default()
     };
-    Integration::new(&settings, model, problem).run(watch)
+    Integration::new(&settings, model, problem, None).run(watch)
 }
 
 fn check(
