@@ -19,8 +19,8 @@ use crate::simulation::InputError;
 /// Starts that are solved side by side before it is asked whether they are enough.
 const BATCH: usize = 4;
 
-/// Starts that lead to the best motion where it is not looked for from more: of fewer, all may have fallen into the same
-/// trap.
+/// Independent starts that lead to the best motion where it is not looked for from more: of fewer, all may have fallen into
+/// the same trap.
 const AGREEING: usize = 4;
 
 /// Shares of its range by which the best motion is bent for starts near it, in turn.
@@ -101,9 +101,10 @@ fn best(all: &[Found]) -> Option<&Found> {
     found.min_by(|a, b| a.solution.objective.total_cmp(&b.solution.objective))
 }
 
-/// Whether enough starts lead to the best motion.
+/// Whether enough starts lead to the best motion; those that began near it do not count.
 fn best_was_found_again(all: &[Found]) -> bool {
-    let confirmed = all.iter().map(|found| rank(&found.solution));
+    let independent = all.iter().filter(|found| !looks_near_the_best(found.start));
+    let confirmed = independent.map(|found| rank(&found.solution));
     let objectives: Vec<f64> = confirmed
         .filter(|rank| rank.0 == 0)
         .map(|rank| rank.1)
