@@ -162,6 +162,25 @@ impl ButcherTableau {
             .collect()
     }
 
+    /// Weights `l_j^2 (1 - 2 l_j'(c_j) (theta - c_j))` of values and `l_j^2 (theta - c_j)` of slopes at the same nodes: Hermite's
+    /// polynomial, which has both.
+    pub(crate) fn hermite_with_start(&self, theta: f64) -> Vec<(f64, f64)> {
+        let nodes = self.nodes_with_start();
+        let slope = |j: usize| -> f64 {
+            let others = (0..nodes.len()).filter(|&k| k != j);
+            others.map(|k| 1.0 / (nodes[j] - nodes[k])).sum()
+        };
+        let lagrange = self.values_with_start(theta).into_iter().enumerate();
+        let weights = lagrange.map(|(j, value)| {
+            let (square, distance) = (value * value, theta - nodes[j]);
+            (
+                square * (1.0 - 2.0 * slope(j) * distance),
+                square * distance,
+            )
+        });
+        weights.collect()
+    }
+
     /// Slopes `l_j'(theta)` of the same.
     pub(crate) fn slopes_with_start(&self, theta: f64) -> Vec<f64> {
         let nodes = self.nodes_with_start();
@@ -285,6 +304,28 @@ mod tests {
             let mut weights = vec![0.0; tableau.stages()];
             tableau.dense_weights(1.0, &mut weights);
             assert_eq!(weights, tableau.b());
+        }
+    }
+
+    #[test]
+    fn hermites_polynomial_is_exact_where_there_are_as_many_values_and_slopes() {
+        let tableau = ButcherTableau::new(Scheme::RadauIia, 3).expect("three stages");
+        let nodes = tableau.nodes_with_start();
+        for theta in [0.0_f64, 0.1, 0.7, 1.0] {
+            for power in 0..8 {
+                let terms = nodes.iter().zip(tableau.hermite_with_start(theta));
+                let rise = |c: f64| match power {
+                    0 => 0.0,
+                    _ => f64::from(power) * c.powi(power - 1),
+                };
+                let sum: f64 = terms
+                    .map(|(&c, (value, slope))| value * c.powi(power) + slope * rise(c))
+                    .sum();
+                assert!(
+                    (sum - theta.powi(power)).abs() < 1e-13,
+                    "{power} at {theta}"
+                );
+            }
         }
     }
 

@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::one_start;
+use crate::support::{attempt, kinds, one_start};
 use hangtime::ocp::{self, ControlShape, Problem, Settings, Solution, Status};
-use hangtime::simulation::{Fesd, InitialValueProblem, Simulator};
+use hangtime::simulation::{EventKind, Fesd, InitialValueProblem, Simulator};
 
 hangtime::model! {
     /// A cart that has to pass a narrow magnet on its way.
@@ -128,4 +128,40 @@ fn smaller_distances_ask_for_more_elements_and_coarse_scenes_for_none() {
     };
     let solution = pass(&wide, &one_start());
     assert_eq!(solution.elements, [1; INTERVALS]);
+}
+
+hangtime::model! {
+    /// Two light wheels on springs under a body, which has to cross a ditch: each leaves the ground at its edge, and lands in it.
+    Ditch {
+        parameters { g = 9.81 }
+        coordinates { y, rear, front, body }
+        controls { drive in -6..=6, lift in -30..=30 }
+        fn ground(y) = -0.2*exp(-8*(y - 2)^2)
+        lagrangian dot(y)^2 + (dot(rear)^2 + dot(front)^2)/10 + dot(body)^2/2 - g*(rear/5 + front/5 + body) - 40*(body - rear - 0.4)^2 - 40*(body - front - 0.4)^2
+        dissipation 2*(dot(body) - dot(rear))^2 + 2*(dot(body) - dot(front))^2
+        forces { y: drive, body: lift, rear: -lift/2, front: -lift/2 }
+        surface wheel_rear: rear >= ground(y - 0.4)
+        surface wheel_front: front >= ground(y + 0.4)
+        impact wheel_rear, wheel_front: inelastic
+        minimize integral(drive^2 + lift^2/50)
+        finally { y == 4, dot(y) == 0 }
+        start { body: 0.34 }
+        horizon 3
+    }
+}
+
+/// On 10 intervals the polynomials of the positions dip by 1e-4 into the ground right after a wheel leaves it, where the velocities do not:
+/// conditions on the gaps there kept every program from a solution.
+#[test]
+fn flights_of_fast_wheels_on_a_coarse_grid_are_no_penetrations() {
+    let solution = attempt(&Ditch::default(), 10, &one_start());
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    assert!(solution.resimulation_error < 1e-6);
+    let (lifts, lands) = (EventKind::LiftOff, EventKind::Impact);
+    assert_eq!(kinds(&solution), [lifts, lands, lifts, lands]);
 }

@@ -5,12 +5,17 @@ use super::friction_cuts::friction;
 use super::layout::{Cut, CutKind, SolvedPhase};
 use super::limits::Limits;
 use super::program::Collocation;
-use crate::model::contact_point;
+use crate::model::{Model, contact_point};
 use crate::ocp::solution::Excess;
 
 /// Depth below a surface that rounding and collocation may cause right after an opening, relative to the
 /// margin.
 const DEPTH: f64 = 1e-4;
+
+/// Share of a phase after an opening, or before a closing, that counts as right there, and the share of the way to where the gap is least
+/// at which the contact has to part, or to come nearer.
+const NEAR: f64 = 0.25;
+const AFTER: f64 = 0.1;
 
 /// Places where the motion between the stages grazes or enters a surface, or leaves the bounds of a
 /// coordinate or a path constraint: minima over the phases, with higher values on either side.
@@ -19,6 +24,7 @@ pub(in crate::ocp) fn between_stages(program: &Collocation, x: &[f64], limits: L
     let declaration = model.declaration();
     let n = declaration.coordinates.len();
     let mut input = vec![0.0; declaration.inputs()];
+    let mut smooth = input.clone();
     let mut found = Vec::new();
     let motion = DenseMotion::new(program, x);
     let cut = |phase: usize, theta: f64, kind: CutKind| Cut {
@@ -48,12 +54,36 @@ pub(in crate::ocp) fn between_stages(program: &Collocation, x: &[f64], limits: L
             next += flight.len().max(1);
             let depth = DEPTH * limits.margin;
             for (phase, theta, between) in lows(&flight, &mut gap, limits.gap, depth) {
-                // Near an opening there is no room for the whole margin.
+                // An error of the interpolation is none.
+                motion.write_smooth(phase, theta, &mut smooth);
+                let low = if between { limits.gap } else { -depth };
+                if model.gap(acting(phase), &smooth) >= low {
+                    continue;
+                }
+                let (contact, solved) = (acting(phase), &motion.solved[phase]);
+                let moves = |weights: &[f64]| moves(model, solved, contact, weights);
+                // Right after an opening the gap grows with a high power of the time: its acceleration says more. So does the velocity right
+                // before a closing.
+                if !between && phase == flight[0] && theta < NEAR {
+                    let soon = AFTER * theta;
+                    if moves(&program.tableau.slopes_with_start(soon)) < -depth {
+                        found.push(cut(phase, soon, CutKind::Departure(contact)));
+                    }
+                    continue;
+                }
+                if !between && lands(&phase) && theta > 1.0 - NEAR {
+                    let late = 1.0 - AFTER * (1.0 - theta);
+                    if moves(&program.tableau.values_with_start(late)) > depth {
+                        found.push(cut(phase, late, CutKind::Approach(contact)));
+                    }
+                    continue;
+                }
+                // Elsewhere there is no room for the whole margin.
                 let share = if between { 1.0 } else { DEPTH };
                 found.push(cut(
                     phase,
                     theta,
-                    CutKind::Gap(acting(phase), share * limits.margin),
+                    CutKind::Gap(contact, share * limits.margin),
                 ));
             }
         }
@@ -154,7 +184,6 @@ fn worst(motion: &DenseMotion, value: &mut dyn FnMut(usize, f64) -> f64) -> Opti
 fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> Vec<Cut> {
     let model = program.model;
     let declaration = model.declaration();
-    let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
     let slopes = program.tableau.slopes_with_start(0.0);
     let mut found = Vec::new();
     for (index, (phase, solved)) in program.phases.iter().zip(solved).enumerate() {
@@ -172,15 +201,10 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
             {
                 continue;
             }
-            let (mut gap, mut acceleration) = (f64::INFINITY, 0.0);
-            for (node, (input, slope)) in solved.inputs.iter().zip(&slopes).enumerate() {
-                model.contact(contact, input, &mut point);
-                if node == 0 {
-                    gap = point[contact_point::GAP];
-                }
-                acceleration += slope * point[contact_point::NORMAL_VELOCITY];
-            }
-            if gap < limits.gap && acceleration < -DEPTH * limits.margin {
+            let acceleration = moves(model, solved, contact, &slopes);
+            if model.gap(contact, &solved.inputs[0]) < limits.gap
+                && acceleration < -DEPTH * limits.margin
+            {
                 found.push(Cut {
                     interval: phase.interval,
                     phase: phase.index,
@@ -191,4 +215,17 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
         }
     }
     found
+}
+
+/// Normal velocity of a contact where the polynomials of the nodes have these values, or its acceleration, times the length of the phase,
+/// where they have these slopes.
+fn moves(model: &dyn Model, solved: &SolvedPhase, contact: usize, weights: &[f64]) -> f64 {
+    let mut point = vec![0.0; contact_point::length(model.declaration().coordinates.len())];
+    let nodes = solved.inputs.iter().zip(weights);
+    nodes
+        .map(|(input, weight)| {
+            model.contact(contact, input, &mut point);
+            weight * point[contact_point::NORMAL_VELOCITY]
+        })
+        .sum()
 }

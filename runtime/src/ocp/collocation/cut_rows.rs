@@ -35,21 +35,28 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
                 let row = program.row_in(units.states[k], name, bounds.0[k], bounds.1[k]);
                 combine(program, row, k, phase, &weights);
             }
-            CutKind::Gap(contact, _) | CutKind::Departure(contact)
+            CutKind::Gap(contact, _) | CutKind::Departure(contact) | CutKind::Approach(contact)
                 if phase.closed.contains(&phase.pieces.acting(contact)) => {}
-            CutKind::Departure(contact) => {
+            CutKind::Departure(contact) | CutKind::Approach(contact) => {
                 let before = builder.before.clone();
                 let program = &mut builder.program;
-                let name = format!("departure of `{}` {at}", declaration.contacts[contact].name);
+                let (what, (lower, upper), factors) = match cut.kind {
+                    CutKind::Approach(_) => ("approach to", (f64::NEG_INFINITY, 0.0), weights),
+                    _ => (
+                        "departure of",
+                        (0.0, f64::INFINITY),
+                        tableau.slopes_with_start(cut.theta),
+                    ),
+                };
+                let name = format!("{what} `{}` {at}", declaration.contacts[contact].name);
                 let unit = units.gap_rows[contact];
-                let row = program.row_in(unit, name, 0.0, f64::INFINITY);
-                let slopes = tableau.slopes_with_start(0.0);
+                let row = program.row_in(unit, name, lower, upper);
                 let stages = phase.stages.iter();
                 let stages = stages.map(|stage| (&stage.state, &stage.drive));
                 let nodes = std::iter::once((&phase.start, &before)).chain(stages);
-                for ((state, drive), slope) in nodes.zip(slopes) {
+                for ((state, drive), factor) in nodes.zip(factors) {
                     let (q, v) = state.split_at(n);
-                    let uses = vec![(row, 1, slope)];
+                    let uses = vec![(row, 1, factor)];
                     program.block(&Kernel::Contact(contact), [q, v, drive, &[]], None, uses);
                 }
             }

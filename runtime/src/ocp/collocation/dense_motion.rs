@@ -48,6 +48,21 @@ impl<'p, 'm> DenseMotion<'p, 'm> {
         }
     }
 
+    /// The same with positions that have the velocities as their slopes. Right after a start, where gaps grow with a high power of the
+    /// time, those of [`Self::write`] are less accurate than what they grow to.
+    pub(super) fn write_smooth(&self, phase: usize, theta: f64, input: &mut [f64]) {
+        self.write(phase, theta, input);
+        let n = self.program.model.declaration().coordinates.len();
+        let solved = &self.solved[phase];
+        input[..n].fill(0.0);
+        let weights = self.program.tableau.hermite_with_start(theta);
+        for (values, (value, slope)) in solved.inputs.iter().zip(weights) {
+            for (k, slot) in input[..n].iter_mut().enumerate() {
+                *slot += value * values[k] + slope * solved.length * values[n + k];
+            }
+        }
+    }
+
     /// Distance of a coordinate from the nearer of its bounds, negative outside.
     pub(super) fn inside(
         &self,

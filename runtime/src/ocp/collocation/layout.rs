@@ -15,8 +15,10 @@ pub(in crate::ocp) enum CutKind {
     Bounds(usize),
     /// The path constraint holds.
     Path(usize),
-    /// The normal acceleration of a contact right after the start of the phase is at least 0.
+    /// The normal acceleration of a contact is at least 0, at the start of the phase or right after it.
     Departure(usize),
+    /// The normal velocity of a contact is at most 0, right before it closes.
+    Approach(usize),
     /// A sticking contact's force stays on its side of the edge from which it would slip that way.
     Cone(usize, Direction),
     /// A slipping contact does not slip back.

@@ -287,6 +287,7 @@ mod tests {
             cut((0, 3), 0, CutKind::Gap(0, 1e-5)),
             cut((0, 1), 2, CutKind::Bounds(0)),
             cut((0, 1), 2, CutKind::Departure(0)),
+            cut((0, 1), 2, CutKind::Approach(0)),
             cut((0, 1), 2, CutKind::Path(0)),
         ];
         let mut fine = transcribe(setting, &sequence, guessed, &cuts, &[1, 2, 1]);
