@@ -20,19 +20,57 @@ const AFTER: f64 = 0.1;
 /// Places where the motion between the stages grazes or enters a surface, or leaves the bounds of a
 /// coordinate or a path constraint: minima over the phases, with higher values on either side.
 pub(in crate::ocp) fn between_stages(program: &Collocation, x: &[f64], limits: Limits) -> Vec<Cut> {
-    let model = program.model;
-    let declaration = model.declaration();
-    let n = declaration.coordinates.len();
-    let mut input = vec![0.0; declaration.inputs()];
-    let mut smooth = input.clone();
-    let mut found = Vec::new();
     let motion = DenseMotion::new(program, x);
-    let cut = |phase: usize, theta: f64, kind: CutKind| Cut {
+    let mut found = gaps(&motion, limits);
+    found.extend(departures(program, &motion.solved, limits));
+    found.extend(friction(&motion, limits));
+    if limits.setting.places.bounds_at_nodes {
+        return found;
+    }
+    let all: Vec<usize> = (0..program.phases.len()).collect();
+    let coordinates = program.model.declaration().coordinates.len();
+    for k in (0..coordinates).filter(|&k| !limits.setting.parabolas[k]) {
+        let bounds = (limits.setting.bounds.0[k], limits.setting.bounds.1[k]);
+        if bounds == (f64::NEG_INFINITY, f64::INFINITY) {
+            continue;
+        }
+        let bound = limits.bound * limits.setting.units.states[k];
+        for (phase, theta, _) in lows(&all, &mut motion.inside(k, bounds), -bound, bound) {
+            found.push(cut(program, phase, theta, CutKind::Bounds(k)));
+        }
+    }
+    for (constraint, inequality) in motion.constraints().into_iter().enumerate() {
+        if !inequality {
+            continue;
+        }
+        for (phase, theta, _) in lows(
+            &all,
+            &mut motion.path(constraint),
+            -limits.bound,
+            limits.bound,
+        ) {
+            found.push(cut(program, phase, theta, CutKind::Path(constraint)));
+        }
+    }
+    found
+}
+
+fn cut(program: &Collocation, phase: usize, theta: f64, kind: CutKind) -> Cut {
+    Cut {
         interval: program.phases[phase].interval,
         phase: program.phases[phase].index,
         theta,
         kind,
-    };
+    }
+}
+
+/// Places where flights graze or enter a surface.
+fn gaps(motion: &DenseMotion, limits: Limits) -> Vec<Cut> {
+    let program = motion.program;
+    let model = program.model;
+    let declaration = model.declaration();
+    let mut input = vec![0.0; declaration.inputs()];
+    let mut found = Vec::new();
     for (contact, declared) in declaration.contacts.iter().enumerate() {
         // The pieces of an edge are one surface.
         if declared.alternatives.iter().any(|&other| other < contact) {
@@ -53,71 +91,51 @@ pub(in crate::ocp) fn between_stages(program: &Collocation, x: &[f64], limits: L
             let flight: Vec<usize> = (next..until).take_while(open).collect();
             next += flight.len().max(1);
             let depth = DEPTH * limits.margin;
-            for (phase, theta, between) in lows(&flight, &mut gap, limits.gap, depth) {
-                // An error of the interpolation is none.
-                motion.write_smooth(phase, theta, &mut smooth);
-                let low = if between { limits.gap } else { -depth };
-                if model.gap(acting(phase), &smooth) >= low {
-                    continue;
-                }
-                let (contact, solved) = (acting(phase), &motion.solved[phase]);
-                let moves = |weights: &[f64]| moves(model, solved, contact, weights);
-                // Right after an opening the gap grows with a high power of the time: its acceleration says more. So does the velocity right
-                // before a closing.
-                if !between && phase == flight[0] && theta < NEAR {
-                    let soon = AFTER * theta;
-                    if moves(&program.tableau.slopes_with_start(soon)) < -depth {
-                        found.push(cut(phase, soon, CutKind::Departure(contact)));
-                    }
-                    continue;
-                }
-                if !between && lands(&phase) && theta > 1.0 - NEAR {
-                    let late = 1.0 - AFTER * (1.0 - theta);
-                    if moves(&program.tableau.values_with_start(late)) > depth {
-                        found.push(cut(phase, late, CutKind::Approach(contact)));
-                    }
-                    continue;
-                }
-                // Elsewhere there is no room for the whole margin.
-                let share = if between { 1.0 } else { DEPTH };
-                found.push(cut(
-                    phase,
-                    theta,
-                    CutKind::Gap(contact, share * limits.margin),
-                ));
+            for low in lows(&flight, &mut gap, limits.gap, depth) {
+                let phase = low.0;
+                let ends = (phase == flight[0], lands(&phase));
+                found.extend(gap_cut(motion, limits, acting(phase), low, ends));
             }
         }
     }
-    found.extend(departures(program, &motion.solved, limits));
-    found.extend(friction(&motion, limits));
-    if limits.setting.places.bounds_at_nodes {
-        return found;
-    }
-    let all: Vec<usize> = (0..program.phases.len()).collect();
-    for k in (0..n).filter(|&k| !limits.setting.parabolas[k]) {
-        let bounds = (limits.setting.bounds.0[k], limits.setting.bounds.1[k]);
-        if bounds == (f64::NEG_INFINITY, f64::INFINITY) {
-            continue;
-        }
-        let bound = limits.bound * limits.setting.units.states[k];
-        for (phase, theta, _) in lows(&all, &mut motion.inside(k, bounds), -bound, bound) {
-            found.push(cut(phase, theta, CutKind::Bounds(k)));
-        }
-    }
-    for (constraint, inequality) in motion.constraints().into_iter().enumerate() {
-        if !inequality {
-            continue;
-        }
-        for (phase, theta, _) in lows(
-            &all,
-            &mut motion.path(constraint),
-            -limits.bound,
-            limits.bound,
-        ) {
-            found.push(cut(phase, theta, CutKind::Path(constraint)));
-        }
-    }
     found
+}
+
+/// The condition on a contact where its gap is low, at the share `theta` of a phase, `between` places where it is not; `ends` say whether the
+/// phase is the one after its opening, or before its closing. None where the low is an error of the interpolation.
+fn gap_cut(
+    motion: &DenseMotion,
+    limits: Limits,
+    contact: usize,
+    (phase, theta, between): (usize, f64, bool),
+    ends: (bool, bool),
+) -> Option<Cut> {
+    let program = motion.program;
+    let (model, tableau) = (program.model, program.tableau);
+    let depth = DEPTH * limits.margin;
+    let mut smooth = vec![0.0; model.declaration().inputs()];
+    motion.write_smooth(phase, theta, &mut smooth);
+    let low = if between { limits.gap } else { -depth };
+    if model.gap(contact, &smooth) >= low {
+        return None;
+    }
+    let moves = |weights: &[f64]| moves(model, &motion.solved[phase], contact, weights);
+    // Right after an opening the gap grows with a high power of the time: its acceleration says more. So does the velocity right
+    // before a closing.
+    if !between && ends.0 && theta < NEAR {
+        let soon = AFTER * theta;
+        let returns = moves(&tableau.slopes_with_start(soon)) < -depth;
+        return returns.then(|| cut(program, phase, soon, CutKind::Departure(contact)));
+    }
+    if !between && ends.1 && theta > 1.0 - NEAR {
+        let late = 1.0 - AFTER * (1.0 - theta);
+        let parts = moves(&tableau.values_with_start(late)) > depth;
+        return parts.then(|| cut(program, phase, late, CutKind::Approach(contact)));
+    }
+    // Elsewhere there is no room for the whole margin.
+    let share = if between { 1.0 } else { DEPTH };
+    let kind = CutKind::Gap(contact, share * limits.margin);
+    Some(cut(program, phase, theta, kind))
 }
 
 /// The largest violation of the bounds of each coordinate and of each path constraint along the whole motion, where there is any.

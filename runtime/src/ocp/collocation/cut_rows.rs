@@ -37,28 +37,21 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
             }
             CutKind::Gap(contact, _) | CutKind::Departure(contact) | CutKind::Approach(contact)
                 if phase.closed.contains(&phase.pieces.acting(contact)) => {}
-            CutKind::Departure(contact) | CutKind::Approach(contact) => {
-                let before = builder.before.clone();
-                let program = &mut builder.program;
-                let (what, (lower, upper), factors) = match cut.kind {
-                    CutKind::Approach(_) => ("approach to", (f64::NEG_INFINITY, 0.0), weights),
-                    _ => (
-                        "departure of",
-                        (0.0, f64::INFINITY),
-                        tableau.slopes_with_start(cut.theta),
-                    ),
-                };
-                let name = format!("{what} `{}` {at}", declaration.contacts[contact].name);
-                let unit = units.gap_rows[contact];
-                let row = program.row_in(unit, name, lower, upper);
-                let stages = phase.stages.iter();
-                let stages = stages.map(|stage| (&stage.state, &stage.drive));
-                let nodes = std::iter::once((&phase.start, &before)).chain(stages);
-                for ((state, drive), factor) in nodes.zip(factors) {
-                    let (q, v) = state.split_at(n);
-                    let uses = vec![(row, 1, factor)];
-                    program.block(&Kernel::Contact(contact), [q, v, drive, &[]], None, uses);
-                }
+            CutKind::Departure(contact) => {
+                let slopes = tableau.slopes_with_start(cut.theta);
+                let name = format!("departure of `{}` {at}", declaration.contacts[contact].name);
+                moves(builder, phase, contact, &slopes, name, (0.0, f64::INFINITY));
+            }
+            CutKind::Approach(contact) => {
+                let name = format!("approach to `{}` {at}", declaration.contacts[contact].name);
+                moves(
+                    builder,
+                    phase,
+                    contact,
+                    &weights,
+                    name,
+                    (f64::NEG_INFINITY, 0.0),
+                );
             }
             CutKind::Gap(contact, margin) => {
                 let contact = phase.pieces.acting(contact);
@@ -90,6 +83,30 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
                 frame.path_rows_of(program, &[constraint], inputs, known, &at);
             }
         }
+    }
+}
+
+/// Bounds what the normal velocities of a contact at the nodes add up to with these factors.
+fn moves(
+    builder: &mut Builder,
+    phase: &Phase,
+    contact: usize,
+    factors: &[f64],
+    name: String,
+    (lower, upper): (f64, f64),
+) {
+    let unit = builder.setting.units.gap_rows[contact];
+    let row = builder.program.row_in(unit, name, lower, upper);
+    let stages = phase.stages.iter();
+    let stages = stages.map(|stage| (&stage.state, &stage.drive));
+    let nodes = std::iter::once((&phase.start, &builder.before)).chain(stages);
+    for ((state, drive), &factor) in nodes.zip(factors) {
+        let (q, v) = state.split_at(builder.n);
+        let uses = vec![(row, 1, factor)];
+        let inputs = [q, v, drive, &[]];
+        builder
+            .program
+            .block(&Kernel::Contact(contact), inputs, None, uses);
     }
 }
 

@@ -42,7 +42,7 @@ pub(super) fn promised(
             output_times: if shown { settings.output_times } else { 0 },
             ..settings.clone()
         };
-        Integration::new(&settings, model, problem, None).run(watch)
+        Integration::new(&settings, model, problem).run(watch, None)
     };
     let mut longest = settings.max_step.unwrap_or(LONGEST * problem.horizon);
     let mut tolerance = settings.tolerance;

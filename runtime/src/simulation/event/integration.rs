@@ -40,7 +40,6 @@ const PATIENCE: usize = 2;
 pub(super) struct Integration<'a> {
     settings: &'a EventDriven,
     problem: &'a InitialValueProblem,
-    ending: Option<Ending<'a>>,
     dynamics: Dynamics<'a>,
     method: Dop853,
     /// The method that looks ahead where a contact mode is chosen.
@@ -104,7 +103,6 @@ impl<'a> Integration<'a> {
         settings: &'a EventDriven,
         model: &'a dyn Model,
         problem: &'a InitialValueProblem,
-        ending: Option<Ending<'a>>,
     ) -> Self {
         let dynamics = Dynamics::new(model, settings.auxiliary_acceleration);
         let (n, contacts, functions) = (dynamics.n, dynamics.contacts, dynamics.functions());
@@ -115,7 +113,6 @@ impl<'a> Integration<'a> {
         Self {
             settings,
             problem,
-            ending,
             method: Dop853::new(dimension, 2 * n),
             probe: Dop853::new(dimension, 2 * n),
             search: EventSearch::new(dimension, functions),
@@ -148,9 +145,10 @@ impl<'a> Integration<'a> {
         }
     }
 
-    pub(super) fn run(mut self, watch: &mut Watch<'_>) -> Simulation {
+    /// The motion, which may be known to have an `ending`.
+    pub(super) fn run(mut self, watch: &mut Watch<'_>, ending: Option<Ending>) -> Simulation {
         let clock = ThreadTime::try_now();
-        let ended = self.integrate(watch).err();
+        let ended = self.integrate(watch, ending).err();
         if self.result.trajectory.time.is_empty() {
             self.record_start();
         }
@@ -167,7 +165,11 @@ impl<'a> Integration<'a> {
         self.result
     }
 
-    fn integrate(&mut self, watch: &mut Watch<'_>) -> Result<(), SimulationStatus> {
+    fn integrate(
+        &mut self,
+        watch: &mut Watch<'_>,
+        ending: Option<Ending>,
+    ) -> Result<(), SimulationStatus> {
         let horizon = self.problem.horizon;
         let longest = self.settings.max_step.unwrap_or(horizon / 16.0);
         // What is closed at the start is told by a moment of the horizon: accelerations make a gap of any size small
@@ -214,19 +216,9 @@ impl<'a> Integration<'a> {
             }
             match event {
                 Some(event) => {
-                    self.t += event.h;
-                    let over = self.is_over(switch);
-                    self.t = if over { horizon } else { self.t };
-                    self.y.copy_from_slice(self.method.end());
-                    self.method.finish(&mut self.dynamics, self.t, 0.0);
-                    let measured = self.measure();
-                    self.audit_now();
-                    self.keep(measured);
-                    self.record();
-                    if over {
+                    if self.pass(event.h, switch, ending)? {
                         break;
                     }
-                    self.enter_mode(switch, false)?;
                 }
                 None => {
                     self.t = if lands { limit } else { self.t + h };
@@ -249,19 +241,37 @@ impl<'a> Integration<'a> {
             let count = self.result.counts.elements;
             watch.reach(self.t, count, &mut self.result.trajectory)?;
         }
-        self.strike_at_the_end()
+        self.strike_at_the_end(ending)
     }
 
-    /// Whether the motion is over at the present instant.
-    fn is_over(&self, vanished: Option<Switch>) -> bool {
+    /// Goes to the event after `h`, where the switching function vanishes, and into the mode after it, unless the motion is over there.
+    fn pass(
+        &mut self,
+        h: f64,
+        switch: Option<Switch>,
+        ending: Option<Ending>,
+    ) -> Result<bool, SimulationStatus> {
+        self.t += h;
         let before = self.problem.horizon - self.t;
-        let over = |ending: Ending| ending.is_over(&self.dynamics, vanished, before);
-        self.ending.is_some_and(over)
+        let over = ending.is_some_and(|ending| ending.is_over(&self.dynamics, switch, before));
+        if over {
+            self.t = self.problem.horizon;
+        }
+        self.y.copy_from_slice(self.method.end());
+        self.method.finish(&mut self.dynamics, self.t, 0.0);
+        let measured = self.measure();
+        self.audit_now();
+        self.keep(measured);
+        self.record();
+        if !over {
+            self.enter_mode(switch, false)?;
+        }
+        Ok(over)
     }
 
     /// Carries out the impacts that are known to end the motion, where rounding has put them behind its end.
-    fn strike_at_the_end(&mut self) -> Result<(), SimulationStatus> {
-        let Some(ending) = self.ending else {
+    fn strike_at_the_end(&mut self, ending: Option<Ending>) -> Result<(), SimulationStatus> {
+        let Some(ending) = ending else {
             return Ok(());
         };
         for &contact in ending.struck {

@@ -88,7 +88,7 @@ pub(crate) fn simulate_to(
     check(settings, model, problem)?;
     let mut unseen = |_: &Progress| true;
     let mut watch = Watch::new(problem, &mut unseen);
-    let mut result = Integration::new(settings, model, problem, ending).run(&mut watch);
+    let mut result = Integration::new(settings, model, problem).run(&mut watch, ending);
     impulse::record(model, &mut result);
     watch.finish(model, &mut result);
     Ok(result)
@@ -105,7 +105,7 @@ pub(super) fn simulate_to_check(
         tolerance,
         ..EventDriven::default()
     };
-    Integration::new(&settings, model, problem, None).run(watch)
+    Integration::new(&settings, model, problem).run(watch, None)
 }
 
 fn check(
