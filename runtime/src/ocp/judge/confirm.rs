@@ -235,7 +235,8 @@ fn confirm(
         ..
     } = plan;
     let tolerance = settings.resimulation_tolerance;
-    let replay = simulate(setting, trajectory, Some(sequence), tolerance)?;
+    let plan = Some((sequence, settings.largest_distance));
+    let replay = simulate(setting, trajectory, plan, tolerance)?;
     let n = setting.problem.q.len();
     let planned = trajectory.at(trajectory.horizon, true);
     let distance = match (&replay.status, replay.trajectory.q.last()) {

@@ -19,12 +19,12 @@ const ON_THE_SURFACE: f64 = 1e-9;
 /// Points of the simulation in each interval.
 const OUTPUTS: usize = 10;
 
-/// The motion under the controls of a trajectory, from its start. That of a `plan` ends with the impacts that the plan ends with:
-/// rounding puts them on either side of the final time.
+/// The motion under the controls of a trajectory, from its start. That of a `plan`, which it may be so far away from, ends with
+/// the impacts that the plan ends with: rounding puts them on either side of the final time.
 pub(in crate::ocp) fn simulate(
     setting: Setting,
     trajectory: &Trajectory,
-    plan: Option<&Sequence>,
+    plan: Option<(&Sequence, f64)>,
     tolerance: f64,
 ) -> Result<Simulation, InputError> {
     let Setting { model, problem, .. } = setting;
@@ -36,14 +36,15 @@ pub(in crate::ocp) fn simulate(
         ..EventDriven::default()
     };
     let motion = problem.initial_value_problem(&start, trajectory.horizon, trajectory.signal());
-    let struck: Option<Vec<usize>> = plan.map(|plan| {
+    let struck: Vec<usize> = plan.map_or(Vec::new(), |(plan, _)| {
         let last = plan.switches.iter();
         let last = last.filter(|s| s.interval == problem.intervals && s.closes);
         last.map(|switch| switch.contact).collect()
     });
-    let ending = struck.as_deref().map(|struck| Ending {
+    let ending = plan.map(|(_, distance)| Ending {
         near: AT_THE_END * trajectory.horizon / problem.intervals as f64,
-        struck,
+        gap: distance,
+        struck: &struck,
     });
     simulate_to(&simulator, model, &motion, ending)
 }

@@ -8,6 +8,8 @@ use crate::model::contact_point;
 pub(crate) struct Ending<'a> {
     /// What is no longer before the final time than this happens at it \[s\].
     pub(crate) near: f64,
+    /// Gap up to which a contact that is to be struck is closed at the end \[its unit\].
+    pub(crate) gap: f64,
     /// Contacts whose impacts end the motion, with those that touch at the same instant; no other impact does.
     pub(crate) struck: &'a [usize],
 }
@@ -36,11 +38,7 @@ impl Ending<'_> {
         dynamics.load(t, y);
         dynamics.evaluate_sides(contact);
         let point = dynamics.point(contact);
-        let (gap, velocity) = (
-            point[contact_point::GAP],
-            point[contact_point::NORMAL_VELOCITY],
-        );
-        velocity < 0.0 && gap <= -velocity * self.near
+        point[contact_point::NORMAL_VELOCITY] < 0.0 && point[contact_point::GAP] <= self.gap
     }
 }
 
@@ -70,7 +68,11 @@ mod tests {
             controls: ControlSignal::Zero,
             points: 1000,
         };
-        let ending = struck.map(|struck| Ending { near: 1e-8, struck });
+        let ending = struck.map(|struck| Ending {
+            near: 1e-8,
+            gap: 1e-8,
+            struck,
+        });
         let settings = EventDriven::default();
         let motion = simulate_to(&settings, &Ball::default(), &problem, ending).unwrap();
         assert_eq!(motion.trajectory.time.last(), Some(&horizon));
