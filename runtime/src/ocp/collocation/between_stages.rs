@@ -12,9 +12,9 @@ use crate::ocp::solution::Excess;
 /// margin.
 const DEPTH: f64 = 1e-4;
 
-/// Share of a phase after an opening, or before a closing, that counts as right there, and the share of the way to where the gap is least
-/// at which the contact has to part, or to come nearer.
+/// Share of a phase after an opening, or before a closing, that counts as right there.
 const NEAR: f64 = 0.25;
+/// Share of the way from there to where the gap is least at which the contact has to part, or to come nearer.
 const AFTER: f64 = 0.1;
 
 /// Places where the motion between the stages grazes or enters a surface, or leaves the bounds of a
@@ -223,12 +223,7 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
             if model.gap(contact, &solved.inputs[0]) < limits.gap
                 && acceleration < -DEPTH * limits.margin
             {
-                found.push(Cut {
-                    interval: phase.interval,
-                    phase: phase.index,
-                    theta: 0.0,
-                    kind: CutKind::Departure(contact),
-                });
+                found.push(cut(program, index, 0.0, CutKind::Departure(contact)));
             }
         }
     }

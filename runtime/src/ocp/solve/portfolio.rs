@@ -103,16 +103,13 @@ fn best(all: &[Found]) -> Option<&Found> {
 
 /// Whether enough starts lead to the best motion; those that began near it do not count.
 fn best_was_found_again(all: &[Found]) -> bool {
+    let Some(best) = best(all) else {
+        return false;
+    };
+    let best = best.solution.objective;
     let independent = all.iter().filter(|found| !looks_near_the_best(found.start));
-    let confirmed = independent.map(|found| rank(&found.solution));
-    let objectives: Vec<f64> = confirmed
-        .filter(|rank| rank.0 == 0)
-        .map(|rank| rank.1)
-        .collect();
-    let best = objectives.iter().copied().fold(f64::INFINITY, f64::min);
-    let same = objectives
-        .iter()
-        .filter(|&&o| o - best <= SAME * best.abs());
+    let same = independent.map(|found| rank(&found.solution));
+    let same = same.filter(|rank| rank.0 == 0 && rank.1 - best <= SAME * best.abs());
     same.count() >= AGREEING
 }
 
@@ -152,5 +149,43 @@ fn member(settings: &Settings, start: usize, found: bool) -> Settings {
         },
         maximum_iterations: settings.maximum_iterations.min(ITERATIONS),
         ..settings.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ocp::solution::{Counts, Status};
+
+    fn ended_at(start: usize, objective: f64) -> Found {
+        let nothing = Solution::without_motion(Status::Solved, Vec::new(), Counts::default());
+        Found {
+            start,
+            solution: Solution {
+                objective,
+                ..nothing
+            },
+        }
+    }
+
+    #[test]
+    fn starts_near_the_best_say_nothing_of_how_often_it_is_found() {
+        let near = [5, 7, 9, 11];
+        assert!(near.iter().all(|&start| looks_near_the_best(start)));
+        let mut all: Vec<Found> = [0, 2, 4].map(|start| ended_at(start, 1.0)).into();
+        all.extend(near.map(|start| ended_at(start, 1.0)));
+        assert!(!best_was_found_again(&all));
+        all.push(ended_at(6, 2.0));
+        assert!(!best_was_found_again(&all));
+        all.push(ended_at(8, 1.0));
+        assert!(best_was_found_again(&all));
+    }
+
+    #[test]
+    fn better_motion_near_the_best_has_to_be_found_by_others_as_well() {
+        let mut all: Vec<Found> = [0, 1, 2, 4].map(|start| ended_at(start, 2.0)).into();
+        assert!(best_was_found_again(&all));
+        all.push(ended_at(5, 1.0));
+        assert!(!best_was_found_again(&all));
     }
 }

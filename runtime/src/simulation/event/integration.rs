@@ -4,22 +4,20 @@ use hangtime_solver::clock::ThreadTime;
 
 use super::audit::Audit;
 use super::contact_mode::{self, Outlook};
-use super::contact_state::ContactState;
 use super::diagnosis::Place;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::ending::Ending;
 use super::error_scale::ErrorScale;
 use super::impact::{Impact, LowestBounce};
+use super::instant::Instant;
 use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
 use super::settings::EventDriven;
 use super::velocity_jump;
 use crate::model::{Model, contact_point};
 use crate::simulation::watch::Watch;
-use crate::simulation::{
-    Event, EventKind, InitialValueProblem, Residuals, Simulation, SimulationStatus,
-};
+use crate::simulation::{InitialValueProblem, Residuals, Simulation, SimulationStatus};
 
 /// Steps shorter than this share of the time reached do not change it.
 const SHORTEST: f64 = 1e-15;
@@ -465,7 +463,19 @@ impl<'a> Integration<'a> {
         switching::accept_forces(&mut self.dynamics);
         self.record();
         self.observe();
-        self.write_events(&before, &previously, &impact.struck, at_start)
+        let instant = Instant {
+            dynamics: &self.dynamics,
+            time: self.t,
+            after: &self.y,
+            velocities: &before,
+            mode: &previously,
+        };
+        let events = instant.events(&impact.struck, at_start);
+        self.result.events.extend(events);
+        if self.result.events.len() > self.settings.max_events {
+            return Err(self.place().too_many_events(&self.result.events));
+        }
+        Ok(())
     }
 
     /// Lets the next piece of an edge act if it has come to be the largest: nothing else happens there.
@@ -496,47 +506,6 @@ impl<'a> Integration<'a> {
         self.y[2 * self.dynamics.n] += impact.impulse / self.settings.auxiliary_acceleration;
         self.checks.remarks.add(self.t, &impact);
         Ok(impact)
-    }
-
-    /// Lists what happened to each contact, impacts first, and guards against endless switching.
-    fn write_events(
-        &mut self,
-        before: &[f64],
-        previously: &[ContactState],
-        struck: &[usize],
-        at_start: bool,
-    ) -> Result<(), SimulationStatus> {
-        for &i in struck {
-            self.write_event(EventKind::Impact, i, before);
-        }
-        for (i, &was) in previously.iter().enumerate() {
-            let is = self.dynamics.state(i);
-            let lands = was.is_open() && (at_start || struck.contains(&i));
-            if let Some(kind) = was.event(is).filter(|_| !lands) {
-                self.write_event(kind, i, before);
-            }
-        }
-        let events = &self.result.events;
-        if events.len() > self.settings.max_events {
-            return Err(self.place().too_many_events(events));
-        }
-        Ok(())
-    }
-
-    fn write_event(&mut self, kind: EventKind, contact: usize, before: &[f64]) {
-        let n = self.dynamics.n;
-        self.result.events.push(Event {
-            time: self.t,
-            kind,
-            contact,
-            contact_name: self.dynamics.model.declaration().contacts[contact].name,
-            modes: self.dynamics.contact_modes(),
-            q: self.y[..n].to_vec(),
-            v_before: before.to_vec(),
-            v_after: self.y[n..2 * n].to_vec(),
-            contact_impulse: Vec::new(),
-            friction_impulse: Vec::new(),
-        });
     }
 
     /// Evaluates derivative, values and forces at the present state.

@@ -2,7 +2,7 @@
 //!
 //! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
 //! mode, `dop853` integrates it (`error_scale` says how accurately), `search` and `locate` find where the mode ends,
-//! `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `audit` measures the signs,
+//! `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `instant` lists it, `audit` measures the signs,
 //! `diagnosis` says why a run ends early, `ending` which impacts belong to its end. `accuracy` compares two runs.
 
 mod accuracy;
@@ -18,6 +18,7 @@ pub(super) mod dynamics;
 mod ending;
 mod error_scale;
 pub(super) mod impact;
+mod instant;
 mod integration;
 mod locate;
 mod remarks;

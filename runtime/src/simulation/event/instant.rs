@@ -1,0 +1,45 @@
+//! What happens to the contacts at one instant.
+
+use super::contact_state::ContactState;
+use super::dynamics::Dynamics;
+use crate::simulation::{Event, EventKind};
+
+/// An instant at which the contact mode changes.
+pub(super) struct Instant<'i, 'a> {
+    pub(super) dynamics: &'i Dynamics<'a>,
+    pub(super) time: f64,
+    /// State `(q, v, numerical time)` after it.
+    pub(super) after: &'i [f64],
+    /// Velocities and contact mode before it.
+    pub(super) velocities: &'i [f64],
+    pub(super) mode: &'i [ContactState],
+}
+
+impl Instant<'_, '_> {
+    /// What happened to each contact, impacts first; contacts that are closed at the start of the motion are no events.
+    pub(super) fn events(&self, struck: &[usize], at_start: bool) -> Vec<Event> {
+        let impacts = struck.iter().map(|&i| self.event(EventKind::Impact, i));
+        let changes = self.mode.iter().enumerate().filter_map(|(i, was)| {
+            let lands = was.is_open() && (at_start || struck.contains(&i));
+            let kind = was.event(self.dynamics.state(i)).filter(|_| !lands)?;
+            Some(self.event(kind, i))
+        });
+        impacts.chain(changes).collect()
+    }
+
+    fn event(&self, kind: EventKind, contact: usize) -> Event {
+        let n = self.dynamics.n;
+        Event {
+            time: self.time,
+            kind,
+            contact,
+            contact_name: self.dynamics.model.declaration().contacts[contact].name,
+            modes: self.dynamics.contact_modes(),
+            q: self.after[..n].to_vec(),
+            v_before: self.velocities.to_vec(),
+            v_after: self.after[n..2 * n].to_vec(),
+            contact_impulse: Vec::new(),
+            friction_impulse: Vec::new(),
+        }
+    }
+}
