@@ -230,15 +230,14 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
     found
 }
 
-/// Normal velocity of a contact where the polynomials of the nodes have these values, or its acceleration, times the length of the phase,
-/// where they have these slopes.
+/// Way that a contact would part, or come nearer, at its normal velocity for the length of the phase, where the polynomials of the nodes
+/// have these values; with their slopes, at its acceleration.
 fn moves(model: &dyn Model, solved: &SolvedPhase, contact: usize, weights: &[f64]) -> f64 {
     let mut point = vec![0.0; contact_point::length(model.declaration().coordinates.len())];
     let nodes = solved.inputs.iter().zip(weights);
-    nodes
-        .map(|(input, weight)| {
-            model.contact(contact, input, &mut point);
-            weight * point[contact_point::NORMAL_VELOCITY]
-        })
-        .sum()
+    let velocities = nodes.map(|(input, weight)| {
+        model.contact(contact, input, &mut point);
+        weight * point[contact_point::NORMAL_VELOCITY]
+    });
+    solved.length * velocities.sum::<f64>()
 }
