@@ -16,6 +16,7 @@ mod homotopy;
 mod impacts_at_nodes;
 mod landings;
 mod linear_controls;
+mod not_finite;
 mod polish;
 mod refinement;
 mod scaling;

@@ -302,7 +302,10 @@ fn relaxed(
     settings.interior_point.maximum_iterations = runner.settings.maximum_iterations;
     let unit = program.program.objective_unit();
     let step = "contact-implicit search";
-    let solution = runner.relax(&mut program.program, &settings, step, unit)?;
+    let solution = match runner.relax(&mut program.program, &settings, step, unit) {
+        Ok(solution) => solution,
+        Err(status) => return Ok(Err(status)),
+    };
     let trajectory = program.trajectory(&solution.x);
     if let Some(failure) = Failure::of_relaxed(&solution, trajectory.horizon) {
         let status = failure.status;

@@ -32,14 +32,14 @@ const BOUNCE: f64 = 0.05;
 const ITERATIONS: usize = 1500;
 
 /// Solves the relaxed complementarity problem from a guess, or from the simulation under its controls, and reads motion and
-/// contact sequence from it, if there is one.
+/// contact sequence from it, if there is one. Nothing where the program cannot be started.
 pub(in crate::ocp) fn candidate(
     runner: &mut Runner,
     setting: Setting,
     settings: &TimeFreezingSettings,
     guess: &Trajectory,
     simulated: bool,
-) -> Result<(TimeFreezingReport, Option<Candidate>), InputError> {
+) -> Result<Option<(TimeFreezingReport, Option<Candidate>)>, InputError> {
     let clock = ThreadTime::try_now();
     let (model, problem) = (setting.model, setting.problem);
     let settings = TimeFreezingSettings {
@@ -53,7 +53,9 @@ pub(in crate::ocp) fn candidate(
     relaxation.interior_point.tolerance = settings.complementarity;
     relaxation.interior_point.maximum_iterations =
         runner.settings.maximum_iterations.max(ITERATIONS);
-    let solution = runner.relax(&mut program, &relaxation, "time-freezing program", 1.0)?;
+    let Ok(solution) = runner.relax(&mut program, &relaxation, "time-freezing program", 1.0) else {
+        return Ok(None);
+    };
     let products = program.complementarities().iter();
     let products = products.map(|&(i, j)| (solution.x[i] * solution.x[j]).max(0.0));
     let motion = program.motion(&solution.x);
@@ -87,7 +89,7 @@ pub(in crate::ocp) fn candidate(
             trajectory,
         }
     });
-    Ok((report, candidate))
+    Ok(Some((report, candidate)))
 }
 
 /// What the contacts do in each element; a jump belongs to the contact after it. How they slide follows from the

@@ -125,7 +125,7 @@ impl Plan {
         if runner.effort != Effort::Conclude {
             return Ok((plan, solution));
         }
-        let local = local.polished(runner)?;
+        let local = local.polished(runner);
         let polished = confirm(runner, setting, elements, &local, stationarity)?;
         if polished.status == Status::Unconfirmed && solution.status != Status::Unconfirmed {
             let (counts, seconds) = (runner.counts, runner.seconds);

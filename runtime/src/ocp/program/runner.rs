@@ -14,7 +14,7 @@ use crate::refusal;
 use crate::simulation::InputError;
 
 /// What programs lead to, or why the last of them ended without a solution.
-pub(in crate::ocp) type Ended<T> = Result<Result<T, nlp::Status>, InputError>;
+pub(in crate::ocp) type Ended<T> = Result<T, nlp::Status>;
 
 /// Why a program ended without a solution, its worst rows, and where it ended.
 pub(in crate::ocp) struct Failure {
@@ -67,6 +67,8 @@ pub(in crate::ocp) struct Runner<'s> {
     most_programs: usize,
     /// Of the program that came nearest to a solution.
     failure: Option<Failure>,
+    /// Why a program could not be started.
+    refusal: Option<InputError>,
 }
 
 impl<'s> Runner<'s> {
@@ -85,6 +87,7 @@ impl<'s> Runner<'s> {
             watch,
             most_programs: counts.programs + settings.maximum_programs,
             failure: None,
+            refusal: None,
         }
     }
 
@@ -105,6 +108,11 @@ impl<'s> Runner<'s> {
 
     pub(in crate::ocp) fn into_watch(self) -> Watch<'s> {
         self.watch
+    }
+
+    /// Takes why a program could not be started.
+    pub(in crate::ocp) fn take_refusal(&mut self) -> Option<InputError> {
+        self.refusal.take()
     }
 
     /// Takes the failure of the program that came nearest to a solution.
@@ -143,7 +151,7 @@ impl<'s> Runner<'s> {
             self.watch.iteration(info, unit) && !(run.gives_up && info.restoration)
         };
         let mut solution = nlp::solve_from(program, run.settings, run.start, Some(&mut observer))
-            .map_err(|error| refused(&error))?;
+            .map_err(|error| refused(&mut self.refusal, &error))?;
         solution.objective *= unit;
         for info in &mut solution.history {
             info.objective *= unit;
@@ -153,7 +161,7 @@ impl<'s> Runner<'s> {
         self.counts.factorizations += solution.counts.factorizations;
         self.seconds += solution.cpu;
         let status = match solution.status {
-            nlp::Status::Solved | nlp::Status::Acceptable => return Ok(Ok(solution)),
+            nlp::Status::Solved | nlp::Status::Acceptable => return Ok(solution),
             nlp::Status::Interrupted if !self.watch.stopped => nlp::Status::RestorationFailed,
             status => status,
         };
@@ -162,21 +170,22 @@ impl<'s> Runner<'s> {
             violations: solution.violations,
             horizon: program.physical(&solution.x)[horizon],
         });
-        Ok(Err(status))
+        Err(status)
     }
 
-    /// Relaxes a complementarity problem whose objective is measured in `unit`; `step` says what for.
+    /// Relaxes a complementarity problem whose objective is measured in `unit`; `step` says what for. An error if it could not
+    /// be started.
     pub(in crate::ocp) fn relax(
         &mut self,
         program: &mut dyn Mpcc,
         settings: &mpcc::Settings,
         step: &'static str,
         unit: f64,
-    ) -> Result<mpcc::Solution, InputError> {
+    ) -> Ended<mpcc::Solution> {
         self.watch.begin(step, &self.counts, None);
         let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
         let solution = mpcc::solve_observed(program, settings, &mut observer)
-            .map_err(|error| refused(&error))?;
+            .map_err(|error| refused(&mut self.refusal, &error))?;
         self.counts.programs += 1;
         self.counts.global_iterations += solution.iterations;
         self.counts.factorizations += solution.factorizations;
@@ -185,11 +194,10 @@ impl<'s> Runner<'s> {
     }
 }
 
-/// A refusal of the interior point method: the programs here are built to be accepted, except where the
-/// model's functions are not finite.
-fn refused(error: &nlp::InputError) -> InputError {
-    refusal::not_finite(
-        format!("optimal control: {error}; a number there"),
-        f64::NAN,
-    )
+/// Keeps the first refusal of the interior point method: the programs here are built to be accepted, except where the
+/// model's functions are not finite. Where they are so at one guess others may lead to a motion.
+fn refused(first: &mut Option<InputError>, error: &nlp::InputError) -> nlp::Status {
+    let what = format!("optimal control: {error}; a number there");
+    first.get_or_insert_with(|| refusal::not_finite(what, f64::NAN));
+    nlp::Status::NotFinite
 }

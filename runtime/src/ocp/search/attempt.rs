@@ -262,7 +262,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
                 cuts: &cuts,
                 ..attempt
             };
-            let (mut program, first) = match self.first(runner, now, before.as_ref())? {
+            let (mut program, first) = match self.first(runner, now, before.as_ref()) {
                 Ok(first) => first,
                 Err(status) => return Ok(verdict_of(status)),
             };
@@ -275,7 +275,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
             // A cut only makes it worse.
             let behind = !self.improves(solved.objective);
             if new.is_empty() || behind || last {
-                solved = match second(runner, &mut program, &solved, self.best_objective())? {
+                solved = match second(runner, &mut program, &solved, self.best_objective()) {
                     Ok(second) => second,
                     Err(status) => return Ok(verdict_of(status)),
                 };
@@ -381,12 +381,12 @@ impl<'a, 'e> Attempts<'a, 'e> {
                 best: self.best_objective(),
             };
             let horizon = program.horizon;
-            match runner.solve(&mut program.program, horizon, &run)? {
-                Ok(solution) => return Ok(Ok((program, solution))),
+            match runner.solve(&mut program.program, horizon, &run) {
+                Ok(solution) => return Ok((program, solution)),
                 Err(reason) => status = reason,
             }
         }
-        Ok(Err(status))
+        Err(status)
     }
 }
 
@@ -411,9 +411,9 @@ fn second(
 impl Local<'_> {
     /// The same with smaller residuals. Where a solution is not strictly complementary its objective is off by the root of the
     /// barrier parameter, and what errors of the states grow to until the end may be far more than the tolerance.
-    pub(in crate::ocp) fn polished(mut self, runner: &mut Runner) -> Result<Self, InputError> {
+    pub(in crate::ocp) fn polished(mut self, runner: &mut Runner) -> Self {
         if runner.stopped() {
-            return Ok(self);
+            return self;
         }
         let mut settings = warm(
             interior_point(runner.settings),
@@ -430,12 +430,12 @@ impl Local<'_> {
         };
         let horizon = self.program.horizon;
         // Where rounding leaves no smaller residuals it stays as it is.
-        if let Ok(solution) = runner.solve(&mut self.program.program, horizon, &run)? {
+        if let Ok(solution) = runner.solve(&mut self.program.program, horizon, &run) {
             self.slacks = self.program.program.slacks(&solution.x);
             (self.trajectory, self.sequence) = self.program.result(&solution.x);
             self.solution = solution;
         }
-        Ok(self)
+        self
     }
 }
 

@@ -214,9 +214,11 @@ impl<'a> Search<'a, '_> {
     ) -> Result<(), InputError> {
         let setting = self.attempts.setting;
         let failure = runner.take_failure();
-        let (report, candidate) =
+        let relaxed =
             time_freezing_search::candidate(runner, setting, formulation, guess, simulated)?;
-        self.found.time_freezing = Some(report);
+        let (report, candidate) = relaxed.unzip();
+        let candidate = candidate.flatten();
+        self.found.time_freezing = report.or(self.found.time_freezing.take());
         if failure.is_some() || candidate.is_some() {
             runner.set_failure(failure);
         }

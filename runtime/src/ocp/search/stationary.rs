@@ -14,7 +14,7 @@ use hangtime_solver::nlp;
 use super::attempt::{Attempt, Attempts, Start, interior_point};
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
-use crate::ocp::program::runner::{Ended, Run, Runner};
+use crate::ocp::program::runner::{Run, Runner};
 use crate::simulation::InputError;
 
 /// First barrier parameter and most iterations.
@@ -118,8 +118,8 @@ pub(super) fn solved<'a>(
         best: Some(best.solution.objective),
     };
     let horizon = program.horizon;
-    let ended: Ended<nlp::Solution> = runner.solve(&mut program.program, horizon, &run);
-    Ok(Some((program, lengths, ended?)))
+    let ended = runner.solve(&mut program.program, horizon, &run);
+    Ok(Some((program, lengths, ended)))
 }
 
 /// What follows from releasing the lengths of a motion that is no better than the best.

@@ -321,14 +321,16 @@ fn best<'a>(
             break;
         }
     }
-    Ok(result.unwrap_or_else(|| failed(runner, feasible)))
+    result.map_or_else(|| failed(runner, feasible), Ok)
 }
 
-/// A result without a motion; of a problem that is known to be `feasible` it is not said that it is not.
-fn failed(runner: &mut Runner, feasible: bool) -> Solution {
-    let (status, violations) = match runner.take_failure() {
-        Some(failure) => (failure.status, failure.violations),
-        None => (nlp::Status::IterationLimit, Vec::new()),
+/// A result without a motion; of a problem that is known to be `feasible` it is not said that it is not. An error where no program
+/// could be started.
+fn failed(runner: &mut Runner, feasible: bool) -> Result<Solution, InputError> {
+    let (status, violations) = match (runner.take_failure(), runner.take_refusal()) {
+        (Some(failure), _) => (failure.status, failure.violations),
+        (None, Some(refusal)) => return Err(refusal),
+        (None, None) => (nlp::Status::IterationLimit, Vec::new()),
     };
     let status = match status {
         _ if runner.stopped() => Status::Interrupted,
@@ -336,8 +338,8 @@ fn failed(runner: &mut Runner, feasible: bool) -> Solution {
         nlp::Status::Interrupted => Status::Interrupted,
         status => Status::Failed(status),
     };
-    Solution {
+    Ok(Solution {
         seconds: runner.seconds,
         ..Solution::without_motion(status, violations, runner.counts)
-    }
+    })
 }

@@ -6,6 +6,7 @@
 //! batch every second one begins at the best motion so far, bent out of shape, which finds what random motions seldom do. Where that
 //! batch has no motion at all, the next one begins with those that simulated controls lead nearest to the goals.
 
+use hangtime_solver::nlp;
 use rayon::prelude::*;
 
 use super::one_grid::Known;
@@ -13,7 +14,7 @@ use super::optima::{Found, rank};
 use super::run::Task;
 use crate::ocp::effort::Effort;
 use crate::ocp::settings::{EulerStep, Guess, Settings};
-use crate::ocp::solution::Solution;
+use crate::ocp::solution::{Counts, Solution, Status};
 use crate::simulation::InputError;
 
 /// Starts that are solved side by side before it is asked whether they are enough.
@@ -47,6 +48,7 @@ pub(super) fn explore(
     }
     let mut all: Vec<Found> = Vec::new();
     let mut known = Known::default();
+    let mut refusals = Vec::new();
     while all.len() < starts {
         // The first start alone: where it leads to is what others need not look for.
         let end = match all.len() {
@@ -63,10 +65,18 @@ pub(super) fn explore(
                 near: near.map(|near| (near, BENDS[start / 2 % BENDS.len()])),
                 ..known.from(start)
             };
-            task.solve_after(&settings, Effort::Explore, known)
+            (start, task.solve_after(&settings, Effort::Explore, known))
         });
-        let runs = runs.collect::<Result<Vec<_>, _>>()?;
-        for (found, trace) in runs {
+        let runs: Vec<_> = runs.collect();
+        for (start, run) in runs {
+            let (found, trace) = match run {
+                Ok(run) => run,
+                Err(refusal) => {
+                    refusals.push(refusal);
+                    all.push(refused(start));
+                    continue;
+                }
+            };
             let found = match trace.repeats {
                 Some(start) => again(found, &all[start]),
                 None => found,
@@ -80,7 +90,20 @@ pub(super) fn explore(
             break;
         }
     }
-    Ok(all)
+    let refused = refusals.len();
+    match refusals.into_iter().next() {
+        Some(refusal) if refused == all.len() => Err(refusal),
+        _ => Ok(all),
+    }
+}
+
+/// A start at which the functions of the model are not finite: others may lead to a motion.
+fn refused(start: usize) -> Found {
+    let status = Status::Failed(nlp::Status::NotFinite);
+    Found {
+        start,
+        solution: Solution::without_motion(status, Vec::new(), Counts::default()),
+    }
 }
 
 /// A run that came to where another one was before: its result is that of the other one.
@@ -155,7 +178,6 @@ fn member(settings: &Settings, start: usize, found: bool) -> Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ocp::solution::{Counts, Status};
 
     fn ended_at(start: usize, objective: f64) -> Found {
         let nothing = Solution::without_motion(Status::Solved, Vec::new(), Counts::default());
