@@ -183,6 +183,8 @@ pub struct Solution {
     pub status: Status,
     /// Objective of the plan.
     pub objective: f64,
+    /// What the solver measured the objective in, by the largest of its derivatives: `1e-8` of it is less than what the tolerance explains.
+    pub objective_unit: f64,
     /// Length of the motion \[s\].
     pub horizon: f64,
     /// Shortest and longest final time that was looked at \[s\]; where the final time is free, the range is moved until
@@ -212,8 +214,7 @@ pub struct Solution {
     pub shape: ControlShape,
     /// Finite elements of a phase in each interval: more than asked for where the re-simulation wanted them.
     pub elements: Vec<usize>,
-    /// The event-driven re-simulation of the plan's controls; absent without a plan. Of an impact at the final time it
-    /// may show the one side or the other, while the plan, its goals and its objective mean the state after it.
+    /// The event-driven re-simulation of the plan's controls; absent without a plan. It ends with the impacts that the plan ends with.
     pub motion: Option<Simulation>,
     /// Worst violated rows, if a program failed.
     pub violations: Vec<Violation>,
@@ -232,7 +233,16 @@ pub struct Solution {
     pub optima: Vec<Optimum>,
 }
 
+/// Difference of objectives, as a share of what they are measured in, that the tolerance of the solver explains.
+const EXPLAINED: f64 = 1e-8;
+
 impl Solution {
+    /// By how much another objective may differ from this one within a relative tolerance: of an objective that vanishes by no less than what the
+    /// tolerance of the solver explains.
+    pub(in crate::ocp) fn tolerated(&self, relative: f64) -> f64 {
+        (relative * self.objective.abs()).max(EXPLAINED * self.objective_unit)
+    }
+
     pub(in crate::ocp) fn without_motion(
         status: Status,
         violations: Vec<Violation>,
@@ -241,6 +251,7 @@ impl Solution {
         Self {
             status,
             objective: f64::NAN,
+            objective_unit: 0.0,
             horizon: f64::NAN,
             final_times: (f64::NAN, f64::NAN),
             stationarity: Stationarity::None,

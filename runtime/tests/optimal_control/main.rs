@@ -23,3 +23,4 @@ mod scaling;
 mod sizes;
 mod support;
 mod swings;
+mod vanishing_objective;

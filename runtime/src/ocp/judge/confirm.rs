@@ -48,7 +48,7 @@ pub(in crate::ocp) fn judge<'a>(
     let coarse = vec![runner.settings.elements; setting.problem.intervals];
     let cuts = local.cuts.clone();
     let (mut plan, mut solution) = Plan::judged(runner, setting, &coarse, (local, stationarity))?;
-    if solution.objective - known > WORSE * known.abs() {
+    if solution.objective - known > (WORSE * known.abs()).max(solution.tolerated(0.0)) {
         return Ok(solution);
     }
     let mut elements = coarse.clone();
@@ -268,6 +268,7 @@ fn confirm(
     Ok(Solution {
         status,
         objective: solution.objective,
+        objective_unit: program.program.objective_unit(),
         horizon: trajectory.horizon,
         final_times: (f64::NAN, f64::NAN),
         stationarity,

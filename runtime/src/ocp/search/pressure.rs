@@ -25,7 +25,7 @@ pub(in crate::ocp) struct Pressure<'a, 'm> {
     pub(in crate::ocp) solution: &'a nlp::Solution,
     /// [`DISTANT`], or 0 where every multiplier counts.
     pub(in crate::ocp) distant: f64,
-    /// The largest multiplier of a row.
+    /// The largest multiplier of a row; infinite where all are errors.
     pub(in crate::ocp) largest: f64,
     /// Distance of each row from the nearest of its bounds.
     pub(in crate::ocp) slacks: &'a [f64],

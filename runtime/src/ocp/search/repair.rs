@@ -16,6 +16,10 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::simulation::InputError;
 
+/// Multipliers of rows up to so many tolerances are errors, which add up over the phases: where all are, no condition keeps the motion from a
+/// better one.
+const NOTHING: f64 = 100.0;
+
 /// Where a repair ended.
 pub(super) enum Repaired {
     /// At the best, with what was proved about it.
@@ -82,11 +86,16 @@ struct Around {
 impl Around {
     fn of(best: &Local, attempts: &Attempts, runner: &Runner) -> Self {
         let multipliers = best.solution.multipliers.iter();
+        let largest = multipliers.fold(f64::MIN_POSITIVE, |largest, y| largest.max(y.abs()));
         let pressure = Pressure {
             program: &best.program,
             solution: &best.solution,
             slacks: &best.slacks,
-            largest: multipliers.fold(f64::MIN_POSITIVE, |largest, y| largest.max(y.abs())),
+            largest: if largest > NOTHING * runner.settings.tolerance {
+                largest
+            } else {
+                f64::INFINITY
+            },
             // Where motions are looked for, sequences that nothing presses for are worth a try.
             distant: if attempts.setting.units.is_exact() {
                 DISTANT

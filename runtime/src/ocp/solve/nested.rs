@@ -252,6 +252,7 @@ fn judged(
         objective,
         ..
     } = one.solution;
+    let unpolished = objective + one.solution.tolerated(UNPOLISHED);
     let open = matches!(status, Status::Uncertified | Status::Unconfirmed);
     let solved = status == Status::Solved && effort == Effort::Conclude;
     if !(open || solved) || task.observer.stopped() {
@@ -265,7 +266,7 @@ fn judged(
         ..Known::default()
     };
     let (carried, _) = task.carry(&one, effort, known)?;
-    let worse = carried.solution.objective - objective > UNPOLISHED * objective.abs();
+    let worse = carried.solution.objective > unpolished;
     if solved && (worse || carried.solution.status != Status::Solved) {
         // What is left of it is the work.
         let Solution {
@@ -311,11 +312,11 @@ fn distinct(found: Vec<Found>, most: usize) -> Vec<Found> {
             best.push(one);
             continue;
         };
-        let (least, objective) = (first.solution.objective, one.solution.objective);
+        let worth = first.solution.objective + first.solution.tolerated(WORTH);
         let known = best
             .iter()
             .any(|other| is_same(&other.solution, &one.solution));
-        let promising = one.solution.motion.is_some() && objective <= least + WORTH * least.abs();
+        let promising = one.solution.motion.is_some() && one.solution.objective <= worth;
         if promising && !known && best.len() < most {
             best.push(one);
         }

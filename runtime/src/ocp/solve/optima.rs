@@ -47,16 +47,12 @@ pub(super) fn sort(found: &mut [Found]) {
 
 /// Whether two motions count as the same local optimum.
 pub(super) fn is_same(a: &Solution, b: &Solution) -> bool {
-    agree(
-        (a.objective, a.planned_events.len()),
-        (b.objective, b.planned_events.len()),
-    )
+    agrees(a, b.objective, b.planned_events.len())
 }
 
-/// The same of their objectives and numbers of switches.
-fn agree(a: (f64, usize), b: (f64, usize)) -> bool {
-    let tolerance = SAME * a.0.abs().max(f64::MIN_POSITIVE);
-    a.1 == b.1 && (a.0 - b.0).abs() <= tolerance
+/// The same of another objective and number of switches.
+fn agrees(a: &Solution, objective: f64, switches: usize) -> bool {
+    a.planned_events.len() == switches && (a.objective - objective).abs() <= a.tolerated(SAME)
 }
 
 /// The first of the motions that were found, with the work of all runs and the local optima that were seen.
@@ -95,8 +91,7 @@ fn optima(best: &Found, seen: Vec<Found>) -> Vec<Optimum> {
             continue;
         }
         let switches = solution.planned_events.len();
-        let own = (solution.objective, switches);
-        let same = |other: &&mut Optimum| agree(own, (other.objective, other.switches));
+        let same = |other: &&mut Optimum| agrees(&solution, other.objective, other.switches);
         if let Some(known) = optima.iter_mut().find(same) {
             known.starts.push(start);
             continue;

@@ -129,10 +129,10 @@ fn best_was_found_again(all: &[Found]) -> bool {
     let Some(best) = best(all) else {
         return false;
     };
-    let best = best.solution.objective;
+    let most = best.solution.objective + best.solution.tolerated(SAME);
     let independent = all.iter().filter(|found| !looks_near_the_best(found.start));
     let same = independent.map(|found| rank(&found.solution));
-    let same = same.filter(|rank| rank.0 == 0 && rank.1 - best <= SAME * best.abs());
+    let same = same.filter(|rank| rank.0 == 0 && rank.1 <= most);
     same.count() >= AGREEING
 }
 

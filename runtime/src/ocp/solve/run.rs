@@ -108,7 +108,7 @@ impl Task<'_, '_> {
 /// objective that is not worse.
 pub(super) fn is_as_good(solution: &Solution, kept: &Solution) -> bool {
     let (a, b) = (rank(solution), rank(kept));
-    a.0 < b.0 || a.0 == b.0 && a.1 <= b.1 + NOT_WORSE * b.1.abs()
+    a.0 < b.0 || a.0 == b.0 && a.1 <= b.1 + kept.tolerated(NOT_WORSE)
 }
 
 /// A motion on a coarser grid as one on a grid with that many intervals, where every one of these lies within one of the

@@ -1,0 +1,62 @@
+//! Optima at which the objective vanishes: relative differences of it mean nothing, and no condition has a multiplier.
+
+use hangtime::ocp::Stationarity;
+
+use crate::support::solve;
+
+hangtime::model! {
+    /// A block that lies where it has to be.
+    AtRest {
+        parameters { g = 10 }
+        coordinates { y, z }
+        controls { u in -1..=1 }
+        lagrangian (dot(y)^2 + dot(z)^2)/2 - g*z
+        forces { y: u }
+        surface floor: z >= 0
+        impact floor: inelastic, friction 0.3
+        minimize integral(u^2)
+        finally { y == 0, dot(y) == 0 }
+        horizon 2
+    }
+}
+
+hangtime::model! {
+    /// A block falls onto a floor and shall come as near to a goal, and to rest there, as can be: it can be there.
+    Dropped {
+        parameters { g = 9.81 }
+        coordinates { y, z }
+        controls { u in -4..=4 }
+        lagrangian (dot(y)^2 + dot(z)^2)/2 - g*z
+        forces { y: u }
+        surface floor: z >= 0
+        impact floor: inelastic, friction 0.2
+        minimize (y - 1)^2 + dot(y)^2
+        finally { z == 0 }
+        start { z: 0.5 }
+        horizon 2
+    }
+}
+
+#[test]
+fn nothing_to_do_is_certified_by_its_multipliers() {
+    let solution = solve(&AtRest::default(), 10, &Default::default());
+    assert!(solution.objective < 1e-20, "{}", solution.objective);
+    assert_eq!(solution.stationarity, Stationarity::S);
+    // There is nothing to compare with.
+    assert!(solution.counts.programs < 40, "{:?}", solution.counts);
+}
+
+#[test]
+fn goal_that_can_be_reached_is_certified_on_finer_grids_as_well() {
+    for intervals in [10, 20] {
+        let solution = solve(&Dropped::default(), intervals, &Default::default());
+        assert!(solution.objective < 1e-20, "{}", solution.objective);
+        // Motions with as many switches that differ by rounding are one local optimum on each grid.
+        let best = solution.optima.iter().filter(|o| o.objective < 1e-9);
+        let mut kinds: Vec<_> = best.map(|o| (o.intervals, o.switches)).collect();
+        let all = kinds.len();
+        kinds.sort_unstable();
+        kinds.dedup();
+        assert_eq!(kinds.len(), all, "{:?}", solution.optima);
+    }
+}
