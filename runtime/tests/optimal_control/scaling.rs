@@ -223,3 +223,40 @@ fn walls_beside_a_body_that_falls_do_not_change_its_motion() {
         assert!(motion.events.is_empty(), "{:?}", motion.events);
     }
 }
+
+hangtime::model! {
+    /// A ball on a tether is moved from one end of its circle to the other. At the start its weight acts along the circle, and the force of
+    /// the tether is no more than what a guess of the controls is off by.
+    Tethered {
+        parameters { g = 9.81, l = 2 }
+        coordinates { y, z }
+        controls { a in -15..=15, b in -15..=15 }
+        lagrangian (dot(y)^2 + dot(z)^2)/2 - g*z
+        forces { y: a, z: b }
+        surface tether: y^2 + z^2 <= l^2
+        impact tether: inelastic
+        minimize integral(a^2 + b^2)
+        finally { y == -2, z == 0, dot(y) == 0, dot(z) == 0 }
+        start { y: 2 }
+        horizon 1.3
+    }
+}
+
+#[test]
+fn contact_without_a_force_at_the_start_is_measured_by_the_forces_at_hand() {
+    let mut settings = Settings::default();
+    settings.starts = Some(2);
+    let solution = support::solve(&Tethered::default(), 10, &settings);
+    // In a unit of 1e-9 the rounding errors of its rows were 1e-6, and no program came to its tolerance.
+    assert!(
+        solution.residuals.primal < 1e-11,
+        "{:?}",
+        solution.residuals
+    );
+    // The way there is that back: the controls are the same in reverse, as mirrored.
+    let controls = solution.controls.iter();
+    for (there, back) in controls.zip(solution.controls.iter().rev()) {
+        assert!((there[0] + back[0]).abs() < 1e-5, "{there:?} {back:?}");
+        assert!((there[1] - back[1]).abs() < 1e-5, "{there:?} {back:?}");
+    }
+}

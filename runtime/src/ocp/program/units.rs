@@ -8,13 +8,15 @@
 //! for; where one is known and has to be exact, in one of ten if that is smaller: a large unit weighs feasibility more. So a scene in
 //! millimetres and kilonewtons gives the solver the same numbers as one in metres and newtons.
 
-use crate::model::Model;
+use crate::model::{Model, contact_point};
 use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::motion::trajectory::Trajectory;
 
 const THOUSAND: f64 = 1e3;
 const MILLION: f64 = 1e6;
 const TEN: f64 = 10.0;
+/// Share of the accelerations at hand below which a normal acceleration at the start is an error of the guess.
+const ERROR: f64 = 1e-6;
 /// A control without bounds that is so many times its unit is measured anew: in the unit of the program its stationarity
 /// may be no more than a small number.
 const FAR: f64 = 1e3;
@@ -60,13 +62,19 @@ impl Units {
                 1.0
             }
         });
+        let control_units: Vec<f64> = control_units.collect();
         let mut x = motion.states[0][..2 * n].to_vec();
         x.extend(drive(model, motion.controls.start(), 0.0));
         let accelerations: Vec<f64> = (0..declaration.contacts.len())
             .map(|contact| free_normal_acceleration(model, contact, &x).abs())
             .collect();
         let largest = accelerations.iter().copied().fold(0.0, f64::max);
-        let floor = if largest > 0.0 { 0.1 * largest } else { 1.0 };
+        // Next to nothing beside what forces can give is an error of the guess, where weight acts along a surface.
+        let floor = if largest > ERROR * at_hand(model, &x, &control_units) {
+            0.1 * largest
+        } else {
+            1.0
+        };
         let force: Vec<f64> = accelerations.iter().map(|a| a.max(floor)).collect();
         // How far an acceleration carries in about a third of the time.
         let reach = |acceleration: f64| acceleration.abs() * motion.horizon * motion.horizon / 20.0;
@@ -87,7 +95,7 @@ impl Units {
         let velocities: Vec<f64> = coordinates.iter().map(|size| size * rate).collect();
         Self {
             time: motion.horizon,
-            controls: control_units.collect(),
+            controls: control_units,
             gap: force
                 .iter()
                 .map(|force| force * motion.horizon * motion.horizon / 200.0)
@@ -157,6 +165,37 @@ impl Units {
         });
         sizes.collect()
     }
+}
+
+/// The largest normal acceleration of a contact that the accelerations at a state can have together, as it is and with each control by
+/// itself at its unit.
+fn at_hand(model: &dyn Model, x: &[f64], controls: &[f64]) -> f64 {
+    let declaration = model.declaration();
+    let n = declaration.coordinates.len();
+    let (mut largest, mut acceleration) = (vec![0.0_f64; n], vec![0.0; n]);
+    let mut collect = |x: &[f64]| {
+        model.free_acceleration(x, &mut acceleration);
+        for (largest, a) in largest.iter_mut().zip(&acceleration) {
+            *largest = largest.max(a.abs());
+        }
+    };
+    collect(x);
+    for (k, unit) in controls.iter().enumerate() {
+        let mut driven = x.to_vec();
+        driven[2 * n + k] = *unit;
+        collect(&driven);
+    }
+    let mut point = vec![0.0; contact_point::length(n)];
+    let normal_accelerations = (0..declaration.contacts.len()).map(|contact| {
+        model.contact(contact, x, &mut point);
+        let normal = &point[contact_point::NORMAL..][..n];
+        normal
+            .iter()
+            .zip(&largest)
+            .map(|(n, a)| (n * a).abs())
+            .sum()
+    });
+    normal_accelerations.fold(0.0, f64::max)
 }
 
 /// The power of a base nearest to a size; 1 for none.
