@@ -1,6 +1,6 @@
 //! How large the programs of a problem are, before any is solved.
 
-use super::collocation::discretization::{Places, Setting, parabolas};
+use super::collocation::discretization::{Lengths, Places, Setting, parabolas};
 use super::collocation::transcribe::transcribe;
 use super::global::coarse_to_fine::refined_elements;
 use super::global::contact_implicit::ContactImplicit;
@@ -117,6 +117,7 @@ fn phases(
             path: settings.path_points,
         },
         shape: settings.controls,
+        lengths: Lengths::Equal,
     };
     let declaration = model.declaration();
     let per_interval = refined_elements(settings, problem.intervals);

@@ -13,6 +13,7 @@ mod friction;
 mod grip;
 #[path = "../../../solver/benches/homotopy.rs"]
 mod homotopy;
+mod impact_times;
 mod impacts_at_nodes;
 mod landings;
 mod linear_controls;

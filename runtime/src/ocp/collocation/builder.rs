@@ -31,6 +31,8 @@ pub(super) struct Builder<'a, 's> {
     pub(super) state: Vec<usize>,
     /// What drove the motion at the end of the phase before; nothing at the start, at time 0.
     pub(super) before: Vec<usize>,
+    /// Lengths of the phases so far, where those of the intervals are free.
+    pub(super) passed: Vec<usize>,
     /// Number of coordinates.
     pub(super) n: usize,
 }

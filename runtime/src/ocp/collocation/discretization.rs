@@ -21,6 +21,7 @@ pub(in crate::ocp) struct Setting<'a> {
     pub(in crate::ocp) parabolas: &'a [bool],
     pub(in crate::ocp) places: Places,
     pub(in crate::ocp) shape: ControlShape,
+    pub(in crate::ocp) lengths: Lengths,
 }
 
 impl Setting<'_> {
@@ -28,6 +29,15 @@ impl Setting<'_> {
     pub(in crate::ocp) fn final_times(&self) -> FinalTimes {
         FinalTimes::around(self.problem, self.units.time)
     }
+}
+
+/// Lengths of the control intervals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::ocp) enum Lengths {
+    /// The same of all.
+    Equal,
+    /// Each one free, so that switches may be at any time; of constant controls.
+    Free,
 }
 
 /// Where bounds of coordinates and path constraints are imposed.

@@ -1,6 +1,7 @@
 //! One control interval: what switches at its start, its phases, and the bounds over the whole of it.
 
 use super::builder::Builder;
+use super::discretization::Lengths;
 use super::impact_map::Instant;
 use super::layout::{Distance, Kept};
 use super::phase::Element;
@@ -17,6 +18,9 @@ const GUESS_MARGIN: f64 = 0.02;
 
 /// Shortest phase relative to its interval: in a phase of no length the contact forces are undetermined.
 const SHORTEST: f64 = 2e-3;
+
+/// The same of an interval of free length without a switch inside, relative to the length of all if they were equal.
+const SHORTEST_INTERVAL: f64 = 0.1;
 
 /// What the switches at the end of a phase ask of it.
 #[derive(Default)]
@@ -120,6 +124,10 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
         begin = end;
     }
     interval_bounds::add(builder, interval, &before);
+    if builder.setting.lengths == Lengths::Free {
+        let lengths = durations.iter();
+        builder.passed.extend(lengths);
+    }
 }
 
 /// Indices of the first switches of the instants at a place of an interval.
@@ -219,10 +227,11 @@ fn guessed_ends(interval: usize, switches: &[Switch], inside: &[usize]) -> Vec<f
     ends
 }
 
-/// Adds the lengths of the phases of an interval, which make it up; none where it is one phase.
+/// Adds the lengths of the phases of an interval, which make it up; none where it is one phase of the length of all intervals.
 fn durations(builder: &mut Builder, interval: usize, ends: &[f64]) -> Vec<usize> {
     let count = ends.len();
-    if count == 1 {
+    let free = builder.setting.lengths == Lengths::Free;
+    if count == 1 && !free {
         return Vec::new();
     }
     let (share, length) = (
@@ -230,25 +239,46 @@ fn durations(builder: &mut Builder, interval: usize, ends: &[f64]) -> Vec<usize>
         builder.interval_length(),
     );
     let (program, horizon) = (&mut builder.program, builder.frame.horizon);
-    let row = program.row(format!("length of interval {interval}"), 0.0, 0.0);
-    program.linear(row, horizon, -share);
-    (0..count)
-        .map(|p| {
-            let begin = if p == 0 { 0.0 } else { ends[p - 1] };
-            let duration = program.variable(
-                format!("length of phase {p} of interval {interval}"),
-                (SHORTEST * length, f64::INFINITY),
-                (ends[p] - begin) * length,
-                length,
-            );
+    let row = (!free).then(|| {
+        let row = program.row(format!("length of interval {interval}"), 0.0, 0.0);
+        program.linear(row, horizon, -share);
+        row
+    });
+    let shortest = if count == 1 {
+        SHORTEST_INTERVAL
+    } else {
+        SHORTEST
+    } * length;
+    let durations = (0..count).map(|p| {
+        let begin = if p == 0 { 0.0 } else { ends[p - 1] };
+        let duration = program.variable(
+            format!("length of phase {p} of interval {interval}"),
+            (shortest, f64::INFINITY),
+            (ends[p] - begin) * length,
+            length,
+        );
+        if let Some(row) = row {
             program.linear(row, duration, 1.0);
-            builder.distances.push(Distance {
-                name: format!("shortest phase {p} of interval {interval}"),
-                kept: Kept::Variable(duration),
-                amount: SHORTEST * length,
-                chosen: false,
-            });
-            duration
-        })
-        .collect()
+        }
+        builder.distances.push(Distance {
+            name: format!("shortest phase {p} of interval {interval}"),
+            kept: Kept::Variable(duration),
+            amount: shortest,
+            chosen: false,
+        });
+        duration
+    });
+    durations.collect()
+}
+
+/// Intervals of free lengths make up the motion.
+pub(super) fn add_up(builder: &mut Builder) {
+    if builder.setting.lengths == Lengths::Free {
+        let program = &mut builder.program;
+        let row = program.row("length of all intervals".to_owned(), 0.0, 0.0);
+        program.linear(row, builder.frame.horizon, -1.0);
+        for &length in &builder.passed {
+            program.linear(row, length, 1.0);
+        }
+    }
 }

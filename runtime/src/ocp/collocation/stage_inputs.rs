@@ -5,6 +5,7 @@
 //! with switches it is an unknown of its own, since the lengths of the phases before it are.
 
 use super::builder::Builder;
+use super::discretization::Lengths;
 use super::layout::Phase;
 use crate::ocp::motion::control_grid::ControlShape;
 
@@ -58,7 +59,10 @@ pub(in crate::ocp) fn drive_at(
     let mut drive = controls_at(builder, interval, elapsed, guess, place);
     if builder.setting.model.declaration().explicit_time {
         let share = 1.0 / builder.setting.problem.intervals as f64;
-        let mut terms = vec![(builder.frame.horizon, interval as f64 * share)];
+        let mut terms = match builder.setting.lengths {
+            Lengths::Equal => vec![(builder.frame.horizon, interval as f64 * share)],
+            Lengths::Free => builder.passed.iter().map(|&length| (length, 1.0)).collect(),
+        };
         terms.extend(&elapsed.terms);
         let time = builder.guess.horizon * (interval as f64 + guess) * share;
         let name = format!("time {place}");
@@ -163,7 +167,7 @@ pub(in crate::ocp) fn drive_within(
 #[cfg(test)]
 mod tests {
     use crate::model::Pieces;
-    use crate::ocp::collocation::discretization::{Places, Setting};
+    use crate::ocp::collocation::discretization::{Lengths, Places, Setting};
     use crate::ocp::collocation::transcribe::transcribe;
     use crate::ocp::global::guess::guess;
     use crate::ocp::motion::control_grid::ControlShape;
@@ -212,6 +216,7 @@ mod tests {
                 path: PathPoints::Stages,
             },
             shape: ControlShape::Linear,
+            lengths: Lengths::Equal,
         };
         let sequence = Sequence {
             initially: vec![ContactMode::Frictionless],

@@ -47,6 +47,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         distances: Vec::new(),
         state,
         before: Vec::new(),
+        passed: Vec::new(),
         n: problem.q.len(),
     };
     start_conditions::add(&mut builder);
@@ -63,6 +64,7 @@ pub(in crate::ocp) fn transcribe<'a>(
             impact_map::close(&mut builder, &instant, "the last interval", guess.horizon);
         }
     }
+    interval::add_up(&mut builder);
     let (frame, mut program) = (builder.frame, builder.program);
     // Right before an impact at the end.
     let forces = builder.phases.last().and_then(|phase| phase.stages.last());
@@ -88,7 +90,7 @@ pub(in crate::ocp) fn transcribe<'a>(
 mod tests {
     use super::*;
     use crate::model::Pieces;
-    use crate::ocp::collocation::discretization::{Places, parabolas};
+    use crate::ocp::collocation::discretization::{Lengths, Places, parabolas};
     use crate::ocp::collocation::layout::CutKind;
     use crate::ocp::collocation::test_scene::{Demanding, Sledge};
     use crate::ocp::global::contact_implicit::ContactImplicit;
@@ -136,6 +138,7 @@ mod tests {
                 path: PathPoints::Both,
             },
             shape,
+            lengths: Lengths::Equal,
         };
         check(setting, &guessed);
     }

@@ -57,6 +57,13 @@ pub(in crate::ocp) type Signature = (
     Vec<(usize, ContactMode, (bool, ContactMode), usize, Place)>,
 );
 
+/// What tells two sequences apart, whatever the intervals.
+pub(in crate::ocp) type Order = (
+    Vec<ContactMode>,
+    Pieces,
+    Vec<(usize, ContactMode, (bool, ContactMode))>,
+);
+
 impl Switch {
     /// The passage of an edge to a piece of it, inside an interval.
     pub(in crate::ocp) fn passage(contact: usize, time: f64) -> Self {
@@ -134,6 +141,14 @@ impl Sequence {
             self.pieces.clone(),
             switches.collect(),
         )
+    }
+
+    /// What tells it apart from sequences with other switches or another order of them.
+    pub(in crate::ocp) fn order(&self) -> Order {
+        let (initially, pieces, switches) = self.signature();
+        let switches = switches.into_iter();
+        let switches = switches.map(|(contact, mode, impulse, ..)| (contact, mode, impulse));
+        (initially, pieces, switches.collect())
     }
 
     /// Sorts the switches; `None` if a contact would close twice, open twice or begin what it does already, if a piece of

@@ -12,7 +12,7 @@ use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::Limits;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
-use crate::ocp::motion::sequence::{Sequence, Signature};
+use crate::ocp::motion::sequence::{Order, Sequence, Signature};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Ended, Run, Runner};
 use crate::ocp::settings::Settings;
@@ -22,7 +22,7 @@ use crate::simulation::InputError;
 /// program, of a neighbour, which starts near its solution, and of a sequence about which nothing is claimed.
 const FIRST: [(f64, usize); 3] = [(1e-2, usize::MAX), (1e-3, usize::MAX), (1e-1, usize::MAX)];
 /// The same of the first program where nothing is to be proved: of those that are solved from there, 49 of 50 take fewer.
-const QUICK: [(f64, usize); 1] = [(1e-2, 130)];
+pub(super) const QUICK: [(f64, usize); 1] = [(1e-2, 130)];
 const NEIGHBOUR: [(f64, usize); 2] = [(1e-4, 60), (1e-2, 300)];
 const EXPLORED: [(f64, usize); 1] = [(1e-4, 60)];
 /// The same after a cut.
@@ -109,6 +109,8 @@ pub(in crate::ocp) struct Attempts<'a, 'e> {
     /// The one before it.
     pub(super) outdone: Option<Local<'a>>,
     tried: Vec<Tried>,
+    /// The orders of switches that were looked at with intervals of free lengths.
+    orders: Vec<Order>,
     /// Start of the search.
     start: usize,
     /// Local optima of other searches, and then those that were the best of this one.
@@ -124,6 +126,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
             best: None,
             outdone: None,
             tried: Vec::new(),
+            orders: Vec::new(),
             start: 0,
             visited: Vec::new(),
         }
@@ -221,6 +224,16 @@ impl<'a, 'e> Attempts<'a, 'e> {
             verdict,
             only_beside: self.best_objective(),
         });
+    }
+
+    /// Whether sequences with their switches in this order were not asked about before; from now on they were.
+    pub(super) fn is_new_order(&mut self, sequence: &Sequence) -> bool {
+        let order = sequence.order();
+        let new = !self.orders.contains(&order);
+        if new {
+            self.orders.push(order);
+        }
+        new
     }
 
     /// Lets sequences be attempted again, from motions that are unlike those before.

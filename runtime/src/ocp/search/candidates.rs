@@ -3,6 +3,7 @@
 use hangtime_solver::mpcc::Stationarity;
 
 use super::attempt::{Attempt, Attempts, Local, Purpose};
+use super::free_lengths::retimed;
 use super::reach::reachable;
 use super::repair::{Repaired, repair};
 use super::replay::simulated;
@@ -34,9 +35,6 @@ const SAME: f64 = 1e-3;
 /// becomes better all the time, or there is no motion yet.
 const STRUCK: usize = 3;
 const MOST_STRUCK: usize = 8;
-
-/// When it is struck once in further ones, in shares of the final time, where there is no motion yet.
-const EARLY_OR_LATE: &[f64] = &[1.0 / 3.0, 2.0 / 3.0, 1.0 / 6.0, 5.0 / 6.0];
 
 /// What a search has found.
 #[derive(Default)]
@@ -129,17 +127,10 @@ impl<'a> Search<'a, '_> {
             }
             for times in 1..=most {
                 let before = self.least();
-                for shares in struck(times) {
-                    self.try_struck_at(runner, guess, contact, &shares)?;
-                }
+                self.try_struck_at(runner, guess, contact, &struck(times))?;
                 let least = self.least();
                 if times > STRUCK && least.is_finite() && least >= before {
                     break;
-                }
-            }
-            for &share in EARLY_OR_LATE {
-                if explores && self.least().is_infinite() {
-                    self.try_struck_at(runner, guess, contact, &[share])?;
                 }
             }
         }
@@ -293,16 +284,11 @@ fn bouncing(
 }
 
 /// When a contact is struck so often, in shares of the final time: with half as much time before the first impact and after the last
-/// one as in between, as of a ball that flies from height to height, or, seldom, with as much.
-fn struck(times: usize) -> Vec<Vec<f64>> {
-    let (all, count) = (0..times, times as f64);
-    let halves = all.clone().map(|i| (i as f64 + 0.5) / count).collect();
-    let equal: Vec<f64> = all.map(|i| (i + 1) as f64 / (count + 1.0)).collect();
-    if (2..=STRUCK).contains(&times) {
-        vec![equal, halves]
-    } else {
-        vec![halves]
-    }
+/// one as in between, as of a ball that flies from height to height.
+fn struck(times: usize) -> Vec<f64> {
+    (0..times)
+        .map(|i| (i as f64 + 0.5) / times as f64)
+        .collect()
 }
 
 /// A motion like the guess in which a contact is struck at these shares of the final time.
@@ -375,24 +361,66 @@ fn attempt_readings(
         likely.insert(0, (plan.clone(), motion));
     }
     let count = likely.len();
-    for (index, (sequence, guess)) in likely.into_iter().chain(other).enumerate() {
+    for (index, (sequence, guess)) in likely.iter().chain(&other).enumerate() {
         if index >= count && attempts.best.is_some() {
             break;
         }
-        let Some(sequence) = sequence.ordered(intervals) else {
-            continue;
-        };
         let enough = runner.stopped()
             || near && attempts.best.is_some()
             || attempts.visited_from(visits).is_some();
-        if !enough && !attempts.was_tried(&sequence) {
-            let attempt = Attempt {
-                sequence: &sequence,
-                guess,
-                cuts: &[],
-                purpose: Purpose::Explore,
-            };
-            attempts.attempt(runner, attempt)?;
+        if !enough {
+            attempt_new(runner, attempts, sequence, guess)?;
+        }
+    }
+    attempt_retimed(runner, attempts, &likely)
+}
+
+/// Attempts a sequence about which nothing is claimed, unless it is none or was attempted before.
+fn attempt_new(
+    runner: &mut Runner,
+    attempts: &mut Attempts,
+    sequence: &Sequence,
+    guess: &Trajectory,
+) -> Result<(), InputError> {
+    let intervals = attempts.setting.problem.intervals;
+    let Some(sequence) = sequence.clone().ordered(intervals) else {
+        return Ok(());
+    };
+    if !attempts.was_tried(&sequence) {
+        let attempt = Attempt {
+            sequence: &sequence,
+            guess,
+            cuts: &[],
+            purpose: Purpose::Explore,
+        };
+        attempts.attempt(runner, attempt)?;
+    }
+    Ok(())
+}
+
+/// Where no reading has a motion, attempts them with their switches when they have to be.
+fn attempt_retimed(
+    runner: &mut Runner,
+    attempts: &mut Attempts,
+    readings: &[Reading],
+) -> Result<(), InputError> {
+    let intervals = attempts.setting.problem.intervals;
+    for (sequence, guess) in readings {
+        if attempts.best.is_some() || runner.stopped() {
+            return Ok(());
+        }
+        let sequence = sequence.clone().ordered(intervals);
+        let sequence = sequence.filter(|sequence| !sequence.switches.is_empty());
+        if let Some(sequence) = sequence
+            && attempts.is_new_order(&sequence)
+            && let Some(motion) = retimed(runner, attempts, &sequence, guess)
+        {
+            let motion = shaped(attempts.setting, motion);
+            attempt_new(runner, attempts, &motion.sequence, &motion.trajectory)?;
+            let at_ends = at_interval_ends(&motion.sequence, intervals);
+            if let Some(at_ends) = at_ends.filter(|_| attempts.best.is_none()) {
+                attempt_new(runner, attempts, &at_ends, &motion.trajectory)?;
+            }
         }
     }
     Ok(())
@@ -402,20 +430,26 @@ fn attempt_readings(
 fn motions(
     runner: &Runner,
     setting: Setting,
-    mut candidate: Candidate,
+    candidate: Candidate,
 ) -> Result<Vec<(Sequence, Trajectory)>, InputError> {
-    if setting.shape == ControlShape::Linear {
-        candidate.sequence = without_jumps(candidate.sequence);
-        let controls = &candidate.trajectory.controls;
-        let intervals = setting.problem.intervals;
-        candidate.trajectory.controls = controls.resampled(ControlShape::Linear, intervals);
-    }
+    let candidate = shaped(setting, candidate);
     let trajectory = &candidate.trajectory;
     let replay = simulated(setting, trajectory, runner.settings.replay_tolerance)?;
     let replay = replay.map(|replay| (replay.sequence, replay.trajectory));
     let mut motions: Vec<(Sequence, Trajectory)> = replay.into_iter().collect();
     motions.push((candidate.sequence, candidate.trajectory));
     Ok(motions)
+}
+
+/// A candidate with controls of the shape asked for.
+fn shaped(setting: Setting, mut candidate: Candidate) -> Candidate {
+    if setting.shape == ControlShape::Linear {
+        candidate.sequence = without_jumps(candidate.sequence);
+        let controls = &candidate.trajectory.controls;
+        let intervals = setting.problem.intervals;
+        candidate.trajectory.controls = controls.resampled(ControlShape::Linear, intervals);
+    }
+    candidate
 }
 
 /// The sequences that motions suggest, and those with impacts at ends of intervals, or at the end of the motion, which are looked at

@@ -6,6 +6,7 @@
 pub(in crate::ocp) mod attempt;
 pub(in crate::ocp) mod candidates;
 mod edge_neighbours;
+mod free_lengths;
 pub(in crate::ocp) mod friction_neighbours;
 pub(in crate::ocp) mod neighbours;
 pub(in crate::ocp) mod pressure;

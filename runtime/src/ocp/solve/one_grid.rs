@@ -5,7 +5,7 @@ use hangtime_solver::mpcc::Stationarity;
 use hangtime_solver::nlp;
 
 use crate::model::Model;
-use crate::ocp::collocation::discretization::{Places, Setting, parabolas};
+use crate::ocp::collocation::discretization::{Lengths, Places, Setting, parabolas};
 use crate::ocp::effort::Effort;
 use crate::ocp::global::coarse_to_fine::{self, RelaxedMotions};
 use crate::ocp::global::guess::{bent, guess};
@@ -190,6 +190,7 @@ pub(super) fn solve_round<'s>(
             path: settings.path_points,
         },
         shape: settings.controls,
+        lengths: Lengths::Equal,
     };
     let mut runner = Runner::new(
         settings,
