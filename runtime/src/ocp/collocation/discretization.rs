@@ -36,7 +36,7 @@ impl Setting<'_> {
 pub(in crate::ocp) enum Lengths {
     /// The same of all.
     Equal,
-    /// Each one free, so that switches may be at any time; of constant controls.
+    /// Each one free, so that switches may be at any time; of constant controls, with bounds of coordinates at nodes.
     Free,
 }
 

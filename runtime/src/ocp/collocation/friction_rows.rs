@@ -262,7 +262,7 @@ pub(in crate::ocp) fn at_start(
 mod tests {
     use crate::model::Model;
     use crate::model::Pieces;
-    use crate::ocp::collocation::discretization::{Places, Setting, parabolas};
+    use crate::ocp::collocation::discretization::{Lengths, Places, Setting, parabolas};
     use crate::ocp::collocation::layout::{Cut, CutKind};
     use crate::ocp::collocation::transcribe::transcribe;
     use crate::ocp::global::contact_implicit::ContactImplicit;
@@ -472,6 +472,7 @@ mod tests {
         let setting = |shape| Setting {
             model,
             shape,
+            lengths: Lengths::Equal,
             problem: &problem,
             tableau: &tableau,
             units: &units,

@@ -29,6 +29,9 @@
 //! rows have independent gradients also where the coordinate rests on its bound. Under linear controls it is a cubic,
 //! with a condition alike (`cubic_bounds`). Other bounds hold at the stages, and between them where a [`Cut`](layout::Cut) says so.
 //!
+//! The same program with intervals of free lengths tells when the switches of a sequence have to happen
+//! ([`Lengths`](discretization::Lengths)); its motion is none on the grid asked for.
+//!
 //! [`transcribe`] goes through the intervals; the other files add the rows of one kind each to the state of the
 //! construction, [`builder`]. A solved program is read by [`program`] and checked [`between_stages`]. The layer uses
 //! [`program`](super::program) and [`motion`](super::motion).

@@ -266,6 +266,10 @@ mod tests {
         for shape in [ControlShape::Constant, ControlShape::Linear] {
             with_setting(shape, check_both);
         }
+        with_setting(ControlShape::Constant, |setting, guessed| {
+            let lengths = Lengths::Free;
+            check_both(Setting { lengths, ..setting }, guessed);
+        });
     }
 
     fn check_both(setting: Setting, guessed: &Trajectory) {

@@ -15,7 +15,7 @@ use crate::ocp::motion::trajectory::Trajectory;
 const THOUSAND: f64 = 1e3;
 const MILLION: f64 = 1e6;
 const TEN: f64 = 10.0;
-/// Share of the accelerations at hand below which a normal acceleration at the start is an error of the guess.
+/// Share of what forces at hand can do below which a normal acceleration at the start, or the size of a coordinate, is an error of the guess.
 const ERROR: f64 = 1e-6;
 /// A control without bounds that is so many times its unit is measured anew: in the unit of the program its stationarity
 /// may be no more than a small number.
@@ -70,7 +70,8 @@ impl Units {
             .collect();
         let largest = accelerations.iter().copied().fold(0.0, f64::max);
         // Next to nothing beside what forces can give is an error of the guess, where weight acts along a surface.
-        let floor = if largest > ERROR * at_hand(model, &x, &control_units) {
+        let at_hand = at_hand(model, &x, &control_units);
+        let floor = if largest > ERROR * normal(model, &x, &at_hand) {
             0.1 * largest
         } else {
             1.0
@@ -80,15 +81,20 @@ impl Units {
         let reach = |acceleration: f64| acceleration.abs() * motion.horizon * motion.horizon / 20.0;
         let mut acceleration = vec![0.0; n];
         model.free_acceleration(&x, &mut acceleration);
-        let sizes = acceleration
-            .into_iter()
-            .enumerate()
-            .map(|(k, acceleration)| {
-                let values = motion.states.iter().map(|state| state[k].abs());
-                let limits = [bounds.0[k].abs(), bounds.1[k].abs()];
-                let limits = limits.into_iter().filter(|limit| limit.is_finite());
-                values.chain(limits).fold(reach(acceleration), f64::max)
-            });
+        let pushed = pushed(model, &x, at_hand, &force);
+        let sizes = acceleration.into_iter().zip(pushed).enumerate();
+        let sizes = sizes.map(|(k, (acceleration, pushed))| {
+            let values = motion.states.iter().map(|state| state[k].abs());
+            let limits = [bounds.0[k].abs(), bounds.1[k].abs()];
+            let limits = limits.into_iter().filter(|limit| limit.is_finite());
+            let size = values.chain(limits).fold(reach(acceleration), f64::max);
+            // A coordinate that forces could move, and which stays where it is but for errors of the motion, has no size.
+            if size < ERROR * reach(pushed) {
+                0.0
+            } else {
+                size
+            }
+        });
         let coordinates: Vec<f64> = sizes.map(|size| nearest_power(THOUSAND, size)).collect();
         // Long motions keep theirs: small velocities are no trouble.
         let rate = nearest_power(THOUSAND, 1.0 / motion.horizon).max(1.0);
@@ -167,11 +173,9 @@ impl Units {
     }
 }
 
-/// The largest normal acceleration of a contact that the accelerations at a state can have together, as it is and with each control by
-/// itself at its unit.
-fn at_hand(model: &dyn Model, x: &[f64], controls: &[f64]) -> f64 {
-    let declaration = model.declaration();
-    let n = declaration.coordinates.len();
+/// The largest acceleration of each coordinate at a state, as it is and with each control by itself at its unit.
+fn at_hand(model: &dyn Model, x: &[f64], controls: &[f64]) -> Vec<f64> {
+    let n = model.declaration().coordinates.len();
     let (mut largest, mut acceleration) = (vec![0.0_f64; n], vec![0.0; n]);
     let mut collect = |x: &[f64]| {
         model.free_acceleration(x, &mut acceleration);
@@ -185,17 +189,33 @@ fn at_hand(model: &dyn Model, x: &[f64], controls: &[f64]) -> f64 {
         driven[2 * n + k] = *unit;
         collect(&driven);
     }
+    largest
+}
+
+/// The largest normal acceleration of a contact that accelerations of coordinates can have together.
+fn normal(model: &dyn Model, x: &[f64], accelerations: &[f64]) -> f64 {
+    let n = accelerations.len();
     let mut point = vec![0.0; contact_point::length(n)];
-    let normal_accelerations = (0..declaration.contacts.len()).map(|contact| {
+    let normal = (0..model.declaration().contacts.len()).map(|contact| {
         model.contact(contact, x, &mut point);
-        let normal = &point[contact_point::NORMAL..][..n];
-        normal
-            .iter()
-            .zip(&largest)
-            .map(|(n, a)| (n * a).abs())
-            .sum()
+        let normal = point[contact_point::NORMAL..][..n].iter();
+        normal.zip(accelerations).map(|(n, a)| (n * a).abs()).sum()
     });
-    normal_accelerations.fold(0.0, f64::max)
+    normal.fold(0.0, f64::max)
+}
+
+/// Accelerations of coordinates with what contacts add that provide these normal accelerations.
+fn pushed(model: &dyn Model, x: &[f64], mut accelerations: Vec<f64>, force: &[f64]) -> Vec<f64> {
+    let n = accelerations.len();
+    let mut point = vec![0.0; contact_point::length(n)];
+    for (contact, force) in force.iter().enumerate() {
+        model.contact(contact, x, &mut point);
+        let direction = &point[contact_point::direction(n)..][..n];
+        for (acceleration, d) in accelerations.iter_mut().zip(direction) {
+            *acceleration += (d * force).abs();
+        }
+    }
+    accelerations
 }
 
 /// The power of a base nearest to a size; 1 for none.
@@ -211,6 +231,48 @@ pub(in crate::ocp) fn nearest_power(base: f64, size: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{Units, nearest_power};
+    use crate::ocp::motion::control_grid::ControlGrid;
+    use crate::ocp::motion::trajectory::Trajectory;
+    use crate::ocp::problem::bounds;
+
+    crate::model! {
+        /// A box between two fingers.
+        Pinched {
+            coordinates { l, r, x }
+            controls { u in 0..=20, w in 0..=20 }
+            lagrangian (dot(l)^2 + dot(r)^2 + dot(x)^2)/2
+            forces { l: u, r: -w }
+            surface left: x - l >= 0
+            surface right: r - x >= 0
+            impact left, right: inelastic
+            finally { x == 0 }
+            horizon 1
+        }
+    }
+
+    #[test]
+    fn coordinate_that_stays_but_for_errors_of_the_motion_has_no_size_of_its_own() {
+        let model = Pinched::default();
+        let (lower, upper) = bounds(&model);
+        for (x, unit) in [
+            (0.0, 1.0),
+            (1e-10, 1.0),
+            (1e-8, 1.0),
+            (1e-4, 1e-3),
+            (0.1, 1.0),
+        ] {
+            let state = |x: f64| vec![-0.1, 0.1, x, 0.0, 0.0, 0.0, 0.0, 0.0];
+            let motion = Trajectory {
+                horizon: 1.0,
+                controls: ControlGrid::constant(vec![vec![1.0, 1.0]; 2]),
+                time: vec![0.0, 1.0],
+                states: vec![state(0.0), state(x)],
+            };
+            let units = Units::new(&model, &motion, (&lower, &upper));
+            let close = (units.states[2] / unit - 1.0).abs() < 1e-12;
+            assert!(close, "{x} {}", units.states[2]);
+        }
+    }
 
     #[test]
     fn objective_of_a_known_motion_is_measured_in_no_larger_unit() {

@@ -14,5 +14,6 @@ pub(in crate::ocp) mod reach;
 pub(in crate::ocp) mod repair;
 pub(in crate::ocp) mod replay;
 pub(in crate::ocp) mod ride;
+mod simultaneous;
 pub(in crate::ocp) mod stationary;
 mod together;

@@ -5,6 +5,7 @@ use hangtime_solver::mpcc::Stationarity;
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
 use super::neighbours::Neighbour;
 use super::pressure::{DISTANT, Pressure};
+use super::simultaneous::simultaneous;
 use super::stationary::{Held, held};
 use super::together::{Insertion, learn_together};
 use super::{edge_neighbours, friction_neighbours, neighbours};
@@ -144,6 +145,7 @@ fn neighbours_of(pressure: &Pressure) -> Vec<Neighbour> {
     neighbours.extend(inserted.map(Neighbour::adjoining));
     neighbours.extend(friction_neighbours::sliding(pressure));
     neighbours.extend(edge_neighbours::edges(pressure));
+    neighbours.extend(simultaneous(pressure));
     neighbours
 }
 
