@@ -31,8 +31,6 @@ pub(super) struct Builder<'a, 's> {
     pub(super) state: Vec<usize>,
     /// What drove the motion at the end of the phase before; nothing at the start, at time 0.
     pub(super) before: Vec<usize>,
-    /// Lengths of the phases so far, where those of the intervals are free.
-    pub(super) passed: Vec<usize>,
     /// Number of coordinates.
     pub(super) n: usize,
 }
@@ -45,6 +43,13 @@ impl Builder<'_, '_> {
             .filter(|(_, m)| !m.is_open())
             .map(|(i, _)| i)
             .collect()
+    }
+
+    /// The time that the phases before an interval take, as a sum of `coefficient variable`.
+    pub(super) fn passed(&self, interval: usize) -> Vec<(usize, f64)> {
+        let phases = self.phases.iter();
+        let before = phases.take_while(|phase| phase.interval < interval);
+        before.map(|phase| (phase.scale, phase.factor)).collect()
     }
 
     /// Length of an interval in the guess \[s\].

@@ -124,10 +124,6 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
         begin = end;
     }
     interval_bounds::add(builder, interval, &before);
-    if builder.setting.lengths == Lengths::Free {
-        let lengths = durations.iter();
-        builder.passed.extend(lengths);
-    }
 }
 
 /// Indices of the first switches of the instants at a place of an interval.
@@ -274,11 +270,12 @@ fn durations(builder: &mut Builder, interval: usize, ends: &[f64]) -> Vec<usize>
 /// Intervals of free lengths make up the motion.
 pub(super) fn add_up(builder: &mut Builder) {
     if builder.setting.lengths == Lengths::Free {
+        let phases = builder.passed(builder.setting.problem.intervals);
         let program = &mut builder.program;
         let row = program.row("length of all intervals".to_owned(), 0.0, 0.0);
         program.linear(row, builder.frame.horizon, -1.0);
-        for &length in &builder.passed {
-            program.linear(row, length, 1.0);
+        for (length, factor) in phases {
+            program.linear(row, length, factor);
         }
     }
 }

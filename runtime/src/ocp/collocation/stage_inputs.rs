@@ -61,7 +61,7 @@ pub(in crate::ocp) fn drive_at(
         let share = 1.0 / builder.setting.problem.intervals as f64;
         let mut terms = match builder.setting.lengths {
             Lengths::Equal => vec![(builder.frame.horizon, interval as f64 * share)],
-            Lengths::Free => builder.passed.iter().map(|&length| (length, 1.0)).collect(),
+            Lengths::Free => builder.passed(interval),
         };
         terms.extend(&elapsed.terms);
         let time = builder.guess.horizon * (interval as f64 + guess) * share;

@@ -47,7 +47,6 @@ pub(in crate::ocp) fn transcribe<'a>(
         distances: Vec::new(),
         state,
         before: Vec::new(),
-        passed: Vec::new(),
         n: problem.q.len(),
     };
     start_conditions::add(&mut builder);
