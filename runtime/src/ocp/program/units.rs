@@ -8,7 +8,8 @@
 //! for; where one is known and has to be exact, in one of ten if that is smaller: a large unit weighs feasibility more. So a scene in
 //! millimetres and kilonewtons gives the solver the same numbers as one in metres and newtons.
 
-use crate::model::{Model, contact_point};
+use crate::model::{Model, contact_point, tangent_point};
+use crate::ocp::motion::mode::is_frictional;
 use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::motion::trajectory::Trajectory;
 
@@ -204,15 +205,22 @@ fn normal(model: &dyn Model, x: &[f64], accelerations: &[f64]) -> f64 {
     normal.fold(0.0, f64::max)
 }
 
-/// Accelerations of coordinates with what contacts add that provide these normal accelerations.
+/// Accelerations of coordinates with what contacts add that provide these normal accelerations, and friction as large.
 fn pushed(model: &dyn Model, x: &[f64], mut accelerations: Vec<f64>, force: &[f64]) -> Vec<f64> {
     let n = accelerations.len();
     let mut point = vec![0.0; contact_point::length(n)];
+    let mut tangent = vec![0.0; tangent_point::length(n)];
     for (contact, force) in force.iter().enumerate() {
+        let mut push = |direction: &[f64]| {
+            for (acceleration, d) in accelerations.iter_mut().zip(direction) {
+                *acceleration += (d * force).abs();
+            }
+        };
         model.contact(contact, x, &mut point);
-        let direction = &point[contact_point::direction(n)..][..n];
-        for (acceleration, d) in accelerations.iter_mut().zip(direction) {
-            *acceleration += (d * force).abs();
+        push(&point[contact_point::direction(n)..][..n]);
+        if is_frictional(model, contact) {
+            model.tangent(contact, x, &mut tangent);
+            push(&tangent[tangent_point::direction(n)..][..n]);
         }
     }
     accelerations
@@ -231,6 +239,7 @@ pub(in crate::ocp) fn nearest_power(base: f64, size: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{Units, nearest_power};
+    use crate::model::Model;
     use crate::ocp::motion::control_grid::ControlGrid;
     use crate::ocp::motion::trajectory::Trajectory;
     use crate::ocp::problem::bounds;
@@ -250,27 +259,46 @@ mod tests {
         }
     }
 
+    crate::model! {
+        /// A box on a belt, which moves it by friction only.
+        Carried {
+            coordinates { b, z, x }
+            controls { u in -20..=20 }
+            lagrangian (dot(b)^2 + dot(z)^2 + dot(x)^2)/2 - 9.81*z
+            forces { b: u }
+            surface belt: z >= 0
+            impact belt: inelastic, friction 0.5, sliding dot(x) - dot(b)
+            finally { b == 0 }
+            horizon 1
+        }
+    }
+
     #[test]
     fn coordinate_that_stays_but_for_errors_of_the_motion_has_no_size_of_its_own() {
-        let model = Pinched::default();
-        let (lower, upper) = bounds(&model);
-        for (x, unit) in [
+        let (pinched, carried) = (Pinched::default(), Carried::default());
+        let sizes = [
             (0.0, 1.0),
             (1e-10, 1.0),
             (1e-8, 1.0),
             (1e-4, 1e-3),
             (0.1, 1.0),
-        ] {
-            let state = |x: f64| vec![-0.1, 0.1, x, 0.0, 0.0, 0.0, 0.0, 0.0];
-            let motion = Trajectory {
-                horizon: 1.0,
-                controls: ControlGrid::constant(vec![vec![1.0, 1.0]; 2]),
-                time: vec![0.0, 1.0],
-                states: vec![state(0.0), state(x)],
-            };
-            let units = Units::new(&model, &motion, (&lower, &upper));
-            let close = (units.states[2] / unit - 1.0).abs() < 1e-12;
-            assert!(close, "{x} {}", units.states[2]);
+        ];
+        let scenes: [(&dyn Model, [f64; 2]); 2] = [(&pinched, [-0.1, 0.1]), (&carried, [0.0; 2])];
+        for (model, [first, second]) in scenes {
+            let (lower, upper) = bounds(model);
+            let controls = model.declaration().controls.len();
+            for (x, unit) in sizes {
+                let state = |x: f64| vec![first, second, x, 0.0, 0.0, 0.0, 0.0, 0.0];
+                let motion = Trajectory {
+                    horizon: 1.0,
+                    controls: ControlGrid::constant(vec![vec![1.0; controls]; 2]),
+                    time: vec![0.0, 1.0],
+                    states: vec![state(0.0), state(x)],
+                };
+                let units = Units::new(model, &motion, (&lower, &upper));
+                let close = (units.states[2] / unit - 1.0).abs() < 1e-12;
+                assert!(close, "{x} {}", units.states[2]);
+            }
         }
     }
 
