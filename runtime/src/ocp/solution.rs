@@ -183,7 +183,8 @@ pub struct Solution {
     pub status: Status,
     /// Objective of the plan.
     pub objective: f64,
-    /// What the solver measured the objective in, by the largest of its derivatives: `1e-8` of it is less than what the tolerance explains.
+    /// What the solver measured the objective in, by the largest of its derivatives, in the unit of the objective; 0 without a plan. Less
+    /// than `1e-8` of it is what the tolerance explains.
     pub objective_unit: f64,
     /// Length of the motion \[s\].
     pub horizon: f64,

@@ -16,7 +16,6 @@ use hangtime::ocp::{Problem, TimeFreezing, TimeFreezingSettings};
 const SAME: f64 = 1e-6;
 
 #[test]
-#[ignore = "long"]
 fn solve_steps_certified_in_few_iterations_of_the_homotopy() {
     let (mut iterations, mut of_homotopy, mut as_good, mut steps) = (0, 0, 0, 0);
     for case in problems::cases().iter().filter(|case| case.is_step()) {

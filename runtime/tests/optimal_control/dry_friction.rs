@@ -111,7 +111,6 @@ fn least_effort_against_a_constant_force_has_its_closed_form() {
 }
 
 #[test]
-#[ignore = "long"]
 fn least_effort_is_that_of_a_block_on_a_rough_floor() {
     let rail = solve(&Rail::default(), 4, &linear());
     // Whatever is proved of the neighbours of its sequence, which are more.

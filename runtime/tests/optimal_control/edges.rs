@@ -5,7 +5,7 @@
 
 use crate::support::{attempt, kinds, one_start, solve, time_freezing};
 use hangtime::model::Model;
-use hangtime::ocp::{self, ControlShape, Problem, Settings};
+use hangtime::ocp::{self, ControlShape, Problem, Settings, Solution};
 use hangtime::simulation::EventKind;
 
 const G: f64 = 9.81;
@@ -313,14 +313,18 @@ fn least(mut from: f64, mut to: f64, value: impl Fn(f64) -> f64) -> f64 {
     best
 }
 
+/// The landing at the end of the motion is a switch of the plan, or where it ends.
+fn assert_lifts_off_once(solution: &Solution) {
+    let kinds = kinds(solution);
+    let both = [EventKind::LiftOff, EventKind::Impact];
+    assert!(kinds == both || kinds == both[..1], "{kinds:?}");
+}
+
 #[test]
 fn block_is_pushed_off_a_table_with_the_least_effort_of_its_closed_form() {
     let push = Push::default();
     let solution = solve(&push, INTERVALS, &Settings::default());
-    // The landing at the end of the motion is a switch of the plan, or where it ends.
-    let kinds = kinds(&solution);
-    let both = [EventKind::LiftOff, EventKind::Impact];
-    assert!(kinds == both || kinds == both[..1], "{kinds:?}");
+    assert_lifts_off_once(&solution);
     let (effort, passes) = least_push(&push);
     let off = (solution.objective - effort).abs();
     assert!(off < 1e-7 * effort, "{} {effort}", solution.objective);
@@ -472,12 +476,8 @@ fn linear_controls_push_off_a_table_with_less_effort() {
     let mut settings = Settings::default();
     settings.controls = ControlShape::Linear;
     let linear = solve(&push, INTERVALS, &settings);
-    // Whether the impact at the end is part of the motion is all the same.
-    for solution in [&linear, &constant] {
-        let both = [EventKind::LiftOff, EventKind::Impact];
-        let kinds = kinds(solution);
-        assert!(kinds == both || kinds == both[..1], "{kinds:?}");
-    }
+    assert_lifts_off_once(&linear);
+    assert_lifts_off_once(&constant);
     let (less, more) = (linear.objective, constant.objective);
     // Both are above the least effort of all controls, which constant ones miss by more.
     assert!(less < more && less > 0.97 * more, "{less} {more}");

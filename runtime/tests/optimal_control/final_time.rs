@@ -202,7 +202,6 @@ fn coasting(model: &Waves) -> Option<f64> {
 }
 
 #[test]
-#[ignore = "long"]
 fn goal_that_the_ride_without_controls_reaches_is_never_called_infeasible() {
     // The link keeps its length without controls, whatever its bounds are; fast bikes fly from wave to wave.
     let mut flights = 0;

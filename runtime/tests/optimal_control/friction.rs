@@ -159,7 +159,6 @@ pub(crate) fn least_sliding_effort(intervals: usize, length: f64) -> f64 {
 }
 
 #[test]
-#[ignore = "long"]
 fn block_with_time_to_spare_sticks_for_a_while() {
     let intervals = 10;
     let best = least_sliding_effort(intervals, 2.5);
@@ -420,7 +419,6 @@ fn bar_on_two_feet_slides_like_a_block() {
 }
 
 #[test]
-#[ignore = "long"]
 fn bar_that_lands_tilted_strikes_the_floor_with_both_feet() {
     // Until the first foot strikes, the bar falls freely: 0.3 - 0.3 sin 0.3 metres.
     let fall = (0.3 - 0.3 * 0.3_f64.sin()) / 5.0;
@@ -530,7 +528,6 @@ hangtime::model! {
 }
 
 #[test]
-#[ignore = "long"]
 fn bar_with_time_to_spare_sticks_on_both_feet() {
     let solution = solve(&PatientBar::default(), 10, &one_start());
     let block = solve(&Patient::default(), 10, &one_start());

@@ -367,15 +367,9 @@ mod tests {
         let forward = ContactMode::Slip(Direction::Forward);
         let backward = ContactMode::Slip(Direction::Backward);
         let switch = |contact, (closes, mode, impulse), place, time: f64| Switch {
-            contact,
-            closes,
-            mode,
             impulse,
-            passes: false,
-            accompanies: false,
-            interval: time.floor() as usize,
             place,
-            time,
+            ..Switch::inside(contact, closes, mode, time)
         };
         let slides = |mode| (false, mode, mode);
         let sequence = Sequence {
@@ -406,15 +400,8 @@ mod tests {
         let forward = ContactMode::Slip(Direction::Forward);
         let backward = ContactMode::Slip(Direction::Backward);
         let switch = |contact, closes, mode, place, time: f64| Switch {
-            contact,
-            closes,
-            mode,
-            impulse: mode,
-            passes: false,
-            accompanies: false,
-            interval: time.floor() as usize,
             place,
-            time,
+            ..Switch::inside(contact, closes, mode, time)
         };
         let sequence = Sequence {
             initially: vec![Open, forward],

@@ -222,15 +222,9 @@ mod tests {
             initially: vec![ContactMode::Frictionless],
             pieces: Pieces::default(),
             switches: vec![Switch {
-                contact: 0,
-                closes: false,
-                mode: ContactMode::Open,
                 impulse: ContactMode::Frictionless,
-                passes: false,
-                accompanies: false,
-                interval: 1,
                 place: Place::Start,
-                time: 1.0,
+                ..Switch::inside(0, false, ContactMode::Open, 1.0)
             }],
         };
         let mut program = transcribe(setting, &sequence, &start, &[], &[1; 3]);

@@ -144,20 +144,16 @@ mod tests {
 
     /// A switch of the sledge, which lands without rebound.
     fn switch(closes: bool, interval: usize, place: Place, time: f64) -> Switch {
+        let mode = if closes {
+            ContactMode::Frictionless
+        } else {
+            ContactMode::Open
+        };
         Switch {
-            contact: 0,
-            closes,
-            mode: if closes {
-                ContactMode::Frictionless
-            } else {
-                ContactMode::Open
-            },
             impulse: ContactMode::Frictionless,
-            passes: false,
-            accompanies: false,
             interval,
             place,
-            time,
+            ..Switch::inside(0, closes, mode, time)
         }
     }
 

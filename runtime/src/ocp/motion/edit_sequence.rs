@@ -194,17 +194,7 @@ mod tests {
     const BACKWARD: ContactMode = ContactMode::Slip(Direction::Backward);
 
     fn switch(closes: bool, mode: ContactMode, time: f64) -> Switch {
-        Switch {
-            contact: 0,
-            closes,
-            mode,
-            impulse: mode,
-            passes: false,
-            accompanies: false,
-            interval: time.floor() as usize,
-            place: Place::Inside,
-            time,
-        }
+        Switch::inside(0, closes, mode, time)
     }
 
     fn sequence(initially: ContactMode, switches: &[Switch]) -> Sequence {

@@ -248,17 +248,7 @@ mod tests {
     }
 
     fn switch(closes: bool, mode: ContactMode, time: f64) -> Switch {
-        Switch {
-            contact: 0,
-            closes,
-            passes: false,
-            mode,
-            impulse: mode,
-            accompanies: false,
-            interval: time as usize,
-            place: Place::Inside,
-            time,
-        }
+        Switch::inside(0, closes, mode, time)
     }
 
     fn read(initially: ContactMode, switches: Vec<Switch>, motion: &Trajectory) -> Sequence {

@@ -65,18 +65,31 @@ pub(in crate::ocp) type Order = (
 );
 
 impl Switch {
-    /// The passage of an edge to a piece of it, inside an interval.
-    pub(in crate::ocp) fn passage(contact: usize, time: f64) -> Self {
+    /// A switch by itself inside an interval, with an impact or without; an impulse that belongs to it leaves the contact in its mode.
+    pub(in crate::ocp) fn inside(
+        contact: usize,
+        closes: bool,
+        mode: ContactMode,
+        time: f64,
+    ) -> Self {
         Self {
             contact,
-            closes: false,
-            passes: true,
-            mode: ContactMode::Open,
-            impulse: ContactMode::Open,
+            closes,
+            passes: false,
+            mode,
+            impulse: mode,
             accompanies: false,
             interval: time as usize,
             place: Place::Inside,
             time,
+        }
+    }
+
+    /// The passage of an edge to a piece of it, inside an interval.
+    pub(in crate::ocp) fn passage(contact: usize, time: f64) -> Self {
+        Self {
+            passes: true,
+            ..Self::inside(contact, false, ContactMode::Open, time)
         }
     }
 
@@ -269,15 +282,8 @@ mod tests {
             Place::Inside
         };
         Switch {
-            contact,
-            closes,
-            mode,
-            impulse: mode,
-            passes: false,
-            accompanies: false,
-            interval: time.floor() as usize,
             place,
-            time,
+            ..Switch::inside(contact, closes, mode, time)
         }
     }
 

@@ -125,8 +125,12 @@ impl<'s> Runner<'s> {
         self.failure.as_ref().map(|failure| failure.horizon)
     }
 
-    pub(in crate::ocp) fn set_failure(&mut self, failure: Option<Failure>) {
-        self.failure = failure;
+    /// Puts the failure `before` other programs back, if there was one or they led somewhere: rows of the programs of contact
+    /// sequences say more than theirs.
+    pub(in crate::ocp) fn restore_failure(&mut self, before: Option<Failure>, led: bool) {
+        if before.is_some() || led {
+            self.failure = before;
+        }
     }
 
     /// Keeps why a program failed, if it came nearer to a solution than those before.

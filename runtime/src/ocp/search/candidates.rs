@@ -176,10 +176,7 @@ impl<'a> Search<'a, '_> {
             {
                 found.push(candidate);
             }
-            if failure.is_some() || !found.is_empty() {
-                // Rows of the programs of contact sequences say more than those of relaxed ones.
-                runner.set_failure(failure);
-            }
+            runner.restore_failure(failure, !found.is_empty());
             if found.is_empty() {
                 break;
             }
@@ -210,9 +207,7 @@ impl<'a> Search<'a, '_> {
         let (report, candidate) = relaxed.unzip();
         let candidate = candidate.flatten();
         self.found.time_freezing = report.or(self.found.time_freezing.take());
-        if failure.is_some() || candidate.is_some() {
-            runner.set_failure(failure);
-        }
+        runner.restore_failure(failure, candidate.is_some());
         match candidate {
             Some(candidate) if !runner.stopped() => self.try_candidate(runner, candidate, false),
             _ => Ok(()),
@@ -297,11 +292,8 @@ fn struck_at(setting: Setting, guess: &Trajectory, contact: usize, shares: &[f64
     let impulse = closed_mode(is_frictional(setting.model, contact), 0.0, 0.0);
     let mut sequence = Sequence::without_switches(modes_at_start(setting, guess));
     let touches = shares.iter().map(|share| Switch {
-        closes: true,
-        passes: false,
-        mode: ContactMode::Open,
         impulse,
-        ..Switch::passage(contact, share * intervals)
+        ..Switch::inside(contact, true, ContactMode::Open, share * intervals)
     });
     sequence.switches = touches.collect();
     Candidate {

@@ -52,15 +52,12 @@ pub(super) fn retimed(
         settings: &settings,
         start: None,
         gives_up: false,
-        best: attempts.best_objective(),
+        best: None,
     };
     let horizon = program.horizon;
     let failure = runner.take_failure();
     let solution = runner.solve(&mut program.program, horizon, &run);
-    if failure.is_some() || solution.is_ok() {
-        // Rows of programs with intervals of equal length say more.
-        runner.set_failure(failure);
-    }
+    runner.restore_failure(failure, solution.is_ok());
     let solution = solution.ok()?;
     Some(equalized(&program, &solution.x, solution.objective))
 }

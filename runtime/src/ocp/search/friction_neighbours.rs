@@ -27,15 +27,8 @@ pub(super) fn sliding(pressure: &Pressure) -> Vec<Neighbour> {
 
 fn slide(contact: usize, mode: ContactMode, place: Place, time: f64) -> Switch {
     Switch {
-        contact,
-        closes: false,
-        mode,
-        impulse: mode,
-        passes: false,
-        accompanies: false,
-        interval: time.max(0.0).floor() as usize,
         place,
-        time,
+        ..Switch::inside(contact, false, mode, time)
     }
 }
 

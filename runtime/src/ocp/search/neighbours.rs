@@ -278,16 +278,10 @@ pub(in crate::ocp) fn insertions(pressure: &Pressure) -> Vec<Sequence> {
                 continue;
             }
             let time = time.max(0.0);
+            let after = if closes { mode } else { ContactMode::Open };
             sequence.switches.push(Switch {
-                contact,
-                closes,
-                mode: if closes { mode } else { ContactMode::Open },
                 impulse: mode,
-                passes: false,
-                accompanies: false,
-                interval: time.floor() as usize,
-                place: Place::Inside,
-                time,
+                ..Switch::inside(contact, closes, after, time)
             });
         }
         if let Some(sequence) = sequence.ordered(pressure.intervals)

@@ -93,24 +93,9 @@ fn replaced(given: &Sequence, pair: &[usize], switches: Vec<Switch>) -> Sequence
 mod tests {
     use super::*;
     use crate::model::Pieces;
-    use crate::ocp::motion::sequence::Place;
     use crate::simulation::{ContactMode, Direction};
 
     const SLIPS: ContactMode = ContactMode::Slip(Direction::Forward);
-
-    fn switch(contact: usize, closes: bool, mode: ContactMode, time: f64) -> Switch {
-        Switch {
-            contact,
-            closes,
-            mode,
-            impulse: mode,
-            passes: false,
-            accompanies: false,
-            interval: time.floor() as usize,
-            place: Place::Inside,
-            time,
-        }
-    }
 
     fn along(switch: Switch) -> Switch {
         Switch {
@@ -129,10 +114,10 @@ mod tests {
             ],
             pieces: Pieces::default(),
             switches: vec![
-                switch(0, true, SLIPS, 1.5),
-                along(switch(2, false, ContactMode::Open, 1.5)),
-                switch(1, true, ContactMode::Stick, 1.502),
-                along(switch(0, false, ContactMode::Stick, 1.502)),
+                Switch::inside(0, true, SLIPS, 1.5),
+                along(Switch::inside(2, false, ContactMode::Open, 1.5)),
+                Switch::inside(1, true, ContactMode::Stick, 1.502),
+                along(Switch::inside(0, false, ContactMode::Stick, 1.502)),
             ],
         }
     }
@@ -141,9 +126,9 @@ mod tests {
     fn impacts_at_one_instant_leave_every_contact_as_the_last_of_them_does() {
         let merged = merged(&pinched(), &[0, 2]).and_then(|merged| merged.ordered(3));
         let expected = vec![
-            switch(0, true, ContactMode::Stick, 1.5),
-            along(switch(2, false, ContactMode::Open, 1.5)),
-            along(switch(1, true, ContactMode::Stick, 1.5)),
+            Switch::inside(0, true, ContactMode::Stick, 1.5),
+            along(Switch::inside(2, false, ContactMode::Open, 1.5)),
+            along(Switch::inside(1, true, ContactMode::Stick, 1.5)),
         ];
         assert_eq!(merged.map(|merged| merged.switches), Some(expected));
     }
@@ -156,9 +141,9 @@ mod tests {
         apart.switches.pop();
         let other = swapped(&apart, &[0, 2]).and_then(|other| other.ordered(3));
         let expected = vec![
-            switch(1, true, ContactMode::Stick, 1.5),
-            switch(0, true, SLIPS, 1.502),
-            along(switch(2, false, ContactMode::Open, 1.502)),
+            Switch::inside(1, true, ContactMode::Stick, 1.5),
+            Switch::inside(0, true, SLIPS, 1.502),
+            along(Switch::inside(2, false, ContactMode::Open, 1.502)),
         ];
         assert_eq!(other.map(|other| other.switches), Some(expected));
     }
@@ -166,7 +151,7 @@ mod tests {
     #[test]
     fn contact_that_closes_twice_takes_part_in_no_single_impact() {
         let mut twice = pinched();
-        twice.switches[2] = switch(0, true, SLIPS, 1.502);
+        twice.switches[2] = Switch::inside(0, true, SLIPS, 1.502);
         assert_eq!(merged(&twice, &[0, 2]), None);
     }
 }
