@@ -96,6 +96,27 @@ impl Trajectory {
         self
     }
 
+    /// The same states with what happens at some instants, in their order, at others; between them time passes evenly.
+    pub(in crate::ocp) fn warped(&self, instants: &[(f64, f64)]) -> Self {
+        let mut all = vec![(0.0, 0.0)];
+        all.extend(instants);
+        all.push((self.horizon, self.horizon));
+        let at = |time: f64| {
+            let next = all.partition_point(|(from, _)| *from < time);
+            let next = next.clamp(1, all.len() - 1);
+            let ((from, to), (next_from, next_to)) = (all[next - 1], all[next]);
+            if next_from > from {
+                to + (time - from) / (next_from - from) * (next_to - to)
+            } else {
+                next_to
+            }
+        };
+        Self {
+            time: self.time.iter().map(|&time| at(time)).collect(),
+            ..self.clone()
+        }
+    }
+
     /// The controls as a signal.
     pub(in crate::ocp) fn signal(&self) -> ControlSignal {
         self.controls.signal(self.horizon)
@@ -163,6 +184,15 @@ mod tests {
         assert_eq!(shorter.at(3.0, true), [2.0, -1.0]);
         // With three intervals the jump lies at the end of the second one.
         assert_eq!(bounce().up_to_last_jump(3), bounce());
+    }
+
+    #[test]
+    fn warped_motion_jumps_at_the_other_instant_and_lasts_as_long() {
+        let earlier = bounce().warped(&[(2.0, 1.0)]);
+        assert_eq!(earlier.time, [0.0, 1.0, 1.0, 3.0]);
+        assert_eq!(earlier.at(1.0, false), [2.0, 1.0]);
+        assert_eq!(earlier.at(1.0, true), [2.0, -1.0]);
+        assert_eq!(bounce().warped(&[]), bounce());
     }
 
     #[test]

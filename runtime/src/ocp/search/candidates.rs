@@ -5,7 +5,7 @@ use hangtime_solver::mpcc::Stationarity;
 use super::attempt::{Attempt, Attempts, Local, Purpose};
 use super::free_lengths::retimed;
 use super::reach::reachable;
-use super::repair::{Repaired, repair};
+use super::repair::{Repaired, is_left, repair};
 use super::replay::simulated;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
@@ -238,8 +238,10 @@ impl<'a> Search<'a, '_> {
         let repaired = match proved {
             // A plan at an end of the final times that are looked at is none: they are moved.
             _ if self.lies_at_an_end(best) => Repaired::Best(Stationarity::None),
-            Some(proved) => Repaired::Best(proved.stationarity),
-            None => repair(runner, &mut self.attempts, visits)?,
+            Some(proved) if !is_left(runner, &mut self.attempts)? => {
+                Repaired::Best(proved.stationarity)
+            }
+            _ => repair(runner, &mut self.attempts, visits)?,
         };
         let best = self.attempts.best.take();
         let outdone = self.attempts.outdone.take();

@@ -3,6 +3,7 @@
 //! Uses [`global`](super::global) for motions to start from and [`collocation`](super::collocation) for the programs of
 //! sequences.
 
+mod at_nodes;
 pub(in crate::ocp) mod attempt;
 pub(in crate::ocp) mod candidates;
 mod edge_neighbours;

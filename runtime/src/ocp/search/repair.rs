@@ -2,6 +2,7 @@
 
 use hangtime_solver::mpcc::Stationarity;
 
+use super::at_nodes::{at_nodes, warped};
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
 use super::neighbours::Neighbour;
 use super::pressure::{DISTANT, Pressure};
@@ -60,6 +61,15 @@ pub(super) fn repair(
     }
 }
 
+/// Whether one of the sequences in other basins is better than a best whose neighbours are decided.
+pub(super) fn is_left(runner: &mut Runner, attempts: &mut Attempts) -> Result<bool, InputError> {
+    let Some(best) = &attempts.best else {
+        return Ok(false);
+    };
+    let around = Around::of(best, attempts, runner);
+    explore(runner, attempts, &around)
+}
+
 /// Follows improving neighbours of the best as [`repair`] does, and says what was proved about the one it ends at.
 pub(in crate::ocp) fn certificate(
     runner: &mut Runner,
@@ -116,13 +126,17 @@ impl Around {
             }),
             Effort::Explore | Effort::Carry => Vec::new(),
         };
+        let mut explored: Vec<Sequence> = neighbours::shortened(&pressure)
+            .into_iter()
+            .chain(shifted)
+            .collect();
+        if runner.effort.proves() {
+            explored.extend(at_nodes(&pressure));
+        }
         Self {
             neighbours: neighbours_of(&pressure),
             nearer,
-            explored: neighbours::shortened(&pressure)
-                .into_iter()
-                .chain(shifted)
-                .collect(),
+            explored,
             sequence: best.sequence.clone(),
             guess: best.trajectory.clone(),
             cuts: best.cuts.clone(),
@@ -274,7 +288,12 @@ fn explore(
             break;
         }
         if !attempts.was_tried(sequence) {
-            let attempt = around.attempt(sequence, Purpose::Explore);
+            let intervals = attempts.setting.problem.intervals;
+            let guess = &warped(&around.guess, (&around.sequence, sequence), intervals);
+            let attempt = Attempt {
+                guess,
+                ..around.attempt(sequence, Purpose::Explore)
+            };
             if attempts.attempt(runner, attempt)? == Verdict::Better {
                 return Ok(true);
             }

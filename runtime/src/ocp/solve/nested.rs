@@ -238,8 +238,8 @@ fn decided(
     Ok(best)
 }
 
-/// A motion on the grid of the task as what its re-simulation and its neighbours come to; what is proved already is left, and
-/// only polished where it may be the result.
+/// A motion on the grid of the task as what its re-simulation and its neighbours come to. Of one that is proved already only switches
+/// at the ends of intervals are looked at, and it is polished where it may be the result; it is left for a better one.
 fn judged(
     task: &Task,
     one: Found,
@@ -254,7 +254,7 @@ fn judged(
     } = one.solution;
     let unpolished = objective + one.solution.tolerated(UNPOLISHED);
     let open = matches!(status, Status::Uncertified | Status::Unconfirmed);
-    let solved = status == Status::Solved && effort == Effort::Conclude;
+    let solved = status == Status::Solved;
     if !(open || solved) || task.observer.stopped() {
         return Ok(one);
     }
@@ -266,8 +266,10 @@ fn judged(
         ..Known::default()
     };
     let (carried, _) = task.carry(&one, effort, known)?;
+    let better = rank(&carried.solution).0 == 0
+        && carried.solution.objective < objective - carried.solution.tolerated(UNPOLISHED);
     let worse = carried.solution.objective > unpolished;
-    if solved && (worse || carried.solution.status != Status::Solved) {
+    if solved && !better && (worse || carried.solution.status != Status::Solved) {
         // What is left of it is the work.
         let Solution {
             status,
