@@ -37,6 +37,7 @@ pub(super) fn repair(
     attempts: &mut Attempts,
     visits: usize,
 ) -> Result<Repaired, InputError> {
+    let mut explored = false;
     loop {
         if let Some(start) = attempts.visited_from(visits) {
             return Ok(Repaired::Visited { start });
@@ -45,12 +46,18 @@ pub(super) fn repair(
             return Ok(Repaired::Best(Stationarity::None));
         };
         let around = Around::of(best, attempts, runner);
+        // Of several on the way to a better basin the last one is worth a proof.
+        explored = explored && explore(runner, attempts, &around)?;
+        if explored {
+            runner.counts.repairs += 1;
+            continue;
+        }
         let compared = compare(runner, attempts, &around)?;
         if compared == Compared::Incomplete {
             return Ok(Repaired::Best(Stationarity::None));
         }
-        let improved = compared == Compared::Improved || explore(runner, attempts, &around)?;
-        if !improved {
+        explored = compared != Compared::Improved && explore(runner, attempts, &around)?;
+        if compared != Compared::Improved && !explored {
             return Ok(Repaired::Best(match compared {
                 Compared::Undecided => Stationarity::None,
                 _ if !around.neighbours.iter().any(|near| near.adjoins) => Stationarity::S,
