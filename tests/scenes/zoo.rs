@@ -4,6 +4,7 @@
 
 use hangtime::ocp::{self, Problem, Settings, Solution};
 use hangtime_zoo::exhibits;
+use nalgebra::{DMatrix, DVector};
 
 /// Relative increase of the objective that tolerances explain.
 const NOT_WORSE: f64 = 1e-6;
@@ -49,6 +50,90 @@ fn ten_twenty_and_forty_intervals_never_end_at_a_worse_motion() {
             assert!(fine <= coarse + NOT_WORSE * coarse.abs(), "{name}: {all:?}");
         }
     }
+}
+
+/// Least effort of `cradle-of-carts`. The time of the first impact gives the second one and all velocities, so that three linear
+/// conditions on the controls are left: a combination of least norm for each such time, of which the best is looked for.
+fn cradle_by_brute_force(intervals: usize) -> f64 {
+    let (horizon, bounce, first_gap, second_gap, last_way) = (3.0, 0.9, 0.7, 0.8, 1.5);
+    let length = horizon / intervals as f64;
+    let effort = |impact: f64| {
+        // The third cart moves at 0.9 of the speed of the second one from where that strikes it.
+        let ratio = last_way / (bounce * second_gap);
+        let second_impact = (horizon + ratio * impact) / (1.0 + ratio);
+        let speed = second_gap / (second_impact - impact) / bounce;
+        let rows = |time: f64| -> (Vec<f64>, Vec<f64>) {
+            let share = |k: usize| {
+                let start = k as f64 * length;
+                let pushed = (time - start).clamp(0.0, length);
+                (pushed, pushed * (time - start - 0.5 * pushed))
+            };
+            (0..intervals).map(share).unzip()
+        };
+        let ((velocity, place), (_, last)) = (rows(impact), rows(horizon));
+        let matrix = DMatrix::from_row_slice(3, intervals, &[velocity, place, last].concat());
+        let kept = bounce * speed * (horizon - impact);
+        let given = DVector::from_vec(vec![speed, first_gap, kept]);
+        let products = &matrix * matrix.transpose();
+        let controls = products
+            .lu()
+            .solve(&given)
+            .map(|y| matrix.tr_mul(&y))
+            .filter(|u| (&matrix * u - &given).norm() < 1e-9 * given.norm());
+        controls.map_or(f64::INFINITY, |u| length * u.norm_squared())
+    };
+    let least_in = |interval: usize| {
+        let start = interval as f64 * length;
+        let (mut from, mut to) = (start, start + length);
+        for _ in 0..6 {
+            let step = (to - from) / 100.0;
+            let times = (0..=100).map(|i| from + i as f64 * step);
+            let best = times.min_by(|a, b| effort(*a).total_cmp(&effort(*b)));
+            let best = best.unwrap();
+            (from, to) = ((best - step).max(start), (best + step).min(start + length));
+        }
+        effort(0.5 * (from + to)).min(effort(from)).min(effort(to))
+    };
+    (0..intervals).map(least_in).fold(f64::INFINITY, f64::min)
+}
+
+/// Whether the search comes to the best motion whatever the ends of the intervals are: most of them are a local optimum by
+/// themselves, with the first impact there.
+fn assert_cradle_is_best(intervals: &[usize]) {
+    for &intervals in intervals {
+        let solution = solve("cradle-of-carts", intervals, &Settings::default());
+        let best = cradle_by_brute_force(intervals);
+        assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+        // Motions with impacts are integrated exactly; a search of six times a hundred points ends at 1e-11 of an interval.
+        let apart = (solution.objective / best - 1.0).abs();
+        assert!(apart < 1e-9, "{intervals}: {} {best}", solution.objective);
+    }
+}
+
+#[test]
+fn impact_is_at_the_best_of_the_interval_ends() {
+    // 2.7147 and 2.3779 with the impact inside the interval before it.
+    assert_cradle_is_best(&[8, 20]);
+}
+
+#[test]
+#[ignore = "long"]
+fn impact_is_at_the_best_of_the_interval_ends_on_any_grid() {
+    assert_cradle_is_best(&[9, 14, 16]);
+}
+
+#[test]
+fn one_start_is_not_better_than_many() {
+    // `weak-throw` came to 7.793 on this grid, with the impacts inside intervals.
+    let mut one = Settings::default();
+    one.starts = Some(1);
+    let (few, many) = (
+        solve("weak-throw", 20, &one).objective,
+        solve("weak-throw", 20, &Settings::default()).objective,
+    );
+    assert!(many <= few + NOT_WORSE * few.abs(), "{few} {many}");
+    let best = hangtime_zoo::best("weak-throw", 20).unwrap();
+    assert!(many <= best + NOT_WORSE * best.abs(), "{best} {many}");
 }
 
 #[test]
