@@ -8,6 +8,7 @@
 //! first one alone often cannot move.
 
 use super::pressure::Pressure;
+use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::sequence::{Place, Sequence, Signature};
 use crate::ocp::motion::trajectory::Trajectory;
 
@@ -16,7 +17,9 @@ pub(super) fn at_nodes(pressure: &Pressure) -> Vec<Sequence> {
     let mut known: Vec<Signature> = Vec::new();
     let mut found = Vec::new();
     for (index, switch) in pressure.sequence.switches.iter().enumerate() {
-        if switch.accompanies {
+        // Controls that do not jump let go of a contact, or let it slip, where its force says so.
+        let waits = pressure.program.shape == ControlShape::Linear && !switch.closes;
+        if switch.accompanies || waits {
             continue;
         }
         let before = match switch.place {
@@ -50,7 +53,7 @@ fn at_node(given: &Sequence, index: usize, node: usize, intervals: usize) -> Opt
         if moves.contains(&place) {
             (switch.interval, switch.place, switch.time) = (node, Place::Start, to);
         } else if switch.place == Place::Inside {
-            switch.time = if switch.time < from {
+            switch.time = if from > 0.0 && switch.time <= from {
                 switch.time * to / from
             } else {
                 last - (last - switch.time) * (last - to) / (last - from)
@@ -125,6 +128,21 @@ mod tests {
             assert_eq!((switch.interval, switch.place), (8, Place::Start));
         }
         assert!(moved.switches[2].accompanies);
+    }
+
+    #[test]
+    fn impact_that_ends_the_motion_moves_with_all_before_it() {
+        let mut ending = struck();
+        ending.switches.truncate(1);
+        let last = Switch {
+            interval: 10,
+            place: Place::Start,
+            ..Switch::inside(1, true, ContactMode::Open, 10.0)
+        };
+        ending.switches.push(last);
+        let moved = at_node(&ending, 1, 9, 10).expect("ordered");
+        assert!((moved.switches[0].time - 4.05).abs() < 1e-12);
+        assert_eq!(moved.switches[1].interval, 9);
     }
 
     #[test]
