@@ -261,7 +261,7 @@ fn work(solution: &Solution) -> String {
     )
 }
 
-/// The complementarity problem before the polish, and the local optima of several starts.
+/// The complementarity problem of the time-freezing formulation, and the local optima of several starts.
 fn relaxed_and_optima(solution: &Solution) -> String {
     let mut text = String::new();
     if let Some(report) = &solution.time_freezing {

@@ -59,13 +59,14 @@ impl SolverSettings {
     }
 }
 
-/// The complementarity problem of the time-freezing formulation, before its motion was polished.
+/// The complementarity problem of the time-freezing formulation.
 #[derive(Serialize)]
 struct TimeFreezingEntry {
     status: String,
     objective: f64,
     horizon: f64,
     residuals: TimeFreezingResiduals,
+    relaxed: RelaxedEntry,
     #[serde(with = "SizeEntry")]
     size: ProblemSize,
     iterations: usize,
@@ -78,6 +79,14 @@ struct TimeFreezingResiduals {
     complementarity: f64,
 }
 
+/// Its relaxed solution, before the motion was polished.
+#[derive(Serialize)]
+struct RelaxedEntry {
+    objective: f64,
+    complementarity: f64,
+    iterations: usize,
+}
+
 impl TimeFreezingEntry {
     fn new(report: &TimeFreezingReport) -> Self {
         Self {
@@ -87,6 +96,11 @@ impl TimeFreezingEntry {
             residuals: TimeFreezingResiduals {
                 primal: report.residuals.primal,
                 complementarity: report.residuals.complementarity,
+            },
+            relaxed: RelaxedEntry {
+                objective: report.relaxed.objective,
+                complementarity: report.relaxed.complementarity,
+                iterations: report.relaxed.iterations,
             },
             size: report.size,
             iterations: report.iterations,

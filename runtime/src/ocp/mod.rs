@@ -94,5 +94,7 @@ pub use previous::Previous;
 pub use problem::{Horizon, Problem};
 pub use settings::{Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
 pub use size::program_sizes;
-pub use solution::{Counts, Excess, Margin, Optimum, Solution, Status, TimeFreezingReport};
+pub use solution::{
+    Counts, Excess, Margin, Optimum, RelaxedReport, Solution, Status, TimeFreezingReport,
+};
 pub use solve::solve;

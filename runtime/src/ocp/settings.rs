@@ -122,7 +122,7 @@ impl Default for TimeFreezingSettings {
             elements: 3,
             auxiliary_acceleration: 20.0,
             simulated_guess: false,
-            complementarity: 1e-6,
+            complementarity: 1e-4,
         }
     }
 }

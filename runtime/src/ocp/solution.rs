@@ -58,25 +58,40 @@ impl Status {
     }
 }
 
-/// What became of the complementarity problem of [`Formulation::TimeFreezing`](super::Formulation::TimeFreezing),
-/// before its motion was polished.
+/// What became of the complementarity problem of [`Formulation::TimeFreezing`](super::Formulation::TimeFreezing): relaxed, it
+/// gives the contact sequence of the motion that is polished, and with that sequence it is solved exactly.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct TimeFreezingReport {
-    /// Why its solver ended; [`Relaxed`](mpcc::Status::Relaxed) where all went well.
+    /// How it ended: [`Uncertified`](mpcc::Status::Uncertified) at an exact solution, as the certificate is that of the
+    /// polished motion; [`Relaxed`](mpcc::Status::Relaxed) where none is known.
     pub status: mpcc::Status,
-    /// Objective of the relaxed point.
+    /// Its objective, with the step equilibration.
     pub objective: f64,
-    /// Length of the relaxed motion \[s\].
+    /// Length of its motion \[s\].
     pub horizon: f64,
-    /// Residuals of the relaxed point; the complementarity is the largest product of a pair.
+    /// Its residuals; the complementarity is the largest product of a pair.
     pub residuals: Residuals,
-    /// Interior point iterations.
+    /// The relaxed solution before the polish.
+    pub relaxed: RelaxedReport,
+    /// Interior point iterations, those of the relaxed program among them.
     pub iterations: usize,
     /// Size of the problem.
     pub size: ProblemSize,
-    /// CPU time \[s\].
+    /// CPU time, that of the relaxed program included \[s\].
     pub seconds: f64,
+}
+
+/// A relaxed solution of the complementarity problem of the time-freezing formulation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct RelaxedReport {
+    /// Its objective.
+    pub objective: f64,
+    /// The largest product of a pair.
+    pub complementarity: f64,
+    /// Interior point iterations.
+    pub iterations: usize,
 }
 
 /// A local optimum that several starts led to, or one of them alone.
@@ -225,7 +240,7 @@ pub struct Solution {
     pub counts: Counts,
     /// CPU time of all starts; what is not listed by kind is simulation and bookkeeping.
     pub seconds: Seconds,
-    /// The complementarity problem before the polish, where it was asked for.
+    /// The complementarity problem of the time-freezing formulation, where it was asked for.
     pub time_freezing: Option<TimeFreezingReport>,
     /// The motion as a start for a neighbouring problem, for [`Guess::Previous`](super::Guess::Previous); absent
     /// without a plan.

@@ -1,5 +1,6 @@
 //! The starting point of the solver, from the task alone.
 
+use super::known::laid_out;
 use super::{Guess, SUMS, Transcription};
 
 /// Explicit Euler steps of a simulated guess in an interval without contact.
@@ -16,7 +17,37 @@ struct Sampled {
     points: Vec<Vec<f64>>,
 }
 
+/// A guess of one element.
+pub(super) struct Placed {
+    /// Its length over that of its interval.
+    pub(super) width: f64,
+    /// `(q, v, t, G)` and the shares of the groups in each block.
+    pub(super) points: Vec<Vec<f64>>,
+}
+
 impl Sampled {
+    /// The elements of the interval, `count` of them with blocks at `places`, of which `stages` are those of the scheme.
+    fn elements(
+        &self,
+        count: usize,
+        (places, stages): (&[f64], usize),
+        states: usize,
+    ) -> Vec<Placed> {
+        let mut start = 0.0;
+        let ends = self.ends(count, states).into_iter();
+        ends.map(|end| {
+            let (from, width) = (start, end - start);
+            start = end;
+            let window = width / stages as f64;
+            let at = |place: &f64| self.at(from + place * width, window, states);
+            Placed {
+                width,
+                points: places.iter().map(at).collect(),
+            }
+        })
+        .collect()
+    }
+
     /// Ends of `count` elements as fractions of the interval: at the changes of mode, the longest phases
     /// divided evenly.
     fn ends(&self, count: usize, states: usize) -> Vec<f64> {
@@ -85,9 +116,10 @@ pub(super) fn set_guess(transcription: &mut Transcription<'_>) {
     if let Some(horizon) = transcription.horizon {
         guess[horizon] = transcription.task.horizon;
     }
-    let intervals = sample(transcription);
-    for (k, (interval, sampled)) in transcription.intervals.iter().zip(&intervals).enumerate() {
-        guess[interval.length] = sampled.length;
+    let known = matches!(transcription.task.guess, Guess::Known(_));
+    let intervals = elements(transcription);
+    for (k, (interval, (length, _))) in transcription.intervals.iter().zip(&intervals).enumerate() {
+        guess[interval.length] = *length;
         let values = transcription.task.controls.values(k);
         let units = &transcription.control_units;
         for ((&control, value), unit) in interval.controls.iter().zip(values).zip(units) {
@@ -106,22 +138,13 @@ pub(super) fn set_guess(transcription: &mut Transcription<'_>) {
     }
     let count = transcription.task.elements;
     let states = transcription.dcs.layout.states();
-    let ends: Vec<Vec<f64>> = intervals
-        .iter()
-        .map(|sampled| sampled.ends(count, states))
-        .collect();
-    for e in 0..transcription.elements.len() {
-        let ends = &ends[e / count];
-        let start = (e % count)
-            .checked_sub(1)
-            .map_or(0.0, |before| ends[before]);
-        let width = ends[e % count] - start;
-        guess[transcription.elements[e].length] = width;
-        for b in 0..transcription.elements[e].blocks.len() {
-            let c = transcription.tableau.c().get(b).copied().unwrap_or(1.0);
-            let share = start + c * width;
-            let window = width / transcription.tableau.stages() as f64;
-            let point = intervals[e / count].at(share, window, states);
+    let placed = intervals.iter().flat_map(|(_, elements)| elements);
+    for (e, Placed { width, points }) in placed.enumerate() {
+        guess[transcription.elements[e].length] = *width;
+        if known {
+            transcription.elements[e].even = *width;
+        }
+        for (b, point) in points.iter().enumerate() {
             set_local(transcription, e / count, &point[..states], &point[states..]);
             for k in 0..transcription.local.len() {
                 if let Some(variable) = transcription.elements[e].blocks[b].variables[k] {
@@ -164,30 +187,57 @@ fn set_local(transcription: &mut Transcription<'_>, k: usize, y: &[f64], shares:
         .rows(&transcription.local, &mut transcription.rows);
 }
 
-/// The guessed motion of each interval.
-fn sample(transcription: &mut Transcription<'_>) -> Vec<Sampled> {
+/// Length in numerical time and elements of each interval.
+fn elements(transcription: &mut Transcription<'_>) -> Vec<(f64, Vec<Placed>)> {
+    let count = transcription.task.elements;
+    let states = transcription.dcs.layout.states();
+    let stages = transcription.tableau.stages();
+    let mut places = transcription.tableau.c().to_vec();
+    if !transcription.tableau.stiffly_accurate() {
+        places.push(1.0);
+    }
+    let intervals = match transcription.task.guess.clone() {
+        Guess::Known(intervals) => {
+            let laid = intervals
+                .iter()
+                .map(|spans| laid_out(spans, count, &places));
+            return laid.collect();
+        }
+        Guess::Motion(motion) => (0..transcription.task.intervals)
+            .map(|k| sample(transcription, k, &motion))
+            .collect(),
+        Guess::Simulated => simulate_all(transcription),
+    };
+    let placed = |sampled: &Sampled| sampled.elements(count, (&places, stages), states);
+    let intervals: Vec<Sampled> = intervals;
+    intervals
+        .iter()
+        .map(|sampled| (sampled.length, placed(sampled)))
+        .collect()
+}
+
+/// The part of a motion in interval `k`.
+fn sample(transcription: &mut Transcription<'_>, k: usize, motion: &[Vec<f64>]) -> Sampled {
     let count = transcription.task.intervals;
     let duration = transcription.task.horizon / count as f64;
-    match transcription.task.guess.clone() {
-        Guess::Motion(states) => {
-            let steps = ((states.len() - 1) / count).max(1);
-            let intervals = (0..count).map(|k| Sampled {
-                length: duration,
-                points: (k * steps..=(k + 1) * steps)
-                    .map(|i| {
-                        let elapsed = duration * i as f64 / steps as f64;
-                        undecided(transcription, &states[i.min(states.len() - 1)], elapsed)
-                    })
-                    .collect(),
-            });
-            intervals.collect()
-        }
-        Guess::Simulated => {
-            let mut y = transcription.start.clone();
-            let intervals = (0..count).map(|k| simulate(transcription, k, &mut y, duration));
-            intervals.collect()
-        }
+    let steps = ((motion.len() - 1) / count).max(1);
+    let points = (k * steps..=(k + 1) * steps).map(|i| {
+        let elapsed = duration * i as f64 / steps as f64;
+        undecided(transcription, &motion[i.min(motion.len() - 1)], elapsed)
+    });
+    Sampled {
+        length: duration,
+        points: points.collect(),
     }
+}
+
+/// The simulated motion of all intervals.
+fn simulate_all(transcription: &mut Transcription<'_>) -> Vec<Sampled> {
+    let count = transcription.task.intervals;
+    let duration = transcription.task.horizon / count as f64;
+    let mut y = transcription.start.clone();
+    let intervals = (0..count).map(|k| simulate(transcription, k, &mut y, duration));
+    intervals.collect()
 }
 
 /// The point `(q, v)` at a time since the start, with gaps of its own and every step function undecided.

@@ -24,6 +24,7 @@
 mod conditions;
 mod derivatives;
 mod guess;
+mod known;
 mod modes;
 mod names;
 mod neighbours;
@@ -37,7 +38,7 @@ mod test_scenes;
 
 pub(crate) use program::transcribe;
 pub(crate) use purposes::size_groups;
-pub(crate) use task::{Controls, Guess, Task};
+pub(crate) use task::{Controls, Guess, Span, Task};
 
 use std::ops::Range;
 
@@ -75,6 +76,8 @@ struct Block {
 struct Element {
     interval: usize,
     length: usize,
+    /// Its length over that of its interval where nothing else decides it.
+    even: f64,
     /// Blocks of the stages, then of the boundary if there is one.
     blocks: Vec<Block>,
     /// First of the collocation constraints, one group of the length of `y` a block.
@@ -359,6 +362,7 @@ impl<'a> Transcription<'a> {
         self.elements.push(Element {
             interval,
             length,
+            even: 1.0 / self.task.elements as f64,
             blocks,
             collocation_rows,
             sums,

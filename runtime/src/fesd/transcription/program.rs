@@ -65,7 +65,7 @@ impl NlpProblem for Transcription<'_> {
             }
         }
         for (e, element) in self.elements.iter().enumerate() {
-            lower[element.length] = SHORTEST * nominal(self);
+            lower[element.length] = SHORTEST * nominal(self).min(element.even);
             upper[element.length] = 1.0;
             for block in &element.blocks {
                 for place in self.dcs.layout.first_algebraic()..self.dcs.layout.first_product() {
@@ -99,7 +99,7 @@ impl NlpProblem for Transcription<'_> {
         let equilibration: f64 = self
             .elements
             .iter()
-            .map(|element| (x[element.length] / nominal(self) - 1.0).powi(2))
+            .map(|element| ((x[element.length] - element.even) / nominal(self)).powi(2))
             .sum();
         EQUILIBRATION * equilibration + conditions::objective(self, x)
     }
@@ -109,7 +109,7 @@ impl NlpProblem for Transcription<'_> {
         let nominal = nominal(self);
         for element in &self.elements {
             gradient[element.length] =
-                2.0 * EQUILIBRATION * (x[element.length] / nominal - 1.0) / nominal;
+                2.0 * EQUILIBRATION * (x[element.length] - element.even) / nominal.powi(2);
         }
         conditions::add_gradient(self, x, gradient);
     }

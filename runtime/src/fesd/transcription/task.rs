@@ -46,6 +46,19 @@ pub(crate) enum Guess {
     Motion(Vec<Vec<f64>>),
     /// A coarse explicit simulation of the time-freezing system under the guessed controls.
     Simulated,
+    /// What happens in each interval, one span after the other and no more of them than elements.
+    Known(Vec<Vec<Span>>),
+}
+
+/// A phase or a jump of a known motion, in numerical time.
+#[derive(Debug, Clone)]
+pub(crate) struct Span {
+    /// Length in numerical time \[s\].
+    pub(crate) length: f64,
+    /// Whether the clock stands: velocities change along straight lines, so that one element is enough.
+    pub(crate) jumps: bool,
+    /// `(q, v, t, G)` and then the shares of the groups, at equal steps.
+    pub(crate) points: Vec<Vec<f64>>,
 }
 
 impl Task {

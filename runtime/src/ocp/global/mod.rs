@@ -7,6 +7,7 @@
 pub(in crate::ocp) mod coarse_to_fine;
 pub(in crate::ocp) mod contact_implicit;
 pub(in crate::ocp) mod guess;
+mod spans;
 pub(in crate::ocp) mod start_modes;
 pub(in crate::ocp) mod time_freezing;
 pub(in crate::ocp) mod time_freezing_search;

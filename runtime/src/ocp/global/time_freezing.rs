@@ -4,10 +4,12 @@ use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::NlpProblem;
 
 use super::guess::guess;
+use super::spans::spans;
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
 use crate::fesd::transcription::{Controls, Guess, Task, Transcription, size_groups, transcribe};
 use crate::model::Model;
+use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
@@ -35,6 +37,8 @@ use crate::time_freezing::TimeFreezingSystem;
 pub struct TimeFreezing<'a> {
     transcription: Transcription<'a>,
     intervals: usize,
+    /// Variables that are fixed at zero, for a known motion.
+    vanishing: Vec<bool>,
 }
 
 /// Points of a guess in each interval.
@@ -85,31 +89,39 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
         guess: &Trajectory,
     ) -> Result<Self, InputError> {
-        let refuse = |what: &str, value: f64, bound: String| {
-            Err(refusal::out_of_range(what, value, "", bound))
-        };
-        if settings.elements == 0 {
-            return refuse("finite elements of an interval", 0.0, "at least 1".into());
-        }
-        let complementarity = settings.complementarity;
-        if !(complementarity > 0.0 && complementarity < 1.0) {
-            return refuse("complementarity", complementarity, "in (0, 1)".into());
-        }
-        let a_bar = settings.auxiliary_acceleration;
-        if !(a_bar > 0.0 && a_bar.is_finite()) {
-            return refuse("auxiliary acceleration", a_bar, "above 0".into());
-        }
-        let Some(tableau) = ButcherTableau::new(settings.scheme, settings.stages) else {
-            return refuse(
-                "Runge-Kutta stages",
-                settings.stages as f64,
-                format!("in 1..={}", ButcherTableau::MAX_STAGES),
-            );
-        };
-        let system = TimeFreezingSystem::new(model, a_bar);
+        let tableau = scheme(settings)?;
         let task = task(model, problem, settings, guess);
         Ok(Self {
-            transcription: transcribe(HeavisideSystem::new(system), &tableau, task),
+            transcription: transcribe(system(model, settings), &tableau, task),
+            intervals: problem.intervals,
+            vanishing: Vec::new(),
+        })
+    }
+
+    /// Transcribes a problem whose motion is known, with the sides of the pairs that vanish in it fixed at zero, and with as many
+    /// elements as it has phases and jumps in an interval, if those are more.
+    pub(in crate::ocp) fn known(
+        model: &'a dyn Model,
+        problem: &Problem,
+        settings: &TimeFreezingSettings,
+        motion: &Candidate,
+    ) -> Result<Self, InputError> {
+        let tableau = scheme(settings)?;
+        let system = system(model, settings);
+        let Candidate {
+            sequence,
+            trajectory,
+            ..
+        } = motion;
+        let mut task = task(model, problem, settings, trajectory);
+        let known = spans(system.clone(), sequence, trajectory, task.intervals);
+        let most = known.iter().map(Vec::len).max();
+        task.elements = task.elements.max(most.unwrap_or(0));
+        task.guess = Guess::Known(known);
+        let transcription = transcribe(system, &tableau, task);
+        Ok(Self {
+            vanishing: transcription.known_sides(),
+            transcription,
             intervals: problem.intervals,
         })
     }
@@ -153,6 +165,37 @@ impl<'a> TimeFreezing<'a> {
             v: states.into_iter().map(|state| state.v).collect(),
         }
     }
+}
+
+/// The time-freezing system in step form.
+fn system<'a>(model: &'a dyn Model, settings: &TimeFreezingSettings) -> HeavisideSystem<'a> {
+    let a_bar = settings.auxiliary_acceleration;
+    HeavisideSystem::new(TimeFreezingSystem::new(model, a_bar))
+}
+
+/// The scheme, where all settings are in range.
+fn scheme(settings: &TimeFreezingSettings) -> Result<ButcherTableau, InputError> {
+    let refuse =
+        |what: &str, value: f64, bound: String| Err(refusal::out_of_range(what, value, "", bound));
+    if settings.elements == 0 {
+        return refuse("finite elements of an interval", 0.0, "at least 1".into());
+    }
+    let complementarity = settings.complementarity;
+    if !(complementarity > 0.0 && complementarity < 1.0) {
+        return refuse("complementarity", complementarity, "in (0, 1)".into());
+    }
+    let a_bar = settings.auxiliary_acceleration;
+    if !(a_bar > 0.0 && a_bar.is_finite()) {
+        return refuse("auxiliary acceleration", a_bar, "above 0".into());
+    }
+    let Some(tableau) = ButcherTableau::new(settings.scheme, settings.stages) else {
+        return refuse(
+            "Runge-Kutta stages",
+            settings.stages as f64,
+            format!("in 1..={}", ButcherTableau::MAX_STAGES),
+        );
+    };
+    Ok(tableau)
 }
 
 /// The problem in plain numbers, to be started at a motion.
@@ -219,6 +262,9 @@ impl NlpProblem for TimeFreezing<'_> {
 
     fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
         self.transcription.variable_bounds(lower, upper);
+        for (i, _) in self.vanishing.iter().enumerate().filter(|(_, zero)| **zero) {
+            (lower[i], upper[i]) = (0.0, 0.0);
+        }
     }
 
     fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {

@@ -1,4 +1,7 @@
-//! The contact sequence from the complementarity problem of finite elements on the time-freezing system.
+//! The contact sequence from the complementarity problem of finite elements on the time-freezing system, and its exact solution
+//! with that of a motion.
+
+use std::io;
 
 use hangtime_solver::clock::ThreadTime;
 use hangtime_solver::mpcc::Mpcc as _;
@@ -19,7 +22,7 @@ use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Failure, Runner};
 use crate::ocp::settings::TimeFreezingSettings;
-use crate::ocp::solution::TimeFreezingReport;
+use crate::ocp::solution::{RelaxedReport, TimeFreezingReport};
 use crate::simulation::ContactMode;
 use crate::simulation::{InputError, ProblemSize};
 
@@ -30,6 +33,12 @@ const OPEN: f64 = 0.99;
 const BOUNCE: f64 = 0.05;
 /// Most iterations of one rule. The programs are larger than those of the other phases.
 const ITERATIONS: usize = 1500;
+/// Tolerance of the exact program, its first barrier parameter, the share of that by which its start is kept off its bounds, and
+/// its most iterations.
+const EXACT: f64 = 1e-9;
+const BARRIER: f64 = 1e-5;
+const PUSH: f64 = 1e-2;
+const EXACT_ITERATIONS: usize = 200;
 
 /// Solves the relaxed complementarity problem from a guess, or from the simulation under its controls, and reads motion and
 /// contact sequence from it, if there is one. Nothing where the program cannot be started.
@@ -56,8 +65,7 @@ pub(in crate::ocp) fn candidate(
     let Ok(solution) = runner.relax(&mut program, &relaxation, "time-freezing program", 1.0) else {
         return Ok(None);
     };
-    let products = program.complementarities().iter();
-    let products = products.map(|&(i, j)| (solution.x[i] * solution.x[j]).max(0.0));
+    let complementarity = largest_product(&program, &solution.x);
     let motion = program.motion(&solution.x);
     if let Some(failure) = Failure::of_relaxed(&solution, motion.horizon) {
         runner.note(failure);
@@ -67,14 +75,17 @@ pub(in crate::ocp) fn candidate(
         objective: solution.objective,
         horizon: motion.horizon,
         residuals: Residuals {
-            complementarity: products.fold(0.0, f64::max),
+            complementarity,
             ..solution.residuals
+        },
+        relaxed: RelaxedReport {
+            objective: solution.objective,
+            complementarity,
+            iterations: solution.iterations,
         },
         iterations: solution.iterations,
         size: ProblemSize::of(&program, program.complementarities().len()),
-        seconds: clock
-            .and_then(|clock| clock.try_elapsed())
-            .map_or(f64::NAN, |elapsed| elapsed.as_secs_f64()),
+        seconds: elapsed(clock),
     };
     let near = match solution.status {
         mpcc::Status::Failed(status) => status == nlp::Status::Acceptable,
@@ -90,6 +101,54 @@ pub(in crate::ocp) fn candidate(
         }
     });
     Ok(Some((report, candidate)))
+}
+
+/// Solves the complementarity problem with the contact sequence of a motion, which says what vanishes of each pair, and
+/// adds that to the report. Where that does not succeed, the relaxed solution is left.
+pub(in crate::ocp) fn solve_exactly(
+    runner: &mut Runner,
+    setting: Setting,
+    settings: &TimeFreezingSettings,
+    motion: &Candidate,
+    report: &mut TimeFreezingReport,
+) -> Result<(), InputError> {
+    let clock = ThreadTime::try_now();
+    let mut program = TimeFreezing::known(setting.model, setting.problem, settings, motion)?;
+    let mut interior_point = mpcc::Settings::default().interior_point;
+    interior_point.tolerance = EXACT;
+    interior_point.constraint_tolerance = EXACT;
+    interior_point.initial_barrier_parameter = BARRIER;
+    interior_point.bound_push = PUSH * BARRIER;
+    interior_point.bound_fraction = PUSH * BARRIER;
+    interior_point.maximum_iterations = EXACT_ITERATIONS;
+    let before = runner.counts.global_iterations;
+    let ended = runner.fixed(&mut program, &interior_point, "exact time-freezing program");
+    report.iterations += runner.counts.global_iterations - before;
+    if let Ok(solution) = ended {
+        report.status = mpcc::Status::Uncertified;
+        report.objective = solution.objective;
+        report.horizon = program.motion(&solution.x).horizon;
+        report.residuals = Residuals {
+            complementarity: largest_product(&program, &solution.x),
+            ..solution.residuals
+        };
+        report.size = ProblemSize::of(&program, program.complementarities().len());
+    }
+    report.seconds += elapsed(clock);
+    Ok(())
+}
+
+/// The largest product of a pair.
+fn largest_product(program: &TimeFreezing<'_>, x: &[f64]) -> f64 {
+    let products = program.complementarities().iter();
+    let products = products.map(|&(i, j)| (x[i] * x[j]).max(0.0));
+    products.fold(0.0, f64::max)
+}
+
+/// CPU time since then \[s\], NaN without a clock.
+fn elapsed(clock: io::Result<ThreadTime>) -> f64 {
+    let elapsed = clock.and_then(|clock| clock.try_elapsed());
+    elapsed.map_or(f64::NAN, |elapsed| elapsed.as_secs_f64())
 }
 
 /// What the contacts do in each element; a jump belongs to the contact after it. How they slide follows from the

@@ -2,7 +2,7 @@
 
 use hangtime_solver::Seconds;
 use hangtime_solver::mpcc::Mpcc;
-use hangtime_solver::nlp::Violation;
+use hangtime_solver::nlp::{NlpProblem, Violation};
 use hangtime_solver::{mpcc, nlp};
 
 use super::sparse_program::Program;
@@ -195,6 +195,28 @@ impl<'s> Runner<'s> {
         self.counts.factorizations += solution.factorizations;
         self.seconds += solution.cpu;
         Ok(solution)
+    }
+
+    /// Solves the smooth program that a complementarity problem is once sides of its pairs are fixed, from its own starting
+    /// point; `step` says what for.
+    pub(in crate::ocp) fn fixed(
+        &mut self,
+        program: &mut dyn NlpProblem,
+        settings: &nlp::Settings,
+        step: &'static str,
+    ) -> Ended<nlp::Solution> {
+        self.watch.begin(step, &self.counts, None);
+        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, 1.0);
+        let solution = nlp::solve_from(program, settings, None, Some(&mut observer))
+            .map_err(|error| refused(&mut self.refusal, &error))?;
+        self.counts.programs += 1;
+        self.counts.global_iterations += solution.counts.iterations;
+        self.counts.factorizations += solution.counts.factorizations;
+        self.seconds += solution.cpu;
+        match solution.status {
+            nlp::Status::Solved | nlp::Status::Acceptable => Ok(solution),
+            status => Err(status),
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::optima::{Found, rank, result, sort};
+use super::optima::{Found, result, sort};
 use super::run::Task;
 use super::shared_observer::SharedObserver;
 use crate::Observer;
@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::ocp::effort::Effort;
 use crate::ocp::problem::Problem;
 use crate::ocp::settings::{Formulation, Guess, Settings};
-use crate::ocp::solution::Solution;
+use crate::ocp::solution::{Solution, Status};
 use crate::simulation::InputError;
 
 /// Elements an interval of the refined programs of the starts. Motions differ in their discretizations more than in
@@ -20,7 +20,7 @@ const REFINED_ELEMENTS: [usize; 5] = [4, 3, 6, 2, 5];
 /// Changes of the time-freezing formulation: elements added, and a factor of the auxiliary acceleration.
 const FREEZING: [(usize, f64); 4] = [(0, 1.0), (0, 0.5), (1, 1.0), (0, 2.0)];
 
-/// Starts of the time-freezing formulation, one after the other until one leads to a confirmed motion, where their number
+/// Starts of the time-freezing formulation, one after the other until one leads to a certified motion, where their number
 /// is left open.
 const ATTEMPTS: usize = 6;
 
@@ -42,8 +42,8 @@ pub(super) fn solve(
     let freezes = matches!(settings.formulation, Formulation::TimeFreezing(_));
     let seen = if freezes && settings.starts.is_none() {
         let mut seen: Vec<Found> = Vec::new();
-        let confirmed = |found: &Found| rank(&found.solution).0 == 0;
-        while seen.len() < ATTEMPTS && !observer.stopped() && !seen.iter().any(confirmed) {
+        let certified = |found: &Found| found.solution.status == Status::Solved;
+        while seen.len() < ATTEMPTS && !observer.stopped() && !seen.iter().any(certified) {
             seen.push(run(seen.len())?);
         }
         seen

@@ -1,0 +1,281 @@
+//! A motion with its contact sequence in numerical time: phases and jumps of each interval.
+//!
+//! In a phase the clock runs at the speed `theta`, at which the weights `beta_i = theta r_i / a_bar` of the contacts make up
+//! for their normal accelerations `r_i`; so `theta = prod (1 - theta r_i / a_bar)`. In a jump it stands, until a contact that closes
+//! at the normal velocity `v_n` has been pushed for `|v_n| / a_bar`, and, if it bounces, for `|v_n| / (e a_bar)` more.
+
+use crate::dcs::HeavisideSystem;
+use crate::fesd::transcription::Span;
+use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::motion::model_input::drive;
+use crate::ocp::motion::sequence::{Sequence, Switch};
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::simulation::{ContactMode, Direction};
+
+/// Steps of a phase.
+const STEPS: usize = 16;
+/// Share of the motion next to a switch at which the state is on one side of it, and below which a phase or a jump is none.
+const BESIDE: f64 = 1e-9;
+/// Halvings of the range of the speed of the clock.
+const HALVINGS: usize = 60;
+
+/// What happens in each of the intervals.
+pub(super) fn spans(
+    system: HeavisideSystem<'_>,
+    sequence: &Sequence,
+    trajectory: &Trajectory,
+    intervals: usize,
+) -> Vec<Vec<Span>> {
+    let controls = trajectory
+        .controls
+        .resampled(ControlShape::Constant, intervals);
+    let mut motion = Motion {
+        system,
+        trajectory,
+        interval: trajectory.horizon / intervals as f64,
+        controls: Vec::new(),
+        modes: sequence.initially.clone(),
+    };
+    let mut rest = &sequence.switches[..];
+    let mut all = Vec::with_capacity(intervals);
+    for k in 0..intervals {
+        motion.controls.clone_from(&controls.values()[k]);
+        let mut spans = Vec::new();
+        let mut from = k as f64;
+        let own = |s: &Switch| s.interval == k || s.interval == intervals && k + 1 == intervals;
+        while rest.first().is_some_and(own) {
+            let count = 1 + Sequence::companions(rest, 0).len();
+            let (group, others) = rest.split_at(count);
+            rest = others;
+            spans.extend(motion.phase(from, group[0].time));
+            from = group[0].time;
+            spans.extend(motion.switch(group));
+        }
+        spans.extend(motion.phase(from, (k + 1) as f64));
+        all.push(spans);
+    }
+    all
+}
+
+/// The motion up to some switch.
+struct Motion<'a> {
+    system: HeavisideSystem<'a>,
+    trajectory: &'a Trajectory,
+    /// Length of an interval \[s\].
+    interval: f64,
+    /// Controls of the present interval.
+    controls: Vec<f64>,
+    /// What the contacts do at present.
+    modes: Vec<ContactMode>,
+}
+
+impl Motion<'_> {
+    /// The phase between two times, in units of intervals; none between switches at once.
+    fn phase(&mut self, from: f64, to: f64) -> Option<Span> {
+        let beside = BESIDE * self.trajectory.horizon;
+        let (from, duration) = (from * self.interval, (to - from) * self.interval);
+        if duration < 4.0 * beside {
+            return None;
+        }
+        let mut points = Vec::with_capacity(STEPS + 1);
+        let mut length = 0.0;
+        for step in 0..=STEPS {
+            let time = from + duration * step as f64 / STEPS as f64;
+            let inside = time.clamp(from + beside, from + duration - beside);
+            let mut state = self.trajectory.at(inside, true);
+            let provided = state.split_off(2 * self.system.system.coordinates());
+            let (shares, speed) = self.shares(&provided);
+            let weight = if step % STEPS == 0 { 0.5 } else { 1.0 };
+            length += weight * duration / STEPS as f64 / speed;
+            points.push(self.point(&state, time, &[], shares));
+        }
+        Some(Span {
+            length,
+            jumps: false,
+            points,
+        })
+    }
+
+    /// Passes the switches of one instant: the jump that they are, if there is an impact, a fall and a rise where it is elastic.
+    fn switch(&mut self, group: &[Switch]) -> Vec<Span> {
+        let struck: Vec<usize> = group
+            .iter()
+            .filter(|s| s.closes)
+            .map(|s| s.contact)
+            .collect();
+        let time = group[0].time * self.interval;
+        let beside = BESIDE * self.trajectory.horizon;
+        let n = self.system.system.coordinates();
+        let before = self.trajectory.at(time - beside, false)[..2 * n].to_vec();
+        let after = self.trajectory.at(time + beside, true)[..2 * n].to_vec();
+        for switch in group {
+            self.modes[switch.contact] = switch.impulse;
+        }
+        let jump = self.jump(&struck, time, (&before, &after));
+        for switch in group {
+            self.modes[switch.contact] = switch.mode;
+        }
+        jump
+    }
+
+    /// The jump between two states by an impact of these contacts.
+    fn jump(
+        &mut self,
+        struck: &[usize],
+        time: f64,
+        (before, after): (&[f64], &[f64]),
+    ) -> Vec<Span> {
+        let a_bar = self.system.system.auxiliary_acceleration;
+        let contacts = 0..self.system.layout.contacts();
+        self.point(before, time, &[], Vec::new());
+        let speeds: Vec<f64> = contacts
+            .clone()
+            .map(|i| (-self.system.system.normal_velocity(i)).max(0.0))
+            .collect();
+        let e = |&i: &usize| self.system.system.restitution(i);
+        let rebound = struck.iter().map(e).fold(0.0, f64::max);
+        let fall = struck.iter().fold(0.0, |most: f64, &i| most.max(speeds[i])) / a_bar;
+        if fall < BESIDE * self.trajectory.horizon {
+            return Vec::new();
+        }
+        let n = self.system.system.coordinates();
+        let lowest: Vec<f64> = before
+            .iter()
+            .zip(after)
+            .enumerate()
+            .map(|(k, (b, a))| {
+                if k < n {
+                    *b
+                } else {
+                    b + (a - b) / (1.0 + rebound)
+                }
+            })
+            .collect();
+        let depths: Vec<f64> = contacts
+            .map(|i| {
+                if struck.contains(&i) && self.system.layout.bounces(i) {
+                    -speeds[i].powi(2) / (2.0 * a_bar)
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let mut spans = vec![self.push(struck, time, fall, (before, &[]), (&lowest, &depths), 1.0)];
+        if rebound > 0.0 {
+            spans.push(self.push(
+                struck,
+                time,
+                fall / rebound,
+                (&lowest, &depths),
+                (after, &[]),
+                0.0,
+            ));
+        }
+        spans
+    }
+
+    /// A push at a standing clock, between two states with changes of their lifted gaps.
+    fn push(
+        &mut self,
+        struck: &[usize],
+        time: f64,
+        length: f64,
+        (from, above): (&[f64], &[f64]),
+        (to, below): (&[f64], &[f64]),
+        falling: f64,
+    ) -> Span {
+        let provided = vec![0.0; self.modes.len()];
+        let (mut shares, _) = self.shares(&provided);
+        let contacts = self.system.layout.contacts();
+        for i in 0..contacts {
+            if struck.contains(&i) {
+                shares[i] = 0.0;
+            } else if !self.modes[i].is_open() {
+                shares[i] = 0.5;
+            }
+        }
+        let first = contacts + self.system.layout.frictions();
+        shares[first..].fill(falling);
+        Span {
+            length,
+            jumps: true,
+            points: vec![
+                self.point(from, time, above, shares.clone()),
+                self.point(to, time, below, shares),
+            ],
+        }
+    }
+
+    /// `(q, v, t, G)` and shares at a state whose lifted gaps differ from its gaps by these depths.
+    fn point(&mut self, state: &[f64], time: f64, depths: &[f64], shares: Vec<f64>) -> Vec<f64> {
+        let system = &mut self.system.system;
+        let mut input = state.to_vec();
+        input.extend(drive(system.model, &self.controls, time));
+        system.evaluate(&input);
+        let gap = |i: usize| system.gap(i) + depths.get(i).copied().unwrap_or(0.0);
+        let mut point = state.to_vec();
+        point.push(time);
+        point.extend((0..self.system.layout.contacts()).map(gap));
+        point.extend(shares);
+        point
+    }
+
+    /// Shares of the groups where the contacts provide these normal accelerations, and the speed of the clock.
+    fn shares(&self, provided: &[f64]) -> (Vec<f64>, f64) {
+        let layout = &self.system.layout;
+        let a_bar = self.system.system.auxiliary_acceleration;
+        let contacts = 0..layout.contacts();
+        let weight = |i: usize| {
+            if self.modes[i].is_open() {
+                0.0
+            } else {
+                provided[i].max(0.0) / a_bar
+            }
+        };
+        let weights: Vec<f64> = contacts.map(weight).collect();
+        let speed = speed_of_clock(&weights);
+        let mut shares: Vec<f64> = weights.iter().map(|w| 1.0 - speed * w).collect();
+        shares.resize(layout.groups().len(), 1.0);
+        for (contact, mode) in self.modes.iter().enumerate() {
+            if let Some(group) = layout.slip_group(contact) {
+                shares[group] = match mode {
+                    ContactMode::Slip(Direction::Forward) => 1.0,
+                    ContactMode::Slip(Direction::Backward) => 0.0,
+                    _ => 0.5,
+                };
+            }
+        }
+        (shares, speed)
+    }
+}
+
+/// The root of `theta = prod (1 - theta w_i)` in which no factor is negative.
+fn speed_of_clock(weights: &[f64]) -> f64 {
+    let heaviest = weights.iter().fold(1.0, |most: f64, w| most.max(*w));
+    let (mut low, mut high) = (0.0, 1.0 / heaviest);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let product: f64 = weights.iter().map(|w| 1.0 - middle * w).product();
+        if middle < product {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clock_runs_as_its_contacts_let_it() {
+        assert!((speed_of_clock(&[]) - 1.0).abs() < 1e-15);
+        // One contact: 1 / (1 + w).
+        assert!((speed_of_clock(&[0.25]) - 0.8).abs() < 1e-15);
+        // Two alike: theta = (1 - theta w)^2.
+        let theta = speed_of_clock(&[2.0, 2.0]);
+        assert!((theta - (1.0 - 2.0 * theta).powi(2)).abs() < 1e-15 && theta < 0.5);
+    }
+}
