@@ -10,6 +10,7 @@ use hangtime_solver::{mpcc, nlp};
 
 use super::start_modes::modes_at_start;
 use super::time_freezing::{TimeFreezing, TimeFreezingMotion};
+use crate::model::Model;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlGrid;
@@ -20,6 +21,7 @@ use crate::ocp::motion::passages::with_passages;
 use crate::ocp::motion::read_sequence::{Elements, of_elements};
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::problem::Problem;
 use crate::ocp::program::runner::{Failure, Runner};
 use crate::ocp::settings::TimeFreezingSettings;
 use crate::ocp::solution::{RelaxedReport, TimeFreezingReport};
@@ -33,6 +35,13 @@ const OPEN: f64 = 0.99;
 const BOUNCE: f64 = 0.05;
 /// Most iterations of one rule. The programs are larger than those of the other phases.
 const ITERATIONS: usize = 1500;
+/// Rules of the relaxation, one after the other until one ends. The first one is prone to poor local minima in programs that have to end
+/// at exact solutions by themselves; for a contact sequence it is as good as the others, in half the iterations.
+const RULES: [mpcc::RelaxationRule; 3] = [
+    mpcc::RelaxationRule::Proportional,
+    mpcc::RelaxationRule::RollOff,
+    mpcc::RelaxationRule::Elastic,
+];
 /// Tolerance of the exact program, its first barrier parameter, the share of that by which its start is kept off its bounds, and
 /// its most iterations.
 const EXACT: f64 = 1e-9;
@@ -59,6 +68,7 @@ pub(in crate::ocp) fn candidate(
     let mut relaxation = mpcc::Settings::default();
     relaxation.crossover = false;
     relaxation.final_relaxation = settings.complementarity;
+    relaxation.rules = RULES.to_vec();
     relaxation.interior_point.tolerance = settings.complementarity;
     relaxation.interior_point.maximum_iterations =
         runner.settings.maximum_iterations.max(ITERATIONS);
@@ -107,13 +117,13 @@ pub(in crate::ocp) fn candidate(
 /// adds that to the report. Where that does not succeed, the relaxed solution is left.
 pub(in crate::ocp) fn solve_exactly(
     runner: &mut Runner,
-    setting: Setting,
+    (model, problem): (&dyn Model, &Problem),
     settings: &TimeFreezingSettings,
     motion: &Candidate,
     report: &mut TimeFreezingReport,
 ) -> Result<(), InputError> {
     let clock = ThreadTime::try_now();
-    let mut program = TimeFreezing::known(setting.model, setting.problem, settings, motion)?;
+    let mut program = TimeFreezing::known(model, problem, settings, motion)?;
     let mut interior_point = mpcc::Settings::default().interior_point;
     interior_point.tolerance = EXACT;
     interior_point.constraint_tolerance = EXACT;

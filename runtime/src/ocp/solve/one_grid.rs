@@ -9,7 +9,6 @@ use crate::ocp::collocation::discretization::{Lengths, Places, Setting, parabola
 use crate::ocp::effort::Effort;
 use crate::ocp::global::coarse_to_fine::{self, RelaxedMotions};
 use crate::ocp::global::guess::{bent, guess};
-use crate::ocp::global::time_freezing_search;
 use crate::ocp::judge::confirm::judge;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
@@ -219,9 +218,6 @@ pub(super) fn solve_round<'s>(
         None => nearest,
     };
     let next = time.and_then(|time| range.end_at(time));
-    if next.is_none() {
-        solve_exactly(&mut runner, setting, &mut solution)?;
-    }
     let of_another_size = solution.motion.is_some() && !units.fit(&solution.controls, bounds);
     Ok(Round {
         of_another_size,
@@ -328,31 +324,6 @@ fn best<'a>(
         }
     }
     result.map_or_else(|| failed(runner, feasible), Ok)
-}
-
-/// Solves the complementarity problem of the time-freezing formulation, if that was asked for, with the contact sequence of the
-/// motion that it has led to.
-fn solve_exactly(
-    runner: &mut Runner,
-    setting: Setting,
-    solution: &mut Solution,
-) -> Result<(), InputError> {
-    let (Formulation::TimeFreezing(formulation), Some(report), Some(previous)) = (
-        &runner.settings.formulation,
-        &mut solution.time_freezing,
-        &solution.previous,
-    ) else {
-        return Ok(());
-    };
-    if runner.is_exhausted() {
-        return Ok(());
-    }
-    let problem = setting.problem;
-    let trajectory = previous.trajectory(setting.model, problem)?;
-    let motion = previous.candidate(&trajectory, problem.intervals);
-    time_freezing_search::solve_exactly(runner, setting, formulation, &motion, report)?;
-    (solution.counts, solution.seconds) = (runner.counts, runner.seconds);
-    Ok(())
 }
 
 /// A result without a motion; of a problem that is known to be `feasible` it is not said that it is not. An error where no program

@@ -11,10 +11,12 @@ use super::shared_observer::SharedObserver;
 use crate::Progress;
 use crate::model::Model;
 use crate::ocp::effort::Effort;
+use crate::ocp::global::time_freezing_search::solve_exactly;
 use crate::ocp::previous::Previous;
 use crate::ocp::problem::Problem;
+use crate::ocp::program::runner::Runner;
 use crate::ocp::progress::Watch;
-use crate::ocp::settings::Settings;
+use crate::ocp::settings::{Formulation, Settings};
 use crate::ocp::solution::{Counts, Solution, Status};
 use crate::simulation::InputError;
 
@@ -76,6 +78,32 @@ impl Task<'_, '_> {
         };
         let start = from.start;
         Ok((Found { start, solution }, trace))
+    }
+
+    /// Solves the complementarity problem of the time-freezing formulation, if that was asked for, with the contact sequence of the
+    /// motion that it has led to.
+    pub(super) fn solve_exactly(&self, solution: &mut Solution) -> Result<(), InputError> {
+        let (Formulation::TimeFreezing(formulation), Some(report), Some(previous)) = (
+            &self.settings.formulation,
+            &mut solution.time_freezing,
+            &solution.previous,
+        ) else {
+            return Ok(());
+        };
+        let trajectory = previous.trajectory(self.model, self.problem)?;
+        let motion = previous.candidate(&trajectory, self.problem.intervals);
+        let run = self.observer.begin();
+        let mut observer = |progress: &Progress| self.observer.goes_on(run, progress);
+        let mut runner = Runner::new(
+            self.settings,
+            Watch::new(&mut observer),
+            (solution.counts, solution.seconds),
+            Effort::Conclude,
+        );
+        let scene = (self.model, self.problem);
+        solve_exactly(&mut runner, scene, formulation, &motion, report)?;
+        (solution.counts, solution.seconds) = (runner.counts, runner.seconds);
+        Ok(())
     }
 
     fn solve(

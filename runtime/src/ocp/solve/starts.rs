@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 
+use super::one_grid::Known;
 use super::optima::{Found, result, sort};
-use super::run::Task;
+use super::run::{Task, is_as_good};
 use super::shared_observer::SharedObserver;
 use crate::Observer;
 use crate::model::Model;
@@ -20,9 +21,10 @@ const REFINED_ELEMENTS: [usize; 5] = [4, 3, 6, 2, 5];
 /// Changes of the time-freezing formulation: elements added, and a factor of the auxiliary acceleration.
 const FREEZING: [(usize, f64); 4] = [(0, 1.0), (0, 0.5), (1, 1.0), (0, 2.0)];
 
-/// Starts of the time-freezing formulation, one after the other until one leads to a certified motion, where their number
-/// is left open.
-const ATTEMPTS: usize = 6;
+/// Starts of the time-freezing formulation after the first two, as long as none leads to a certified motion, where their number is
+/// left open; about how many intervals the coarse grid has.
+const FREEZING_STARTS: std::ops::Range<usize> = 2..6;
+const COARSE: usize = 10;
 
 /// Solves from all starts side by side; the first result among the best, and the distinct local optima.
 pub(super) fn solve(
@@ -38,22 +40,63 @@ pub(super) fn solve(
         settings,
         observer: &observer,
     };
-    let run = |start| task.solve_from(start, &variant(settings, start), Effort::Conclude);
     let freezes = matches!(settings.formulation, Formulation::TimeFreezing(_));
-    let seen = if freezes && settings.starts.is_none() {
-        let mut seen: Vec<Found> = Vec::new();
-        let certified = |found: &Found| found.solution.status == Status::Solved;
-        while seen.len() < ATTEMPTS && !observer.stopped() && !seen.iter().any(certified) {
-            seen.push(run(seen.len())?);
-        }
-        seen
+    let (mut found, mut seen) = if freezes && settings.starts.is_none() {
+        freeze(&task)?
     } else {
-        let runs = (0..settings.starts()).into_par_iter().map(run);
-        runs.collect::<Result<Vec<Found>, _>>()?
+        let runs = (0..settings.starts()).into_par_iter();
+        let runs = runs.map(|start| from_start(&task, start));
+        (runs.collect::<Result<Vec<Found>, _>>()?, Vec::new())
     };
-    let mut found = seen.clone();
     sort(&mut found);
+    if let Some(best) = found.first_mut().filter(|_| freezes) {
+        task.solve_exactly(&mut best.solution)?;
+    }
+    seen.extend(found.iter().cloned());
     Ok(result(found, seen, observer.stopped()))
+}
+
+/// Starts of the time-freezing formulation where their number is left open: one on the grid asked for, one on a coarse grid,
+/// which is carried to this one where it comes to more, and others until one leads to a certified motion. What they end at on
+/// this grid, and on the coarse one.
+fn freeze(task: &Task) -> Result<(Vec<Found>, Vec<Found>), InputError> {
+    let intervals = task.problem.intervals;
+    let factor = (intervals as f64 / COARSE as f64).round().max(1.0) as usize;
+    let problem = Problem {
+        intervals: intervals.div_ceil(factor),
+        ..task.problem.clone()
+    };
+    let coarse = Task {
+        problem: &problem,
+        ..*task
+    };
+    let (first, second) = rayon::join(|| from_start(task, 0), || from_start(&coarse, 1));
+    let (mut found, second) = (vec![first?], second?);
+    let mut seen = Vec::new();
+    if factor == 1 {
+        found.push(second);
+    } else {
+        if !is_as_good(&found[0].solution, &second.solution) {
+            let (mut carried, _) = task.carry(&second, Effort::Conclude, Known::default())?;
+            let relaxed = second.solution.time_freezing.clone();
+            carried.solution.time_freezing = carried.solution.time_freezing.or(relaxed);
+            found.push(carried);
+        }
+        seen.push(second);
+    }
+    let certified = |found: &Found| found.solution.status == Status::Solved;
+    for start in FREEZING_STARTS {
+        if task.observer.stopped() || found.iter().any(certified) {
+            break;
+        }
+        found.push(from_start(task, start)?);
+    }
+    Ok((found, seen))
+}
+
+/// Solves from a start.
+fn from_start(task: &Task, start: usize) -> Result<Found, InputError> {
+    task.solve_from(start, &variant(task.settings, start), Effort::Conclude)
 }
 
 /// The settings of a start; those of the first one are the caller's.
