@@ -6,9 +6,12 @@ use super::modes::{self, Mode};
 use super::task::Span;
 use crate::dcs::W;
 
-/// Length in numerical time and elements of an interval with these spans: a jump is one element, the others are divided
-/// evenly, the longest ones most often.
-pub(super) fn laid_out(spans: &[Span], count: usize, places: &[f64]) -> (f64, Vec<Placed>) {
+/// Weight or speed of a known motion that counts as none.
+const NONE: f64 = 1e-4;
+
+/// Numbers of elements of these spans, `count` together where that is enough: a jump is one element, the others are divided evenly,
+/// the longest ones most often.
+pub(super) fn parts(spans: &[Span], count: usize) -> Vec<usize> {
     let mut parts = vec![1; spans.len()];
     for _ in spans.len()..count {
         let part = |&i: &usize| (!spans[i].jumps, spans[i].length / parts[i] as f64);
@@ -20,16 +23,24 @@ pub(super) fn laid_out(spans: &[Span], count: usize, places: &[f64]) -> (f64, Ve
             parts[longest] += 1;
         }
     }
+    parts
+}
+
+/// Length in numerical time and elements of an interval with these spans.
+pub(super) fn laid_out(spans: &[Span], count: usize, places: &[f64]) -> (f64, Vec<Placed>) {
     let length: f64 = spans.iter().map(|span| span.length).sum();
-    let elements = spans.iter().zip(parts).flat_map(|(span, parts)| {
-        (0..parts).map(move |part| Placed {
-            width: span.length / length / parts as f64,
-            points: places
-                .iter()
-                .map(|place| at(span, (part as f64 + place) / parts as f64))
-                .collect(),
-        })
-    });
+    let elements = spans
+        .iter()
+        .zip(parts(spans, count))
+        .flat_map(|(span, parts)| {
+            (0..parts).map(move |part| Placed {
+                width: span.length / length / parts as f64,
+                points: places
+                    .iter()
+                    .map(|place| at(span, (part as f64 + place) / parts as f64))
+                    .collect(),
+            })
+        });
     (length, elements.collect())
 }
 
@@ -42,33 +53,55 @@ fn at(span: &Span, share: f64) -> Vec<f64> {
     pair.map(|(a, b)| a + fraction * (b - a)).collect()
 }
 
-impl Transcription<'_> {
-    /// What vanishes in the motion that the solver starts at, where that is a known one.
-    pub(crate) fn known_sides(&self) -> Vec<bool> {
-        let mut vanishes = vec![false; self.variables];
-        modes::mark_vanishing(self, &self.guess, &mut vanishes);
-        mark_ends_of_jumps(self, &mut vanishes);
-        vanishes
-    }
+/// What vanishes in the motion that the solver starts at, where that is a known one.
+pub(crate) fn known_sides(transcription: &Transcription<'_>) -> Vec<bool> {
+    let mut vanishes = vec![false; transcription.variables];
+    modes::mark_vanishing(transcription, &transcription.guess, &mut vanishes);
+    mark_exits(transcription, &mut vanishes);
+    vanishes
 }
 
-/// The exit condition of jumps: at its end the normal velocity is zero. The sums over an element leave the end of a jump
-/// open, since the contact after it may do the rest in its first stage.
-fn mark_ends_of_jumps(transcription: &Transcription<'_>, vanishes: &mut [bool]) {
-    let contacts = transcription.dcs.layout.contacts();
+/// Exit conditions. At the end of a jump the normal velocity is zero, and where a contact opens within an interval because its
+/// force vanishes, that is zero at the end of its last element. The sums over elements leave both open to the length of a stage, and
+/// an optimal control makes use of it.
+fn mark_exits(transcription: &Transcription<'_>, vanishes: &mut [bool]) {
+    let layout = &transcription.dcs.layout;
     let modes = modes::fixed_modes(transcription, vanishes);
+    let mode = |e: usize, contact: usize| modes.get(e * layout.contacts() + contact);
     for (e, element) in transcription.elements.iter().enumerate() {
-        for contact in (0..contacts).filter(|&i| !transcription.dcs.layout.bounces(i)) {
-            let next = modes.get((e + 1) * contacts + contact);
-            let ends = modes[e * contacts + contact] == Mode::Jump && next != Some(&Mode::Jump);
-            let place = transcription.dcs.layout.algebraic(contact, W);
-            let last = element
-                .blocks
-                .last()
-                .and_then(|block| block.variables[place]);
-            if let Some(w) = last.filter(|_| ends) {
-                vanishes[w] = true;
+        let Some(last) = element.blocks.last() else {
+            continue;
+        };
+        let next = transcription.elements.get(e + 1);
+        let goes_on = next.is_some_and(|next| next.interval == element.interval);
+        for contact in 0..layout.contacts() {
+            let places = match (mode(e, contact), mode(e + 1, contact)) {
+                (Some(Mode::Jump), next) if next != Some(&Mode::Jump) => {
+                    let stops = !layout.bounces(contact);
+                    vec![layout.algebraic(contact, W); usize::from(stops)]
+                }
+                (Some(Mode::Contact), Some(Mode::Free)) if goes_on => {
+                    weights(transcription, contact)
+                }
+                _ => continue,
+            };
+            let variables = places.iter().filter_map(|&place| last.variables[place]);
+            let variables: Vec<usize> = variables.collect();
+            if variables.iter().all(|&i| transcription.guess[i] <= NONE) {
+                variables.into_iter().for_each(|i| vanishes[i] = true);
             }
         }
     }
+}
+
+/// Places of the weight of a contact, and of the parts that friction and restitution split it into.
+fn weights(transcription: &Transcription<'_>, contact: usize) -> Vec<usize> {
+    let layout = &transcription.dcs.layout;
+    let groups = layout.groups();
+    let [_, _, weight, _] = groups[contact].places;
+    let split = layout.slip_group(contact).into_iter().flat_map(|group| {
+        let [forward, _, backward, _] = groups[group].places;
+        [forward, backward]
+    });
+    std::iter::once(weight).chain(split).collect()
 }

@@ -36,6 +36,7 @@ mod task;
 #[cfg(test)]
 mod test_scenes;
 
+pub(crate) use known::known_sides;
 pub(crate) use program::transcribe;
 pub(crate) use purposes::size_groups;
 pub(crate) use task::{Controls, Guess, Span, Task};
@@ -75,6 +76,9 @@ struct Block {
 #[derive(Clone)]
 struct Element {
     interval: usize,
+    /// The first variable of its own.
+    first: usize,
+    /// The variable of its length, which may be that of the element before.
     length: usize,
     /// Its length over that of its interval where nothing else decides it.
     even: f64,
@@ -221,7 +225,7 @@ impl<'a> Transcription<'a> {
         self.horizon = self.task.horizon_bounds.map(|_| self.take(1));
         self.push_beginning();
         let (once, staged) = self.path_rows();
-        for _ in 0..self.task.intervals {
+        for k in 0..self.task.intervals {
             let length = self.take(1);
             let controls = match self.task.controls {
                 Controls::Fixed(_) => Vec::new(),
@@ -236,8 +240,9 @@ impl<'a> Transcription<'a> {
                 controls,
                 rows,
             });
-            for _ in 0..self.task.elements {
-                self.push_element(staged);
+            let alike = self.alike(k);
+            for e in 0..self.task.elements {
+                self.push_element(staged, alike.get(e).copied().unwrap_or(false));
             }
         }
         self.goal_rows = self.constraints;
@@ -304,10 +309,27 @@ impl<'a> Transcription<'a> {
         (count(&once), count(&staged))
     }
 
-    /// Adds an element to the last interval, with `staged` path constraints at each stage.
-    fn push_element(&mut self, staged: usize) {
+    /// Which elements of interval `k` are as long as the one before: those of the same span of a known motion. Nothing else decides
+    /// their lengths, and an objective would move them to where its error of integration is largest.
+    fn alike(&self, k: usize) -> Vec<bool> {
+        let Guess::Known(intervals) = &self.task.guess else {
+            return Vec::new();
+        };
+        let parts = known::parts(&intervals[k], self.task.elements).into_iter();
+        parts
+            .flat_map(|count| (0..count).map(|part| part > 0))
+            .collect()
+    }
+
+    /// Adds an element to the last interval, with `staged` path constraints at each stage and perhaps the length of the element before.
+    fn push_element(&mut self, staged: usize, alike: bool) {
         let states = self.dcs.layout.states();
-        let length = self.take(1);
+        let first = self.variables;
+        let before = self.elements.last().filter(|_| alike);
+        let length = match before.map(|before| before.length) {
+            Some(length) => length,
+            None => self.take(1),
+        };
         let interval = self.intervals.len() - 1;
         let mut blocks = Vec::new();
         let mut row = self.constraints;
@@ -361,6 +383,7 @@ impl<'a> Transcription<'a> {
         self.constraints = path_rows + staged * self.tableau.stages();
         self.elements.push(Element {
             interval,
+            first,
             length,
             even: 1.0 / self.task.elements as f64,
             blocks,

@@ -93,7 +93,7 @@ pub(super) fn name_of_variable(transcription: &Transcription<'_>, index: usize) 
         let name = controls.get(control).map_or("control", |c| c.name);
         return format!("{name} in {}", interval_name(transcription, k));
     }
-    let before = |element: &Element| element.length <= index;
+    let before = |element: &Element| element.first <= index;
     let e = transcription
         .elements
         .partition_point(before)
@@ -166,7 +166,7 @@ pub(super) fn name_of_pair(transcription: &Transcription<'_>, index: usize) -> S
         let name = |index| name_of_variable(transcription, index);
         return format!("{} _|_ {}", name(i), name(j));
     }
-    let before = |element: &Element| element.length <= i;
+    let before = |element: &Element| element.first <= i;
     let e = transcription
         .elements
         .partition_point(before)

@@ -108,7 +108,7 @@ impl NlpProblem for Transcription<'_> {
         gradient.fill(0.0);
         let nominal = nominal(self);
         for element in &self.elements {
-            gradient[element.length] =
+            gradient[element.length] +=
                 2.0 * EQUILIBRATION * (x[element.length] - element.even) / nominal.powi(2);
         }
         conditions::add_gradient(self, x, gradient);

@@ -63,7 +63,7 @@ fn of_variable(transcription: &Transcription<'_>, index: usize) -> Purpose {
         return Purpose::Control;
     }
     let elements = &transcription.elements;
-    let e = elements.partition_point(|element| element.length <= index);
+    let e = elements.partition_point(|element| element.first <= index);
     let element = &elements[e.saturating_sub(1)];
     if element.length == index {
         return Purpose::ElementLength;

@@ -187,11 +187,11 @@ impl Motion<'_> {
         let provided = vec![0.0; self.modes.len()];
         let (mut shares, _) = self.shares(&provided);
         let contacts = self.system.layout.contacts();
-        for i in 0..contacts {
+        for (i, share) in shares.iter_mut().enumerate().take(contacts) {
             if struck.contains(&i) {
-                shares[i] = 0.0;
+                *share = 0.0;
             } else if !self.modes[i].is_open() {
-                shares[i] = 0.5;
+                *share = 0.5;
             }
         }
         let first = contacts + self.system.layout.frictions();

@@ -7,7 +7,9 @@ use super::guess::guess;
 use super::spans::spans;
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
-use crate::fesd::transcription::{Controls, Guess, Task, Transcription, size_groups, transcribe};
+use crate::fesd::transcription::{
+    Controls, Guess, Task, Transcription, known_sides, size_groups, transcribe,
+};
 use crate::model::Model;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlShape;
@@ -120,7 +122,7 @@ impl<'a> TimeFreezing<'a> {
         task.guess = Guess::Known(known);
         let transcription = transcribe(system, &tableau, task);
         Ok(Self {
-            vanishing: transcription.known_sides(),
+            vanishing: known_sides(&transcription),
             transcription,
             intervals: problem.intervals,
         })
