@@ -3,7 +3,7 @@
 use super::Transcription;
 use super::guess::Placed;
 use super::modes::{self, Mode};
-use super::task::Span;
+use super::task::{Guess, Span};
 use crate::dcs::W;
 
 /// Weight or speed of a known motion that counts as none.
@@ -53,20 +53,80 @@ fn at(span: &Span, share: f64) -> Vec<f64> {
     pair.map(|(a, b)| a + fraction * (b - a)).collect()
 }
 
-/// What vanishes in the motion that the solver starts at, where that is a known one.
+/// What vanishes in the motion that the solver starts at, where that is a known one; nothing else.
 pub(crate) fn known_sides(transcription: &Transcription<'_>) -> Vec<bool> {
     let mut vanishes = vec![false; transcription.variables];
-    modes::mark_vanishing(transcription, &transcription.guess, &mut vanishes);
-    mark_exits(transcription, &mut vanishes);
+    let Guess::Known(intervals) = &transcription.task.guess else {
+        return vanishes;
+    };
+    let of_elements: Vec<&[[bool; 2]]> = intervals
+        .iter()
+        .flat_map(|spans| {
+            let parts = parts(spans, transcription.task.elements);
+            let repeated = spans.iter().zip(parts);
+            repeated.flat_map(|(span, count)| std::iter::repeat_n(&span.weights[..], count))
+        })
+        .collect();
+    let layout = &transcription.dcs.layout;
+    let contacts = layout.contacts();
+    let modes: Vec<Mode> = of_elements
+        .iter()
+        .flat_map(|weights| weights[..contacts].iter().map(mode))
+        .collect();
+    modes::mark_modes(
+        transcription,
+        &transcription.guess,
+        NONE,
+        &modes,
+        &mut vanishes,
+    );
+    for (e, weights) in of_elements.iter().enumerate() {
+        for (group, weights) in weights.iter().enumerate() {
+            if group < contacts && !layout.bounces(group) {
+                continue;
+            }
+            for (pair, &weighs) in weights.iter().enumerate() {
+                let sum = 2 * pair + usize::from(weighs);
+                modes::mark_sum(transcription, e, group, sum, &mut vanishes);
+            }
+        }
+    }
+    mark_undecided(transcription, &mut vanishes);
+    mark_exits(transcription, &modes, &mut vanishes);
     vanishes
+}
+
+/// What a contact does whose step function, and whose weight, is there.
+fn mode(weights: &[bool; 2]) -> Mode {
+    match weights {
+        [true, true] => Mode::Contact,
+        [true, false] => Mode::Free,
+        [false, _] => Mode::Jump,
+    }
+}
+
+/// Marks the smaller one of each pair of a stage of which none is known to vanish.
+fn mark_undecided(transcription: &Transcription<'_>, vanishes: &mut [bool]) {
+    let pairs = transcription.dcs.layout.stage_pairs();
+    let elements = transcription.elements.iter();
+    for block in elements.flat_map(|element| &element.blocks) {
+        for &(first, second) in &pairs {
+            if let (Some(i), Some(j)) = (block.variables[first], block.variables[second])
+                && !vanishes[i]
+                && !vanishes[j]
+            {
+                let smaller = transcription.guess[i] < transcription.guess[j];
+                vanishes[if smaller { i } else { j }] = true;
+            }
+        }
+    }
 }
 
 /// Exit conditions. At the end of a jump the normal velocity is zero, and where a contact opens within an interval because its
 /// force vanishes, that is zero at the end of its last element. The sums over elements leave both open to the length of a stage, and
 /// an optimal control makes use of it.
-fn mark_exits(transcription: &Transcription<'_>, vanishes: &mut [bool]) {
+fn mark_exits(transcription: &Transcription<'_>, modes: &[Mode], vanishes: &mut [bool]) {
     let layout = &transcription.dcs.layout;
-    let modes = modes::fixed_modes(transcription, vanishes);
     let mode = |e: usize, contact: usize| modes.get(e * layout.contacts() + contact);
     for (e, element) in transcription.elements.iter().enumerate() {
         let Some(last) = element.blocks.last() else {

@@ -189,7 +189,7 @@ fn mark_contact(
 }
 
 /// Marks a sum and its terms.
-fn mark_sum(
+pub(super) fn mark_sum(
     transcription: &Transcription<'_>,
     e: usize,
     group: usize,

@@ -57,6 +57,10 @@ pub(crate) struct Span {
     pub(crate) length: f64,
     /// Whether the clock stands: velocities change along straight lines, so that one element is enough.
     pub(crate) jumps: bool,
+    /// Which of the two weights of each group there are. Of a contact: `alpha` and `beta`, one in flight, the other in a jump and
+    /// both in contact; of its friction: that against sliding forward and that against sliding backward, both where it sticks; of
+    /// its restitution: fall and rise.
+    pub(crate) weights: Vec<[bool; 2]>,
     /// `(q, v, t, G)` and then the shares of the groups, at equal steps.
     pub(crate) points: Vec<Vec<f64>>,
 }

@@ -7,6 +7,7 @@
 use crate::dcs::HeavisideSystem;
 use crate::fesd::transcription::Span;
 use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::motion::mode::closed_mode;
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
@@ -18,6 +19,8 @@ const STEPS: usize = 16;
 const BESIDE: f64 = 1e-9;
 /// Halvings of the range of the speed of the clock.
 const HALVINGS: usize = 60;
+/// Speed above which a contact slides \[m/s\].
+const SLIDING: f64 = 1e-9;
 
 /// What happens in each of the intervals.
 pub(super) fn spans(
@@ -92,6 +95,7 @@ impl Motion<'_> {
         Some(Span {
             length,
             jumps: false,
+            weights: self.weights(&[], None),
             points,
         })
     }
@@ -160,18 +164,72 @@ impl Motion<'_> {
                 }
             })
             .collect();
-        let mut spans = vec![self.push(struck, time, fall, (before, &[]), (&lowest, &depths), 1.0)];
+        let mut spans = Vec::new();
+        let mut falls = (before.to_vec(), fall);
+        if let Some((contact, while_sliding)) = self.sliding_on(struck, before, time) {
+            let later = std::mem::replace(&mut self.modes[contact], while_sliding);
+            if let Some((length, state)) = self.stop(contact, struck, (before, time), fall) {
+                let ends = ((before, &[][..]), (&state[..], &[][..]));
+                spans.push(self.push(struck, time, length, ends, true));
+                falls = (state, fall - length);
+            }
+            self.modes[contact] = later;
+        }
+        let ends = ((&falls.0[..], &[][..]), (&lowest[..], &depths[..]));
+        spans.push(self.push(struck, time, falls.1, ends, true));
         if rebound > 0.0 {
-            spans.push(self.push(
-                struck,
-                time,
-                fall / rebound,
-                (&lowest, &depths),
-                (after, &[]),
-                0.0,
-            ));
+            let ends = ((&lowest[..], &depths[..]), (after, &[][..]));
+            spans.push(self.push(struck, time, fall / rebound, ends, false));
         }
         spans
+    }
+
+    /// The one contact of an impact that slides when it begins and not when it ends, or the other way then, and how it slides.
+    fn sliding_on(
+        &mut self,
+        struck: &[usize],
+        before: &[f64],
+        time: f64,
+    ) -> Option<(usize, ContactMode)> {
+        self.point(before, time, &[], Vec::new());
+        let system = &self.system;
+        let changes = struck.iter().filter_map(|&i| {
+            system.layout.slip_group(i)?;
+            let velocity = system.system.sliding_velocity(i);
+            let slides = closed_mode(true, velocity, SLIDING);
+            (slides != ContactMode::Stick && slides != self.modes[i]).then_some((i, slides))
+        });
+        let changes: Vec<(usize, ContactMode)> = changes.collect();
+        match changes[..] {
+            [change] => Some(change),
+            _ => None,
+        }
+    }
+
+    /// When a contact that slides at the beginning of an impact stops, if it does so in the fall of this length, and the state then.
+    fn stop(
+        &mut self,
+        contact: usize,
+        struck: &[usize],
+        (before, time): (&[f64], f64),
+        fall: f64,
+    ) -> Option<(f64, Vec<f64>)> {
+        let shares = self.shares_of_jump(struck, true);
+        let mut local = self.point(before, time, &[], Vec::new());
+        let slid = self.system.system.sliding_velocity(contact);
+        local.extend(&self.controls);
+        local.resize(self.system.layout.local_variables(), 0.0);
+        self.system.complete(&mut local, &shares);
+        let layout = &self.system.layout;
+        let mut rates = vec![0.0; layout.states() + layout.algebraic_equations()];
+        self.system.rows(&local, &mut rates);
+        let at = |length: f64| -> Vec<f64> {
+            let moved = before.iter().zip(&rates);
+            moved.map(|(y, rate)| y + length * rate).collect()
+        };
+        self.point(&at(1.0), time, &[], Vec::new());
+        let length = slid / (slid - self.system.system.sliding_velocity(contact));
+        (length > 0.0 && length < fall).then(|| (length, at(length)))
     }
 
     /// A push at a standing clock, between two states with changes of their lifted gaps.
@@ -180,12 +238,24 @@ impl Motion<'_> {
         struck: &[usize],
         time: f64,
         length: f64,
-        (from, above): (&[f64], &[f64]),
-        (to, below): (&[f64], &[f64]),
-        falling: f64,
+        ((from, above), (to, below)): ((&[f64], &[f64]), (&[f64], &[f64])),
+        falling: bool,
     ) -> Span {
-        let provided = vec![0.0; self.modes.len()];
-        let (mut shares, _) = self.shares(&provided);
+        let shares = self.shares_of_jump(struck, falling);
+        Span {
+            length,
+            jumps: true,
+            weights: self.weights(struck, Some(falling)),
+            points: vec![
+                self.point(from, time, above, shares.clone()),
+                self.point(to, time, below, shares),
+            ],
+        }
+    }
+
+    /// Shares of the groups while these contacts are pushed.
+    fn shares_of_jump(&self, struck: &[usize], falling: bool) -> Vec<f64> {
+        let (mut shares, _) = self.shares(&vec![0.0; self.modes.len()]);
         let contacts = self.system.layout.contacts();
         for (i, share) in shares.iter_mut().enumerate().take(contacts) {
             if struck.contains(&i) {
@@ -195,15 +265,35 @@ impl Motion<'_> {
             }
         }
         let first = contacts + self.system.layout.frictions();
-        shares[first..].fill(falling);
-        Span {
-            length,
-            jumps: true,
-            points: vec![
-                self.point(from, time, above, shares.clone()),
-                self.point(to, time, below, shares),
-            ],
-        }
+        shares[first..].fill(if falling { 1.0 } else { 0.0 });
+        shares
+    }
+
+    /// Which of the two weights of each group there are, while these contacts are pushed and fall or rise, or in a phase.
+    fn weights(&self, struck: &[usize], falling: Option<bool>) -> Vec<[bool; 2]> {
+        let layout = &self.system.layout;
+        let acts = |i: usize| struck.contains(&i) || !self.modes[i].is_open();
+        let of_contact = |i: usize| [!struck.contains(&i), acts(i)];
+        let of_friction = |i: usize| match self.modes[i] {
+            _ if !acts(i) => [false, false],
+            ContactMode::Slip(direction) => {
+                let forward = direction == Direction::Forward;
+                [forward, !forward]
+            }
+            _ => [true, true],
+        };
+        let of_restitution = |i: usize| match falling.filter(|_| struck.contains(&i)) {
+            Some(falls) => [falls, !falls],
+            None => [acts(i), acts(i)],
+        };
+        let surfaces = 0..layout.contacts();
+        let rough = (0..self.modes.len()).filter(|&i| layout.slip_group(i).is_some());
+        let elastic = surfaces.clone().filter(|&i| layout.bounces(i));
+        surfaces
+            .map(of_contact)
+            .chain(rough.map(of_friction))
+            .chain(elastic.map(of_restitution))
+            .collect()
     }
 
     /// `(q, v, t, G)` and shares at a state whose lifted gaps differ from its gaps by these depths.
