@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use hangtime::ocp::{self, Problem, Settings, Solution};
+use hangtime::ocp::{self, Formulation, Problem, Settings, Solution, TimeFreezingSettings};
 use hangtime_zoo::exhibits;
 use nalgebra::{DMatrix, DVector};
 
@@ -120,6 +120,40 @@ fn impact_is_at_the_best_of_the_interval_ends() {
 #[ignore = "long"]
 fn impact_is_at_the_best_of_the_interval_ends_on_any_grid() {
     assert_cradle_is_best(&[9, 14, 16]);
+}
+
+/// Relative difference between the objective of the time-freezing program and that of its polished motion.
+fn apart_in_time_freezing(name: &str, intervals: usize, stages: usize) -> f64 {
+    let mut time_freezing = TimeFreezingSettings::default();
+    time_freezing.stages = stages;
+    let mut settings = Settings::default();
+    settings.starts = Some(1);
+    settings.formulation = Formulation::TimeFreezing(time_freezing);
+    let solution = solve(name, intervals, &settings);
+    let report = solution.time_freezing.unwrap();
+    assert_eq!(report.residuals.complementarity, 0.0, "{name}: {report:?}");
+    (report.objective / solution.objective - 1.0).abs()
+}
+
+#[test]
+fn time_freezing_programs_are_exact_where_accelerations_are_constant() {
+    // Impacts of three carts, friction that lets go, a landing that slides to rest, a bounce off a wall.
+    for name in ["three-carts", "rough-block", "soft-landing", "wall-ball"] {
+        let apart = apart_in_time_freezing(name, 10, 2);
+        assert!(apart < 1e-9, "{name}: {apart:e}");
+    }
+}
+
+#[test]
+fn time_freezing_programs_keep_the_order_of_their_scheme_through_contact() {
+    // Up a curved rough hill and to rest on it; a pendulum that swings. Errors of 3e-3, 4e-5, 7e-7 and 4e-2, 2e-4, 2e-6.
+    for name in ["uphill-block", "weak-pendulum"] {
+        let apart = [2, 3, 4].map(|stages| apart_in_time_freezing(name, 10, stages));
+        assert!(apart[0] < 5e-2 && apart[2] < 5e-6, "{name}: {apart:?}");
+        for (coarse, fine) in [(apart[0], apart[1]), (apart[1], apart[2])] {
+            assert!(30.0 * fine < coarse, "{name}: {apart:?}");
+        }
+    }
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! What the caller may choose.
 
+use hangtime_solver::mpcc::RelaxationRule;
+
 use super::previous::Previous;
 use crate::model::{Model, bouncing_edge};
 use crate::ocp::motion::control_grid::ControlShape;
@@ -9,6 +11,8 @@ use crate::simulation::InputError;
 
 /// Most starts of the search in phases, unless others are asked for.
 const STARTS: usize = 16;
+/// Most starts of the time-freezing formulation, unless others are asked for.
+pub(in crate::ocp) const FREEZING_STARTS: usize = 6;
 
 /// Where the global phase starts; every guess but a previous motion is made from the model and the problem alone.
 ///
@@ -108,11 +112,21 @@ pub struct TimeFreezingSettings {
     /// the goals; default false. Good where the motion that is looked for touches and leaves surfaces much
     /// as it does without control. Without goals it is always so.
     pub(crate) simulated_guess: bool,
-    /// Largest product of a pair, and optimality error, at which [`solve`](super::solve) takes the program for
-    /// solved before it polishes the motion; default 1e-6, in (0, 1). Below that the iterations double without
-    /// another contact sequence.
+    /// Largest product of a pair, and optimality error, at which [`solve`](super::solve) takes the relaxed program for
+    /// solved; default 1e-4, in (0, 1). The motion that is polished from there has the contact sequence with which the program
+    /// is solved exactly afterwards, with products of zero; below that the iterations double without another sequence.
     pub complementarity: f64,
+    /// Rules of the relaxation, one after the other until one ends; default [`RULES`].
+    pub(crate) rules: [RelaxationRule; 3],
 }
+
+/// The first one is prone to poor local minima in programs that have to end at exact solutions by themselves; for a contact sequence
+/// it is mostly as good as the others, in half the iterations.
+const RULES: [RelaxationRule; 3] = [
+    RelaxationRule::Proportional,
+    RelaxationRule::RollOff,
+    RelaxationRule::Elastic,
+];
 
 impl Default for TimeFreezingSettings {
     fn default() -> Self {
@@ -123,6 +137,7 @@ impl Default for TimeFreezingSettings {
             auxiliary_acceleration: 20.0,
             simulated_guess: false,
             complementarity: 1e-4,
+            rules: RULES,
         }
     }
 }
@@ -182,8 +197,9 @@ pub struct Settings {
     pub guess: Guess,
     /// Number of starts that are solved side by side, the first one with these settings, the others with other guesses and
     /// relaxations, or discretizations of the time-freezing formulation; at least 1. Default: up to 16, fewer where
-    /// several agree on the best; 1 with a previous motion; with time-freezing 1, and up to five others one after the
-    /// other until a motion is confirmed. The best result is returned, with the distinct local optima; it does not depend
+    /// several agree on the best; 1 with a previous motion; with time-freezing two, of which one is on a grid of
+    /// about ten intervals and is carried to the one asked for, and up to four others one after the other until a motion is certified.
+    /// The best result is returned, with the distinct local optima; it does not depend
     /// on the number of threads.
     pub starts: Option<usize>,
     /// Finite elements of a phase at the start; default 1, at least 1. Where the re-simulation does not confirm a plan,
@@ -260,7 +276,8 @@ impl Settings {
     pub fn starts(&self) -> usize {
         self.starts
             .unwrap_or(match (&self.formulation, &self.guess) {
-                (Formulation::TimeFreezing(_), _) | (_, Guess::Previous(_)) => 1,
+                (_, Guess::Previous(_)) => 1,
+                (Formulation::TimeFreezing(_), _) => FREEZING_STARTS,
                 (Formulation::Phases, _) => STARTS,
             })
     }

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::one_start;
+use crate::support::{assert_program, one_start};
 use hangtime::model::Model;
 use hangtime::ocp::{
     self, Formulation, Guess, Problem, Solution, Stationarity, Status, TimeFreezingSettings,
@@ -322,8 +322,9 @@ fn time_freezing_formulation_polished_finds_both_local_optima_of_the_hopping_mas
             .any(|best| (optimum.objective - best).abs() < 1e-6);
         assert!(known, "{optimum:?} is none of {both:?}");
     }
+    assert_program(&solution, 1e-7);
     let report = solution.time_freezing.unwrap();
-    assert!(report.residuals.complementarity < 1.1e-6 && report.residuals.primal < 1e-6);
+    assert!(report.relaxed.complementarity > 0.0, "{report:?}");
     assert!(report.size.complementarities > 0 && report.iterations > 0);
     settings.starts = Some(1);
     settings.guess = Guess::Rest;

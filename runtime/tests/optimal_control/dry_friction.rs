@@ -4,7 +4,9 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use crate::friction::least_sliding_effort;
-use crate::support::{DIGITS, attempt, kinds, linear, one_start, solve, time_freezing};
+use crate::support::{
+    DIGITS, assert_program, attempt, kinds, linear, one_start, solve, time_freezing,
+};
 use hangtime::model::Model;
 use hangtime::ocp::{Problem, program_sizes};
 use hangtime::simulation::EventKind;
@@ -91,6 +93,9 @@ fn mass_from_rest_to_rest_brakes_with_the_help_of_friction() {
 fn mass_that_starts_the_other_way_turns_round_where_friction_turns_round() {
     for settings in [one_start(), time_freezing()] {
         let solution = solve(&Returning::default(), 5, &settings);
+        if solution.time_freezing.is_some() {
+            assert_program(&solution, DIGITS);
+        }
         // It stops after 1.5/7.5 s, and goes from rest with 2.5 m/s^2 from there on.
         let stop = 1.5 / 7.5;
         let way = 1.0 + 1.5 * 1.5 / (2.0 * 7.5);
@@ -135,6 +140,7 @@ fn mass_with_time_to_spare_sticks_for_a_while() {
     assert_eq!(kinds(&solution), [EventKind::Slip, EventKind::Stick]);
     let best = least_sliding_effort(5, 2.5);
     let frozen = solve(&rail, 5, &time_freezing());
+    assert_program(&frozen, DIGITS);
     assert!(
         (frozen.objective - best).abs() < 1e-5 * best,
         "{} against {best}",

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::{linear, one_start, solve, time_freezing};
+use crate::support::{assert_program, linear, one_start, solve, time_freezing};
 use hangtime::ocp::ControlShape;
 use hangtime::simulation::EventKind;
 
@@ -42,6 +42,9 @@ fn least_time_in_a_growing_wind_is_that_of_the_closed_form() {
             "{} against {lower}",
             solution.horizon
         );
+        if solution.time_freezing.is_some() {
+            assert_program(&solution, DIGITS);
+        }
     }
 }
 

@@ -51,6 +51,16 @@ pub(crate) fn solve(model: &dyn Model, intervals: usize, settings: &Settings) ->
     solution
 }
 
+/// The time-freezing program of a result was solved exactly, as near to its objective as that.
+pub(crate) fn assert_program(solution: &Solution, near: f64) {
+    let report = solution.time_freezing.as_ref().unwrap();
+    assert_eq!(report.residuals.complementarity, 0.0, "{report:?}");
+    assert!(report.residuals.primal < 1e-9, "{report:?}");
+    let size = solution.objective.abs().max(1.0);
+    let apart = (report.objective - solution.objective).abs() / size;
+    assert!(apart < near, "{apart:e}: {report:?} {}", solution.objective);
+}
+
 /// The kinds of the switches of a plan.
 pub(crate) fn kinds(solution: &Solution) -> Vec<EventKind> {
     let events = solution.planned_events.iter();

@@ -3,7 +3,7 @@
 use super::builder::Builder;
 use super::discretization::Setting;
 use super::friction_rows::Normal;
-use super::layout::{FREE, Phase, Stage};
+use super::layout::{Distance, FREE, Kept, Phase, Stage};
 use super::stage_inputs::{Elapsed, drive_at, drive_within};
 use super::turns::Turns;
 use super::{cut_rows, friction_rows, provided, start_conditions};
@@ -37,6 +37,8 @@ pub(super) struct Element<'e> {
     /// Contacts that open, and that are touched, right before the start.
     pub(super) opened: &'e [usize],
     pub(super) touched: &'e [usize],
+    /// Contacts that close in an impact right before the start.
+    pub(super) landed: &'e [usize],
     pub(super) turns: &'e Turns,
 }
 
@@ -154,6 +156,8 @@ fn unknowns(
                 unit,
             );
             stage.forces.push(force);
+            note_bounces(builder, element, i, Kept::Variable(force));
+            let program = &mut builder.program;
             let normal = Normal {
                 contact: i,
                 mode: builder.modes[i],
@@ -459,7 +463,6 @@ fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) 
         tableau,
         ..
     } = builder.setting;
-    let program = &mut builder.program;
     let mut values = vec![0.0; tableau.stages()];
     tableau.lagrange_values(0.0, &mut values);
     for (slot, &i) in phase.closed.iter().enumerate() {
@@ -469,11 +472,30 @@ fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) 
         }
         let name = declared.name;
         let name = format!("force of `{name}` at the start of {}", element.label());
+        let program = &mut builder.program;
         let row = program.row_in(units.gap_rows[i], name, 0.0, f64::INFINITY);
         for (stage, weight) in phase.stages.iter().zip(&values) {
             program.linear(row, stage.forces[slot], *weight);
         }
+        note_bounces(builder, element, i, Kept::Row(row));
     }
+}
+
+/// Notes a bound of a force that stands for bounces as well, if it does: the plan spreads those of a landing over its first element,
+/// which has to be long enough that the force nowhere pulls. No law asks for that.
+fn note_bounces(builder: &mut Builder, element: &Element, contact: usize, kept: Kept) {
+    let bounces = builder.setting.model.restitution(contact) > 0.0;
+    if !bounces || !element.landed.contains(&contact) {
+        return;
+    }
+    let name = builder.setting.model.declaration().contacts[contact].name;
+    let label = element.label();
+    builder.distances.push(Distance {
+        name: format!("time that `{name}` has to come to rest in {label}"),
+        kept,
+        amount: builder.setting.units.gap_rows[contact],
+        chosen: false,
+    });
 }
 
 /// Adds the sign of the normal acceleration after an opening at a jump of the controls, and after a touch without a

@@ -35,13 +35,6 @@ const OPEN: f64 = 0.99;
 const BOUNCE: f64 = 0.05;
 /// Most iterations of one rule. The programs are larger than those of the other phases.
 const ITERATIONS: usize = 1500;
-/// Rules of the relaxation, one after the other until one ends. The first one is prone to poor local minima in programs that have to end
-/// at exact solutions by themselves; for a contact sequence it is as good as the others, in half the iterations.
-const RULES: [mpcc::RelaxationRule; 3] = [
-    mpcc::RelaxationRule::Proportional,
-    mpcc::RelaxationRule::RollOff,
-    mpcc::RelaxationRule::Elastic,
-];
 /// Tolerance of the exact program, its first barrier parameter, the share of that by which its start is kept off its bounds, and
 /// its most iterations.
 const EXACT: f64 = 1e-9;
@@ -68,7 +61,7 @@ pub(in crate::ocp) fn candidate(
     let mut relaxation = mpcc::Settings::default();
     relaxation.crossover = false;
     relaxation.final_relaxation = settings.complementarity;
-    relaxation.rules = RULES.to_vec();
+    relaxation.rules = settings.rules.to_vec();
     relaxation.interior_point.tolerance = settings.complementarity;
     relaxation.interior_point.maximum_iterations =
         runner.settings.maximum_iterations.max(ITERATIONS);

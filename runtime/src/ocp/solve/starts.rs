@@ -21,9 +21,7 @@ const REFINED_ELEMENTS: [usize; 5] = [4, 3, 6, 2, 5];
 /// Changes of the time-freezing formulation: elements added, and a factor of the auxiliary acceleration.
 const FREEZING: [(usize, f64); 4] = [(0, 1.0), (0, 0.5), (1, 1.0), (0, 2.0)];
 
-/// Starts of the time-freezing formulation after the first two, as long as none leads to a certified motion, where their number is
-/// left open; about how many intervals the coarse grid has.
-const FREEZING_STARTS: std::ops::Range<usize> = 2..6;
+/// About how many intervals the coarse grid of the time-freezing formulation has.
 const COARSE: usize = 10;
 
 /// Solves from all starts side by side; the first result among the best, and the distinct local optima.
@@ -41,7 +39,8 @@ pub(super) fn solve(
         observer: &observer,
     };
     let freezes = matches!(settings.formulation, Formulation::TimeFreezing(_));
-    let (mut found, mut seen) = if freezes && settings.starts.is_none() {
+    let known = matches!(settings.guess, Guess::Previous(_));
+    let (mut found, mut seen) = if freezes && settings.starts.is_none() && !known {
         freeze(&task)?
     } else {
         let runs = (0..settings.starts()).into_par_iter();
@@ -85,7 +84,7 @@ fn freeze(task: &Task) -> Result<(Vec<Found>, Vec<Found>), InputError> {
         seen.push(second);
     }
     let certified = |found: &Found| found.solution.status == Status::Solved;
-    for start in FREEZING_STARTS {
+    for start in 2..task.settings.starts() {
         if task.observer.stopped() || found.iter().any(certified) {
             break;
         }
@@ -125,6 +124,10 @@ fn variant(settings: &Settings, start: usize) -> Settings {
             let (elements, factor) = FREEZING[start / 2 % FREEZING.len()];
             freezing.elements += elements + start / 2 / FREEZING.len();
             freezing.auxiliary_acceleration *= factor;
+            if start / 2 % 2 == 0 && start > 1 {
+                // Of the rules that are good at contact sequences, now one, now the other leads to the better motion.
+                freezing.rules.swap(0, 1);
+            }
         }
     }
     variant
