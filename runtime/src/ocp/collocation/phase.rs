@@ -7,7 +7,7 @@ use super::layout::{Distance, FREE, Kept, Phase, Stage};
 use super::stage_inputs::{Elapsed, drive_at, drive_within};
 use super::turns::Turns;
 use super::{cut_rows, friction_rows, provided, start_conditions};
-use crate::model::Pieces;
+use crate::model::{Model, Pieces};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::program::frame::{Provided, force_name, state_name};
 use crate::ocp::program::kernel::Kernel;
@@ -57,6 +57,11 @@ impl Element<'_> {
     fn implies(&self, pieces: &Pieces, contact: usize) -> bool {
         let mut taking = self.taking.iter();
         taking.any(|&taken| pieces.acting(taken) == contact)
+    }
+
+    /// Whether a contact bounces at its start until it rests.
+    fn settles(&self, model: &dyn Model, contact: usize) -> bool {
+        self.landed.contains(&contact) && model.restitution(contact) > 0.0
     }
 
     fn is_first_of_motion(&self) -> bool {
@@ -147,17 +152,20 @@ fn unknowns(
         let (model, length) = (builder.setting.model, element.to - element.from);
         for &i in &closed {
             let declared = &model.declaration().contacts[i];
+            let lowest = if element.settles(model, i) {
+                f64::NEG_INFINITY
+            } else {
+                0.0
+            };
             let program = &mut builder.program;
             let unit = units.force[i] * length;
             let force = program.variable(
                 format!("{} {at}", force_name(declared)),
-                (0.0, f64::INFINITY),
+                (lowest, f64::INFINITY),
                 sample[2 * builder.n + i] * length,
                 unit,
             );
             stage.forces.push(force);
-            note_bounces(builder, element, i, Kept::Variable(force));
-            let program = &mut builder.program;
             let normal = Normal {
                 contact: i,
                 mode: builder.modes[i],
@@ -470,6 +478,10 @@ fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) 
         if declared.dry {
             continue;
         }
+        if element.settles(model, i) {
+            settling_row(builder, element, phase, slot);
+            continue;
+        }
         let name = declared.name;
         let name = format!("force of `{name}` at the start of {}", element.label());
         let program = &mut builder.program;
@@ -477,23 +489,45 @@ fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) 
         for (stage, weight) in phase.stages.iter().zip(&values) {
             program.linear(row, stage.forces[slot], *weight);
         }
-        note_bounces(builder, element, i, Kept::Row(row));
     }
 }
 
-/// Notes a bound of a force that stands for bounces as well, if it does: the plan spreads those of a landing over its first element,
-/// which has to be long enough that the force nowhere pulls. No law asks for that.
-fn note_bounces(builder: &mut Builder, element: &Element, contact: usize, kept: Kept) {
-    let bounces = builder.setting.model.restitution(contact) > 0.0;
-    if !bounces || !element.landed.contains(&contact) {
-        return;
+/// Adds the time that a contact needs to come to rest. A plan spreads the bounces after a landing over the element, by a force that may
+/// pull for a while; its impulse is theirs. With the normal velocity `v` after the impact and the normal acceleration `a` they take
+/// `2 v / (a (1 - e))`, so that an element that holds all of them gives the impulse `(1 + e) / (1 - e) v` at least.
+fn settling_row(builder: &mut Builder, element: &Element, phase: &Phase, slot: usize) {
+    let Setting {
+        model,
+        units,
+        tableau,
+        ..
+    } = builder.setting;
+    let contact = phase.closed[slot];
+    let e = model.restitution(contact);
+    let name = model.declaration().contacts[contact].name;
+    let name = format!(
+        "time in which `{name}` comes to rest in {}",
+        element.label()
+    );
+    let drive = drive_within(builder, phase, 0.0, &name);
+    let program = &mut builder.program;
+    let unit = units.gap_rows[contact];
+    let row = program.row_in(unit, name.clone(), 0.0, f64::INFINITY);
+    for (stage, weight) in phase.stages.iter().zip(tableau.b()) {
+        program.linear(row, stage.forces[slot], (1.0 - e) * weight);
     }
-    let name = builder.setting.model.declaration().contacts[contact].name;
-    let label = element.label();
+    let (q, v) = phase.start.split_at(builder.n);
+    let kernel = Kernel::Contact(contact);
+    program.block(
+        &kernel,
+        [q, v, &drive, &[]],
+        None,
+        vec![(row, 1, -(1.0 + e))],
+    );
     builder.distances.push(Distance {
-        name: format!("time that `{name}` has to come to rest in {label}"),
-        kept,
-        amount: builder.setting.units.gap_rows[contact],
+        name,
+        kept: Kept::Row(row),
+        amount: unit,
         chosen: false,
     });
 }

@@ -139,7 +139,8 @@ impl Plan {
         Ok((Self::of(&local, stationarity), polished))
     }
 
-    /// An unconfirmed plan with the contact sequence of its re-simulation, if that is confirmed: a motion that is the same may be another
+    /// A plan that is unconfirmed, or held back by something that only its sequence asks for, with the contact sequence of its
+    /// re-simulation, if that is confirmed, and better than one that is confirmed as well: a motion that is the same may be another
     /// sequence to the simulation, and what is proved of the plan's is not of that one.
     fn judged_as_simulated(
         &self,
@@ -148,7 +149,9 @@ impl Plan {
         elements: &[usize],
         solution: &Solution,
     ) -> Result<Option<Solution>, InputError> {
-        if runner.stopped() || solution.status != Status::Unconfirmed {
+        let unconfirmed = solution.status == Status::Unconfirmed;
+        let held_back = solution.margins.iter().any(|margin| !margin.chosen);
+        if runner.stopped() || !unconfirmed && !held_back {
             return Ok(None);
         }
         let Some(seen) = self.as_simulated(setting, solution) else {
@@ -158,13 +161,15 @@ impl Plan {
             return Ok(None);
         };
         let (_, other) = Self::judged(runner, setting, elements, again)?;
-        Ok(Some(other).filter(|other| other.status != Status::Unconfirmed))
+        let confirmed = other.status != Status::Unconfirmed;
+        let better = unconfirmed || other.objective < solution.objective;
+        Ok((confirmed && better).then_some(other))
     }
 
     /// The plan with the contact sequence of its re-simulation, where that is another one of the same motion.
     fn as_simulated(&self, setting: Setting, solution: &Solution) -> Option<Self> {
         let motion = solution.motion.as_ref()?;
-        if solution.disagreement.is_none() || solution.resimulation_error > SAME_MOTION {
+        if solution.resimulation_error > SAME_MOTION {
             return None;
         }
         let read = read_replay(setting, motion, &self.trajectory);

@@ -11,7 +11,7 @@ use crate::simulation::{Event, EventKind, Simulation};
 /// Events nearer to an interval end than this share of the interval lie on it.
 pub(in crate::ocp) const AT_THE_END: f64 = 1e-7;
 
-/// Bounces that end within this many intervals are one landing.
+/// Bounces that end within this many intervals are read as one landing.
 const COMES_TO_REST: f64 = 0.5;
 
 /// A simulation under controls on equal intervals.
@@ -179,9 +179,9 @@ pub(in crate::ocp) fn of_elements(
     }
 }
 
-/// With bounces that soon come to rest as one landing, at the first of them: a plan in which an elastic contact closes
+/// With bounces that come to rest within so many intervals as one landing, at the first of them: a plan in which an elastic contact closes
 /// means all of them.
-fn landed(mut sequence: Sequence, model: &dyn Model) -> Sequence {
+pub(in crate::ocp) fn landed(mut sequence: Sequence, model: &dyn Model, within: f64) -> Sequence {
     let switches = &mut sequence.switches;
     let mut landing = 0;
     while landing < switches.len() {
@@ -197,9 +197,8 @@ fn landed(mut sequence: Sequence, model: &dyn Model) -> Sequence {
         }
         let own = (0..landing).rev();
         let own = own.filter(|&index| switches[index].contact == contact);
-        let bounces = own.take_while(|&index| {
-            switches[index].touches() && time - switches[index].time < COMES_TO_REST
-        });
+        let bounces = own
+            .take_while(|&index| switches[index].touches() && time - switches[index].time < within);
         let bounces: Vec<usize> = bounces.collect();
         let Some((&first, later)) = bounces.split_last() else {
             landing += 1;
@@ -248,7 +247,7 @@ pub(in crate::ocp) fn seen(
             switch.mode = ContactMode::Stick;
         }
     }
-    let mut sequence = landed(sequence.consistent(), model);
+    let mut sequence = landed(sequence.consistent(), model, COMES_TO_REST);
     let switches = &mut sequence.switches;
     let mut start = 0;
     for end in 1..=switches.len() {
