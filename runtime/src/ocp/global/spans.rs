@@ -60,6 +60,9 @@ pub(super) fn spans(
     all
 }
 
+/// A state, and how much its lifted gaps differ from its gaps.
+type End<'a> = (&'a [f64], &'a [f64]);
+
 /// The motion up to some switch.
 struct Motion<'a> {
     system: HeavisideSystem<'a>,
@@ -169,16 +172,16 @@ impl Motion<'_> {
         if let Some((contact, while_sliding)) = self.sliding_on(struck, before, time) {
             let later = std::mem::replace(&mut self.modes[contact], while_sliding);
             if let Some((length, state)) = self.stop(contact, struck, (before, time), fall) {
-                let ends = ((before, &[][..]), (&state[..], &[][..]));
+                let ends = [(before, &[][..]), (&state[..], &[][..])];
                 spans.push(self.push(struck, time, length, ends, true));
                 falls = (state, fall - length);
             }
             self.modes[contact] = later;
         }
-        let ends = ((&falls.0[..], &[][..]), (&lowest[..], &depths[..]));
+        let ends = [(&falls.0[..], &[][..]), (&lowest[..], &depths[..])];
         spans.push(self.push(struck, time, falls.1, ends, true));
         if rebound > 0.0 {
-            let ends = ((&lowest[..], &depths[..]), (after, &[][..]));
+            let ends = [(&lowest[..], &depths[..]), (after, &[][..])];
             spans.push(self.push(struck, time, fall / rebound, ends, false));
         }
         spans
@@ -238,7 +241,7 @@ impl Motion<'_> {
         struck: &[usize],
         time: f64,
         length: f64,
-        ((from, above), (to, below)): ((&[f64], &[f64]), (&[f64], &[f64])),
+        [(from, above), (to, below)]: [End<'_>; 2],
         falling: bool,
     ) -> Span {
         let shares = self.shares_of_jump(struck, falling);

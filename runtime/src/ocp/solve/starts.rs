@@ -124,7 +124,7 @@ fn variant(settings: &Settings, start: usize) -> Settings {
             let (elements, factor) = FREEZING[start / 2 % FREEZING.len()];
             freezing.elements += elements + start / 2 / FREEZING.len();
             freezing.auxiliary_acceleration *= factor;
-            if start / 2 % 2 == 0 && start > 1 {
+            if start > 1 && (start / 2).is_multiple_of(2) {
                 // Of the rules that are good at contact sequences, now one, now the other leads to the better motion.
                 freezing.rules.swap(0, 1);
             }
