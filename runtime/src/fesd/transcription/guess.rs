@@ -1,6 +1,6 @@
 //! The starting point of the solver, from the task alone.
 
-use super::known::laid_out;
+use super::laid_out::{Placed, laid_out};
 use super::{Guess, SUMS, Transcription};
 
 /// Explicit Euler steps of a simulated guess in an interval without contact.
@@ -15,14 +15,6 @@ struct Sampled {
     length: f64,
     /// `(q, v, t, G)` and then the shares of the groups during the following step, at each instant.
     points: Vec<Vec<f64>>,
-}
-
-/// A guess of one element.
-pub(super) struct Placed {
-    /// Its length over that of its interval.
-    pub(super) width: f64,
-    /// `(q, v, t, G)` and the shares of the groups in each block.
-    pub(super) points: Vec<Vec<f64>>,
 }
 
 impl Sampled {

@@ -1,57 +1,13 @@
-//! The elements of a known motion: the sides that vanish in it, and where the solver starts.
+//! What vanishes in a known motion.
 
 use super::Transcription;
-use super::guess::Placed;
+use super::laid_out::parts;
 use super::modes::{self, Mode};
-use super::task::{Guess, Span};
+use super::task::Guess;
 use crate::dcs::W;
 
 /// Weight or speed of a known motion that counts as none.
 const NONE: f64 = 1e-4;
-
-/// Numbers of elements of these spans, `count` together where that is enough: a jump is one element, the others are divided evenly,
-/// the longest ones most often.
-pub(super) fn parts(spans: &[Span], count: usize) -> Vec<usize> {
-    let mut parts = vec![1; spans.len()];
-    for _ in spans.len()..count {
-        let part = |&i: &usize| (!spans[i].jumps, spans[i].length / parts[i] as f64);
-        let compare = |a: &usize, b: &usize| {
-            let (a, b) = (part(a), part(b));
-            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-        };
-        if let Some(longest) = (0..spans.len()).max_by(compare) {
-            parts[longest] += 1;
-        }
-    }
-    parts
-}
-
-/// Length in numerical time and elements of an interval with these spans.
-pub(super) fn laid_out(spans: &[Span], count: usize, places: &[f64]) -> (f64, Vec<Placed>) {
-    let length: f64 = spans.iter().map(|span| span.length).sum();
-    let elements = spans
-        .iter()
-        .zip(parts(spans, count))
-        .flat_map(|(span, parts)| {
-            (0..parts).map(move |part| Placed {
-                width: span.length / length / parts as f64,
-                points: places
-                    .iter()
-                    .map(|place| at(span, (part as f64 + place) / parts as f64))
-                    .collect(),
-            })
-        });
-    (length, elements.collect())
-}
-
-/// The point at a share of a span.
-fn at(span: &Span, share: f64) -> Vec<f64> {
-    let place = share * (span.points.len() - 1) as f64;
-    let first = (place as usize).min(span.points.len() - 2);
-    let fraction = place - first as f64;
-    let pair = span.points[first].iter().zip(&span.points[first + 1]);
-    pair.map(|(a, b)| a + fraction * (b - a)).collect()
-}
 
 /// What vanishes in the motion that the solver starts at, where that is a known one; nothing else.
 pub(crate) fn known_sides(transcription: &Transcription<'_>) -> Vec<bool> {
@@ -164,4 +120,95 @@ fn weights(transcription: &Transcription<'_>, contact: usize) -> Vec<usize> {
         [forward, backward]
     });
     std::iter::once(weight).chain(split).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_scenes::Bead;
+    use super::super::{Controls, Span, Task, transcribe};
+    use super::*;
+    use crate::dcs::{ALPHA, HeavisideSystem};
+    use crate::fesd::finite_element::State;
+    use crate::rk::{ButcherTableau, Scheme};
+    use crate::time_freezing::TimeFreezingSystem;
+    use hangtime_solver::nlp::{NlpProblem, check_derivatives};
+
+    /// A bead that flies for 0.1 s, lands on the floor in a jump of 0.1 s, and stays there.
+    fn landing() -> Transcription<'static> {
+        static BEAD: std::sync::LazyLock<Bead> = std::sync::LazyLock::new(Bead::default);
+        let phase = |weights: [bool; 2],
+                     share: f64,
+                     heights: [f64; 2],
+                     falls: [f64; 2],
+                     times: [f64; 2]| {
+            // (q, v, t, G) and the shares of floor and wall.
+            let point = |k: usize| {
+                let states = [0.0, heights[k], 0.0, falls[k], times[k], heights[k], 1.0];
+                [&states[..], &[share, 1.0]].concat()
+            };
+            Span {
+                length: 0.1,
+                jumps: times[0] == times[1],
+                weights: vec![weights, [true, false]],
+                points: vec![point(0), point(1)],
+            }
+        };
+        let spans = vec![
+            phase([true, false], 1.0, [0.1, 0.0], [-1.0, -2.0], [0.0, 0.1]),
+            phase([false, true], 0.0, [0.0, 0.0], [-2.0, 0.0], [0.1, 0.1]),
+            phase([true, true], 0.7, [0.0, 0.0], [0.0, 0.0], [0.1, 0.2]),
+        ];
+        let start = State {
+            time: 0.0,
+            q: vec![0.0, 0.1],
+            v: vec![0.0, -1.0],
+        };
+        let mut task = Task::step(&start, &[0.8], 0.2, 5);
+        task.guess = Guess::Known(vec![spans]);
+        task.controls = Controls::Free {
+            lower: vec![-3.0],
+            upper: vec![2.0],
+            guess: vec![vec![0.8]],
+        };
+        let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
+        let system = TimeFreezingSystem::new(&*BEAD, 50.0);
+        transcribe(HeavisideSystem::new(system), &tableau, task)
+    }
+
+    #[test]
+    fn elements_of_a_phase_share_one_length_and_its_derivatives_are_right() {
+        let mut program = landing();
+        let length = |e: usize| program.elements[e].length;
+        // Of five elements two are of the flight, one of the jump, two of the contact.
+        assert_eq!([length(1), length(4)], [length(0), length(3)]);
+        assert!(length(0) < length(2) && length(2) < length(3));
+        assert_eq!(
+            program.variable_name(length(3)),
+            "length of element 3 of interval 0, 0.0000 to 0.2000 s"
+        );
+        let mut x = vec![0.0; program.variables()];
+        program.initial_point(&mut x);
+        for (i, value) in x.iter_mut().enumerate() {
+            *value += 0.1 + 0.05 * (i as f64).sin();
+        }
+        let compared = check_derivatives(&mut program, Some(&x)).expect("finite at the start");
+        assert!(compared.iter().all(|entry| !entry.missing));
+        assert!(compared[0].error < 1e-6, "{:?}", compared[0]);
+    }
+
+    #[test]
+    fn sides_vanish_by_what_the_motion_does() {
+        let program = landing();
+        let vanishes = known_sides(&program);
+        let at = |e: usize, stage: usize, offset: usize| {
+            let place = program.dcs.layout.algebraic(0, offset);
+            vanishes[program.elements[e].blocks[stage].variables[place].expect("a variable")]
+        };
+        // Step functions vanish in the jump only; at its end the normal velocity does, and in contact at every stage.
+        for e in 0..5 {
+            assert_eq!(at(e, 0, ALPHA), e == 2, "{e}");
+            assert_eq!(at(e, 1, W), e >= 2, "{e}");
+        }
+        assert!(!at(2, 0, W) && at(3, 0, W));
+    }
 }

@@ -25,6 +25,7 @@ mod conditions;
 mod derivatives;
 mod guess;
 mod known;
+mod laid_out;
 mod modes;
 mod names;
 mod neighbours;
@@ -315,7 +316,7 @@ impl<'a> Transcription<'a> {
         let Guess::Known(intervals) = &self.task.guess else {
             return Vec::new();
         };
-        let parts = known::parts(&intervals[k], self.task.elements).into_iter();
+        let parts = laid_out::parts(&intervals[k], self.task.elements).into_iter();
         parts
             .flat_map(|count| (0..count).map(|part| part > 0))
             .collect()
