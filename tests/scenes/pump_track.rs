@@ -197,7 +197,6 @@ fn fastest_ride_at_10_and_22_km_per_h_beats_the_known_bounds() {
 }
 
 #[test]
-#[ignore = "long"]
 fn fastest_ride_with_more_intervals_is_faster_but_not_below_the_continuous_bound() {
     let coarse = solve(&PumpTrack::default(), 30).horizon;
     let fine = solve(&PumpTrack::default(), 60);
@@ -286,7 +285,6 @@ fn rides_from_every_guess_end_certified_at_the_same_optimum() {
 }
 
 #[test]
-#[ignore = "long"]
 fn ride_over_a_hill_that_is_barely_passable_is_found_from_every_guess() {
     let model = at(8.0);
     let problem = Problem::of(&model, 30);

@@ -230,14 +230,16 @@ fn time_freezing_programs_state_all_that_is_declared_and_end_at_the_optima_of_th
     let (engines, spring) = (Engines::default(), Spring::default());
     // A cost of states, a path constraint, free initial values with a quadratic cost, an equality of controls, a
     // quadratic constraint with a linear cost of the last state.
-    let scenes: [(&dyn Model, usize); 5] = [
-        (&guided, 4),
-        (&limited, 5),
-        (&stone, 3),
-        (&engines, 4),
-        (&spring, 8),
+    // Constraints of the program hold at stages only, and its elements are equal: where accelerations change, it is as far off
+    // as a scheme of order 3 is.
+    let scenes: [(&dyn Model, usize, f64); 5] = [
+        (&guided, 4, 1e-5),
+        (&limited, 5, 1e-8),
+        (&stone, 3, 1e-11),
+        (&engines, 4, 1e-11),
+        (&spring, 8, 2e-4),
     ];
-    for (model, intervals) in scenes {
+    for (model, intervals, near) in scenes {
         let name = model.declaration().name;
         let known = solve(model, intervals, &one_start()).objective;
         let solution = solve(model, intervals, &settings);
@@ -246,8 +248,7 @@ fn time_freezing_programs_state_all_that_is_declared_and_end_at_the_optima_of_th
             (solution.objective - known).abs() < DIGITS * size,
             "{name}: {known}"
         );
-        // The program itself: its constraints hold at stages only, of a scheme of order 3, and its elements are equal.
-        assert_program(&solution, 1e-2);
+        assert_program(&solution, near);
     }
 }
 

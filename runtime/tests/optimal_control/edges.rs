@@ -507,7 +507,6 @@ fn least_push(push: &Push) -> (f64, f64) {
 
 /// The time-freezing program knows which piece of an edge acts: what it comes to is the same motion.
 #[test]
-#[ignore = "long"]
 fn time_freezing_program_pushes_off_a_table_and_over_a_shoulder_as_closed_forms_do() {
     let push = Push::default();
     let solution = attempt(&push, INTERVALS, &time_freezing());

@@ -5,7 +5,6 @@ use crate::support::{Scratch, assert_page_shows_its_result, json, result_files, 
 use serde_json::Value;
 
 #[test]
-#[ignore = "long"]
 fn reproduce_covers_the_publication_with_figures_data_and_pages() {
     let scratch = Scratch::new("reproduce");
     let text = solved(&["reproduce", "--out", scratch.text()]);

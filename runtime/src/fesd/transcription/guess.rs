@@ -188,7 +188,7 @@ fn elements(transcription: &mut Transcription<'_>) -> Vec<(f64, Vec<Placed>)> {
     if !transcription.tableau.stiffly_accurate() {
         places.push(1.0);
     }
-    let intervals = match transcription.task.guess.clone() {
+    let intervals: Vec<Sampled> = match transcription.task.guess.clone() {
         Guess::Known(intervals) => {
             let laid = intervals
                 .iter()
@@ -201,7 +201,6 @@ fn elements(transcription: &mut Transcription<'_>) -> Vec<(f64, Vec<Placed>)> {
         Guess::Simulated => simulate_all(transcription),
     };
     let placed = |sampled: &Sampled| sampled.elements(count, (&places, stages), states);
-    let intervals: Vec<Sampled> = intervals;
     intervals
         .iter()
         .map(|sampled| (sampled.length, placed(sampled)))
