@@ -276,13 +276,18 @@ fn relaxed_and_optima(solution: &Solution) -> String {
         let _ = writeln!(
             text,
             "time-freezing {how}: objective {:.7}, violation {:.1e}, largest product {:.1e}\n              \
-             relaxed before: objective {:.7}, largest product {:.1e}\n              \
+             relaxed before: objective {:.7}, largest product {:.1e}{}\n              \
              {} variables, {} rows, {} pairs; {} iterations, {} of CPU time\n",
             report.objective,
             report.residuals.primal,
             report.residuals.complementarity,
             report.relaxed.objective,
             report.relaxed.complementarity,
+            if report.relaxed.led_to_motion {
+                ""
+            } else {
+                ", led to no motion; contact sequence of the contact-implicit search"
+            },
             size.variables,
             size.equalities + size.inequalities,
             size.complementarities,

@@ -85,6 +85,7 @@ struct RelaxedEntry {
     objective: f64,
     complementarity: f64,
     iterations: usize,
+    led_to_motion: bool,
 }
 
 impl TimeFreezingEntry {
@@ -101,6 +102,7 @@ impl TimeFreezingEntry {
                 objective: report.relaxed.objective,
                 complementarity: report.relaxed.complementarity,
                 iterations: report.relaxed.iterations,
+                led_to_motion: report.relaxed.led_to_motion,
             },
             size: report.size,
             iterations: report.iterations,

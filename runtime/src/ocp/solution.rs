@@ -92,6 +92,9 @@ pub struct RelaxedReport {
     pub complementarity: f64,
     /// Interior point iterations.
     pub iterations: usize,
+    /// Whether the contact sequence of the motion was found by way of it. Where no start led to a motion, it is that of the
+    /// contact-implicit search.
+    pub led_to_motion: bool,
 }
 
 /// A local optimum that several starts led to, or one of them alone.

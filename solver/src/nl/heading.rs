@@ -12,6 +12,8 @@ pub(super) struct Heading {
     pub(super) objectives: usize,
     /// Common expressions, all kinds together.
     pub(super) common: usize,
+    /// Nonzeros of the rows and of the objectives.
+    pub(super) nonzeros: [usize; 2],
     /// The first variable that must be whole, if there is one.
     pub(super) whole: Option<usize>,
 }
@@ -57,7 +59,7 @@ impl Heading {
         let nonlinear = line("the counts of nonlinear variables", 2)?;
         line("the counts of functions", 1)?;
         let discrete = line("the counts of discrete variables", 2)?;
-        line("the counts of nonzeros", 2)?;
+        let nonzeros = line("the counts of nonzeros", 2)?;
         line("the lengths of names", 1)?;
         let common = line("the counts of common expressions", 1)?;
         let [variables, rows, objectives] = [sizes[0], sizes[1], sizes[2]];
@@ -93,6 +95,7 @@ impl Heading {
             rows,
             objectives,
             common,
+            nonzeros: [nonzeros[0], nonzeros[1]],
             whole,
         })
     }

@@ -1,5 +1,7 @@
 //! From the bytes of a file to what it states.
 
+use std::collections::HashMap;
+
 use super::error::ReadError;
 use super::expression::{self, Names};
 use super::graph::{Graph, NodeId};
@@ -18,9 +20,8 @@ struct Reader<'a> {
     common: Vec<Option<NodeId>>,
     functions: Vec<(usize, String)>,
     objectives: usize,
-    /// Which segments `r` and `b` were there.
-    has_row_bounds: bool,
-    has_variable_bounds: bool,
+    /// The segments that were there, by key and index; of `J` and `G` with their numbers of terms.
+    segments: HashMap<(u8, usize), usize>,
 }
 
 /// Reads a file, text or binary. Suffixes, initial multipliers and column counts are checked for their form and
@@ -44,7 +45,7 @@ pub(super) fn read(bytes: &[u8], names: &dyn Fn(usize) -> String) -> Result<Stat
     let mut reader = Reader {
         source,
         statement: Statement {
-            options: heading.options,
+            options: heading.options.clone(),
             graph: Graph::new(heading.variables),
             bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); heading.variables],
             start: vec![0.0; heading.variables],
@@ -55,35 +56,78 @@ pub(super) fn read(bytes: &[u8], names: &dyn Fn(usize) -> String) -> Result<Stat
         common: vec![None; heading.common],
         functions: Vec::new(),
         objectives: heading.objectives,
-        has_row_bounds: false,
-        has_variable_bounds: false,
+        segments: HashMap::new(),
     };
     while let Some(key) = reader.source.key() {
         reader.segment(key)?;
     }
-    if heading.rows > 0 && !reader.has_row_bounds {
-        return Err(ReadError::whole(
-            "it has no `r` segment, the bounds of the rows; it is cut off or damaged",
-        ));
-    }
-    if heading.variables > 0 && !reader.has_variable_bounds {
-        return Err(ReadError::whole(
-            "it has no `b` segment, the bounds of the variables; it is cut off or damaged",
-        ));
-    }
+    reader.check_whole(&heading)?;
     Ok(reader.statement)
 }
 
 impl Reader<'_> {
+    /// Finds out whether segments are missing that the heading counts.
+    fn check_whole(&self, heading: &Heading) -> Result<(), ReadError> {
+        let has = |key: u8| self.segments.contains_key(&(key, 0));
+        if heading.rows > 0 && !has(b'r') {
+            return Err(ReadError::whole(
+                "it has no `r` segment, the bounds of the rows; it is cut off or damaged",
+            ));
+        }
+        if heading.variables > 0 && !has(b'b') {
+            return Err(ReadError::whole(
+                "it has no `b` segment, the bounds of the variables; it is cut off or damaged",
+            ));
+        }
+        let of = |key: u8| self.segments.iter().filter(move |((k, _), _)| *k == key);
+        if of(b'O').count() < heading.objectives {
+            return Err(ReadError::whole(format!(
+                "it has {} of {} `O` segments, the objectives; it is cut off or damaged",
+                of(b'O').count(),
+                heading.objectives
+            )));
+        }
+        for (key, what, counted) in [
+            ('J', "rows", heading.nonzeros[0]),
+            ('G', "objectives", heading.nonzeros[1]),
+        ] {
+            let found: usize = of(key as u8).map(|(_, terms)| terms).sum();
+            if found != counted {
+                return Err(ReadError::whole(format!(
+                    "its heading counts {counted} nonzeros of the {what}, but its `{key}` segments have {found}; it is cut off or damaged"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes a segment, of which there is one of each key and index.
+    fn note(&mut self, key: u8, index: usize, terms: usize) -> Result<(), ReadError> {
+        if self.segments.insert((key, index), terms).is_none() {
+            return Ok(());
+        }
+        let key = char::from(key);
+        let index = if matches!(key, 'r' | 'b') {
+            String::new()
+        } else {
+            index.to_string()
+        };
+        Err(self.source.error(format!(
+            "a second segment `{key}{index}`; give each once"
+        )))
+    }
+
     fn segment(&mut self, key: u8) -> Result<(), ReadError> {
         match key {
             b'C' => {
                 let row = self.row()?;
+                self.note(key, row, 0)?;
                 let node = self.expression()?;
                 self.statement.rows[row].0.expression = Some(node);
             }
             b'O' => {
                 let index = self.below(self.objectives, "objective")?;
+                self.note(key, index, 0)?;
                 let maximizes = self.source.index()? != 0;
                 let node = self.expression()?;
                 if index == 0 {
@@ -114,13 +158,16 @@ impl Reader<'_> {
                     self.statement.start[variable] = value;
                 }
             }
-            b'r' => self.row_bounds()?,
+            b'r' => {
+                self.note(key, 0, 0)?;
+                self.row_bounds()?;
+            }
             b'b' => {
+                self.note(key, 0, 0)?;
                 for variable in 0..self.statement.bounds.len() {
                     let kind = self.source.digit()?;
                     self.statement.bounds[variable] = self.bounds(kind)?;
                 }
-                self.has_variable_bounds = true;
             }
             b'k' | b'K' => {
                 let count = self.source.index()?;
@@ -130,13 +177,16 @@ impl Reader<'_> {
             }
             b'J' => {
                 let row = self.row()?;
-                self.statement.rows[row].0.linear = self.linear()?;
+                let terms = self.terms()?;
+                self.note(key, row, terms.len())?;
+                self.statement.rows[row].0.linear = linear(terms);
             }
             b'G' => {
                 let index = self.below(self.objectives, "objective")?;
-                let linear = self.linear()?;
+                let terms = self.terms()?;
+                self.note(key, index, terms.len())?;
                 if index == 0 {
-                    self.statement.objective.linear = linear;
+                    self.statement.objective.linear = linear(terms);
                 }
             }
             _ => {
@@ -226,19 +276,9 @@ impl Reader<'_> {
         Ok(pairs)
     }
 
-    /// The linear terms of a row or an objective, without those that are zero.
-    fn linear(&mut self) -> Result<Vec<(usize, f64)>, ReadError> {
-        let mut terms = self.pairs("variable", self.statement.start.len())?;
-        terms.sort_unstable_by_key(|term| term.0);
-        terms.dedup_by(|next, kept| {
-            let same = next.0 == kept.0;
-            if same {
-                kept.1 += next.1;
-            }
-            same
-        });
-        terms.retain(|term| term.1 != 0.0);
-        Ok(terms)
+    /// The linear terms of a row or an objective.
+    fn terms(&mut self) -> Result<Vec<(usize, f64)>, ReadError> {
+        self.pairs("variable", self.statement.start.len())
     }
 
     /// Bounds of a kind: 0 both, 1 upper, 2 lower, 3 none, 4 equality.
@@ -299,7 +339,20 @@ impl Reader<'_> {
                 Demand::Bounds(lower, upper)
             };
         }
-        self.has_row_bounds = true;
         Ok(())
     }
+}
+
+/// Linear terms, each variable at most once and without those that are zero.
+fn linear(mut terms: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
+    terms.sort_unstable_by_key(|term| term.0);
+    terms.dedup_by(|next, kept| {
+        let same = next.0 == kept.0;
+        if same {
+            kept.1 += next.1;
+        }
+        same
+    });
+    terms.retain(|term| term.1 != 0.0);
+    terms
 }

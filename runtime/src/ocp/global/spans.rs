@@ -115,8 +115,12 @@ impl Motion<'_> {
         let n = self.system.system.coordinates();
         let before = self.trajectory.at(time - beside, false)[..2 * n].to_vec();
         let after = self.trajectory.at(time + beside, true)[..2 * n].to_vec();
+        self.point(&after, time, &[], Vec::new());
         for switch in group {
-            self.modes[switch.contact] = switch.impulse;
+            // What an impact throws off has no part in it.
+            let leaves =
+                switch.opens() && self.system.system.normal_velocity(switch.contact) > SLIDING;
+            self.modes[switch.contact] = if leaves { switch.mode } else { switch.impulse };
         }
         let jump = self.jump(&struck, time, (&before, &after));
         for switch in group {

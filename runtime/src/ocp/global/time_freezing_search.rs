@@ -85,6 +85,7 @@ pub(in crate::ocp) fn candidate(
             objective: solution.objective,
             complementarity,
             iterations: solution.iterations,
+            led_to_motion: true,
         },
         iterations: solution.iterations,
         size: ProblemSize::of(&program, program.complementarities().len()),

@@ -2,17 +2,18 @@
 
 use rayon::prelude::*;
 
+use super::nested;
 use super::one_grid::Known;
-use super::optima::{Found, result, sort};
+use super::optima::{Found, rank, result, sort};
 use super::run::{Task, is_as_good};
 use super::shared_observer::SharedObserver;
-use crate::Observer;
 use crate::model::Model;
 use crate::ocp::effort::Effort;
 use crate::ocp::problem::Problem;
 use crate::ocp::settings::{Formulation, Guess, Settings};
-use crate::ocp::solution::{Solution, Status};
+use crate::ocp::solution::{Solution, Status, TimeFreezingReport};
 use crate::simulation::InputError;
+use crate::{Observer, Progress};
 
 /// Elements an interval of the refined programs of the starts. Motions differ in their discretizations more than in
 /// their guesses.
@@ -56,8 +57,8 @@ pub(super) fn solve(
 }
 
 /// Starts of the time-freezing formulation where their number is left open: one on the grid asked for, one on a coarse grid,
-/// which is carried to this one where it comes to more, and others until one leads to a certified motion. What they end at on
-/// this grid, and on the coarse one.
+/// which is carried to this one where it comes to more, the contact-implicit search where neither leads to a motion, and others until
+/// one leads to a certified motion. What they end at on this grid, and on the coarse one.
 fn freeze(task: &Task) -> Result<(Vec<Found>, Vec<Found>), InputError> {
     let intervals = task.problem.intervals;
     let factor = (intervals as f64 / COARSE as f64).round().max(1.0) as usize;
@@ -83,6 +84,12 @@ fn freeze(task: &Task) -> Result<(Vec<Found>, Vec<Found>), InputError> {
         }
         seen.push(second);
     }
+    let moves = |found: &Found| rank(&found.solution).0 == 0;
+    if !task.observer.stopped() && !found.iter().any(moves) {
+        let mut reports = found.iter().map(|found| &found.solution.time_freezing);
+        let report = reports.find_map(Clone::clone);
+        found.push(in_phases(task, report)?);
+    }
     let certified = |found: &Found| found.solution.status == Status::Solved;
     for start in 2..task.settings.starts() {
         if task.observer.stopped() || found.iter().any(certified) {
@@ -91,6 +98,25 @@ fn freeze(task: &Task) -> Result<(Vec<Found>, Vec<Found>), InputError> {
         found.push(from_start(task, start)?);
     }
     Ok((found, seen))
+}
+
+/// The motion that the contact-implicit search leads to, with the report of a relaxed program that led to none.
+fn in_phases(task: &Task, report: Option<TimeFreezingReport>) -> Result<Found, InputError> {
+    let run = task.observer.begin();
+    let mut observer = |progress: &Progress| task.observer.goes_on(run, progress);
+    let settings = Settings {
+        formulation: Formulation::Phases,
+        ..task.settings.clone()
+    };
+    let mut solution = nested::solve(task.model, task.problem, &settings, &mut observer)?;
+    solution.time_freezing = report.map(|mut report| {
+        report.relaxed.led_to_motion = false;
+        report
+    });
+    Ok(Found {
+        start: task.settings.starts(),
+        solution,
+    })
 }
 
 /// Solves from a start.
