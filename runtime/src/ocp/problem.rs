@@ -93,12 +93,31 @@ impl Problem {
                 ));
             }
             Horizon::Fixed(horizon) => horizon,
-            Horizon::Free { guess } => guess.unwrap_or(1.0),
+            Horizon::Free { guess } => guess.or_else(|| model.horizon()).unwrap_or(1.0),
         };
         self.initial_value_problem(&self.start(), horizon, ControlSignal::Zero)
             .check(model)?;
         let (lower, upper) = bounds(model);
-        for (k, known) in model.declaration().coordinates.iter().enumerate() {
+        let declaration = model.declaration();
+        let bounded = declaration
+            .coordinates
+            .iter()
+            .map(|known| (known.name, known.unit));
+        let driven = declaration
+            .controls
+            .iter()
+            .map(|known| (known.name, known.unit));
+        for (k, (name, unit)) in bounded.chain(driven).enumerate() {
+            if lower[k].is_nan() || upper[k].is_nan() || lower[k] > upper[k] {
+                return Err(refusal(
+                    format!("lower bound of `{name}`"),
+                    lower[k],
+                    unit,
+                    format!("at most the upper one, {}", upper[k]),
+                ));
+            }
+        }
+        for (k, known) in declaration.coordinates.iter().enumerate() {
             if !(lower[k]..=upper[k]).contains(&self.q[k]) {
                 return Err(refusal(
                     format!("initial `{}`", known.name),
@@ -109,7 +128,61 @@ impl Problem {
             }
         }
         self.check_free_start(model)?;
+        self.check_constraints(model)?;
         self.check_contacts(model)
+    }
+
+    /// Path constraints that read nothing but given initial values hold at the start: what holds at the stages only would let the
+    /// first of them wait until it does.
+    fn check_constraints(&self, model: &dyn Model) -> Result<(), InputError> {
+        let declaration = model.declaration();
+        let Some(declared) = declaration.optimal_control else {
+            return Ok(());
+        };
+        let states = 2 * declaration.coordinates.len();
+        let (first, last) = (states + declaration.controls.len(), declaration.inputs());
+        let given = |&column: &usize| {
+            (column < states || (first..last).contains(&column))
+                && !declared.free_start.contains(&column)
+        };
+        let mut input = self
+            .initial_value_problem(&self.start(), 1.0, ControlSignal::Zero)
+            .input(model);
+        input.resize(declaration.path_inputs(), 0.0);
+        let mut values = vec![0.0; declared.path_functions()];
+        let mut slopes = vec![0.0; declared.path_jacobian.entries.len()];
+        model.path_functions(&input, &mut values);
+        model.path_jacobian(&input, &mut slopes);
+        let first = usize::from(declared.running_cost);
+        for (known, function) in declared.constraints.iter().zip(first..) {
+            let entries = declared.path_jacobian.entries.iter().zip(&slopes);
+            let own = entries.filter(|((row, _), _)| *row as usize == function);
+            let own = own.map(|(&(_, column), slope)| (column as usize, slope));
+            let terms: Vec<(usize, f64)> = own
+                .map(|(column, slope)| (column, (slope * input[column]).abs()))
+                .collect();
+            if !terms.iter().all(|(column, _)| given(column)) {
+                continue;
+            }
+            let size = terms
+                .iter()
+                .fold(1.0, |most: f64, (_, term)| most.max(*term));
+            let value = values[function];
+            let violation = if known.equality { value.abs() } else { -value };
+            if violation > AT_REST * size {
+                return Err(refusal(
+                    format!("`{}` at the start", known.name),
+                    value,
+                    known.unit,
+                    if known.equality {
+                        "0: start where the constraint holds".into()
+                    } else {
+                        "at least 0: start where the constraint holds".into()
+                    },
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// The motion starts after its first impact.

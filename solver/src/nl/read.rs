@@ -112,9 +112,9 @@ impl Reader<'_> {
         } else {
             index.to_string()
         };
-        Err(self.source.error(format!(
-            "a second segment `{key}{index}`; give each once"
-        )))
+        Err(self
+            .source
+            .error(format!("a second segment `{key}{index}`; give each once")))
     }
 
     fn segment(&mut self, key: u8) -> Result<(), ReadError> {

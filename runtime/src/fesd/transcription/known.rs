@@ -61,11 +61,13 @@ fn mode(weights: &[bool; 2]) -> Mode {
     }
 }
 
-/// Marks the smaller one of each pair of a stage of which none is known to vanish.
+/// Marks the smaller one of each pair of a stage, or of a free start, of which none is known to vanish.
 fn mark_undecided(transcription: &Transcription<'_>, vanishes: &mut [bool]) {
     let pairs = transcription.dcs.layout.stage_pairs();
     let elements = transcription.elements.iter();
-    for block in elements.flat_map(|element| &element.blocks) {
+    let stages = elements.flat_map(|element| &element.blocks);
+    let start = transcription.beginning.iter().map(|start| &start.block);
+    for block in start.chain(stages) {
         for &(first, second) in &pairs {
             if let (Some(i), Some(j)) = (block.variables[first], block.variables[second])
                 && !vanishes[i]
