@@ -26,11 +26,16 @@ pub(in crate::ocp) fn guess(
     match guess {
         Guess::Straight | Guess::Reachable => Ok(straight),
         Guess::Rest => Ok(at_rest(straight, model, problem)),
-        Guess::Ride => ride(straight, model, problem),
+        Guess::Ride => ride(straight, model, problem, &problem.start()),
         Guess::Perturbed(seed) => Ok(perturbed(straight, model, problem, *seed, bounds)),
         Guess::Random(seed) => {
             let driven = randomly_driven(straight, model, problem, *seed, bounds);
-            ride(driven, model, problem)
+            let drawn = random_start(model, problem, *seed, driven.horizon);
+            match drawn.map(|start| ride(driven.clone(), model, problem, &start)) {
+                Some(Ok(motion)) => Ok(motion),
+                // It may be inside a surface: the declared one is not.
+                Some(Err(_)) | None => ride(driven, model, problem, &problem.start()),
+            }
         }
         Guess::Previous(previous) => previous.trajectory(model, problem),
     }
@@ -83,18 +88,52 @@ fn at_rest(mut motion: Trajectory, model: &dyn Model, problem: &Problem) -> Traj
     motion
 }
 
-/// The motion under these controls; as far as it goes.
+/// A start whose free values are random within their ranges; of a range without end, as far around the declared value as that is
+/// from zero, and as coordinates with a goal are from it, or what takes them there in the time of the motion. None where no value is
+/// free.
+fn random_start(model: &dyn Model, problem: &Problem, seed: u64, horizon: f64) -> Option<Vec<f64>> {
+    let declared = model.declaration().optimal_control?;
+    let n = problem.q.len();
+    let targets = targets(problem, model);
+    let ranges = problem.start_ranges(model);
+    // Other numbers than those of the controls, and of every second start the opposite ones of the one before: so few starts
+    // try both halves of each range.
+    let opposite = matches!(seed % 4, 0 | 3) && seed > 2;
+    let (drawn, sign) = if opposite {
+        (seed - 2, -1.0)
+    } else {
+        (seed, 1.0)
+    };
+    let mut random = uniform(!drawn);
+    let mut start = problem.start();
+    for &k in declared.free_start {
+        let way = targets[k % n].map_or(0.0, |target| (target - problem.q[k % n]).abs());
+        let way = if k < n { way } else { 2.0 * way / horizon };
+        let size = start[k].abs().max(way);
+        let size = if size > 0.0 { size } else { 1.0 };
+        let (lower, upper) = ranges[k];
+        let (from, to) = if (upper - lower).is_finite() {
+            (lower, upper)
+        } else {
+            (start[k] - size, start[k] + size)
+        };
+        start[k] = (from + 0.5 * (sign * random() + 1.0) * (to - from)).clamp(lower, upper);
+    }
+    (!declared.free_start.is_empty()).then_some(start)
+}
+
+/// The motion from a start under these controls; as far as it goes.
 fn ride(
     motion: Trajectory,
     model: &dyn Model,
     problem: &Problem,
+    start: &[f64],
 ) -> Result<Trajectory, InputError> {
     let simulator = EventDriven {
         output_times: SAMPLES * problem.intervals,
         ..EventDriven::default()
     };
-    let start = problem.start();
-    let unforced = problem.initial_value_problem(&start, motion.horizon, motion.signal());
+    let unforced = problem.initial_value_problem(start, motion.horizon, motion.signal());
     let simulation = simulate_once(&simulator, model, &unforced)?;
     if simulation.trajectory.time.is_empty() {
         return Ok(motion);

@@ -121,33 +121,44 @@ impl<'a> Search<'a, '_> {
         // Where programs that fail are not left, further ones take too long.
         let explores = runner.effort == Effort::Explore;
         let most = if explores { MOST_STRUCK } else { STRUCK };
-        for (contact, mode) in initially.iter().enumerate() {
-            if !mode.is_open() || setting.model.restitution(contact) == 0.0 {
-                continue;
-            }
+        let modes = initially.iter().enumerate();
+        let bouncing = modes
+            .filter(|(contact, mode)| mode.is_open() && setting.model.restitution(*contact) > 0.0);
+        let bouncing: Vec<usize> = bouncing.map(|(contact, _)| contact).collect();
+        for &contact in &bouncing {
             for times in 1..=most {
                 let before = self.least();
-                self.try_struck_at(runner, guess, contact, &struck(times))?;
+                self.try_struck_at(runner, guess, &[contact], &struck(times))?;
                 let least = self.least();
                 if times > STRUCK && least.is_finite() && least >= before {
                     break;
                 }
             }
         }
+        // To and fro between two of them.
+        for (i, &one) in bouncing.iter().enumerate() {
+            for &other in &bouncing[i + 1..] {
+                for (times, contacts) in (2..=STRUCK).flat_map(|times| {
+                    [[one, other], [other, one]].map(|contacts| (times, contacts))
+                }) {
+                    self.try_struck_at(runner, guess, &contacts, &struck(times))?;
+                }
+            }
+        }
         Ok(())
     }
 
-    /// The same of a motion in which a contact is struck at these shares of the final time, and of one in which that lifts off
-    /// what else is in contact.
+    /// The same of a motion in which contacts are struck in turn at these shares of the final time, and of one in which that lifts
+    /// off what else is in contact.
     fn try_struck_at(
         &mut self,
         runner: &mut Runner,
         guess: &Trajectory,
-        contact: usize,
+        contacts: &[usize],
         shares: &[f64],
     ) -> Result<(), InputError> {
         let setting = self.attempts.setting;
-        let struck = struck_at(setting, guess, contact, shares);
+        let struck = struck_at(setting, guess, contacts, shares);
         let lifting = lifting_others(setting, &struck).filter(|_| shares.len() <= STRUCK);
         for candidate in std::iter::once(struck).chain(lifting) {
             self.try_candidate(runner, candidate, true)?;
@@ -288,13 +299,18 @@ fn struck(times: usize) -> Vec<f64> {
         .collect()
 }
 
-/// A motion like the guess in which a contact is struck at these shares of the final time.
-fn struck_at(setting: Setting, guess: &Trajectory, contact: usize, shares: &[f64]) -> Candidate {
+/// A motion like the guess in which contacts are struck in turn at these shares of the final time.
+fn struck_at(
+    setting: Setting,
+    guess: &Trajectory,
+    contacts: &[usize],
+    shares: &[f64],
+) -> Candidate {
     let intervals = setting.problem.intervals as f64;
-    let impulse = closed_mode(is_frictional(setting.model, contact), 0.0, 0.0);
     let mut sequence = Sequence::without_switches(modes_at_start(setting, guess));
-    let touches = shares.iter().map(|share| Switch {
-        impulse,
+    let touches = shares.iter().zip(contacts.iter().cycle());
+    let touches = touches.map(|(share, &contact)| Switch {
+        impulse: closed_mode(is_frictional(setting.model, contact), 0.0, 0.0),
         ..Switch::inside(contact, true, ContactMode::Open, share * intervals)
     });
     sequence.switches = touches.collect();
