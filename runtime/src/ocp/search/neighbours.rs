@@ -83,7 +83,40 @@ pub(super) fn directed(pressure: &Pressure) -> Vec<Neighbour> {
     }
     found.extend(touches_and_contacts(pressure));
     found.extend(moved(pressure).into_iter().map(Neighbour::adjoining));
+    found.extend(ended(pressure).into_iter().map(Neighbour::adjoining));
     found
+}
+
+/// With an impact at the final time of a contact that is open until there and touches then: goals may hold it there without any
+/// blow, and nothing presses for one.
+fn ended(pressure: &Pressure) -> Vec<Sequence> {
+    let Some((phase, stage)) = pressure
+        .program
+        .phases
+        .last()
+        .and_then(|phase| Some((phase, phase.stages.last()?)))
+    else {
+        return Vec::new();
+    };
+    let x = pressure.program.program.physical(&pressure.solution.x);
+    let seconds = pressure.program.horizon_at(&x);
+    let open = |i: &usize| {
+        !phase.closed.contains(i) && !phase.closing.contains(i) && !phase.pieces.is_idle(*i)
+    };
+    let touching = (0..stage.gap_rows.len())
+        .filter(open)
+        .filter(|&contact| pressure.gap(contact, stage, &x) < pressure.touching);
+    let ends = touching.filter_map(|contact| {
+        let mode = pressure.mode_at(contact, stage, seconds, &x);
+        let mut sequence = pressure.sequence.clone();
+        sequence.switches.push(Switch {
+            interval: pressure.intervals,
+            place: Place::Start,
+            ..Switch::inside(contact, true, mode, pressure.intervals as f64)
+        });
+        sequence.ordered(pressure.intervals)
+    });
+    ends.collect()
 }
 
 /// With a switch that sticks to the end of its interval moved through it or onto it, and with an opening at a jump of the
