@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::{DIGITS, assert_program, attempt, most_exceeded, one_start, solve};
+use crate::support::{
+    DIGITS, assert_program, attempt, most_exceeded, one_start, solve, time_freezing,
+};
 use hangtime::model::Model;
 use hangtime::ocp::{self, Guess, Horizon, PathPoints, Problem, Status};
 use hangtime::simulation::EventKind;
@@ -457,4 +459,127 @@ fn bounce_that_saves_effort_is_found() {
         solution.objective,
         solution.planned_events
     );
+}
+
+hangtime::model! {
+    /// A ball that is thrown at a rough floor so that it jumps into a basket, with limited blows.
+    Basket {
+        parameters { m: kg = 1, g: m/s^2 = 10, e = 0.8, mu = 0.2, most: N s = 12 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        surface floor: z >= 0
+        impact floor: restitution e, friction mu
+        minimize time
+        constraint mild: impulse(floor) <= most
+        finally { y == 3 [m], z == 1 [m], dot(z) <= 0, sum(impulse(floor)) >= 1 [N s] }
+        free { dot(y) in 0..=10, dot(z) in -10..=10 }
+        start { z: 1 [m], dot(y): 3 }
+        horizon 1.5 [s]
+    }
+}
+
+#[test]
+fn free_initial_values_are_looked_for_on_both_sides_of_the_guess() {
+    // The throw upwards takes twice as long; no motion lies between both.
+    let solution = solve(&Basket::default(), 10, &ocp::Settings::default());
+    let downwards = 3.0 / 20.0_f64.sqrt();
+    assert!(
+        (solution.horizon - downwards).abs() < 1e-7,
+        "{}",
+        solution.horizon
+    );
+}
+
+hangtime::model! {
+    /// A ball in free flight, whose speed at the start is free; the floor is far away.
+    Falling {
+        parameters { m: kg = 1, g: m/s^2 = 9.81 }
+        coordinates { z: m }
+        controls { u: N in -5..=5 }
+        lagrangian m/2*dot(z)^2 - m*g*z
+        forces { z: u }
+        surface floor: z >= 0
+        impact floor: inelastic
+        minimize integral(u^2) + dot(z)^2/1[m^2/s^2]*1[N^2 s]
+        finally { z == 0.1 [m] }
+        free { dot(z) in -2..=2 }
+        start { z: 0.3 [m] }
+        horizon 0.5 [s]
+    }
+}
+
+#[test]
+fn free_start_beside_a_surface_is_solved_by_time_freezing_with_products_of_zero() {
+    let mut settings = time_freezing();
+    settings.starts = None;
+    let solution = solve(&Falling::default(), 6, &settings);
+    assert_program(&solution, 1e-8);
+    // The same problem as a least square over seven numbers, solved apart.
+    assert!(
+        (solution.objective - 6.981_288).abs() < 1e-5,
+        "{}",
+        solution.objective
+    );
+}
+
+hangtime::model! {
+    /// A hand pushes a stone up to a line, where a stop holds the hand and lets the stone go on.
+    Release {
+        parameters { mu = 0.1, g = 9.81 }
+        coordinates { hand, y, z }
+        controls { u in -40..=40 }
+        lagrangian dot(hand)^2/2 + 5*(dot(y)^2 + dot(z)^2) - 10*g*z
+        forces { hand: u }
+        surface grip: y - hand >= 0
+        surface ice: z >= 0
+        surface line: hand <= 1
+        impact grip: inelastic
+        impact ice: inelastic, friction mu, sliding dot(y)
+        impact line: inelastic
+        minimize integral(u^2)
+        finally { y == 4 }
+        start { hand: -0.2 }
+        horizon 4
+    }
+}
+
+#[test]
+fn what_an_impact_throws_off_has_no_part_in_the_jump_of_the_time_freezing_program() {
+    let mut settings = time_freezing();
+    settings.starts = None;
+    let solution = solve(&Release::default(), 8, &settings);
+    assert_program(&solution, 1e-7);
+}
+
+hangtime::model! {
+    /// A cart that starts behind the line that it must not be behind.
+    Behind {
+        parameters { m: kg = 2, goal: m = 1, line: m = 0.5 }
+        coordinates { y: m }
+        controls { u: N in -5..=5 }
+        lagrangian m/2*dot(y)^2
+        forces { y: u }
+        minimize time
+        constraint ahead: y >= line
+        finally { y == goal, dot(y) == 0 }
+        horizon 2 [s]
+    }
+}
+
+#[test]
+fn start_that_a_constraint_forbids_is_refused_by_its_name() {
+    let behind = Behind::default();
+    let problem = Problem::of(&behind, 5);
+    let refused = ocp::solve(&behind, &problem, &one_start(), &mut |_| true).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "`ahead` at the start = -0.5 m: must be at least 0: start where the constraint holds"
+    );
+    let ahead = Behind {
+        line: 0.0,
+        ..behind
+    };
+    let solution = solve(&ahead, 5, &one_start());
+    // Bang-bang: over 1 m with 2.5 m/s^2, but for the switch in the middle of five intervals.
+    assert!(solution.horizon >= (4.0_f64 / 2.5).sqrt() - 1e-9);
 }

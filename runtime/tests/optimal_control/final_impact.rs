@@ -119,3 +119,44 @@ fn bounce_at_the_final_time_gives_the_speed_after_it() {
     assert!((speed - 2.2).abs() < 1e-8, "{speed}");
     assert_eq!(motion.events.len(), 1);
 }
+
+hangtime::model! {
+    /// A mass in a gust that is to end at rest at a wall; pushing costs more and more.
+    Leaning {
+        parameters { m: kg = 1, wall: m = 1, gust: N = 3, w: rad/s = 4 }
+        coordinates { x: m }
+        controls { u: N in -5..=5 }
+        lagrangian m/2*dot(x)^2
+        forces { x: u + gust*sin(w*t) }
+        surface wall: x <= wall
+        impact wall: inelastic
+        minimize integral((1 + t/1[s])*u^2)
+        finally { x == wall, dot(x) == 0 [m/s] }
+        start { dot(x): -0.5 [m/s] }
+        horizon 1.5 [s]
+    }
+}
+
+#[test]
+fn goal_at_a_surface_is_reached_with_an_impact_where_that_is_cheaper_than_to_brake() {
+    for intervals in [8, 12] {
+        let leaning = Leaning::default();
+        let problem = Problem::of(&leaning, intervals);
+        let solution = ocp::solve(&leaning, &problem, &Settings::default(), &mut |_| true).unwrap();
+        // With a blow at the end one linear condition is left: x(T) = wall.
+        let (end, w) = (1.5_f64, 4.0_f64);
+        let alone = -0.5 * end + 3.0 * (end / w - (w * end).sin() / (w * w));
+        let length = end / intervals as f64;
+        let share = |k: usize| {
+            let middle = (k as f64 + 0.5) * length;
+            (length * (end - middle)).powi(2) / (length * (1.0 + middle))
+        };
+        let least = (1.0 - alone).powi(2) / (0..intervals).map(share).sum::<f64>();
+        let apart = (solution.objective - least).abs();
+        assert!(
+            apart < 1e-8,
+            "{intervals}: {} instead of {least}",
+            solution.objective
+        );
+    }
+}

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::support::solve;
 use hangtime::ocp::{self, Horizon, Problem, Settings};
 
 hangtime::model! {
@@ -51,5 +52,34 @@ fn impacts_are_found_where_alone_they_may_be() {
         let best = least_effort(horizon, intervals);
         let off = (solution.objective - best).abs();
         assert!(off < 1e-11, "{intervals} {} {best}", solution.objective);
+    }
+}
+
+hangtime::model! {
+    /// A weakly driven cart between two walls that is to become fast.
+    Walls {
+        parameters { m: kg = 1, e = 0.9, w: m = 0.5 }
+        coordinates { x: m }
+        controls { u: N in -0.3..=0.3 }
+        lagrangian m/2*dot(x)^2
+        forces { x: u }
+        surface walls: |x| <= w
+        impact walls: restitution e
+        minimize time
+        finally { dot(x) == 1 [m/s] }
+        horizon 4 [s]
+    }
+}
+
+#[test]
+fn cart_gains_speed_from_wall_to_wall_and_not_at_one_alone() {
+    // By collocation with impacts on one wall and then on the other, on the same grids; by one wall alone it is 8.3 and 12.1 s.
+    for (intervals, known) in [(8, 4.4033), (12, 4.1442)] {
+        let found = solve(&Walls::default(), intervals, &Settings::default());
+        assert!(
+            found.horizon < known + 1e-4,
+            "{intervals}: {}",
+            found.horizon
+        );
     }
 }

@@ -8,9 +8,19 @@ use hangtime_solver::nlp::{self, NlpProblem as _};
 
 /// The heading of a file: variables, rows and common expressions.
 fn heading(variables: usize, rows: usize, common: usize) -> String {
+    heading_of(variables, rows, common, [0, 0])
+}
+
+/// The same of a file whose rows and objective have so many nonzeros.
+fn heading_of(
+    variables: usize,
+    rows: usize,
+    common: usize,
+    [in_rows, in_objective]: [usize; 2],
+) -> String {
     format!(
         "g3 1 1 0\t# problem unknown\n {variables} {rows} 1 0 0\n {rows} 1\n 0 0\n {variables} {variables} {variables}\n \
-         0 0 0 1\n 0 0 0 0 0\n 0 0\n 0 0\n {common} 0 0 0 0\n"
+         0 0 0 1\n 0 0 0 0 0\n {in_rows} {in_objective}\n 0 0\n {common} 0 0 0 0\n"
     )
 }
 
@@ -31,7 +41,7 @@ fn refusal(text: &str) -> String {
 
 /// A program with every operator and with shared expressions in rows and objective.
 fn every_operator() -> String {
-    let mut text = heading(3, 3, 2);
+    let mut text = heading_of(3, 3, 2, [2, 1]);
     // v3 = 0.3 x0 + x1 x2, v4 = exp(v3) / (2 + x0^2)
     text += "V3 1 0\n0 0.3\n";
     text += &lines("o2 v1 v2");
@@ -169,7 +179,7 @@ const LINEAR: &str = "C0\nn0\nC1\nn0\nO0 1\nn0\nr\n1 4\n1 9\nb\n0 0 3\n2 0\nk1\n
 
 #[test]
 fn maximum_and_its_multipliers_are_those_of_the_file() {
-    let (program, solution) = solve(&(heading(2, 2, 0) + LINEAR));
+    let (program, solution) = solve(&(heading_of(2, 2, 0, [4, 2]) + LINEAR));
     assert_eq!(solution.status, Status::Solved);
     assert!((solution.objective - 11.0).abs() < 1e-6);
     // one more of the first right-hand side is one more y
@@ -233,8 +243,8 @@ fn binary_file_states_the_same_program_as_its_text() {
 
 #[test]
 fn what_is_not_solved_here_is_refused_by_its_name() {
-    let whole =
-        (heading(2, 2, 0) + LINEAR).replace(" 0 0 0 0 0\n 0 0\n 0 0\n", " 0 1 0 0 0\n 0 0\n 0 0\n");
+    let whole = (heading_of(2, 2, 0, [4, 2]) + LINEAR)
+        .replace(" 0 0 0 0 0\n 4 2\n 0 0\n", " 0 1 0 0 0\n 4 2\n 0 0\n");
     let names = vec!["price".to_owned(), "number of ships".to_owned()];
     let error = Program::read_named(whole.as_bytes(), names, Vec::new()).unwrap_err();
     let objective =
@@ -254,7 +264,7 @@ fn what_is_not_solved_here_is_refused_by_its_name() {
 
 #[test]
 fn damaged_file_is_refused_with_its_line() {
-    let good = heading(2, 2, 0) + LINEAR;
+    let good = heading_of(2, 2, 0, [4, 2]) + LINEAR;
     let refusals = [
         refusal(""),
         refusal("NAME bell\nROWS\n"),
@@ -266,6 +276,12 @@ fn damaged_file_is_refused_with_its_line() {
         refusal(&good.replace("G0 2\n0 3\n", "G0 2\n0 inf\n")),
         refusal(&good.replace(" 2 2 1", " 200000000 2 1")),
         refusal(&good.replace("C1\nn0\n", "C1\no2\nn0\n")),
+        // Cut off between two segments, or one of them left out or there twice.
+        refusal(&good[..good.find("J0").unwrap()]),
+        refusal(&good[..good.find("G0").unwrap()]),
+        refusal(&good.replace("O0 1\nn0\n", "")),
+        refusal(&good.replace("C1\nn0\n", "C1\nn0\nC1\nn0\n")),
+        refusal(&good.replace("k1\n", "r\n1 4\n1 9\nk1\n")),
         refusal(&(good + "?")),
     ];
     insta::assert_snapshot!(refusals.join("\n"));
@@ -287,7 +303,7 @@ impl Random {
 fn mutated_files_give_a_message_or_a_program_but_never_a_panic() {
     let files = [
         every_operator(),
-        heading(2, 2, 0) + LINEAR,
+        heading_of(2, 2, 0, [4, 2]) + LINEAR,
         complementing(3, "0 0 3", (1.0, -1.0, 1.0)),
     ];
     let pieces: [&[u8]; 8] = [
