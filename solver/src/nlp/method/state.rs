@@ -10,7 +10,7 @@ use crate::nlp::program::barrier_problem::{BarrierProblem, Values};
 use crate::nlp::program::formulation::Formulation;
 use crate::nlp::program::iterate::{Iterate, longest_dual_step, longest_primal_step};
 use crate::nlp::program::residuals::{Optimality, OptimalityError, lagrangian_gradient};
-use crate::nlp::{InputError, IterationInfo, Observer, Settings, Status};
+use crate::nlp::{InputError, IterationInfo, Observer, Settings, Solution, Status};
 
 /// What main loop and restoration phase share.
 pub(crate) struct Core<'a, 'o> {
@@ -25,6 +25,8 @@ pub(crate) struct Core<'a, 'o> {
     pub(crate) observer: Option<&'o mut Observer<'o>>,
     start: Instant,
     clock: ThreadTime,
+    /// Wall-clock and CPU time of runs before this one, which belong to the same solution \[s\].
+    earlier: (f64, f64),
 }
 
 impl<'a, 'o> Core<'a, 'o> {
@@ -45,17 +47,30 @@ impl<'a, 'o> Core<'a, 'o> {
             observer,
             start: Instant::now(),
             clock: ThreadTime::now(),
+            earlier: (0.0, 0.0),
         })
     }
 
+    /// Adds the work of an earlier run on the same problem, so that counts, times and the log go on from there, and limits hold
+    /// for both together.
+    pub(crate) fn go_on_after(&mut self, earlier: Solution) {
+        self.iterations = earlier.counts.iterations;
+        self.restoration_iterations = earlier.counts.restoration_iterations;
+        self.history = earlier.history;
+        self.kkt.factorizations = earlier.counts.factorizations;
+        self.kkt.seconds += earlier.cpu;
+        self.formulation.evaluate += earlier.cpu.evaluate;
+        self.earlier = (earlier.seconds, earlier.cpu.total);
+    }
+
     pub(crate) fn seconds(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
+        self.earlier.0 + self.start.elapsed().as_secs_f64()
     }
 
     /// CPU time by kind of work \[s\].
     pub(crate) fn cpu(&self) -> Seconds {
         Seconds {
-            total: self.clock.elapsed().as_secs_f64(),
+            total: self.earlier.1 + self.clock.elapsed().as_secs_f64(),
             evaluate: self.formulation.evaluate,
             ..self.kkt.seconds
         }
