@@ -9,13 +9,18 @@ use super::method::barrier::Monotone;
 use super::program::scaling::row_scaling;
 use super::solve::run_after;
 use super::{
-    InputError, NlpProblem, Observer, Products, Settings, Solution, Status, WarmStart,
+    InputError, NlpProblem, Observer, Products, Residuals, Settings, Solution, Status, WarmStart,
 };
 
-/// How much larger the scale at the end has to be for another run. What a scale hides is below the tolerance times the
-/// ratio; scales lie between 1e-8 and 1, so that there are at most eight runs.
+/// How much larger the scale at the end has to be for another run. What a smaller ratio hides is of the size of the tolerance;
+/// scales lie between 1e-8 and 1, so that there are at most eight runs.
 const RATIO: f64 = 10.0;
 const MOST_RUNS: usize = 8;
+
+/// Residuals that may stay hidden, relative to the tolerance: as large as a run with large multipliers may leave them; of
+/// complementarity also this part of the objective, which it bounds the error of.
+const ABSOLUTE: f64 = 100.0;
+const GAP: f64 = 0.1;
 
 /// Least distance from bounds of the point that a run goes on from.
 const BOUND_PUSH: f64 = 1e-9;
@@ -86,7 +91,14 @@ fn hidden(
     let free = (0..n).filter(|&i| lower[i] != upper[i]);
     let largest = free.map(|i| gradient[i].abs()).fold(0.0, f64::max);
     let needed = row_scaling(largest);
-    let residual = solution.residuals.dual.max(solution.residuals.complementarity);
-    let hides = needed >= RATIO * scale && needed * residual > RATIO * settings.tolerance;
+    let Residuals {
+        dual,
+        complementarity,
+        ..
+    } = solution.residuals;
+    let gap = GAP * settings.tolerance * needed * solution.objective.abs();
+    let absolute = ABSOLUTE * settings.tolerance;
+    let is_large = needed * dual > absolute || needed * complementarity > absolute.max(gap);
+    let hides = needed >= RATIO * scale && is_large;
     hides.then_some(needed)
 }
