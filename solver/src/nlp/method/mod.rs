@@ -11,6 +11,7 @@ mod acceptance;
 pub(crate) mod barrier;
 mod direction;
 mod filter;
+mod last_word;
 mod line_search;
 mod main_loop;
 mod parameters;
@@ -60,6 +61,7 @@ pub(super) fn run(
     start::first_multipliers(&mut state, start, products);
     state.start_filter();
     let outcome = main_loop::run(&mut state, None);
+    let outcome = last_word::last_word(&mut state, outcome);
     Ok(End {
         outcome,
         iterate: state.point.iterate,
