@@ -8,9 +8,7 @@
 use super::method::barrier::Monotone;
 use super::program::scaling::row_scaling;
 use super::solve::run_after;
-use super::{
-    InputError, NlpProblem, Observer, Products, Residuals, Settings, Solution, Status, WarmStart,
-};
+use super::{NlpProblem, Observer, Products, Residuals, Settings, Solution, Status, WarmStart};
 
 /// How much larger the scale at the end has to be for another run. What a smaller ratio hides is of the size of the tolerance;
 /// scales lie between 1e-8 and 1, so that there are at most eight runs.
@@ -32,11 +30,11 @@ pub(super) fn rescaled(
     settings: &Settings,
     observer: &mut Observer<'_>,
     first: (Solution, f64),
-) -> Result<Solution, InputError> {
+) -> Solution {
     let (mut solution, mut scale) = first;
     for _ in 0..MOST_RUNS {
         let Some(needed) = hidden(problem, settings, &solution, scale) else {
-            return Ok(solution);
+            return solution;
         };
         let complementarity = needed * solution.residuals.complementarity;
         let warm = WarmStart {
@@ -57,19 +55,24 @@ pub(super) fn rescaled(
         };
         let tied = (&mut Products::default(), &mut path as &mut _);
         let mut see = |info: &super::IterationInfo| observer(info);
-        (solution, scale) = run_after(
+        let next = run_after(
             problem,
             &near,
             tied,
             Some(&warm),
             Some(&mut see),
-            Some(solution),
-        )?;
+            Some(solution.clone()),
+        );
+        match next {
+            Ok(next) => (solution, scale) = next,
+            // the functions have no value that near
+            Err(_) => break,
+        }
     }
     if hidden(problem, settings, &solution, scale).is_some() {
         solution.status = Status::StepTooSmall;
     }
-    Ok(solution)
+    solution
 }
 
 /// The scale that the objective would get at a solution, if in that one residuals are left that the scale of its run hides.

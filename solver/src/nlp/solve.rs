@@ -136,7 +136,7 @@ pub fn solve_from<'o>(
         Some(&mut see),
         None,
     )?;
-    rescaled(problem, settings, &mut see, first)
+    Ok(rescaled(problem, settings, &mut see, first))
 }
 
 /// Solves a nonlinear program with product constraints whose `sigma` the path moves.

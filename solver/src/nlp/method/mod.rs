@@ -59,12 +59,14 @@ pub(super) fn run(
         return Ok(end);
     }
     saddle::perturb(&mut core.formulation);
-    let (other, _) = run_once(core, path, None, products)?;
-    Ok(if saddle::is_better(&other, &end) {
-        other
-    } else {
-        end
-    })
+    match run_once(core, path, None, products) {
+        Ok((other, _)) if saddle::is_better(&other, &end) => Ok(other),
+        // also where the functions have no value beside the start
+        _ => {
+            core.violation_stationarity = None;
+            Ok(end)
+        }
+    }
 }
 
 /// A run, and whether it ends where it began at a point that is no minimum.
