@@ -25,7 +25,8 @@
 //! those of Waechter and Biegler (Mathematical Programming 106, 2006) where nothing else is said. What differs: slacks of inequalities and elastic slacks of the restoration phase are
 //! eliminated, so that both phases share one sparsity and one symbolic factorization; slacks of inequalities are
 //! reset to the constraint value at trial points while their barrier stays comparable, which halves the
-//! iterations on some problems; bounds are not relaxed; a solution whose multipliers are huge is called
+//! iterations on some problems; bounds are not relaxed; objectives that are steep at the start are scaled again where
+//! they are not at the end; a solution whose multipliers are huge is called
 //! [`Status::Degenerate`], not solved.
 
 mod derivative_check;
@@ -38,6 +39,7 @@ mod pattern;
 mod problem;
 mod products;
 mod program;
+mod rescaled;
 mod result;
 mod settings;
 mod solution;

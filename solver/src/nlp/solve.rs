@@ -3,8 +3,11 @@
 use super::method::barrier::{BarrierPath, Monotone};
 use super::method::{self, Core};
 use super::program::formulation::Formulation;
+use super::rescaled::rescaled;
 use super::result::solution;
-use super::{Fault, InputError, NlpProblem, Observer, Products, Settings, Solution, WarmStart};
+use super::{
+    Fault, InputError, IterationInfo, NlpProblem, Observer, Products, Settings, Solution, WarmStart,
+};
 
 /// Solves a nonlinear program from its own starting point.
 ///
@@ -119,14 +122,21 @@ pub fn solve_from<'o>(
         sigma: 0.0,
         tolerance: settings.tolerance,
     };
-    run(
+    let mut observer = observer;
+    let mut see = |info: &IterationInfo| match &mut observer {
+        Some(observer) => observer(info),
+        None => true,
+    };
+    let none = &mut Products::default();
+    let first = run_after(
         problem,
         settings,
-        &mut Products::default(),
-        &mut path,
+        (none, &mut path),
         start,
-        observer,
-    )
+        Some(&mut see),
+        None,
+    )?;
+    Ok(rescaled(problem, settings, &mut see, first))
 }
 
 /// Solves a nonlinear program with product constraints whose `sigma` the path moves.
@@ -138,16 +148,33 @@ pub(crate) fn run<'o>(
     start: Option<&WarmStart>,
     observer: Option<&'o mut Observer<'o>>,
 ) -> Result<Solution, InputError> {
+    let tied = (products, path);
+    run_after(problem, settings, tied, start, observer, None).map(|(solution, _)| solution)
+}
+
+/// A run, and the scale of the objective in it, that goes on counting where the run `earlier` stopped.
+pub(super) fn run_after<'o>(
+    problem: &mut dyn NlpProblem,
+    settings: &Settings,
+    (products, path): (&mut Products, &mut dyn BarrierPath),
+    start: Option<&WarmStart>,
+    observer: Option<&'o mut Observer<'o>>,
+    earlier: Option<Solution>,
+) -> Result<(Solution, f64), InputError> {
     if let Some(start) = start {
         check_warm_start(problem, start)?;
     }
     settings.validate()?;
     let point = start.map(|s| &s.x[..]);
     let formulation = Formulation::new(problem, &products.pairs, point)?;
+    let scale = formulation.objective_scale;
     let mut core = Core::new(formulation, settings, observer)?;
+    if let Some(earlier) = earlier {
+        core.go_on_after(earlier);
+    }
     let end = method::run(&mut core, path, start, products)?;
     products.sigma = end.sigma;
-    Ok(solution(core, &end, products))
+    Ok((solution(core, &end, products), scale))
 }
 
 fn check_warm_start(problem: &dyn NlpProblem, start: &WarmStart) -> Result<(), InputError> {

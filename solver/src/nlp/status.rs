@@ -9,13 +9,15 @@ pub enum Status {
     /// The error stayed within `acceptable_tolerance` but did not reach `tolerance`.
     Acceptable,
     /// The error is within `tolerance` only relative to multipliers so large (beyond 1e4 on average), or with
-    /// multipliers so large (beyond 1e8), that any residual would pass: no multipliers seem to exist, a constraint qualification fails, and the
-    /// point may lie much farther from a solution than the tolerance says.
+    /// multipliers so large (beyond 1e8), that any residual would pass, or the run gave up at a feasible point with such
+    /// multipliers: none seem to exist, a constraint qualification fails, and the point may lie much farther from a
+    /// solution than the tolerance says.
     Degenerate,
     /// A stationary point of the constraint violation that is not feasible: the constraints are
     /// infeasible near it. The diagnosis names the rows.
     Infeasible,
-    /// The iterates grew beyond 1e20: the objective is probably unbounded below.
+    /// The iterates grew beyond 1e20, or the objective fell on and on beyond 1e12, at points that violate no row by more than
+    /// rounding: the objective is probably unbounded below.
     Diverging,
     /// The iteration limit was reached.
     IterationLimit,

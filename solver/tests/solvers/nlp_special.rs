@@ -283,3 +283,185 @@ fn solve_time_limit_ends_the_run_with_its_status() {
     assert_eq!(solution.status, Status::TimeLimit);
     assert_eq!(solution.counts.iterations, 0);
 }
+
+/// Solves a problem in text, and compares its objective with the closed form.
+fn ends(text: &str, status: Status, optimum: f64) -> nlp::Solution {
+    let solution = nlp::solve(&mut problem(text), &Settings::default()).unwrap();
+    assert_eq!(solution.status, status, "{text}");
+    let gap = (solution.objective - optimum).abs();
+    assert!(gap < 1e-7, "{text}: {}", solution.objective);
+    solution
+}
+
+#[test]
+fn solve_from_a_steep_start_ends_at_the_solution() {
+    // 4 (x - 1)^3 = -1
+    let quartic = 0.25_f64.powf(4.0 / 3.0) + 1.0 - 0.25_f64.cbrt();
+    for (text, optimum) in [
+        ("problem exp 1\nstart 30\nminimize exp(x1) - x1", 1.0),
+        ("problem exp 1\nstart 100\nminimize exp(x1) - x1", 1.0),
+        (
+            "problem quartic 1\nstart 10000\nminimize (x1 - 1)^4 + x1",
+            quartic,
+        ),
+        (
+            "problem quartic 1\nstart 1e8\nminimize (x1 - 1)^4 + x1",
+            quartic,
+        ),
+        (
+            "problem inverse 1\nstart 1e-5\nbounds 1 0 inf\nminimize x1 + 1/x1",
+            2.0,
+        ),
+        (
+            "problem log 1\nstart 1e-12\nbounds 1 0 inf\nminimize x1 - log(x1)",
+            1.0,
+        ),
+        (
+            "problem row 2\nstart 1e4 1e4\nminimize x1 + (x2 - 1)^4\nrow 0 inf x1 - (x2 - 3)^4",
+            2.0,
+        ),
+    ] {
+        let solution = ends(text, Status::Solved, optimum);
+        assert!(
+            solution.residuals.dual < 1e-7,
+            "{text}: {:?}",
+            solution.residuals
+        );
+        assert!(solution.residuals.complementarity < 1e-7, "{text}");
+        let last = solution.history.last().unwrap();
+        assert_eq!(last.iteration, solution.counts.iterations, "{text}");
+    }
+}
+
+#[test]
+fn solve_from_a_steep_start_counts_all_its_runs_towards_the_limits() {
+    let mut exponential = problem("problem exp 1\nstart 30\nminimize exp(x1) - x1");
+    let all = nlp::solve(&mut exponential, &Settings::default()).unwrap();
+    let mut settings = Settings::default();
+    settings.maximum_iterations = all.counts.iterations - 1;
+    let solution = nlp::solve(&mut exponential, &settings).unwrap();
+    assert_eq!(solution.status, Status::IterationLimit);
+    assert_eq!(solution.counts.iterations, all.counts.iterations - 1);
+    let mut seen = Vec::new();
+    let mut observer = |info: &nlp::IterationInfo| {
+        seen.push(info.iteration);
+        info.iteration + 2 < all.counts.iterations
+    };
+    let settings = Settings::default();
+    let solution = nlp::solve_from(&mut exponential, &settings, None, Some(&mut observer)).unwrap();
+    assert_eq!(solution.status, Status::Interrupted);
+    assert!(seen.is_sorted() && seen.len() == solution.history.len());
+}
+
+#[test]
+fn solve_with_dependent_or_tiny_rows_is_solved() {
+    for (text, optimum) in [
+        (
+            "problem dependent 3\nstart 1 2 3\nminimize x1^2 + x2^2 + x3^2\nrow 3 3 x1 + x2 + x3\nrow 3 3 x1 + x2 + x3\n\
+             row 9 9 (x1 + x2 + x3)^2",
+            3.0,
+        ),
+        (
+            "problem thrice 2\nstart 1 2\nminimize x1 + x2\nrow 2 2 x1^2 + x2^2\nrow 4 4 2*x1^2 + 2*x2^2\n\
+             row 0 0 (x1^2 + x2^2 - 2)^3",
+            -2.0,
+        ),
+        (
+            "problem tiny 2\nstart 1 1\nminimize x1^2 + x2^2\nrow 1e8 1e8 1e8*x1 + 1e-8*x2\nrow 1e-8 1e-8 1e-8*x2",
+            2.0,
+        ),
+        (
+            "problem tiny 1\nstart 0\nminimize x1\nrow 1e-9 inf 1e-9*x1",
+            1.0,
+        ),
+        (
+            "problem steep 2\nstart 1e-6 1e-6\nbounds 1 0 inf\nbounds 2 0 inf\nminimize x1 + x2\nrow -inf 1 1/x1 + 1/x2",
+            4.0,
+        ),
+    ] {
+        ends(text, Status::Solved, optimum);
+    }
+}
+
+#[test]
+fn solve_without_multipliers_is_degenerate_at_the_solution() {
+    for (text, optimum) in [
+        ("problem square 1\nstart 5\nminimize x1\nrow 0 0 x1^2", 0.0),
+        (
+            "problem circle 2\nstart 5 7\nminimize x1\nrow 0 0 (x1 - 1)^2 + (x2 - 2)^2",
+            1.0,
+        ),
+        (
+            "problem sine 1\nstart 0\nminimize x1\nrow 1 1 sin(x1)",
+            std::f64::consts::FRAC_PI_2,
+        ),
+    ] {
+        ends(text, Status::Degenerate, optimum);
+    }
+    // multipliers exist, but without an interior those of the barrier problems diverge
+    let point = "problem point 2\nstart 0 0\nbounds 1 0 inf\nbounds 2 0 inf\nminimize x1 + x2\nrow 0 0 x1 + x2\nrow 0 0 x1 - x2";
+    let solution = nlp::solve(&mut problem(point), &Settings::default()).unwrap();
+    let judged = [Status::Solved, Status::Degenerate].contains(&solution.status);
+    assert!(
+        judged && solution.objective.abs() < 1e-7,
+        "{}",
+        solution.status
+    );
+    // flat enough to be feasible far from the solution
+    let flat = "problem flat 1\nstart 5\nminimize x1\nrow 0 0 (x1 - 1)^3";
+    let solution = nlp::solve(&mut problem(flat), &Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::Degenerate);
+}
+
+#[test]
+fn solve_unbounded_linear_programs_diverge_soon() {
+    for text in [
+        "problem line 2\nstart 1 2\nminimize x1 + x2\nrow 1 1 x1 - x2",
+        "problem line 2\nstart 0 0\nminimize 0.5*x1\nrow 1 1 x1 - 3*x2",
+        "problem cone 2\nstart 0 0\nbounds 1 0 inf\nbounds 2 0 inf\nminimize -x1\nrow -inf 1 x1 - 3*x2",
+    ] {
+        let solution = nlp::solve(&mut problem(text), &Settings::default()).unwrap();
+        assert_eq!(solution.status, Status::Diverging, "{text}");
+        assert!(solution.counts.iterations < 60, "{text}");
+    }
+}
+
+#[test]
+fn solve_far_points_that_violate_rows_do_not_diverge() {
+    let text = "problem both 2\nstart 0 0\nbounds 1 0 inf\nbounds 2 0 inf\nminimize -x1\nrow 1 1 x2\nrow 0 0 x2";
+    let solution = nlp::solve(&mut problem(text), &Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::Infeasible);
+    for start in ["1e6", "1e8"] {
+        let text = format!(
+            "problem row 2\nstart {start} {start}\nminimize x1 + (x2 - 1)^4\nrow 0 inf x1 - (x2 - 3)^4"
+        );
+        let solution = nlp::solve(&mut problem(&text), &Settings::default()).unwrap();
+        assert_ne!(solution.status, Status::Diverging, "{start}");
+    }
+}
+
+#[test]
+fn solve_from_a_maximum_or_saddle_point_leaves_it() {
+    for (text, optimum) in [
+        (
+            "problem square 2\nstart 0.5 0.5\nbounds 1 0 1\nbounds 2 0 1\nminimize -(x1 - 0.5)^2 - (x2 - 0.5)^2",
+            -0.5,
+        ),
+        (
+            "problem ball 2\nstart 0 0\nminimize x2^2 - x1^2\nrow -inf 1 x1^2 + x2^2",
+            -1.0,
+        ),
+        (
+            "problem line 2\nstart 0 0\nminimize -x1^2 - x2^2\nrow 0 0 x1 + x2\nrow -inf 4 x1^2",
+            -8.0,
+        ),
+    ] {
+        ends(text, Status::Solved, optimum);
+    }
+    let hill = "problem hill 1\nstart 0\nminimize -x1^2";
+    let solution = nlp::solve(&mut problem(hill), &Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::Diverging);
+    let valley = "problem valley 1\nstart 0\nminimize x1^2";
+    let solution = ends(valley, Status::Solved, 0.0);
+    assert_eq!(solution.counts.iterations, 0);
+}

@@ -15,7 +15,7 @@
 
 use crate::clock::ThreadTime;
 
-use crate::linalg::norms::is_finite;
+use crate::linalg::norms::{is_finite, norm_inf};
 use crate::linalg::{
     FactorizationError, Inertia, MultifrontalLdl, RefinedSolver, SymmetricPattern,
 };
@@ -309,12 +309,12 @@ impl KktSystem {
         problem: &BarrierProblem,
         iterate: &mut Iterate,
         gradient: &[f64],
-        limit: f64,
+        (limit, dual_shift): (f64, f64),
         work: &mut Iterate,
     ) {
         iterate.y[..self.m].fill(0.0);
         self.assemble_least_squares(problem);
-        if self.factor(0.0, 0.0).is_err() {
+        if self.factor(0.0, dual_shift).is_err() {
             return;
         }
         self.barrier_gradient.clear();
@@ -367,6 +367,17 @@ impl KktSystem {
             &iterate.y[..self.m],
             &mut self.hessian_values,
         );
+    }
+
+    /// Largest entry of the Hessian of `y' c`, which takes the place of the Hessian held here.
+    pub(crate) fn row_curvature(
+        &mut self,
+        formulation: &mut Formulation<'_>,
+        iterate: &Iterate,
+    ) -> f64 {
+        let (x, y) = (&iterate.v[..self.n], &iterate.y[..self.m]);
+        formulation.hessian(x, 0.0, y, &mut self.hessian_values);
+        norm_inf(&self.hessian_values)
     }
 
     /// Whether all derivative values held here are finite.

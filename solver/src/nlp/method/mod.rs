@@ -11,11 +11,13 @@ mod acceptance;
 pub(crate) mod barrier;
 mod direction;
 mod filter;
+mod last_word;
 mod line_search;
 mod main_loop;
 mod parameters;
 mod rescue;
 mod restoration;
+mod saddle;
 mod safeguard;
 mod second_order_correction;
 mod start;
@@ -35,6 +37,8 @@ use state::State;
 /// Where a run ended.
 pub(super) struct End {
     pub(super) outcome: Outcome,
+    /// Scaled.
+    objective: f64,
     pub(super) iterate: Iterate,
     pub(super) mu: f64,
     pub(super) sigma: f64,
@@ -50,6 +54,28 @@ pub(super) fn run(
     start: Option<&WarmStart>,
     products: &Products,
 ) -> Result<End, InputError> {
+    let (end, stays) = run_once(core, path, start, products)?;
+    if !stays {
+        return Ok(end);
+    }
+    saddle::perturb(&mut core.formulation);
+    match run_once(core, path, None, products) {
+        Ok((other, _)) if saddle::is_better(&other, &end) => Ok(other),
+        // also where the functions have no value beside the start
+        _ => {
+            core.violation_stationarity = None;
+            Ok(end)
+        }
+    }
+}
+
+/// A run, and whether it ends where it began at a point that is no minimum.
+fn run_once(
+    core: &mut Core<'_, '_>,
+    path: &mut dyn BarrierPath,
+    start: Option<&WarmStart>,
+    products: &Products,
+) -> Result<(End, bool), InputError> {
     let main = BarrierProblem::main(&core.formulation);
     let mut state = State::new(core, main, path, false);
     start::first_point(&mut state);
@@ -60,10 +86,15 @@ pub(super) fn run(
     start::first_multipliers(&mut state, start, products);
     state.start_filter();
     let outcome = main_loop::run(&mut state, None);
-    Ok(End {
+    let outcome = last_word::last_word(&mut state, outcome);
+    // a start with multipliers was chosen with care
+    let stays = start.is_none() && saddle::stays(&mut state, &outcome);
+    let end = End {
         outcome,
+        objective: state.point.values.objective,
         iterate: state.point.iterate,
         mu: state.mu,
         sigma: state.sigma,
-    })
+    };
+    Ok((end, stays))
 }

@@ -10,7 +10,10 @@ use crate::nlp::program::barrier_problem::{BarrierProblem, Values};
 use crate::nlp::program::formulation::Formulation;
 use crate::nlp::program::iterate::{Iterate, longest_dual_step, longest_primal_step};
 use crate::nlp::program::residuals::{Optimality, OptimalityError, lagrangian_gradient};
-use crate::nlp::{InputError, IterationInfo, Observer, Settings, Status};
+use crate::nlp::{InputError, IterationInfo, Observer, Settings, Solution, Status};
+
+/// Shift of the dual rows that makes multipliers of dependent rows unique, beside gradients of size 1 to 100.
+const DEPENDENT_SHIFT: f64 = 1e-10;
 
 /// What main loop and restoration phase share.
 pub(crate) struct Core<'a, 'o> {
@@ -25,6 +28,8 @@ pub(crate) struct Core<'a, 'o> {
     pub(crate) observer: Option<&'o mut Observer<'o>>,
     start: Instant,
     clock: ThreadTime,
+    /// Wall-clock and CPU time of runs before this one, which belong to the same solution \[s\].
+    earlier: (f64, f64),
 }
 
 impl<'a, 'o> Core<'a, 'o> {
@@ -45,17 +50,30 @@ impl<'a, 'o> Core<'a, 'o> {
             observer,
             start: Instant::now(),
             clock: ThreadTime::now(),
+            earlier: (0.0, 0.0),
         })
     }
 
+    /// Adds the work of an earlier run on the same problem, so that counts, times and the log go on from there, and limits hold
+    /// for both together.
+    pub(crate) fn go_on_after(&mut self, earlier: Solution) {
+        self.iterations = earlier.counts.iterations;
+        self.restoration_iterations = earlier.counts.restoration_iterations;
+        self.history = earlier.history;
+        self.kkt.factorizations = earlier.counts.factorizations;
+        self.kkt.seconds += earlier.cpu;
+        self.formulation.evaluate += earlier.cpu.evaluate;
+        self.earlier = (earlier.seconds, earlier.cpu.total);
+    }
+
     pub(crate) fn seconds(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
+        self.earlier.0 + self.start.elapsed().as_secs_f64()
     }
 
     /// CPU time by kind of work \[s\].
     pub(crate) fn cpu(&self) -> Seconds {
         Seconds {
-            total: self.clock.elapsed().as_secs_f64(),
+            total: self.earlier.1 + self.clock.elapsed().as_secs_f64(),
             evaluate: self.formulation.evaluate,
             ..self.kkt.seconds
         }
@@ -128,6 +146,9 @@ pub(super) struct Progress {
     /// Steps far out that left the violation as it is, and that violation.
     pub(super) drift_steps: usize,
     pub(super) drift_theta: f64,
+    /// Steps far out that lowered an objective of huge negative values, and the last of these.
+    pub(super) far_steps: usize,
+    pub(super) far_objective: f64,
     /// Iterations within the acceptable tolerance.
     pub(super) acceptable: usize,
     /// Iterations within the tolerance only by the size of the multipliers.
@@ -201,6 +222,8 @@ impl<'c, 'a, 'o, 'p> State<'c, 'a, 'o, 'p> {
                 stalls: 0,
                 drift_steps: 0,
                 drift_theta: f64::INFINITY,
+                far_steps: 0,
+                far_objective: f64::INFINITY,
                 acceptable: 0,
                 degenerate: 0,
             },
@@ -238,11 +261,21 @@ impl<'c, 'a, 'o, 'p> State<'c, 'a, 'o, 'p> {
 
     /// Multipliers of the rows that fit the gradient best, zeros if they exceed 1000.
     pub(super) fn estimate_multipliers(&mut self) {
+        self.least_squares_multipliers(1e3, 0.0);
+    }
+
+    /// As [`State::estimate_multipliers`], zeros if they exceed `limit`; of those that fit where rows depend on each other the
+    /// smallest.
+    pub(super) fn estimate_dependent_multipliers(&mut self, limit: f64) {
+        self.least_squares_multipliers(limit, DEPENDENT_SHIFT);
+    }
+
+    fn least_squares_multipliers(&mut self, limit: f64, dual_shift: f64) {
         self.core.kkt.least_squares_multipliers(
             &self.problem,
             &mut self.point.iterate,
             &self.point.gradient,
-            1e3,
+            (limit, dual_shift),
             &mut self.work.correction,
         );
     }
@@ -276,6 +309,28 @@ impl<'c, 'a, 'o, 'p> State<'c, 'a, 'o, 'p> {
             .iter()
             .zip(&self.core.formulation.row_scales)
             .fold(0.0, |a: f64, (r, scale)| a.max(r.abs() / scale))
+    }
+
+    /// Whether what each explicit row is violated by is within the tolerance, or rounding of the terms it is the sum of, by its
+    /// derivatives.
+    pub(super) fn is_feasible_to_rounding(&self) -> bool {
+        const ROUNDING: f64 = 1e-10;
+        let m = self.problem.m;
+        let v = &self.point.iterate.v;
+        let mut terms = vec![0.0; m];
+        let values = self.core.kkt.jacobian_values.iter();
+        for ((row, column), a) in self.core.formulation.jacobian_entries().zip(values) {
+            terms[row] += (a * v[column]).abs();
+        }
+        for (slack, s) in self.problem.slacks.iter().zip(&v[self.problem.n..]) {
+            if slack.row < m {
+                terms[slack.row] += s.abs();
+            }
+        }
+        let tolerance = self.core.settings.tolerance;
+        let residuals = &self.point.values.residual[..m];
+        let mut rows = residuals.iter().zip(&terms);
+        rows.all(|(r, terms)| r.abs() <= tolerance.max(ROUNDING * terms))
     }
 
     /// Sets the greatest and the switching violation of the filter from the current point.

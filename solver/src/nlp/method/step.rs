@@ -3,6 +3,7 @@
 use super::acceptance::{Acceptance, Search};
 use super::safeguard::safeguard;
 use super::state::State;
+use super::stop::FARTHEST;
 use crate::linalg::norms::norm_inf;
 
 /// Takes over the trial point and updates multipliers, filter and shift.
@@ -106,18 +107,20 @@ pub(super) fn is_jammed(state: &mut State<'_, '_, '_, '_>, search: &Search) -> b
     true
 }
 
-/// Fifteen steps at infeasible points far out that lowered the objective only: it is unbounded below
+/// Fifteen steps at infeasible points far out, or one beyond all sizes, that lowered the objective only: it is unbounded below
 /// along directions that leave the violation as it is, and the violation has to be looked at alone.
 pub(super) fn is_drifting(state: &mut State<'_, '_, '_, '_>) -> bool {
     let theta = state.point.values.theta;
-    let far = norm_inf(&state.point.iterate.v) > 1e8;
+    let size = norm_inf(&state.point.iterate.v);
+    let far = size > 1e8;
     if !far || theta <= 0.9 * state.progress.drift_theta || theta <= state.core.settings.tolerance {
         state.progress.drift_theta = theta;
         state.progress.drift_steps = 0;
         return false;
     }
     state.progress.drift_steps += 1;
-    if state.is_restoration || state.progress.drift_steps < 15 {
+    let at_once = size > FARTHEST && state.problem.products.is_empty();
+    if state.is_restoration || (state.progress.drift_steps < 15 && !at_once) {
         return false;
     }
     state.progress.drift_steps = 0;

@@ -5,7 +5,7 @@ use super::iterate::Iterate;
 use crate::linalg::norms::{norm_inf, norm_one};
 
 /// Multipliers up to this average are not scaled out of the error, s_max.
-const SCALE_MAX: f64 = 100.0;
+pub(crate) const SCALE_MAX: f64 = 100.0;
 
 /// Infinity norms of the optimality conditions.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -1,0 +1,107 @@
+//! What a run that gave up says of a feasible point whose multipliers are huge.
+//!
+//! Where rows depend on each other multipliers are not unique, and those of the iterates may grow along the directions that
+//! cancel until they drown the residual. Where a constraint qualification fails there are none. Either way Newton's
+//! method ends without a step that means anything, at a point that may well be the solution.
+
+use super::main_loop;
+use super::state::{Outcome, State};
+use super::stop::{LARGEST_MULTIPLIER, multipliers_exist};
+use crate::linalg::norms::norm_inf;
+use crate::nlp::Status;
+use crate::nlp::program::residuals::SCALE_MAX;
+
+/// Average multiplier, in units of the one that the error is not scaled by, beyond which the test of the error says nothing.
+const LARGEST_SCALE: f64 = 1e4 / SCALE_MAX;
+
+/// The outcome of a run, judged once more where it gave up at a feasible point: solved with the smallest multipliers that fit,
+/// or degenerate where multipliers diverged.
+pub(super) fn last_word(state: &mut State<'_, '_, '_, '_>, outcome: Outcome) -> Outcome {
+    let gave_up = matches!(
+        outcome.status,
+        Status::StepTooSmall
+            | Status::Acceptable
+            | Status::Degenerate
+            | Status::FactorizationFailed
+            | Status::RestorationFailed
+    );
+    if !gave_up || !state.problem.products.is_empty() {
+        return outcome;
+    }
+    let settings = &state.core.settings;
+    let (tolerance, acceptable) = (settings.tolerance, settings.acceptable_tolerance);
+    // not a number is not feasible
+    let feasible = state.unscaled_infeasibility() <= settings.constraint_tolerance
+        && state.point.values.infeasibility() <= acceptable;
+    let diverged = diverged(state);
+    if !feasible || !diverged {
+        return outcome;
+    }
+    if is_solved(state, 100.0 * tolerance) {
+        return state.outcome(Status::Solved);
+    }
+    if let Some(outcome) = go_on_with_smallest(state) {
+        return outcome;
+    }
+    match outcome.status {
+        // without huge multipliers in the measure it would be as good
+        Status::Acceptable if is_small(state, 100.0 * acceptable) => outcome,
+        _ => state.outcome(Status::Degenerate),
+    }
+}
+
+/// Goes on with the smallest multipliers that fit, where these are moderate and all but pass the test: the others may have
+/// kept the point from its last digits. `None` leaves everything as it was.
+fn go_on_with_smallest(state: &mut State<'_, '_, '_, '_>) -> Option<Outcome> {
+    let before = state.point.iterate.clone();
+    state.estimate_dependent_multipliers(LARGEST_MULTIPLIER);
+    state.update_lagrangian();
+    let settings = &state.core.settings;
+    let left = settings.maximum_iterations > state.core.iterations;
+    if left && is_small(state, settings.acceptable_tolerance) && !diverged(state) {
+        state.progress.stalls = 0;
+        state.progress.degenerate = 0;
+        state.progress.acceptable = 0;
+        state.level.tiny_steps = 0;
+        state.shifts.floor = 0.0;
+        state.globalization.filter.clear();
+        // the same point is about to be recorded with its new multipliers
+        state.core.history.pop();
+        let outcome = main_loop::run(state, None);
+        if matches!(
+            outcome.status,
+            Status::Solved | Status::Interrupted | Status::TimeLimit | Status::IterationLimit
+        ) {
+            return Some(outcome);
+        }
+    }
+    state.point.iterate = before;
+    state.evaluate_iterate();
+    state.evaluate_first_derivatives();
+    state.update_lagrangian();
+    None
+}
+
+/// Whether the point passes the test with the present multipliers, which exist, by its unscaled residuals too.
+fn is_solved(state: &mut State<'_, '_, '_, '_>, absolute: f64) -> bool {
+    state.error(0.0).scaled() <= state.core.settings.tolerance
+        && is_small(state, absolute)
+        && multipliers_exist(state)
+}
+
+/// Whether multipliers are beyond what scaled gradients of at most 100 call for.
+fn diverged(state: &State<'_, '_, '_, '_>) -> bool {
+    let iterate = &state.point.iterate;
+    let multipliers = [&iterate.y, &iterate.z_lower, &iterate.z_upper];
+    let largest = multipliers
+        .map(|of| norm_inf(of))
+        .into_iter()
+        .fold(0.0, f64::max);
+    largest > LARGEST_MULTIPLIER || state.error(0.0).dual_scale > LARGEST_SCALE
+}
+
+/// Whether the unscaled residuals of the optimality conditions are below `limit`.
+fn is_small(state: &State<'_, '_, '_, '_>, limit: f64) -> bool {
+    let error = state.error(0.0);
+    error.dual <= limit && error.complementarity <= limit
+}
