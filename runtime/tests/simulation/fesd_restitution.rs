@@ -66,7 +66,7 @@ fn ball_laid_on_the_ground_with_a_residual_speed_rests_there_and_slides_on() {
                 };
                 let case = format!("{formulation:?}, e = {e}, {speed:e} m/s");
                 let run = simulate(&simulator, &model, &[0.0, 0.0], &[1.0, speed], 1.0);
-                let (q, v) = last(&run);
+                let (q, v) = last(&run.trajectory);
                 assert!((q[0] - 1.0).abs() < 1e-13 && v[0] == 1.0, "{case}: {q:?}");
                 // The flights that are left out are lower than all that are not.
                 let highest = speed * speed / (2.0 * GRAVITY);
