@@ -5,7 +5,7 @@
 //! very instant at which a body is at an edge, their impulses alone decide whether there is one of the edge.
 
 use super::driver::Driver;
-use super::impacts::Impact;
+use super::impacts::{self, Impact};
 use crate::fesd::contacts::ModeError;
 
 /// The piece whose gap is the largest from here on, of those of the edge of a contact that vanish together with it, and its
@@ -40,13 +40,18 @@ fn is_free(driver: &Driver<'_>, contact: usize) -> bool {
     leading(driver, contact).1 >= -driver.now.size(contact).touching_velocity()
 }
 
-/// Carries out the impact of those `touching` contacts that are at no edge, by `strike`, if the motion that it leads to
-/// is free at the edges. The pieces that lead from there on act. None, with everything as it was, where it is not.
-pub(super) fn pass(
-    driver: &mut Driver<'_>,
-    touching: &[usize],
-    strike: impl FnOnce(&mut Driver<'_>, &[usize]) -> Result<Impact, ModeError>,
-) -> Option<Impact> {
+/// Carries out the impact of the `touching` contacts at the present state, where all are evaluated. At edges other pieces
+/// may act afterwards.
+pub(super) fn carry_out(driver: &mut Driver<'_>, touching: &[usize]) -> Result<Impact, ModeError> {
+    match pass(driver, touching) {
+        Some(impact) => Ok(impact),
+        None => impacts::carry_out(driver, touching),
+    }
+}
+
+/// The impact of those `touching` contacts that are at no edge, if the motion that it leads to is free at the edges. The
+/// pieces that lead from there on act. None, with everything as it was, where it is not.
+fn pass(driver: &mut Driver<'_>, touching: &[usize]) -> Option<Impact> {
     let (edges, others): (Vec<usize>, Vec<usize>) =
         touching.iter().partition(|&&i| is_passed(driver, i));
     if edges.is_empty() || others.is_empty() {
@@ -55,7 +60,7 @@ pub(super) fn pass(
     let (state, numerical_time) = (driver.now.state.clone(), driver.now.numerical_time);
     let (gains, notes) = (driver.record.energy_gains, driver.record.notes.len());
     let contacts = driver.setup.contacts();
-    let impact = strike(driver, &others).ok();
+    let impact = impacts::carry_out(driver, &others).ok();
     driver.now.evaluate_contacts(contacts.clone());
     let free = edges.iter().all(|&i| is_free(driver, i));
     if let Some(mut impact) = impact.filter(|impact| free && !impact.struck.is_empty()) {

@@ -2,7 +2,6 @@
 
 use super::bounces::slowest_bounce;
 use super::driver::{Driver, EnergyGains};
-use super::edge;
 use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::contacts::{ModeError, dot};
 use crate::fesd::impact;
@@ -26,17 +25,9 @@ pub(super) struct Impact {
     pub(super) cluster: Option<Vec<usize>>,
 }
 
-/// Carries out the impact of the `touching` contacts at the present state, where all are evaluated. At edges other pieces
-/// may act afterwards.
+/// Carries out the impact of all `touching` contacts at the present state, whose velocities are evaluated, whatever pieces of
+/// edges they are.
 pub(super) fn carry_out(driver: &mut Driver<'_>, touching: &[usize]) -> Result<Impact, ModeError> {
-    match edge::pass(driver, touching, strike_together) {
-        Some(impact) => Ok(impact),
-        None => strike_together(driver, touching),
-    }
-}
-
-/// The impact of all `touching` contacts, whatever pieces of edges they are.
-fn strike_together(driver: &mut Driver<'_>, touching: &[usize]) -> Result<Impact, ModeError> {
     let closes = |&i: &usize| {
         let limit = driver.now.size(i).touching_velocity();
         driver.now.contacts.normal_velocity(i) < -limit

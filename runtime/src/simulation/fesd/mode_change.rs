@@ -87,7 +87,7 @@ pub(super) fn settle(driver: &mut Driver<'_>, switched: &[usize]) -> Result<(), 
     // Dry friction has no impulses, and it acts always.
     let dry = touching.iter().position(|&i| driver.now.contacts.is_dry(i));
     let (surfaces, dry) = touching.split_at(dry.unwrap_or(touching.len()));
-    let impact = impacts::carry_out(driver, surfaces)?;
+    let impact = edge::carry_out(driver, surfaces)?;
     let previous = driver.now.active.clone();
     let now = &mut driver.now;
     let surfaces = impact.cluster.as_deref().unwrap_or(surfaces);
