@@ -27,6 +27,8 @@ pub(crate) struct ContactSize {
     pub(super) gained: f64,
     /// The same for the sliding velocity.
     pub(super) gained_sliding: f64,
+    /// What accelerations change of the normal velocity in the shortest time that a run tells apart.
+    pub(super) unresolved: f64,
 }
 
 impl ContactSize {
@@ -47,11 +49,12 @@ impl ContactSize {
     }
 
     /// The sizes at `time`, whose own rounding error moves the gap as well, under accelerations of the given
-    /// sizes.
-    pub(super) fn at(self, time: f64, normal: f64, tangential: f64) -> Self {
+    /// sizes, for a run that tells times apart down to the `shortest`.
+    pub(super) fn at(self, (time, shortest): (f64, f64), normal: f64, tangential: f64) -> Self {
         Self {
             gap: self.gap + self.velocity * time,
             gained: normal * time,
+            unresolved: normal * shortest,
             gained_sliding: tangential * time,
             ..self
         }
@@ -77,9 +80,11 @@ impl ContactSize {
         ROUNDING * (self.velocity + self.gained)
     }
 
-    /// Normal velocity up to which the contact touches.
+    /// Normal velocity up to which the contact touches; a flight that begins with less is over in less time than
+    /// a run tells apart.
     pub(crate) fn touching_velocity(self) -> f64 {
-        (TOUCHING_VELOCITY * self.velocity).max(COLLECTED * self.gained)
+        let zero = (TOUCHING_VELOCITY * self.velocity).max(COLLECTED * self.gained);
+        zero.max(self.unresolved)
     }
 
     /// Rounding error of the sliding velocity.

@@ -80,6 +80,8 @@ pub(crate) struct Contacts<'a> {
     tangent_scales: Vec<f64>,
     /// Largest sizes of gaps and velocities of the motion so far.
     sizes: Vec<ContactSize>,
+    /// The shortest time that the motion is told apart in [s]; 0 where no motion is followed.
+    pub(crate) shortest: f64,
     lines: Vec<Line>,
     matrix: Vec<f64>,
     pivots: Vec<usize>,
@@ -109,6 +111,7 @@ impl<'a> Contacts<'a> {
             scales: vec![0.0; contacts],
             tangent_scales: vec![0.0; tangents],
             sizes: vec![ContactSize::default(); contacts],
+            shortest: 0.0,
             lines: Vec::new(),
             matrix: Vec::new(),
             pivots: Vec::new(),
@@ -240,7 +243,8 @@ impl<'a> Contacts<'a> {
     /// Largest sizes of gap and velocities of a contact so far, at `time`.
     pub(crate) fn size(&self, contact: usize, time: f64) -> ContactSize {
         let tangential = self.tangential_scale(contact);
-        self.sizes[contact].at(time, self.phi_scale(contact), tangential)
+        let times = (time, self.shortest);
+        self.sizes[contact].at(times, self.phi_scale(contact), tangential)
     }
 
     /// Normal velocity up to which a contact does not leave: a flight lower than the rounding error of its gap

@@ -106,6 +106,21 @@ hangtime::model! {
     }
 }
 
+hangtime::model! {
+    /// A block comes to the end of a floor and to a leaning wall at the same instant.
+    WallAtTheEnd {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, e = 0.5, tilt = 0.5, speed: m/s = 2 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        surface floor: max(z, y - 1 [m]) >= 0
+        surface wall: 1 [m] + tilt*z - y >= 0
+        impact floor: inelastic
+        impact wall: restitution e
+        start { dot(y): speed }
+        horizon 1.2 [s]
+    }
+}
+
 /// Every simulator for scenes without friction, with the error that its steps of `h` leave.
 fn all(horizon: f64) -> Vec<(Box<dyn Simulator>, f64)> {
     let steps = 4000;
@@ -182,6 +197,36 @@ fn block_leaves_the_end_of_a_table_as_a_horizontal_throw() {
         .collect();
     assert_eq!(kinds, [(EventKind::LiftOff, "table.1")]);
     assert!((run.events[0].time - table.edge / table.speed).abs() < 1e-13);
+}
+
+#[test]
+fn impact_of_another_contact_at_an_edge_is_one_of_that_contact_alone() {
+    // The velocity `(speed, 0)` changes along the normal `(-1, tilt)` of the wall, and by nothing else: what it leads to
+    // leaves one side of the edge. After an upright wall the block slides back.
+    for tilt in [0.5, 0.0] {
+        let scene = WallAtTheEnd {
+            tilt,
+            ..WallAtTheEnd::default()
+        };
+        let push = (1.0 + scene.e) * scene.speed / (1.0 + tilt * tilt);
+        let (v, w) = (scene.speed - push, tilt * push);
+        let impact = 1.0 / scene.speed;
+        let landing = impact + 2.0 * w / G;
+        assert!(landing < 1.2);
+        let end = [1.0 + v * (1.2 - impact), 0.0, v, 0.0];
+        assert_ends(&scene, end, |name| {
+            ["fesd", "event", "moreau"].contains(&name)
+        });
+        let run = simulate(&scene).steps(40).run().unwrap();
+        let (q, _) = last(&run.trajectory);
+        assert!(
+            run.status.is_solved() && (q[0] - end[0]).abs() < 1e-10,
+            "{run}"
+        );
+        let impacts = run.events.iter().filter(|e| e.kind == EventKind::Impact);
+        let first = impacts.map(|e| e.contact_name).next();
+        assert_eq!(first, Some("wall"), "{run}");
+    }
 }
 
 #[test]

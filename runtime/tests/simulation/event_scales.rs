@@ -24,6 +24,33 @@ hangtime::model! {
 }
 
 hangtime::model! {
+    /// A block that slides on a rough floor and is lifted by a little more than its weight.
+    pub Lifted {
+        parameters { m: kg = 1, g: m/s^2 = 10, mu = 0.25, more: N = 1e-6, v: m/s = 3 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { z: m*g + more }
+        surface floor: z >= 0
+        impact floor: inelastic, friction mu
+        start { dot(y): v }
+        horizon 0.5 [s]
+    }
+}
+
+hangtime::model! {
+    /// A ball flies into a thin post without gravity: its gap is constant up to there.
+    pub Post {
+        parameters { m: kg = 1, width: m = 0.01, place: m = 0.777, e = 0.5, height: m = 0.5, v: m/s = 1 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2
+        surface post: z - 1 [m]*exp(-((y - place)/width)^2) >= 0
+        impact post: restitution e
+        start { z: height, dot(y): v }
+        horizon 1.5 [s]
+    }
+}
+
+hangtime::model! {
     /// A mass on a track of sines.
     pub Crests {
         parameters { m: kg = 0.4, a: m = 0.25, k: 1/m = 1.7, g: m/s^2 = 3.71, v: m/s = 1 }
@@ -312,5 +339,48 @@ fn gap_that_ends_or_jumps_through_infinity_ends_the_run_by_name() {
         };
         assert_eq!(diagnosis.contact, contact);
         assert!(diagnosis.message.contains(name), "{}", diagnosis.message);
+    }
+}
+
+#[test]
+fn block_lifted_by_little_more_than_its_weight_leaves_the_floor_at_once() {
+    for more in [1e-3, 1e-6, 1e-7] {
+        let model = Lifted {
+            more,
+            ..Lifted::default()
+        };
+        let run = simulate(&model, 1e-9);
+        let (q, v) = (&run.trajectory.q, &run.trajectory.v);
+        let (q, v) = (q.last().unwrap(), v.last().unwrap());
+        // The difference of two forces of 10 N has an error of 2e-15 N.
+        let height = more / model.m * 0.5 * 0.5 / 2.0;
+        assert!((q[1] - height).abs() < 1e-7 * height, "{more}: {q:?}");
+        assert!(
+            (q[0] - 0.5 * model.v).abs() < 1e-12 && v[0] == model.v,
+            "{more}: {q:?}, {v:?}"
+        );
+    }
+}
+
+#[test]
+fn ball_bounces_off_a_post_that_is_steep_where_its_gap_first_changes() {
+    for width in [0.02, 0.01] {
+        let model = Post {
+            width,
+            ..Post::default()
+        };
+        let run = simulate(&model, 1e-9);
+        assert!(run.status.is_solved(), "{:?}", run.status);
+        let steep = 2.0_f64.ln().sqrt() / width;
+        let push = (1.0 + model.e) * steep / (1.0 + steep * steep);
+        let left = 1.5 - (model.place - width * 2.0_f64.ln().sqrt()) / model.v;
+        let end = [
+            model.place - width * 2.0_f64.ln().sqrt() + left * (1.0 - steep * push),
+            model.height + left * push,
+        ];
+        let q = run.trajectory.q.last().unwrap();
+        // Rounding of the place where the normal turns by a part in `width`.
+        let error = (q[0] - end[0]).abs().max((q[1] - end[1]).abs());
+        assert!(error < 1e-12 / width, "{width}: {error:e}");
     }
 }

@@ -5,7 +5,9 @@ use crate::common::scenes::GRAVITY;
 use crate::common::{distance, energies, last, start};
 use hangtime::model::{Model, contact_point};
 use hangtime::rk::Scheme;
-use hangtime::simulation::{Event, EventKind, Fesd, Simulation, SimulationStatus, Simulator};
+use hangtime::simulation::{
+    Event, EventKind, Fesd, Simulation, SimulationStatus, Simulator, StepFormulation,
+};
 
 /// Order 9 with elements of about a hundredth of a motion's time scale: errors near rounding.
 fn accurate() -> Fesd {
@@ -40,6 +42,40 @@ fn bounces_until(rest_velocity: f64) -> Fesd {
     Fesd {
         rest_velocity: Some(rest_velocity),
         ..Fesd::default()
+    }
+}
+
+#[test]
+fn ball_laid_on_the_ground_with_a_residual_speed_rests_there_and_slides_on() {
+    // Flights of less than a hundred thousandth of an element, down to less than the times of a run tell apart.
+    for formulation in [StepFormulation::ActiveSet, StepFormulation::TimeFreezing] {
+        for simulator in [Fesd::default(), Fesd::default().with_grid(40, 2)] {
+            let simulator = simulator.with_formulation(formulation);
+            for (e, speed) in [
+                (0.5, 2e-5),
+                (0.5, 1e-6),
+                (0.8, 1e-6),
+                (0.1, -1e-6),
+                (0.5, -1e-10),
+                (0.5, 1e-13),
+                (0.5, 1e-14),
+            ] {
+                let model = Ground {
+                    e,
+                    ..Ground::default()
+                };
+                let case = format!("{formulation:?}, e = {e}, {speed:e} m/s");
+                let run = simulate(&simulator, &model, &[0.0, 0.0], &[1.0, speed], 1.0);
+                let (q, v) = last(&run.trajectory);
+                assert!((q[0] - 1.0).abs() < 1e-13 && v[0] == 1.0, "{case}: {q:?}");
+                // The flights that are left out are lower than all that are not.
+                let highest = speed * speed / (2.0 * GRAVITY);
+                assert!(
+                    q[1].abs() < highest.max(1e-24) && v[1].abs() < 1e-20,
+                    "{case}: {q:?}, {v:?}"
+                );
+            }
+        }
     }
 }
 

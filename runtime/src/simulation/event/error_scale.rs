@@ -85,6 +85,14 @@ impl ErrorScale {
         if component < n { h * speed } else { speed }
     }
 
+    /// The shortest time in which the velocities `v` of a group change by as much as they are, with accelerations `a`,
+    /// before any have been observed; infinite if nothing changes.
+    pub(super) fn time_at_start(&self, mass: &[f64], v: &[f64], a: &[f64]) -> f64 {
+        let mut scale = self.clone();
+        scale.observe(mass, v, a);
+        scale.shortest_time(mass, &vec![0.0; a.len()], 1.0)
+    }
+
     /// The shortest time in which the velocities of a group change by as much as they are, or their accelerations
     /// given their `change` over the time `moment`; infinite if nothing changes.
     pub(super) fn shortest_time(&self, mass: &[f64], change: &[f64], moment: f64) -> f64 {

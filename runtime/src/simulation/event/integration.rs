@@ -176,6 +176,7 @@ impl<'a> Integration<'a> {
         self.dynamics.set_controls(&self.problem.controls, 0.0);
         self.dynamics.load(0.0, &self.y);
         self.dynamics.choose_pieces();
+        self.expect_step(longest);
         self.enter_mode(None, true)?;
         self.h = self.first_step(longest);
         self.observe();
@@ -256,6 +257,8 @@ impl<'a> Integration<'a> {
             self.t = self.problem.horizon;
         }
         self.y.copy_from_slice(self.method.end());
+        // What is rounding error of a gap here, steps that ended elsewhere do not tell.
+        self.dynamics.observe(self.t, &self.y, self.h);
         self.method.finish(&mut self.dynamics, self.t, 0.0);
         let measured = self.measure();
         self.audit_now();
@@ -280,6 +283,18 @@ impl<'a> Integration<'a> {
         Ok(())
     }
 
+    /// Expects a first step by the free accelerations, to which those of the first contact mode are compared: beside what
+    /// would give the velocities in a glance, any of them would be small.
+    fn expect_step(&mut self, longest: f64) {
+        let n = self.dynamics.n;
+        self.dynamics.observe(self.t, &self.y, self.h);
+        let a = self.dynamics.free_acceleration().to_vec();
+        let mass = self.dynamics.mass(self.t, &self.y);
+        let scale = &self.step.error_scale;
+        let time = scale.time_at_start(mass, &self.y[n..2 * n], &a);
+        self.dynamics.expect_moment(time.min(longest));
+    }
+
     /// A first step size: a share of the shortest time in which velocities or accelerations change.
     fn first_step(&mut self, longest: f64) -> f64 {
         let n = self.dynamics.n;
@@ -297,7 +312,9 @@ impl<'a> Integration<'a> {
             .collect();
         let mass = self.dynamics.mass(self.t, &self.y);
         let time = self.step.error_scale.shortest_time(mass, &change, moment);
-        (self.settings.tolerance.powf(1.0 / 8.0) * time).min(longest)
+        let h = (self.settings.tolerance.powf(1.0 / 8.0) * time).min(longest);
+        self.dynamics.expect_moment(h);
+        h
     }
 
     /// Tells the measures of errors and zeros of the present state, whose derivative is known.

@@ -27,9 +27,104 @@ pub(in crate::simulation) fn impact(
     lowest: LowestBounce,
 ) -> Result<Impact, Undetermined> {
     // Dry friction has no impulses; it acts before and after.
-    let (mut closed, dry): (Vec<usize>, Vec<usize>) = closed_contacts(dynamics, t, y, closing)
+    let (closed, dry): (Vec<usize>, Vec<usize>) = closed_contacts(dynamics, t, y, closing)
         .into_iter()
         .partition(|&i| !dynamics.is_dry(i));
+    let mut outcome = match pass_edges(dynamics, t, y, &closed, (closing, lowest)) {
+        Some(outcome) => outcome,
+        None => strike_together(dynamics, t, y, closed, (closing, lowest))?,
+    };
+    outcome.resting.extend(dry);
+    Ok(outcome)
+}
+
+/// The impact of those `closed` contacts that are at no edge, if the motion that it leads to is free at the edges, as
+/// [`leading`] says: the contact of an edge acts only against motions that leave none of its pieces. Those that lead from
+/// there on act. None, with everything as it was, where it is not.
+fn pass_edges(
+    dynamics: &mut Dynamics<'_>,
+    t: f64,
+    y: &mut [f64],
+    closed: &[usize],
+    (closing, lowest): (Option<usize>, LowestBounce),
+) -> Option<Impact> {
+    let mut edges = Vec::new();
+    for &i in closed {
+        let (ties, _, velocity) = leading(dynamics, i);
+        if ties && velocity >= -dynamics.zero_normal_velocity(i) {
+            edges.push(i);
+        }
+    }
+    if edges.is_empty() || edges.len() == closed.len() {
+        return None;
+    }
+    let others = closed.iter().copied().filter(|i| !edges.contains(i));
+    let mut after = y.to_vec();
+    let struck = strike_together(dynamics, t, &mut after, others.collect(), (closing, lowest));
+    dynamics.load(t, &after);
+    let mut leads = Vec::with_capacity(edges.len());
+    for &i in &edges {
+        dynamics.evaluate_sides(i);
+        let (_, piece, velocity) = leading(dynamics, i);
+        if velocity >= -dynamics.zero_normal_velocity(i) {
+            leads.push((piece, velocity));
+        }
+    }
+    match struck {
+        Ok(mut outcome) if leads.len() == edges.len() && !outcome.struck.is_empty() => {
+            y.copy_from_slice(&after);
+            dynamics.evaluate_free_acceleration();
+            for (piece, velocity) in leads {
+                let model = dynamics.model;
+                dynamics.pieces.let_act(model, piece);
+                if rests(dynamics, piece, velocity, false) {
+                    outcome.resting.push(piece);
+                }
+            }
+            outcome.resting.sort_unstable();
+            Some(outcome)
+        }
+        _ => {
+            dynamics.load(t, y);
+            for &i in closed {
+                dynamics.evaluate_sides(i);
+            }
+            None
+        }
+    }
+}
+
+/// Whether the edge of an evaluated contact is here, where other pieces vanish together with it; the piece of them whose
+/// gap is the largest from here on, and its normal velocity. Where they stay equal, the contact itself.
+fn leading(dynamics: &mut Dynamics<'_>, contact: usize) -> (bool, usize, f64) {
+    let own = dynamics.point(contact)[contact_point::NORMAL_VELOCITY];
+    let (mut ties, mut least) = (false, (contact, 0.0));
+    for &other in dynamics.model.declaration().contacts[contact].alternatives {
+        dynamics.evaluate_contact(other);
+        // An idle piece is away from acting by its gap, and moves away from it.
+        let point = dynamics.point(other);
+        let (gap, ahead) = (
+            point[contact_point::GAP],
+            point[contact_point::NORMAL_VELOCITY],
+        );
+        if gap <= dynamics.closed_gap(other) {
+            ties = true;
+            if ahead < least.1 - dynamics.zero_normal_velocity(other) {
+                least = (other, ahead);
+            }
+        }
+    }
+    (ties, least.0, own - least.1)
+}
+
+/// The impact of all `closed` contacts, which are evaluated, whatever pieces of edges they are; they rest or not.
+fn strike_together(
+    dynamics: &mut Dynamics<'_>,
+    t: f64,
+    y: &mut [f64],
+    mut closed: Vec<usize>,
+    (closing, lowest): (Option<usize>, LowestBounce),
+) -> Result<Impact, Undetermined> {
     let mut velocities: Vec<f64> = closed
         .iter()
         .map(|&i| dynamics.point(i)[contact_point::NORMAL_VELOCITY])
@@ -72,6 +167,5 @@ pub(in crate::simulation) fn impact(
             outcome.resting.push(i);
         }
     }
-    outcome.resting.extend(dry);
     Ok(outcome)
 }

@@ -15,6 +15,9 @@ use crate::simulation::{
 };
 use std::ops::Range;
 
+/// Share of the horizon below which times are rounding error.
+const SHORTEST: f64 = 1e-14;
+
 /// What a run is about, which never changes.
 pub(super) struct Setup<'a> {
     pub(super) settings: &'a Fesd,
@@ -32,6 +35,11 @@ impl Setup<'_> {
     /// All contacts.
     pub(super) fn contacts(&self) -> Range<usize> {
         0..self.restitution.len()
+    }
+
+    /// The shortest time that the run tells apart, beyond the rounding error of its times \[s\].
+    pub(super) fn shortest(&self) -> f64 {
+        SHORTEST * self.horizon
     }
 
     pub(super) fn name(&self, contact: usize) -> &'static str {

@@ -25,7 +25,8 @@ pub(super) struct Impact {
     pub(super) cluster: Option<Vec<usize>>,
 }
 
-/// Carries out the impact of the `touching` contacts at the present state, whose velocities are evaluated.
+/// Carries out the impact of all `touching` contacts at the present state, whose velocities are evaluated, whatever pieces of
+/// edges they are.
 pub(super) fn carry_out(driver: &mut Driver<'_>, touching: &[usize]) -> Result<Impact, ModeError> {
     let closes = |&i: &usize| {
         let limit = driver.now.size(i).touching_velocity();

@@ -218,7 +218,7 @@ pub(super) fn locate_one(
     longest: f64,
     count: usize,
 ) -> Result<(), Stop> {
-    let tolerance = 2.0 * f64::EPSILON * driver.start.state.time.max(longest * count as f64);
+    let begin = driver.start.state.time;
     let length_at = |theta: f64| ((count - 1) as f64 + theta) * longest / count as f64;
     // A little room beyond the violated place, which the dense output of another element named.
     let (mut before, mut after) = (0.0, length_at(switch.violated) + 0.01 * longest);
@@ -240,6 +240,8 @@ pub(super) fn locate_one(
             after = length;
         }
         let step = value / slope;
+        // What the switch is told apart by is its own time: an element may be far longer than the flight that ends in it.
+        let tolerance = 2.0 * f64::EPSILON * begin.max(length * count as f64);
         if value == 0.0 || step.abs() <= tolerance || after - before <= tolerance {
             let force = matches!(switch.kind, SwitchKind::Exit | SwitchKind::Slipping);
             let pole = force && value.abs() > POLE * driver.now.contacts.phi_scale(switch.contact);

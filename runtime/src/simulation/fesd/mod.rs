@@ -12,7 +12,7 @@
 //!
 //! `driver` is the state of a run (`present`: where it is) and `stepping` its loop, with lengths by `error_control`;
 //! `detection` looks for switches (`gap_switch`, `friction_switch`), `location` finds where they are, `mode_change` carries them
-//! out (`impacts`, `bounces`), `program` solves a step as a whole.
+//! out (`edge`, `impacts`, `bounces`), `program` solves a step as a whole.
 //!
 //! Without a named number of steps the run promises an accuracy and checks it (`accuracy`).
 //!
@@ -29,6 +29,7 @@ mod detection;
 mod detector;
 mod diagnosis;
 mod driver;
+mod edge;
 mod error_control;
 mod estimate;
 mod friction_switch;

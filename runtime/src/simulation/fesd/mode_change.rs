@@ -2,7 +2,7 @@
 
 use super::driver::Driver;
 use super::switch::{Switch, SwitchKind};
-use super::{bounces, impacts};
+use super::{bounces, edge, impacts};
 use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::{contact_mode, impact};
@@ -45,21 +45,13 @@ fn largest_from_here(driver: &mut Driver<'_>, switch: Switch) -> usize {
     if !closes || others.is_empty() {
         return switch.contact;
     }
-    let now = &mut driver.now;
-    now.evaluate_contacts(others.iter().copied());
-    let mut largest = (switch.contact, 0.0);
-    for &other in others {
-        let size = now.size(other);
-        let falling = now.contacts.normal_velocity(other);
-        let ties = now.contacts.gap(other) <= size.touching_gap();
-        if ties && falling < largest.1 - size.velocity_rounding() {
-            largest = (other, falling);
-        }
+    let seen = others.iter().copied().chain([switch.contact]);
+    driver.now.evaluate_contacts(seen);
+    let (largest, _) = edge::leading(driver, switch.contact);
+    if largest != switch.contact {
+        driver.now.contacts.pieces.let_act(model, largest);
     }
-    if largest.0 != switch.contact {
-        now.contacts.pieces.let_act(model, largest.0);
-    }
-    largest.0
+    largest
 }
 
 /// Ends the contact although its force has not vanished (no exit condition).
@@ -95,11 +87,13 @@ pub(super) fn settle(driver: &mut Driver<'_>, switched: &[usize]) -> Result<(), 
     // Dry friction has no impulses, and it acts always.
     let dry = touching.iter().position(|&i| driver.now.contacts.is_dry(i));
     let (surfaces, dry) = touching.split_at(dry.unwrap_or(touching.len()));
-    let impact = impacts::carry_out(driver, surfaces)?;
+    let impact = edge::carry_out(driver, surfaces)?;
     let previous = driver.now.active.clone();
     let now = &mut driver.now;
     let surfaces = impact.cluster.as_deref().unwrap_or(surfaces);
-    let touching = [surfaces, dry].concat();
+    // At an edge the impact may have led to another piece.
+    let acting = surfaces.iter().map(|&i| now.contacts.pieces.acting(i));
+    let touching: Vec<usize> = acting.chain(dry.iter().copied()).collect();
     let time = now.state.time;
     contact_mode::select(&mut now.contacts, &now.x, &touching, time, &mut now.active)?;
     bounces::end_cascades(driver, &impact.ended);

@@ -78,7 +78,9 @@ fn steps(driver: &mut Driver<'_>, watch: &mut Watch<'_>) -> Result<(), Simulatio
     driver.now.take_piece(driver.setup.controls, 0.0);
     driver.now.active.clear();
     driver.now.write_input();
+    let shortest = driver.setup.shortest();
     let now = &mut driver.now;
+    now.contacts.shortest = shortest;
     now.contacts
         .remember_rounding_at_start(&now.x, MOMENT * driver.setup.horizon);
     if let Err(error) = mode_change::settle(driver, &[]) {
@@ -126,12 +128,12 @@ struct Step {
 }
 
 impl Step {
-    fn new(number: usize, begin: f64, end: f64, horizon: f64) -> Self {
+    fn new(number: usize, (begin, end): (f64, f64), shortest: f64) -> Self {
         Self {
             number,
             begin,
             end,
-            shortest: 1e-14 * horizon,
+            shortest,
             halvings: 0,
             switches: 0,
             attempts: 0,
@@ -154,7 +156,11 @@ fn advance(
     end: f64,
     watch: &mut Watch<'_>,
 ) -> Result<(), SimulationStatus> {
-    let mut step = Step::new(number, driver.now.state.time, end, driver.setup.horizon);
+    let mut step = Step::new(
+        number,
+        (driver.now.state.time, end),
+        driver.setup.shortest(),
+    );
     while end - driver.now.state.time > step.shortest {
         watch.reach(
             driver.now.state.time,

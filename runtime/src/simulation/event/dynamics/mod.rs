@@ -509,6 +509,13 @@ impl<'a> Dynamics<'a> {
         }
     }
 
+    /// Expects a motion that is smooth over a `moment`, where no step tells yet.
+    pub(in crate::simulation) fn expect_moment(&mut self, moment: f64) {
+        for scale in &mut self.scales {
+            scale.expect_moment(moment);
+        }
+    }
+
     /// Measures the rounding errors of all gaps around a state, which may be that `at_start`.
     pub(in crate::simulation) fn observe_rounding(
         &mut self,

@@ -113,6 +113,11 @@ impl ContactScale {
         };
     }
 
+    /// Expects this to be the longest moment, whatever has been so far.
+    pub(super) fn expect_moment(&mut self, moment: f64) {
+        self.longest = moment;
+    }
+
     /// Takes note of a measured rounding error of the gap; NaN leaves what is known.
     pub(super) fn observe_rounding(&mut self, error: f64) {
         self.rounding = self.rounding.max(error);
