@@ -164,10 +164,7 @@ impl Reader<'_> {
             }
             b'b' => {
                 self.note(key, 0, 0)?;
-                for variable in 0..self.statement.bounds.len() {
-                    let kind = self.source.digit()?;
-                    self.statement.bounds[variable] = self.bounds(kind)?;
-                }
+                self.variable_bounds()?;
             }
             b'k' | b'K' => {
                 let count = self.source.index()?;
@@ -315,6 +312,14 @@ impl Reader<'_> {
             )));
         }
         Ok((lower, upper))
+    }
+
+    fn variable_bounds(&mut self) -> Result<(), ReadError> {
+        for variable in 0..self.statement.bounds.len() {
+            let kind = self.source.digit()?;
+            self.statement.bounds[variable] = self.bounds(kind)?;
+        }
+        Ok(())
     }
 
     fn row_bounds(&mut self) -> Result<(), ReadError> {
