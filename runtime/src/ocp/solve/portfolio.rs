@@ -13,6 +13,7 @@ use super::one_grid::Known;
 use super::optima::{Found, rank};
 use super::run::Task;
 use crate::ocp::effort::Effort;
+use crate::ocp::problem::has_free_start;
 use crate::ocp::settings::{EulerStep, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Status};
 use crate::simulation::InputError;
@@ -85,7 +86,9 @@ pub(super) fn explore(
             known.ended_at(&found.solution);
             all.push(found);
         }
-        let enough = task.settings.starts.is_none() && best_was_found_again(&all);
+        // Where initial values are free as well, those of the first batch agree on what is nearest too often.
+        let seen = all.len() > BATCH || !has_free_start(task.model);
+        let enough = task.settings.starts.is_none() && seen && best_was_found_again(&all);
         if task.observer.stopped() || enough {
             break;
         }
