@@ -8,7 +8,7 @@ pub(crate) fn file(s: f64, x: &str, y: &str) -> String {
     let words = format!(
         "C0 o1 v1 n{s} O0 0 o0 o5 o1 v0 n2 n2 o5 o1 v1 n1 n2 r \"5 1 1\" b \"{x}\" \"{y}\""
     );
-    let heading = "g3 1 1 0\n 2 1 1 0 0\n 0 1 1\n 0 0\n 0 2 0\n 0 0 0 1\n 0 0 0 0 0\n 0 2\n 0 0\n 0 0 0 0 0\n";
+    let heading = "g3 1 1 0\n 2 1 1 0 0\n 0 1 1\n 0 0\n 0 2 0\n 0 0 0 1\n 0 0 0 0 0\n 0 0\n 0 0\n 0 0 0 0 0\n";
     heading.to_owned() + &words.replace(['"'], "").replace(' ', "\n") + "\n"
 }
 
