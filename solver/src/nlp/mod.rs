@@ -41,6 +41,7 @@ mod products;
 mod program;
 mod rescaled;
 mod result;
+mod run;
 mod settings;
 mod solution;
 mod solve;
@@ -64,4 +65,4 @@ pub use warm_start::WarmStart;
 
 pub(crate) use method::barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};
 pub(crate) use products::Products;
-pub(crate) use solve::run;
+pub(crate) use run::run;

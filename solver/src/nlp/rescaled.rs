@@ -7,7 +7,7 @@
 
 use super::method::barrier::Monotone;
 use super::program::scaling::row_scaling;
-use super::solve::run_after;
+use super::run::run_after;
 use super::{NlpProblem, Observer, Products, Residuals, Settings, Solution, Status, WarmStart};
 
 /// How much larger the scale at the end has to be for another run. What a smaller ratio hides is of the size of the tolerance;

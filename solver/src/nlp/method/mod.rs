@@ -26,23 +26,12 @@ mod step;
 mod stop;
 mod trial;
 
-pub(super) use state::{Core, Outcome};
+pub(super) use state::{Core, End};
 
 use super::program::barrier_problem::BarrierProblem;
-use super::program::iterate::Iterate;
 use super::{Fault, InputError, Products, WarmStart};
 use barrier::BarrierPath;
 use state::State;
-
-/// Where a run ended.
-pub(super) struct End {
-    pub(super) outcome: Outcome,
-    /// Scaled.
-    objective: f64,
-    pub(super) iterate: Iterate,
-    pub(super) mu: f64,
-    pub(super) sigma: f64,
-}
 
 /// Runs the method from the start of the formulation, or with the multipliers of `start`.
 ///

@@ -4,8 +4,7 @@
 //! symmetric start leaves a variable no reason to move either way. Such a run ends where it began, though the Newton matrix
 //! without shifts shows negative curvature, and another one from beside that point leaves it.
 
-use super::End;
-use super::state::{Outcome, State};
+use super::state::{End, Outcome, State};
 use crate::nlp::Status;
 use crate::nlp::program::formulation::Formulation;
 

@@ -89,6 +89,16 @@ pub(crate) struct Outcome {
     pub(crate) left: bool,
 }
 
+/// Where a run ended.
+pub(crate) struct End {
+    pub(crate) outcome: Outcome,
+    /// Scaled.
+    pub(super) objective: f64,
+    pub(crate) iterate: Iterate,
+    pub(crate) mu: f64,
+    pub(crate) sigma: f64,
+}
+
 /// The current point and what was evaluated there.
 pub(super) struct Point {
     pub(super) iterate: Iterate,
