@@ -170,15 +170,12 @@ impl Problem {
             let value = values[function];
             let violation = if known.equality { value.abs() } else { -value };
             if violation > AT_REST * size {
+                let bound = if known.equality { "0" } else { "at least 0" };
                 return Err(refusal(
                     format!("`{}` at the start", known.name),
                     value,
                     known.unit,
-                    if known.equality {
-                        "0: start where the constraint holds".into()
-                    } else {
-                        "at least 0: start where the constraint holds".into()
-                    },
+                    format!("{bound}: start where the constraint holds"),
                 ));
             }
         }

@@ -6,13 +6,17 @@
 
 use super::main_loop;
 use super::state::{Outcome, State};
-use super::stop::{LARGEST_MULTIPLIER, multipliers_exist};
+use super::stop::LARGEST_MULTIPLIER;
 use crate::linalg::norms::norm_inf;
 use crate::nlp::Status;
 use crate::nlp::program::residuals::SCALE_MAX;
 
 /// Average multiplier, in units of the one that the error is not scaled by, beyond which the test of the error says nothing.
 const LARGEST_SCALE: f64 = 1e4 / SCALE_MAX;
+
+/// Hessian of rows with larger multipliers than that, beyond which these do not exist: that of `x^2 = 0` is the inverse of the
+/// distance to the solution.
+const LARGEST_CURVATURE: f64 = 100.0;
 
 /// The outcome of a run, judged once more where it gave up at a feasible point: solved with the smallest multipliers that fit,
 /// or degenerate where multipliers diverged.
@@ -87,6 +91,29 @@ fn is_solved(state: &mut State<'_, '_, '_, '_>, absolute: f64) -> bool {
     state.error(0.0).scaled() <= state.core.settings.tolerance
         && is_small(state, absolute)
         && multipliers_exist(state)
+}
+
+/// Whether the multipliers of the rows are those of a solution. Huge ones are where they only make up for a row of tiny
+/// derivatives, so that neither what a row adds to the gradient of the Lagrangian nor what all rows add to its Hessian
+/// is huge. Where multipliers diverge since the gradient of a row vanishes at the solution, its curvature does not.
+fn multipliers_exist(state: &mut State<'_, '_, '_, '_>) -> bool {
+    let y = &state.point.iterate.y;
+    if norm_inf(y) <= LARGEST_MULTIPLIER || !state.problem.products.is_empty() {
+        return true;
+    }
+    let core = &mut *state.core;
+    let values = core.kkt.jacobian_values.iter();
+    let entries = core.formulation.jacobian_entries().zip(values);
+    let largest = entries.fold(0.0, |largest: f64, ((row, _), a)| {
+        largest.max((a * y[row]).abs())
+    });
+    if largest > LARGEST_MULTIPLIER {
+        return false;
+    }
+    let curvature = core
+        .kkt
+        .row_curvature(&mut core.formulation, &state.point.iterate);
+    curvature <= LARGEST_CURVATURE
 }
 
 /// Whether multipliers are beyond what scaled gradients of at most 100 call for.

@@ -54,8 +54,8 @@ pub(super) fn perturb(formulation: &mut Formulation<'_>) {
     }
 }
 
-/// Whether the end of the run from beside a start is to be preferred: a solution with a smaller objective, a proof that the
-/// problem has none, or the wish to stop.
+/// Whether the end of the run from beside a start is to be preferred: a solution with a smaller objective, a sign that
+/// there is no least one, or the wish to stop.
 pub(super) fn is_better(other: &End, end: &End) -> bool {
     match other.outcome.status {
         Status::Solved => !other.outcome.left && other.objective < end.objective,

@@ -8,10 +8,6 @@ use crate::nlp::program::residuals::OptimalityError;
 /// Multipliers of the scaled problem, whose gradients are at most 100, beyond which none seem to exist.
 pub(super) const LARGEST_MULTIPLIER: f64 = 1e8;
 
-/// Hessian of rows with larger multipliers than that, beyond which these do not exist: that of `x^2 = 0` is the inverse of the
-/// distance to the solution.
-const LARGEST_CURVATURE: f64 = 100.0;
-
 /// Size of a point beyond which the objective seems unbounded where this many steps in a row lower it below this value, and
 /// the size beyond which it seems so in any case. Rows of size 1 have no digits left where their terms are beyond 1e16.
 const FAR: f64 = 1e12;
@@ -38,29 +34,6 @@ pub(super) fn record(state: &mut State<'_, '_, '_, '_>, error: &OptimalityError)
         Some(observer) => observer(&state.info),
         None => true,
     }
-}
-
-/// Whether the multipliers of the rows are those of a solution. Huge ones are where they only make up for a row of tiny
-/// derivatives, so that neither what a row adds to the gradient of the Lagrangian nor what all rows add to its Hessian
-/// is huge. Where multipliers diverge since the gradient of a row vanishes at the solution, its curvature does not.
-pub(super) fn multipliers_exist(state: &mut State<'_, '_, '_, '_>) -> bool {
-    let y = &state.point.iterate.y;
-    if norm_inf(y) <= LARGEST_MULTIPLIER || !state.problem.products.is_empty() {
-        return true;
-    }
-    let core = &mut *state.core;
-    let values = core.kkt.jacobian_values.iter();
-    let entries = core.formulation.jacobian_entries().zip(values);
-    let largest = entries.fold(0.0, |largest: f64, ((row, _), a)| {
-        largest.max((a * y[row]).abs())
-    });
-    if largest > LARGEST_MULTIPLIER {
-        return false;
-    }
-    let curvature = core
-        .kkt
-        .row_curvature(&mut core.formulation, &state.point.iterate);
-    curvature <= LARGEST_CURVATURE
 }
 
 /// How a run far from the origin ends, if it does.
@@ -94,7 +67,7 @@ pub(super) fn stop_test(
     state: &mut State<'_, '_, '_, '_>,
     error: &OptimalityError,
 ) -> Option<Status> {
-    let settings = state.core.settings.clone();
+    let settings = &state.core.settings;
     let scaled = error.scaled();
     let at_end = state.sigma <= state.path.final_sigma();
     let feasible =
@@ -126,6 +99,7 @@ pub(super) fn stop_test(
     if let Some(status) = divergence(state) {
         return Some(status);
     }
+    let settings = &state.core.settings;
     if state.core.iterations >= settings.maximum_iterations {
         return Some(Status::IterationLimit);
     }
