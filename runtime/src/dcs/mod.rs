@@ -3,4 +3,6 @@
 
 mod heaviside;
 
-pub(crate) use heaviside::{ALPHA, Group, HeavisideSystem, P, W, gap_hessian, hessian, jacobian};
+pub(crate) use heaviside::{
+    ALPHA, Group, HeavisideSystem, P, W, gap_gradient, gap_hessian, hessian, jacobian,
+};

@@ -130,6 +130,14 @@ impl<'a> TimeFreezingSystem<'a> {
             * self.point(contact)[contact_point::direction(self.coordinates()) + k]
     }
 
+    /// Whether the normal velocity of a contact reads more than velocities: its surface is curved or moves.
+    pub(crate) fn turns(&self, contact: usize) -> bool {
+        let velocities = self.coordinates()..2 * self.coordinates();
+        let declared = &self.model.declaration().contacts[contact];
+        let mut entries = declared.jacobian.entries.iter();
+        entries.any(|&(row, input)| row == 1 && !velocities.contains(&(input as usize)))
+    }
+
     fn tangent(&self, contact: usize) -> &[f64] {
         let length = tangent_point::length(self.coordinates());
         &self.tangents[contact * length..(contact + 1) * length]

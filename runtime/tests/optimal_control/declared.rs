@@ -255,6 +255,59 @@ fn time_freezing_programs_state_all_that_is_declared_and_end_at_the_optima_of_th
 }
 
 hangtime::model! {
+    /// A sledge that is pushed over hills and is to stop at a place on them, stated in both coordinates.
+    Sledge {
+        parameters { m: kg = 2, g: m/s^2 = 10, d: m = 2, b: m = 0.1, k: 1/m = 3 }
+        coordinates { y: m, z: m }
+        controls { u: N in -15..=15 }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: u }
+        surface floor: z >= b*sin(k*y)
+        impact floor: inelastic
+        minimize integral(u^2)
+        finally { y == d, z == b*sin(k*d), dot(y) == 0, dot(z) == 0 }
+        horizon 2 [s]
+    }
+}
+
+hangtime::model! {
+    /// A mass that is pushed over a shaken floor and ends on it.
+    Shaken {
+        parameters { m: kg = 2, g: m/s^2 = 10, d: m = 2, b: m = 0.1, k: 1/m = 3, c: m = 0.05, w: 1/s = 3 }
+        coordinates { y: m, z: m }
+        controls { u: N in -15..=15 }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: u }
+        surface floor: z >= b*sin(k*y) + c*(1 - cos(w*t))
+        impact floor: inelastic
+        minimize integral(u^2)
+        finally { y == d, z == b*sin(k*d) + c*(1 - cos(w*time)), dot(y) == 0 }
+        horizon 2 [s]
+    }
+}
+
+#[test]
+fn time_freezing_programs_end_on_curved_and_moving_floors() {
+    // Where coordinates drift off the floor by the error of the scheme, a goal on the floor has no motion, or a poor one.
+    let (sledge, shaken) = (Sledge::default(), Shaken::default());
+    let cases: [(&dyn Model, usize, f64); 4] = [
+        (&sledge, 2, 1e-3),
+        (&sledge, 3, 1e-5),
+        (&sledge, 4, 1e-7),
+        (&shaken, 3, 1e-5),
+    ];
+    for (model, stages, near) in cases {
+        let mut settings = one_start();
+        let mut frozen = ocp::TimeFreezingSettings::default();
+        frozen.stages = stages;
+        settings.formulation = ocp::Formulation::TimeFreezing(frozen);
+        let solution = attempt(model, 8, &settings);
+        assert_eq!(solution.status, Status::Solved);
+        assert_program(&solution, near);
+    }
+}
+
+hangtime::model! {
     /// A mass with an engine between floor and ceiling.
     Shuttle {
         parameters { m: kg = 1, g: m/s^2 = 9.81, h: m = 1 }

@@ -354,6 +354,20 @@ fn contact_curvature(
     }
 }
 
+/// Entries of the gradient of the gap of `contact` at the point of the last evaluation.
+pub(crate) fn gap_gradient(
+    dcs: &mut HeavisideSystem<'_>,
+    contact: usize,
+    mut add: impl FnMut(usize, f64),
+) {
+    dcs.system.evaluate_jacobians(&dcs.input);
+    for (entry, input, value) in dcs.system.contact_jacobian(contact) {
+        if entry == 0 {
+            add(dcs.layout.local_of_input(input), value);
+        }
+    }
+}
+
 /// Entries (one of (i, j) and (j, i) each) of the Hessian of `weight g` of a contact where the system was evaluated last.
 pub(crate) fn gap_hessian(
     dcs: &mut HeavisideSystem<'_>,

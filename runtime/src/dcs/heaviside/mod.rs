@@ -56,6 +56,6 @@ mod derivatives;
 mod layout;
 mod system;
 
-pub(crate) use derivatives::{gap_hessian, hessian, jacobian};
+pub(crate) use derivatives::{gap_gradient, gap_hessian, hessian, jacobian};
 pub(crate) use layout::{ALPHA, Group, P, W};
 pub(crate) use system::HeavisideSystem;

@@ -2,7 +2,7 @@
 
 use hangtime_solver::nlp::Pattern;
 
-use super::{EQUILIBRATION, SUMS, Transcription, conditions, start};
+use super::{EQUILIBRATION, SUMS, Transcription, conditions, corrections, start};
 use crate::dcs;
 
 pub(super) fn set_patterns(transcription: &mut Transcription<'_>) {
@@ -41,6 +41,7 @@ pub(super) fn add_jacobian(
         }
     }
     start::add_jacobian(transcription, x, add);
+    corrections::add_jacobian(transcription, x, add);
     conditions::add_jacobian(transcription, x, add);
 }
 
@@ -142,6 +143,7 @@ pub(super) fn add_hessian(
         add_element_hessian(transcription, x, e, multipliers, add);
     }
     start::add_hessian(transcription, x, multipliers, add);
+    corrections::add_hessian(transcription, x, multipliers, add);
     conditions::add_hessian(transcription, x, weight, multipliers, add);
 }
 

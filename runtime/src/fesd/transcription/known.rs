@@ -184,6 +184,13 @@ mod tests {
         // Of five elements two are of the flight, one of the jump, two of the contact.
         assert_eq!([length(1), length(4)], [length(0), length(3)]);
         assert!(length(0) < length(2) && length(2) < length(3));
+        // In contact the bead is kept on the curved floor at each stage, and nowhere else.
+        let corrected = program.elements.iter().map(|e| e.corrections.len());
+        assert_eq!(corrected.collect::<Vec<_>>(), [0, 0, 0, 1, 1]);
+        assert_eq!(
+            program.variable_name(program.elements[3].sums - 1),
+            "correction along floor at stage 1 of element 3 of interval 0, 0.0000 to 0.2000 s"
+        );
         assert_eq!(
             program.variable_name(length(3)),
             "length of element 3 of interval 0, 0.0000 to 0.2000 s"

@@ -27,6 +27,17 @@ pub(super) fn parts(spans: &[Span], count: usize) -> Vec<usize> {
     parts
 }
 
+/// Which of these contacts are closed in each element of an interval, where the clock runs.
+pub(super) fn closed(spans: &[Span], count: usize, contacts: &[usize]) -> Vec<Vec<usize>> {
+    let of_span = |(span, parts): (&Span, usize)| {
+        let closed = |i: &&usize| !span.jumps && span.weights[**i] == [true, true];
+        let closed: Vec<usize> = contacts.iter().filter(closed).copied().collect();
+        std::iter::repeat_n(closed, parts)
+    };
+    let parts = parts(spans, count);
+    spans.iter().zip(parts).flat_map(of_span).collect()
+}
+
 /// Length in numerical time and elements of an interval with these spans.
 pub(super) fn laid_out(spans: &[Span], count: usize, places: &[f64]) -> (f64, Vec<Placed>) {
     let length: f64 = spans.iter().map(|span| span.length).sum();

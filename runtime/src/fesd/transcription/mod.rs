@@ -22,6 +22,7 @@
 //! Frey, Diehl, Nonlinear Analysis: Hybrid Systems 54 (2024).
 
 mod conditions;
+mod corrections;
 mod derivatives;
 mod guess;
 mod known;
@@ -29,6 +30,7 @@ mod laid_out;
 mod modes;
 mod names;
 mod neighbours;
+mod numbered;
 mod program;
 mod purposes;
 mod sites;
@@ -36,6 +38,8 @@ mod start;
 mod task;
 #[cfg(test)]
 mod test_scenes;
+
+use numbered::{Beginning, Block, Correction, Element, Interval};
 
 pub(crate) use known::known_sides;
 pub(crate) use program::transcribe;
@@ -61,61 +65,6 @@ const EQUILIBRATION: f64 = 3e-4;
 const SPEED_OF_TIME: f64 = 25.0;
 /// Cross complementarity sums of one group and element.
 const SUMS: usize = 4;
-
-/// A point at which the step form is evaluated: a Runge-Kutta stage, or the end of an element.
-#[derive(Clone)]
-struct Block {
-    /// Variable of each local one, unless it is constant there.
-    variables: Vec<Option<usize>>,
-    /// First constraint of the algebraic rows.
-    algebraic_rows: usize,
-    /// Whether this is the end of an element: only the rows of the switching functions apply.
-    boundary: bool,
-}
-
-/// One finite element: where its variables and constraints begin.
-#[derive(Clone)]
-struct Element {
-    interval: usize,
-    /// The first variable of its own.
-    first: usize,
-    /// The variable of its length, which may be that of the element before.
-    length: usize,
-    /// Its length over that of its interval where nothing else decides it.
-    even: f64,
-    /// Blocks of the stages, then of the boundary if there is one.
-    blocks: Vec<Block>,
-    /// First of the collocation constraints, one group of the length of `y` a block.
-    collocation_rows: usize,
-    /// First sum variable, `SUMS` a group: for a contact alpha, ln, beta, lp.
-    sums: usize,
-    /// First constraint that defines the sums.
-    sum_rows: usize,
-    /// First row of the path constraints that hold at its stages, stage by stage.
-    path_rows: usize,
-}
-
-/// The start of the motion, where some of its values are free.
-#[derive(Clone)]
-struct Beginning {
-    /// Its states and switching functions; states that are given have no variable.
-    block: Block,
-    /// First row `G_i - g_i(q) = 0`, one a contact where coordinates are free.
-    gap_rows: usize,
-    /// End of its rows.
-    end: usize,
-}
-
-/// One control interval.
-#[derive(Clone)]
-struct Interval {
-    /// Variable of the numerical length \[s\].
-    length: usize,
-    /// Variables of the controls, in their units; none if they are given.
-    controls: Vec<usize>,
-    /// Constraint `sum_e h_e = 1`; the next one is the clock, and then come the path constraints on the controls.
-    rows: usize,
-}
 
 /// The program of a [`Task`].
 // Many fields: a task, the numbering of its program, and the memory of its evaluation.
@@ -241,9 +190,10 @@ impl<'a> Transcription<'a> {
                 controls,
                 rows,
             });
-            let alike = self.alike(k);
+            let (alike, closed) = (self.alike(k), self.corrected(k));
             for e in 0..self.task.elements {
-                self.push_element(staged, alike.get(e).copied().unwrap_or(false));
+                let corrected = closed.get(e).map_or(&[][..], |contacts| contacts);
+                self.push_element(staged, alike.get(e) == Some(&true), corrected);
             }
         }
         self.goal_rows = self.constraints;
@@ -322,8 +272,19 @@ impl<'a> Transcription<'a> {
             .collect()
     }
 
-    /// Adds an element to the last interval, with `staged` path constraints at each stage and perhaps the length of the element before.
-    fn push_element(&mut self, staged: usize, alike: bool) {
+    /// Contacts that are closed in each element of interval `k` of a known motion, and along which coordinates would drift.
+    fn corrected(&self, k: usize) -> Vec<Vec<usize>> {
+        let Guess::Known(intervals) = &self.task.guess else {
+            return Vec::new();
+        };
+        let contacts = 0..self.dcs.layout.contacts();
+        let turning: Vec<usize> = contacts.filter(|&i| self.dcs.system.turns(i)).collect();
+        laid_out::closed(&intervals[k], self.task.elements, &turning)
+    }
+
+    /// Adds an element to the last interval, with `staged` path constraints at each stage, perhaps the length of the element before,
+    /// and the contacts whose coordinates are corrected.
+    fn push_element(&mut self, staged: usize, alike: bool, corrected: &[usize]) {
         let states = self.dcs.layout.states();
         let first = self.variables;
         let before = self.elements.last().filter(|_| alike);
@@ -368,6 +329,8 @@ impl<'a> Transcription<'a> {
                 self.dcs.layout.algebraic_equations()
             };
         }
+        let corrections = self.take_corrections(corrected, blocks.len(), row);
+        row += corrected.len() * blocks.len();
         let sums = self.take(SUMS * self.groups.len());
         for block in &blocks {
             for (first, second) in self.dcs.layout.stage_pairs() {
@@ -392,7 +355,24 @@ impl<'a> Transcription<'a> {
             sums,
             sum_rows: row,
             path_rows,
+            corrections,
         });
+    }
+
+    /// Corrections along these contacts of an element with this many blocks, their rows from `first` on.
+    fn take_corrections(
+        &mut self,
+        contacts: &[usize],
+        blocks: usize,
+        first: usize,
+    ) -> Vec<Correction> {
+        let number = |(k, &contact): (usize, &usize)| Correction {
+            contact,
+            first: self.take(blocks),
+            rows: first + k * blocks,
+            direction: Vec::new(),
+        };
+        contacts.iter().enumerate().map(number).collect()
     }
 
     /// The block with whose state element `index` starts; none where the start is given.

@@ -1,6 +1,6 @@
 //! Names of variables, rows and pairs: what, which element, when.
 
-use super::{Element, Interval, SUMS, Transcription, conditions, start};
+use super::{Element, Interval, SUMS, Transcription, conditions, corrections, start};
 
 /// Interval `k`, with its physical time if that is known before the solution.
 fn interval_name(transcription: &Transcription<'_>, k: usize) -> String {
@@ -110,6 +110,13 @@ pub(super) fn name_of_variable(transcription: &Transcription<'_>, index: usize) 
             element_name(transcription, e)
         );
     }
+    if let Some((contact, block)) = corrections::corrected_by(element, index) {
+        return format!(
+            "correction along {} at {}",
+            contact_name(transcription, contact),
+            block_name(transcription, e, block)
+        );
+    }
     for (block, at) in element.blocks.iter().enumerate() {
         if let Some(k) = at.variables.iter().position(|&v| v == Some(index)) {
             return format!(
@@ -150,6 +157,8 @@ pub(super) fn name_of_constraint(transcription: &Transcription<'_>, index: usize
             let element = &transcription.elements[e];
             let kind = if index >= element.sum_rows {
                 "cross complementarity"
+            } else if corrections::owns_row(element, index) {
+                "gaps"
             } else if index >= element.blocks[0].algebraic_rows {
                 "switching functions"
             } else {

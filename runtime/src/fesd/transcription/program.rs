@@ -4,8 +4,8 @@ use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::NlpProblem;
 
 use super::{
-    Controls, EQUILIBRATION, SHORTEST, SUMS, Task, Transcription, conditions, derivatives, guess,
-    modes, names, neighbours, start,
+    Controls, EQUILIBRATION, SHORTEST, SUMS, Task, Transcription, conditions, corrections,
+    derivatives, guess, modes, names, neighbours, start,
 };
 use crate::dcs::HeavisideSystem;
 use crate::rk::ButcherTableau;
@@ -19,6 +19,8 @@ pub(crate) fn transcribe<'a>(
     let mut transcription = Transcription::new(dcs, tableau, task);
     transcription.sites = conditions::sites(&transcription);
     guess::set_guess(&mut transcription);
+    let guess = transcription.guess.clone();
+    corrections::set_directions(&mut transcription, &guess);
     derivatives::set_patterns(&mut transcription);
     transcription
 }
@@ -169,6 +171,7 @@ impl NlpProblem for Transcription<'_> {
                 end.map_or(0.0, |clock| x[clock]) - self.start[time] - share * self.horizon(x);
         }
         start::write_rows(self, x, c);
+        corrections::write_rows(self, x, c);
         conditions::write_rows(self, x, c);
     }
 

@@ -2,7 +2,7 @@
 
 use hangtime_solver::mpcc::Mpcc as _;
 
-use super::{SUMS, Transcription, start};
+use super::{SUMS, Transcription, corrections, start};
 use crate::size::{Purpose, SizeGroup, groups_of};
 
 /// Numbers of contacts, and of those with friction.
@@ -71,6 +71,9 @@ fn of_variable(transcription: &Transcription<'_>, index: usize) -> Purpose {
     if let Some(sum) = index.checked_sub(element.sums) {
         return of_sum(transcription, sum);
     }
+    if corrections::corrected_by(element, index).is_some() {
+        return Purpose::Gap;
+    }
     let mut blocks = element.blocks.iter();
     let local = blocks.find_map(|block| block.variables.iter().position(|v| *v == Some(index)));
     local.map_or(Purpose::Other, |k| of_local(transcription, k))
@@ -100,6 +103,9 @@ fn of_row(transcription: &Transcription<'_>, index: usize) -> Purpose {
     }
     if let Some(sum) = index.checked_sub(element.sum_rows) {
         return of_sum(transcription, sum);
+    }
+    if corrections::owns_row(element, index) {
+        return Purpose::Gap;
     }
     let blocks = &element.blocks;
     let b = blocks.partition_point(|block| block.algebraic_rows <= index);

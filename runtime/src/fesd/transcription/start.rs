@@ -125,14 +125,11 @@ pub(super) fn add_jacobian(
         if let Some(gap) = gap {
             add(row, gap, 1.0);
         }
-        for (entry, column, value) in transcription.dcs.system.contact_jacobian(contact) {
-            let place = transcription.dcs.layout.local_of_input(column);
-            if entry == 0
-                && let Some(variable) = variables[place]
-            {
+        dcs::gap_gradient(&mut transcription.dcs, contact, |place, value| {
+            if let Some(variable) = variables[place] {
                 add(row, variable, -value);
             }
-        }
+        });
     }
     transcription.local = local;
     transcription.beginning = Some(beginning);

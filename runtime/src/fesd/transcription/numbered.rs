@@ -1,0 +1,70 @@
+//! Where the variables and rows of a program begin.
+
+/// A point at which the step form is evaluated: a Runge-Kutta stage, or the end of an element.
+#[derive(Clone)]
+pub(super) struct Block {
+    /// Variable of each local one, unless it is constant there.
+    pub(super) variables: Vec<Option<usize>>,
+    /// First constraint of the algebraic rows.
+    pub(super) algebraic_rows: usize,
+    /// Whether this is the end of an element: only the rows of the switching functions apply.
+    pub(super) boundary: bool,
+}
+
+/// One finite element: where its variables and constraints begin.
+#[derive(Clone)]
+pub(super) struct Element {
+    pub(super) interval: usize,
+    /// The first variable of its own.
+    pub(super) first: usize,
+    /// The variable of its length, which may be that of the element before.
+    pub(super) length: usize,
+    /// Its length over that of its interval where nothing else decides it.
+    pub(super) even: f64,
+    /// Blocks of the stages, then of the boundary if there is one.
+    pub(super) blocks: Vec<Block>,
+    /// First of the collocation constraints, one group of the length of `y` a block.
+    pub(super) collocation_rows: usize,
+    /// First sum variable, `SUMS` a group: for a contact alpha, ln, beta, lp.
+    pub(super) sums: usize,
+    /// First constraint that defines the sums.
+    pub(super) sum_rows: usize,
+    /// First row of the path constraints that hold at its stages, stage by stage.
+    pub(super) path_rows: usize,
+    /// What keeps coordinates on curved surfaces.
+    pub(super) corrections: Vec<Correction>,
+}
+
+/// The start of the motion, where some of its values are free.
+#[derive(Clone)]
+pub(super) struct Beginning {
+    /// Its states and switching functions; states that are given have no variable.
+    pub(super) block: Block,
+    /// First row `G_i - g_i(q) = 0`, one a contact where coordinates are free.
+    pub(super) gap_rows: usize,
+    /// End of its rows.
+    pub(super) end: usize,
+}
+
+/// One control interval.
+#[derive(Clone)]
+pub(super) struct Interval {
+    /// Variable of the numerical length \[s\].
+    pub(super) length: usize,
+    /// Variables of the controls, in their units; none if they are given.
+    pub(super) controls: Vec<usize>,
+    /// Constraint `sum_e h_e = 1`; the next one is the clock, and then come the path constraints on the controls.
+    pub(super) rows: usize,
+}
+
+/// What keeps coordinates on the surface of one contact in one element.
+#[derive(Clone)]
+pub(super) struct Correction {
+    pub(super) contact: usize,
+    /// First of the unknowns `mu` \[m\], one a block.
+    pub(super) first: usize,
+    /// First of the rows `G - g(q) = 0`, one a block.
+    pub(super) rows: usize,
+    /// Contact direction.
+    pub(super) direction: Vec<f64>,
+}
