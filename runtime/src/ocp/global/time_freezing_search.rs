@@ -35,9 +35,10 @@ const OPEN: f64 = 0.99;
 const BOUNCE: f64 = 0.05;
 /// Most iterations of one rule. The programs are larger than those of the other phases.
 const ITERATIONS: usize = 1500;
-/// Tolerance of the exact program, its first barrier parameter, the share of that by which its start is kept off its bounds, and
-/// its most iterations.
-const EXACT: f64 = 1e-9;
+/// Tolerances of the exact program, its first barrier parameter, the share of that by which its start is kept off its bounds, and
+/// its most iterations. Its rows hold to the first tolerance; where multipliers are not determined by it, its objective is
+/// stationary to the second one.
+const EXACT: [f64; 2] = [1e-9, 1e-6];
 const BARRIER: f64 = 1e-5;
 const PUSH: f64 = 1e-2;
 const EXACT_ITERATIONS: usize = 200;
@@ -119,14 +120,20 @@ pub(in crate::ocp) fn solve_exactly(
     let clock = ThreadTime::try_now();
     let mut program = TimeFreezing::known(model, problem, settings, motion)?;
     let mut interior_point = mpcc::Settings::default().interior_point;
-    interior_point.tolerance = EXACT;
-    interior_point.constraint_tolerance = EXACT;
+    interior_point.constraint_tolerance = EXACT[0];
     interior_point.initial_barrier_parameter = BARRIER;
     interior_point.bound_push = PUSH * BARRIER;
     interior_point.bound_fraction = PUSH * BARRIER;
     interior_point.maximum_iterations = EXACT_ITERATIONS;
     let before = runner.counts.global_iterations;
-    let ended = runner.fixed(&mut program, &interior_point, "exact time-freezing program");
+    let mut ended = Err(nlp::Status::IterationLimit);
+    for tolerance in EXACT {
+        interior_point.tolerance = tolerance;
+        ended = runner.fixed(&mut program, &interior_point, "exact time-freezing program");
+        if !ended.as_ref().is_err_and(has_stalled) {
+            break;
+        }
+    }
     report.iterations += runner.counts.global_iterations - before;
     if let Ok(solution) = ended {
         report.status = mpcc::Status::Uncertified;
@@ -140,6 +147,12 @@ pub(in crate::ocp) fn solve_exactly(
     }
     report.seconds += elapsed(clock);
     Ok(())
+}
+
+/// Whether a run ended because it made no progress any more.
+fn has_stalled(status: &nlp::Status) -> bool {
+    use nlp::Status::{IterationLimit, RestorationFailed, StepTooSmall};
+    matches!(status, IterationLimit | RestorationFailed | StepTooSmall)
 }
 
 /// The largest product of a pair.
