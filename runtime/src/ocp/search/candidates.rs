@@ -36,6 +36,10 @@ const SAME: f64 = 1e-3;
 const STRUCK: usize = 3;
 const MOST_STRUCK: usize = 8;
 
+/// Motions that are made up in a row without a solution after which no more are: those of two contacts. Of more, as of the pieces of a
+/// surface with edges, there are many, and few of them can follow one another.
+const FAILURES: usize = 24;
+
 /// What a search has found.
 #[derive(Default)]
 pub(in crate::ocp) struct Found<'a> {
@@ -125,44 +129,56 @@ impl<'a> Search<'a, '_> {
         let bouncing = modes
             .filter(|(contact, mode)| mode.is_open() && setting.model.restitution(*contact) > 0.0);
         let bouncing: Vec<usize> = bouncing.map(|(contact, _)| contact).collect();
-        for &contact in &bouncing {
-            for times in 1..=most {
-                let before = self.least();
-                self.try_struck_at(runner, guess, &[contact], &struck(times))?;
-                let least = self.least();
-                if times > STRUCK && least.is_finite() && least >= before {
-                    break;
-                }
+        let mut failures = 0;
+        for times in 1..=STRUCK {
+            for &contact in &bouncing {
+                self.try_struck_at(runner, guess, (&[contact], times), &mut failures)?;
             }
         }
         // To and fro between two of them.
         for (i, &one) in bouncing.iter().enumerate() {
             for &other in &bouncing[i + 1..] {
-                for (times, contacts) in (2..=STRUCK).flat_map(|times| {
-                    [[one, other], [other, one]].map(|contacts| (times, contacts))
-                }) {
-                    self.try_struck_at(runner, guess, &contacts, &struck(times))?;
+                for times in 2..=STRUCK {
+                    for contacts in [[one, other], [other, one]] {
+                        self.try_struck_at(runner, guess, (&contacts, times), &mut failures)?;
+                    }
+                }
+            }
+        }
+        for &contact in &bouncing {
+            for times in STRUCK + 1..=most {
+                let before = self.least();
+                self.try_struck_at(runner, guess, (&[contact], times), &mut failures)?;
+                let least = self.least();
+                if least.is_finite() && least >= before {
+                    break;
                 }
             }
         }
         Ok(())
     }
 
-    /// The same of a motion in which contacts are struck in turn at these shares of the final time, and of one in which that lifts
-    /// off what else is in contact.
+    /// The same of a motion in which contacts are struck in turn so many times, and of one in which that lifts off what else is in
+    /// contact; of neither after so many `failures` that no others of the scene are likely to have a motion.
     fn try_struck_at(
         &mut self,
         runner: &mut Runner,
         guess: &Trajectory,
-        contacts: &[usize],
-        shares: &[f64],
+        (contacts, times): (&[usize], usize),
+        failures: &mut usize,
     ) -> Result<(), InputError> {
+        if *failures >= FAILURES {
+            return Ok(());
+        }
         let setting = self.attempts.setting;
-        let struck = struck_at(setting, guess, contacts, shares);
-        let lifting = lifting_others(setting, &struck).filter(|_| shares.len() <= STRUCK);
+        let before = self.found.optima.len();
+        let struck = struck_at(setting, guess, contacts, &struck(times));
+        let lifting = lifting_others(setting, &struck).filter(|_| times <= STRUCK);
         for candidate in std::iter::once(struck).chain(lifting) {
             self.try_candidate(runner, candidate, true)?;
         }
+        let found = self.found.optima.len() > before || self.found.repeats.is_some();
+        *failures = if found { 0 } else { *failures + 1 };
         Ok(())
     }
 
