@@ -1,18 +1,20 @@
-//! Switches at the ends of control intervals: local optima that no multiplier points to.
+//! Switches at the ends of control intervals and in the next ones: local optima that no multiplier points to.
 //!
 //! Controls jump where intervals end, and the best controls jump where a contact switches as well: at an impact the costate does. So
 //! a switch at the end of an interval is often better than one a little before or after it, and a motion with a switch
 //! inside an interval, which presses against nothing, is a local optimum that another one a fraction of an interval away betters. Such a
 //! motion is tried with the switch at both ends of its interval, and one with a switch at the end of an interval with it at the next
-//! ends. The other switches keep their places in the time before it and after it: of two impacts that follow each other, the
+//! ends. Between these a better one may lie as well, inside the next intervals, with a barrier at the end: there it is tried in the
+//! middle. The other switches keep their places in the time before it and after it: of two impacts that follow each other, the
 //! first one alone often cannot move.
 
 use super::pressure::Pressure;
 use crate::ocp::motion::control_grid::ControlShape;
-use crate::ocp::motion::sequence::{Place, Sequence, Signature};
+use crate::ocp::motion::sequence::{Place, Sequence, Signature, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 
-/// Sequences with one switch, and what accompanies it, moved to the nearest ends of intervals on both sides, each once.
+/// Sequences with one switch, and what accompanies it, moved to the nearest ends of intervals on both sides, and into the middle of the
+/// next intervals, each once.
 pub(super) fn at_nodes(pressure: &Pressure) -> Vec<Sequence> {
     let mut known: Vec<Signature> = Vec::new();
     let mut found = Vec::new();
@@ -22,17 +24,10 @@ pub(super) fn at_nodes(pressure: &Pressure) -> Vec<Sequence> {
         if switch.accompanies || waits {
             continue;
         }
-        let before = match switch.place {
-            Place::Start => switch.interval.saturating_sub(1),
-            _ => switch.interval,
-        };
-        for node in [before, switch.interval + 1] {
-            let moved = if node > 0 && node < pressure.intervals {
-                at_node(pressure.sequence, index, node, pressure.intervals)
-            } else {
-                None
+        for to in targets(switch, pressure.intervals) {
+            let Some(moved) = moved(pressure.sequence, index, to, pressure.intervals) else {
+                continue;
             };
-            let Some(moved) = moved else { continue };
             let signature = moved.signature();
             if !known.contains(&signature) {
                 known.push(signature);
@@ -43,15 +38,52 @@ pub(super) fn at_nodes(pressure: &Pressure) -> Vec<Sequence> {
     found
 }
 
-/// With a switch at the start of interval `node`, and those inside intervals before and after it in proportion; `None` where the
-/// order of the switches is none.
-fn at_node(given: &Sequence, index: usize, node: usize, intervals: usize) -> Option<Sequence> {
+/// An interval, the place in it, and the time there, in intervals.
+type Target = (usize, Place, f64);
+
+/// Where a switch is moved to: the nearest ends of intervals, and then the middle of those next to the one that it is in.
+fn targets(switch: &Switch, intervals: usize) -> impl Iterator<Item = Target> {
+    let at_start = switch.place == Place::Start;
+    let nodes = [
+        switch.interval - usize::from(at_start && switch.interval > 0),
+        switch.interval + 1,
+    ];
+    let nodes = nodes
+        .into_iter()
+        .filter(move |node| (1..intervals).contains(node));
+    let beside = [
+        switch.interval.checked_sub(1),
+        Some(switch.interval + usize::from(!at_start)),
+    ];
+    let beside = beside
+        .into_iter()
+        .flatten()
+        .filter(move |&interval| interval < intervals);
+    nodes.map(at_node).chain(beside.map(in_the_middle))
+}
+
+fn at_node(node: usize) -> Target {
+    (node, Place::Start, node as f64)
+}
+
+fn in_the_middle(interval: usize) -> Target {
+    (interval, Place::Inside, interval as f64 + 0.5)
+}
+
+/// With a switch moved to a place, and those inside intervals before and after it in proportion; `None` where the order of
+/// the switches is none.
+fn moved(
+    given: &Sequence,
+    index: usize,
+    (interval, at, to): Target,
+    intervals: usize,
+) -> Option<Sequence> {
     let mut sequence = given.clone();
-    let (from, to, last) = (given.switches[index].time, node as f64, intervals as f64);
+    let (from, last) = (given.switches[index].time, intervals as f64);
     let moves = index..=index + Sequence::companions(&given.switches, index).len();
     for (place, switch) in sequence.switches.iter_mut().enumerate() {
         if moves.contains(&place) {
-            (switch.interval, switch.place, switch.time) = (node, Place::Start, to);
+            (switch.interval, switch.place, switch.time) = (interval, at, to);
         } else if switch.place == Place::Inside {
             switch.time = if from > 0.0 && switch.time <= from {
                 switch.time * to / from
@@ -85,7 +117,6 @@ mod tests {
     use super::*;
     use crate::model::Pieces;
     use crate::ocp::motion::control_grid::ControlGrid;
-    use crate::ocp::motion::sequence::Switch;
     use crate::simulation::ContactMode;
 
     /// Two impacts, the second one on two contacts, in ten intervals.
@@ -106,8 +137,28 @@ mod tests {
     }
 
     #[test]
+    fn switch_goes_to_the_next_ends_of_intervals_and_into_the_next_intervals() {
+        let inside = Switch::inside(0, true, ContactMode::Open, 4.5);
+        let to = |switch: &Switch| -> Vec<f64> { targets(switch, 10).map(|to| to.2).collect() };
+        assert_eq!(to(&inside), [4.0, 5.0, 3.5, 5.5]);
+        let at_end = Switch {
+            place: Place::Start,
+            ..Switch::inside(0, true, ContactMode::Open, 4.0)
+        };
+        assert_eq!(to(&at_end), [3.0, 5.0, 3.5, 4.5]);
+        assert_eq!(
+            to(&Switch::inside(0, true, ContactMode::Open, 9.5)),
+            [9.0, 8.5]
+        );
+        assert_eq!(
+            to(&Switch::inside(0, true, ContactMode::Open, 0.5)),
+            [1.0, 1.5]
+        );
+    }
+
+    #[test]
     fn impact_at_the_end_of_its_interval_takes_later_ones_along() {
-        let moved = at_node(&struck(), 0, 5, 10).expect("ordered");
+        let moved = moved(&struck(), 0, at_node(5), 10).expect("ordered");
         let first = moved.switches[0];
         assert_eq!(
             (first.interval, first.place, first.time),
@@ -122,7 +173,7 @@ mod tests {
 
     #[test]
     fn simultaneous_impacts_stay_together_and_earlier_ones_keep_their_share() {
-        let moved = at_node(&struck(), 1, 8, 10).expect("ordered");
+        let moved = moved(&struck(), 1, at_node(8), 10).expect("ordered");
         assert!((moved.switches[0].time - 4.5 * 8.0 / 7.8).abs() < 1e-12);
         for switch in &moved.switches[1..] {
             assert_eq!((switch.interval, switch.place), (8, Place::Start));
@@ -140,7 +191,7 @@ mod tests {
             ..Switch::inside(1, true, ContactMode::Open, 10.0)
         };
         ending.switches.push(last);
-        let moved = at_node(&ending, 1, 9, 10).expect("ordered");
+        let moved = moved(&ending, 1, at_node(9), 10).expect("ordered");
         assert!((moved.switches[0].time - 4.05).abs() < 1e-12);
         assert_eq!(moved.switches[1].interval, 9);
     }
@@ -154,7 +205,7 @@ mod tests {
             states: vec![vec![0.0]; 6],
         };
         let given = struck();
-        let moved = at_node(&given, 0, 5, 10).expect("ordered");
+        let moved = moved(&given, 0, at_node(5), 10).expect("ordered");
         let at = warped(&motion, (&given, &moved), 10);
         assert_eq!(at.time[..3], [0.0, 5.0, 5.0]);
         assert!((at.time[3] - 8.0).abs() < 1e-12 && at.time[5] == 10.0);
