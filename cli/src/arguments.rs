@@ -113,9 +113,16 @@ pub(crate) struct ResultArguments {
     #[arg(long)]
     pub(crate) json: bool,
     /// Most instants of a trajectory in JSON and CSV; of a longer one every second, third, ... is written, with all
-    /// events, and the notes say so.
-    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = rows, allow_negative_numbers = true)]
-    pub(crate) rows: usize,
+    /// events, and the notes say so [default: 20000].
+    #[arg(long, value_name = "N", value_parser = rows, allow_negative_numbers = true)]
+    pub(crate) rows: Option<usize>,
+}
+
+impl ResultArguments {
+    /// Most instants of a trajectory.
+    pub(crate) fn rows(&self) -> usize {
+        self.rows.unwrap_or(ROWS)
+    }
 }
 
 /// Default of `--memory-limit` [GB].
@@ -420,6 +427,8 @@ pub(crate) struct ManArguments {
 
 /// Most steps of a simulation: their states stay in memory until the end, about a kilobyte each.
 pub(crate) const MOST_STEPS: usize = 1_000_000;
+/// Default of `--rows`.
+const ROWS: usize = 20_000;
 /// Most rows of a trajectory in files.
 const MOST_ROWS: usize = 200_000;
 /// Most finite elements of a step, of an interval or of a phase.

@@ -113,10 +113,7 @@ fn misspelt_statement_at_the_begin_of_a_text_is_named_there_once() {
             "begins with `parameters`, `coordinates`",
         ),
         (
-            &format!(
-                "coordinates {{ z }} {}",
-                ball.replace("surface", "surfce")
-            ),
+            &format!("coordinates {{ z }} {}", ball.replace("surface", "surfce")),
             "surfce",
             "`surface`",
         ),
