@@ -16,7 +16,7 @@ use crate::output::OutputDirectory;
 use crate::progress::Progress;
 use crate::report::{Report, refuse_rows_of_nothing};
 use crate::settings::ChosenScene;
-use crate::table::{counted, headed, per_second, residual_line, seconds, table};
+use crate::table::{counted, headed, number, per_second, residual_line, seconds, table};
 use crate::task::{SimulationTask, simulation_facts};
 
 /// Most events that are printed.
@@ -121,7 +121,7 @@ fn tables(
     let parameters = chosen.parameters();
     let _ = writeln!(text, "parameters  {}", parameters.join(", "));
     let _ = writeln!(text, "method      {}", method.settings);
-    let _ = writeln!(text, "horizon     {horizon} s");
+    let _ = writeln!(text, "horizon     {} s", number(horizon));
     let _ = writeln!(text, "status      {}\n", ending.status);
     text += &event_table(declaration, &simulation.events);
     let trajectory = &simulation.trajectory;

@@ -9,9 +9,9 @@
 //! The motion that is returned is polished at last; the search goes on from those that are not.
 
 use super::one_grid::Known;
-use super::optima::{Found, is_better, is_same, rank, result, sort};
+use super::optima::{Found, ends_at_no_time, is_better, is_same, rank, result, sort};
 use super::portfolio::explore;
-use super::run::{Task, is_as_good};
+use super::run::{Task, is_as_good, on_grid};
 use super::shared_observer::SharedObserver;
 use crate::Observer;
 use crate::model::Model;
@@ -89,6 +89,20 @@ pub(super) fn solve(
         } else {
             from
         };
+        let endless = found
+            .iter()
+            .find(|found| ends_at_no_time(model, &found.solution));
+        if let Some(endless) = endless
+            && let Some(solution) = on_grid(&endless.solution, problem.intervals)
+        {
+            // A finer grid makes the final time no longer.
+            let start = endless.start;
+            return Ok(result(
+                vec![Found { start, solution }],
+                seen,
+                observer.stopped(),
+            ));
+        }
         let mut found = best_of(found, KEPT);
         if proves && intervals < problem.intervals {
             let task = Task { settings, ..task };

@@ -158,7 +158,14 @@ fn try_program(
 ) -> Result<bool, Stop> {
     // A jump that begins to stick has one switch more.
     let fewest = fewest + usize::from(driver.setup.frictional);
-    let fewest = driver.setup.settings.elements.max(fewest);
+    let asked = driver.setup.settings.elements;
+    let chosen = driver.setup.settings.formulation == StepFormulation::Complementarity;
+    if chosen && asked < fewest {
+        driver.note(&format!(
+            "a step that is solved as a complementarity problem has {fewest} elements at least, not {asked}"
+        ));
+    }
+    let fewest = asked.max(fewest);
     for elements in fewest..fewest + ATTEMPTS {
         let system = TimeFreezingSystem::new(driver.setup.model, AUXILIARY_ACCELERATION)
             .without_bounces(resting);
