@@ -89,19 +89,8 @@ pub(super) fn solve(
         } else {
             from
         };
-        let endless = found
-            .iter()
-            .find(|found| ends_at_no_time(model, &found.solution));
-        if let Some(endless) = endless
-            && let Some(solution) = on_grid(&endless.solution, problem.intervals)
-        {
-            // A finer grid makes the final time no longer.
-            let start = endless.start;
-            return Ok(result(
-                vec![Found { start, solution }],
-                seen,
-                observer.stopped(),
-            ));
+        if let Some(endless) = endless(&task, &found, problem.intervals) {
+            return Ok(result(vec![endless], seen, observer.stopped()));
         }
         let mut found = best_of(found, KEPT);
         if proves && intervals < problem.intervals {
@@ -121,6 +110,16 @@ pub(super) fn solve(
         conclude(&task, &mut found, &mut seen)?;
     }
     Ok(result(found, seen, observer.stopped()))
+}
+
+/// A motion in no time, which a finer grid makes no longer, on the grid that was asked for.
+fn endless(task: &Task, found: &[Found], intervals: usize) -> Option<Found> {
+    let mut found = found.iter();
+    let endless = found.find(|found| ends_at_no_time(task.model, &found.solution))?;
+    Some(Found {
+        start: endless.start,
+        solution: on_grid(&endless.solution, intervals)?,
+    })
 }
 
 fn with_intervals(problem: &Problem, intervals: usize) -> Problem {
