@@ -20,7 +20,7 @@ const REFUSED: &[(&str, &[&str])] = &[
     ),
     ("`m` = 0 kg", &["simulate", "ski-jump", "--set", "m=0"]),
     (
-        "parameter `g` [m/s^2]",
+        "parameter `g` = `NaN` is not finite",
         &["simulate", "ski-jump", "--set", "g=NaN"],
     ),
     (
