@@ -24,7 +24,7 @@ const REFUSED: &[(&str, &[&str])] = &[
         &["simulate", "ski-jump", "--set", "g=NaN"],
     ),
     (
-        "parameter `g` [m/s^2]",
+        "parameter `g` = `inf` is not finite",
         &["simulate", "ski-jump", "--set", "g=inf"],
     ),
     ("finite", &["simulate", "ski-jump", "--set", "g=1e999"]),
