@@ -120,6 +120,16 @@ impl<'o> Watch<'o> {
     }
 }
 
+/// The status of a run that its observer stopped in the `step`-th step.
+pub(super) fn interrupted(time: f64, step: usize) -> SimulationStatus {
+    SimulationStatus::Interrupted(Diagnosis {
+        time,
+        step,
+        contact: None,
+        message: "the observer asked to stop".into(),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -180,14 +190,4 @@ mod tests {
         assert_eq!(status.name(), "interrupted");
         assert_eq!(status.diagnosis().unwrap().time, 0.375);
     }
-}
-
-/// The status of a run that its observer stopped in the `step`-th step.
-pub(super) fn interrupted(time: f64, step: usize) -> SimulationStatus {
-    SimulationStatus::Interrupted(Diagnosis {
-        time,
-        step,
-        contact: None,
-        message: "the observer asked to stop".into(),
-    })
 }
