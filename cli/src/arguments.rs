@@ -113,9 +113,16 @@ pub(crate) struct ResultArguments {
     #[arg(long)]
     pub(crate) json: bool,
     /// Most instants of a trajectory in JSON and CSV; of a longer one every second, third, ... is written, with all
-    /// events, and the notes say so.
-    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = rows, allow_negative_numbers = true)]
-    pub(crate) rows: usize,
+    /// events, and the notes say so [default: 20000].
+    #[arg(long, value_name = "N", value_parser = rows, allow_negative_numbers = true)]
+    pub(crate) rows: Option<usize>,
+}
+
+impl ResultArguments {
+    /// Most instants of a trajectory.
+    pub(crate) fn rows(&self) -> usize {
+        self.rows.unwrap_or(ROWS)
+    }
 }
 
 /// Default of `--memory-limit` [GB].
@@ -249,12 +256,12 @@ pub(crate) struct SolveArguments {
     #[arg(long, value_name = "N", value_parser = stages, allow_negative_numbers = true)]
     pub(crate) stages: Option<usize>,
     /// Finite elements: of a phase between two switches [default: 1], of an interval with time-freezing
-    /// [default: 3].
+    /// [default: 3], where one more is taken if a contact bounces.
     #[arg(long, value_name = "N", value_parser = elements, allow_negative_numbers = true)]
     pub(crate) elements: Option<usize>,
     /// Guesses and discretizations that are solved side by side; the best is returned, and the distinct local optima
-    /// are listed [default: up to 16 until several agree on the best; 1 with time-freezing, and others where
-    /// it fails].
+    /// are listed [default: up to 16 until several agree on the best; with time-freezing up to 6 until a motion is
+    /// certified: 2, one of them on about ten intervals, then others one after the other].
     #[arg(long, value_name = "N", value_parser = starts, allow_negative_numbers = true)]
     pub(crate) starts: Option<usize>,
     #[command(flatten)]
@@ -420,6 +427,8 @@ pub(crate) struct ManArguments {
 
 /// Most steps of a simulation: their states stay in memory until the end, about a kilobyte each.
 pub(crate) const MOST_STEPS: usize = 1_000_000;
+/// Default of `--rows`.
+const ROWS: usize = 20_000;
 /// Most rows of a trajectory in files.
 const MOST_ROWS: usize = 200_000;
 /// Most finite elements of a step, of an interval or of a phase.
@@ -498,20 +507,28 @@ fn above_zero(text: &str) -> Result<f64, String> {
 
 /// A time above zero [s], in seconds or in the unit given.
 fn duration(text: &str) -> Result<f64, String> {
+    let not_finite = "give a finite time above 0, such as 5, 5s or 200ms";
+    if text
+        .trim()
+        .parse::<f64>()
+        .is_ok_and(|time| !time.is_finite())
+    {
+        return Err(not_finite.into());
+    }
     let time = Quantity::parse(text)
         .and_then(|time| time.in_unit("s"))
         .map_err(|error| format!("{error}; give a time such as 5, 5s or 200ms"))?;
     if time.is_finite() && time > 0.0 {
         Ok(time)
     } else {
-        Err("give a finite time above 0, such as 5, 5s or 200ms".into())
+        Err(not_finite.into())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory as _;
-    use hangtime::ocp::{Settings, TimeFreezingSettings};
+    use hangtime::ocp::{Formulation, Settings, TimeFreezingSettings};
     use hangtime::simulation::{EventDriven, Fesd, FixedStep, Moreau, Smooth};
 
     use super::{Arguments, duration};
@@ -529,6 +546,8 @@ mod tests {
         let grid = Fesd::default().with_grid(1, 1);
         assert_eq!(Moreau::default().steps, FixedStep::default().steps);
         let (settings, freezing) = (Settings::default(), TimeFreezingSettings::default());
+        let mut frozen = Settings::default();
+        frozen.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
         let texts = [("simulate", help("simulate")), ("solve", help("solve"))];
         for (command, words) in [
             (
@@ -581,15 +600,16 @@ mod tests {
             (
                 1,
                 format!(
-                    "interval with time-freezing [default: {}]",
+                    "interval with time-freezing [default: {}], where one more is taken if a contact bounces",
                     freezing.elements
                 ),
             ),
             (
                 1,
                 format!(
-                    "are listed [default: up to {} until several agree on the best; 1 with time-freezing, and others where it fails]",
-                    settings.starts()
+                    "are listed [default: up to {} until several agree on the best; with time-freezing up to {} until",
+                    settings.starts(),
+                    frozen.starts()
                 ),
             ),
         ] {

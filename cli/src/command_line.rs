@@ -224,7 +224,9 @@ impl CommandLine {
             Some(Command::Profile(arguments)) => profile::run(&arguments),
             Some(Command::Play(arguments)) => play::run(self.page, &arguments),
             Some(Command::Reproduce(arguments)) => reproduce::run(scenes, &arguments),
-            Some(Command::Completions(arguments)) => Ok(shell::completions(parser, &arguments)),
+            Some(Command::Completions(arguments)) => {
+                Ok(shell::completions(parser, scenes, &arguments))
+            }
             Some(Command::Man(arguments)) => shell::manual(parser, &arguments),
             None if self.has_published() => reproduce::run(scenes, &ReproduceArguments::default()),
             None => Ok(list::run(scenes, &ListArguments::default())),

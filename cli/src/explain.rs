@@ -18,7 +18,14 @@ pub(crate) fn run(
     scenes: &'static [Scene],
     arguments: &ExplainArguments,
 ) -> Result<String, BadInput> {
-    if let Some(page) = page(&arguments.scene.scene)? {
+    let code = &arguments.scene.scene;
+    if let Some(page) = page(code)? {
+        if arguments.size || !arguments.scene.settings.is_empty() {
+            return Err(BadInput::new(format!(
+                "`{code}` is the page of a mistake, for which --set, --size and --json have no meaning; leave them out, or \
+                 name a scene"
+            )));
+        }
         return Ok(page.to_owned());
     }
     let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;

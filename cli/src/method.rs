@@ -131,6 +131,7 @@ impl ChosenMethod {
     /// Makes the simulator; settings left out take the method's defaults.
     pub(crate) fn from_arguments(arguments: &MethodArguments) -> Result<Self, BadInput> {
         refuse_foreign_settings(arguments)?;
+        refuse_idle_settings(arguments)?;
         let chosen = match arguments.method {
             Method::Fesd => fesd(arguments),
             Method::Event => {
@@ -235,15 +236,16 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
         FormulationName::TimeFreezing => StepFormulation::TimeFreezing,
         FormulationName::Complementarity => StepFormulation::Complementarity,
     };
-    let tolerance = fesd.promise();
-    let grid = tolerance.is_none();
+    let promise = fesd.promise();
+    let grid = promise.is_none();
     let settings = MethodSettings {
         formulation: Some(name_of(formulation)),
         scheme: Some(fesd.scheme.name()),
         stages: Some(fesd.stage_count()),
         steps: fesd.steps.or(grid.then_some(Fesd::DEFAULT_STEPS)),
         elements: grid.then_some(fesd.elements),
-        tolerance,
+        // Two grids are compared to it where nothing is promised.
+        tolerance: promise.or(fesd.tolerance),
         exit_condition: Some(fesd.exit_condition),
         ..MethodSettings::default()
     };
@@ -267,12 +269,6 @@ fn refuse_foreign_settings(arguments: &MethodArguments) -> Result<(), BadInput> 
         ("--width", arguments.width.is_some(), &[Smooth]),
         ("--no-exit-condition", arguments.no_exit_condition, &[Fesd]),
     ];
-    if arguments.elements.is_some() && arguments.tolerance.is_some() {
-        return Err(BadInput::new(
-            "--elements and --tolerance exclude each other: the tolerance sets the length of \
-             the elements; leave one of them out",
-        ));
-    }
     let foreign = given
         .iter()
         .find(|(_, given, methods)| *given && !methods.contains(&arguments.method));
@@ -285,6 +281,37 @@ fn refuse_foreign_settings(arguments: &MethodArguments) -> Result<(), BadInput> 
         "{option} has no meaning for --method {method}; leave it out, or choose the method: {}",
         methods.join(", ")
     )))
+}
+
+/// Refuses settings of the method that leave nothing to each other.
+fn refuse_idle_settings(arguments: &MethodArguments) -> Result<(), BadInput> {
+    if arguments.elements.is_some() && arguments.tolerance.is_some() {
+        return Err(BadInput::new(
+            "--elements and --tolerance exclude each other: the tolerance sets the length of \
+             the elements; leave one of them out",
+        ));
+    }
+    if arguments.formulation == Some(FormulationName::Complementarity)
+        && arguments.no_exit_condition
+    {
+        return Err(BadInput::new(
+            "--no-exit-condition has no meaning for --formulation complementarity, which locates no take-off; leave it \
+             out, or choose another formulation",
+        ));
+    }
+    let published = match arguments.formulation {
+        Some(FormulationName::Complementarity) => Some("--formulation complementarity"),
+        _ => arguments.no_exit_condition.then_some("--no-exit-condition"),
+    };
+    if let Some(published) = published
+        && arguments.steps.is_some()
+        && arguments.tolerance.is_some()
+    {
+        return Err(BadInput::new(format!(
+            "--tolerance has no meaning for --steps with {published}, which controls no errors; leave out one of the two"
+        )));
+    }
+    Ok(())
 }
 
 /// Name of a choice on the command line; none of them is hidden.

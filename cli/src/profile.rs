@@ -6,9 +6,19 @@ use std::fs;
 use crate::arguments::ProfileArguments;
 use crate::failure::BadInput;
 use crate::report::Report;
+use crate::table::counted;
 
 /// Largest table that is read, in bytes: far above the points that a profile may have.
 const LARGEST: u64 = 4 << 20;
+
+/// Most points of a profile.
+const MOST: usize = 5_000;
+
+/// Most bytes of its statement, some less than those of a scene file.
+const LONGEST: usize = 65_000;
+
+/// The scene in which the language is asked.
+const SCENE: &str = "coordinates { position_ } lagrangian dot(position_)^2/2";
 
 /// Prints the `profile` of the points in a file.
 pub(crate) fn run(arguments: &ProfileArguments) -> Result<Report, BadInput> {
@@ -39,6 +49,8 @@ struct Table {
     /// Names and units, empty where none is given.
     columns: [(String, String); 2],
     points: Vec<[String; 2]>,
+    /// The last argument.
+    last: Option<f64>,
 }
 
 /// Reads a table: a point a line, possibly with names and units, such as `s [m]`, in the first one.
@@ -46,6 +58,7 @@ fn table(text: &str) -> Result<Table, String> {
     let mut table = Table {
         columns: [("s".into(), String::new()), ("h".into(), String::new())],
         points: Vec::new(),
+        last: None,
     };
     let text = text.trim_start_matches('\u{feff}');
     let lines = text.lines().enumerate();
@@ -53,53 +66,103 @@ fn table(text: &str) -> Result<Table, String> {
         .map(|(number, line)| (number + 1, line.trim()))
         .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
         .peekable();
-    if let Some((_, first)) = lines.peek()
-        && point(first).is_none()
-        && first.chars().any(char::is_alphabetic)
+    if let Some(&(number, first)) = lines.peek()
+        && is_heading(first)
     {
-        for (column, heading) in table.columns.iter_mut().zip(first.split([',', ';', '\t'])) {
-            *column = heading_of(heading, &column.0);
+        for (column, heading) in table.columns.iter_mut().zip(two(number, first)?) {
+            *column = heading_of(&heading, &column.0)
+                .map_err(|what| format!("line {number}, `{}`: {what}", short(&heading)))?;
         }
         lines.next();
     }
     for (number, line) in lines {
-        let Some(point) = point(line) else {
-            return Err(format!(
-                "line {number}, `{}`: two numbers are needed, such as `0.5, 0.12`",
-                line.chars().take(60).collect::<String>()
-            ));
+        let point = two(number, line)?;
+        let needed = |what: &str| format!("line {number}, `{}`: {what}", short(line));
+        let [Some(x), Some(y)] = point.map(|cell| number_of(&cell)) else {
+            return Err(needed("two finite numbers are needed, such as `0.5, 0.12`"));
         };
-        table.points.push(point);
+        if table.last.is_some_and(|before| x <= before) {
+            return Err(needed(
+                "the points must go from left to right, each farther right than the one before",
+            ));
+        }
+        table.last = Some(x);
+        table.points.push([x, y].map(|value| format!("{value:?}")));
+    }
+    if table.points.len() > MOST {
+        return Err(format!(
+            "{} points, where a profile has at most {MOST}; keep every second, third, ... line",
+            table.points.len()
+        ));
     }
     Ok(table)
 }
 
-/// Two numbers between commas, semicolons or blanks; between semicolons a comma is a decimal point.
-fn point(line: &str) -> Option<[String; 2]> {
-    let line = match line.contains(';') {
-        true => line.replace(',', "."),
-        false => line.to_owned(),
+/// The begin of a text, for a message.
+fn short(text: &str) -> String {
+    text.chars().take(60).collect()
+}
+
+/// Whether a line holds names instead of a point.
+fn is_heading(line: &str) -> bool {
+    let cells = cells(line);
+    let begins =
+        |cell: &String| cell.starts_with(|c: char| !c.is_ascii_digit() && !"+-.".contains(c));
+    cells.first().is_some_and(begins) && cells.iter().all(|cell| cell.parse::<f64>().is_err())
+}
+
+/// What stands between semicolons, else between commas or tabs, else between blanks; units stay with their names.
+fn cells(line: &str) -> Vec<String> {
+    let separator = [';', ',', '\t'].into_iter().find(|&c| line.contains(c));
+    let Some(separator) = separator else {
+        let mut cells: Vec<String> = Vec::new();
+        for word in line.split_whitespace() {
+            match cells.last_mut() {
+                Some(name) if word.starts_with(['[', '(']) => *name = format!("{name} {word}"),
+                _ => cells.push(word.to_owned()),
+            }
+        }
+        return cells;
     };
-    let mut cells = line
-        .split(|c: char| c == ',' || c == ';' || c.is_whitespace())
-        .filter(|cell| !cell.is_empty());
-    let mut next = || -> Option<String> {
-        let value: f64 = cells.next()?.parse().ok()?;
-        value.is_finite().then(|| format!("{value:?}"))
-    };
-    Some([next()?, next()?])
+    let clean = |cell: &str| cell.trim().trim_matches('"').trim().to_owned();
+    line.split(separator).map(clean).collect()
+}
+
+/// The two cells of a line.
+fn two(number: usize, line: &str) -> Result<[String; 2], String> {
+    <[String; 2]>::try_from(cells(line)).map_err(|cells| {
+        format!(
+            "line {number}, `{}`: {}, where a point has two; leave the others out, and write decimals with a point, or \
+             semicolons between the columns",
+            short(line),
+            counted(cells.len(), "column")
+        )
+    })
+}
+
+/// A finite number, whose decimals may stand behind a comma.
+fn number_of(cell: &str) -> Option<f64> {
+    let value: f64 = cell.replace(',', ".").parse().ok()?;
+    value.is_finite().then_some(value)
 }
 
 /// Name and unit of a heading such as `s [m]` or `s (m)`.
-fn heading_of(heading: &str, otherwise: &str) -> (String, String) {
-    let heading = heading.trim().trim_matches('"');
-    let (called, unit) = heading.split_once(['[', '(']).unwrap_or((heading, ""));
-    let unit = unit.trim_end_matches([']', ')']).trim();
-    let unit = match unit.parse::<hangtime_units::Unit>() {
-        Ok(_) => unit.to_owned(),
-        Err(_) => String::new(),
+fn heading_of(heading: &str, otherwise: &str) -> Result<(String, String), String> {
+    let Some((called, rest)) = heading.split_once(['[', '(']) else {
+        return Ok((name(heading, otherwise), String::new()));
     };
-    (name(called.trim(), otherwise), unit)
+    let Some(unit) = rest.trim_end().strip_suffix([']', ')']) else {
+        return Err("the unit ends with a bracket, as in `s [m]`".to_owned());
+    };
+    let unit = unit.trim();
+    // A number without a unit.
+    if unit == "-" {
+        return Ok((name(called.trim(), otherwise), String::new()));
+    }
+    match unit.parse::<hangtime_units::Unit>() {
+        Ok(_) => Ok((name(called.trim(), otherwise), unit.to_owned())),
+        Err(error) => Err(format!("{error}; write a unit such as `s [m]`, or none")),
+    }
 }
 
 /// A name of the language that reads like a text.
@@ -113,13 +176,17 @@ fn name(text: &str, otherwise: &str) -> String {
         }
     }
     let name = name.trim_end_matches('_');
-    let usable =
-        name.starts_with(|c: char| c.is_ascii_alphabetic()) && !hangtime_dsl::is_word(name);
-    if usable {
+    if is_free(name) {
         name.to_owned()
     } else {
         otherwise.to_owned()
     }
+}
+
+/// Whether a function may have this name.
+fn is_free(name: &str) -> bool {
+    let scene = format!("{SCENE} fn {name}(argument_) = argument_");
+    hangtime_dsl::describe_text(&scene, "profile").is_ok()
 }
 
 impl Table {
@@ -139,7 +206,13 @@ impl Table {
             let _ = writeln!(text, "    ({x}, {y}),");
         }
         text.push_str("}\n");
-        let scene = format!("coordinates {{ position }} lagrangian dot(position)^2/2 {text}");
+        if text.len() > LONGEST {
+            return Err(format!(
+                "its `profile` has {} bytes, more than the {LONGEST} of a scene file; keep every second, third, ... line",
+                text.len()
+            ));
+        }
+        let scene = format!("{SCENE} {text}");
         match hangtime_dsl::describe_text(&scene, "profile") {
             Ok(_) => Ok(text),
             Err(mistakes) => Err(mistakes
@@ -170,6 +243,12 @@ mod tests {
                 "profile hill(s: m): mm {\n    (0.0, 0.0),\n    (0.5, 120.0),\n    (1.0, -200.0),\n}\n"
             );
         }
+        let named = table("t [m] z [-]\n0 1\n1 2\n2 4").unwrap();
+        assert_eq!(
+            named.columns,
+            [("s", "m"), ("z", "")].map(|(name, unit)| (name.to_owned(), unit.to_owned()))
+        );
+        assert_eq!(super::name("t", "track"), "track");
         let plain = statement("0 1\n1 2\n2 4\n3 5\n4 5\n5 5\n6 5").unwrap();
         assert!(
             plain.starts_with("profile hill(s) {\n    (0.0, 1.0)") && plain.lines().count() == 9
@@ -181,11 +260,34 @@ mod tests {
         for (text, reason) in [
             ("0,1\n1,two\n", "line 2, `1,two`"),
             ("s,z\n0,1\n", "and has 1"),
-            ("0,1\n2,1\n1,1\n", "1 follows 2"),
+            (
+                "0,1\n2,1\n1,1\n",
+                "line 3, `1,1`: the points must go from left to right",
+            ),
+            (
+                "s,z,w\n0,1,2\n",
+                "line 1, `s,z,w`: 3 columns, where a point has two",
+            ),
+            ("0,1\n1,5,2,5\n", "line 2, `1,5,2,5`: 4 columns"),
+            ("0 1 2\n", "line 1, `0 1 2`: 3 columns"),
+            ("0,1\n1,,2\n", "line 2, `1,,2`: 3 columns"),
+            ("s\n0,1\n", "line 1, `s`: 1 column,"),
+            ("0,1\n1,NaN\n", "line 2, `1,NaN`: two finite numbers"),
+            ("inf,1\n1,2\n", "line 1, `inf,1`: two finite numbers"),
+            ("0x10,1\n20,2\n", "line 1, `0x10,1`: two finite numbers"),
+            ("0,1\n1,2 m\n", "line 2, `1,2 m`: two finite numbers"),
+            (
+                "s [furlong],z\n0,1\n",
+                "line 1, `s [furlong]`: unknown unit",
+            ),
+            ("s [mm,z\n0,1\n", "line 1, `s [mm`: the unit ends"),
             ("", "and has 0"),
         ] {
             let message = statement(text).unwrap_err();
             assert!(message.contains(reason), "{message}");
         }
+        let many: String = (0..6000).map(|i| format!("{i},0\n")).collect();
+        let message = statement(&many).unwrap_err();
+        assert!(message.contains("6000 points"), "{message}");
     }
 }

@@ -3,6 +3,7 @@
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
+use crate::arguments::ResultArguments;
 use crate::failure::{BadInput, one_line, visible};
 use crate::output::OutputDirectory;
 
@@ -10,6 +11,16 @@ use crate::output::OutputDirectory;
 pub(crate) const NOT_CONVERGED: u8 = 3;
 /// Exit status of bad input, and of files that could not be written.
 pub(crate) const BAD_INPUT: u8 = 2;
+
+/// Refuses a number of rows where none are written.
+pub(crate) fn refuse_rows_of_nothing(arguments: &ResultArguments) -> Result<(), BadInput> {
+    if arguments.rows.is_some() && !arguments.json && arguments.out.is_none() {
+        return Err(BadInput::new(
+            "--rows has no meaning without --json or --out, which write the trajectory; add one of them, or leave it out",
+        ));
+    }
+    Ok(())
+}
 
 /// What a command prints.
 #[derive(Debug, Default)]

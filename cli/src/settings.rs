@@ -8,6 +8,7 @@ use hangtime_units::{Quantity, UnitError};
 use crate::arguments::SceneArguments;
 use crate::failure::{BadInput, did_you_mean};
 use crate::scene_file::{EXTENSION, is_path, load};
+use crate::table::number;
 
 /// A scene with its settings applied.
 pub(crate) struct ChosenScene {
@@ -42,7 +43,41 @@ impl ChosenScene {
                 chosen.set(name, value)?;
             }
         }
+        chosen.check_bounds()?;
         Ok(chosen)
+    }
+
+    /// What the language checks for the defaults of the parameters: bounds that leave something, and a start within them.
+    fn check_bounds(&self) -> Result<(), BadInput> {
+        let declaration = self.model.declaration();
+        let coordinates = declaration.coordinates.iter().map(|q| (q.name, q.unit));
+        let controls = declaration.controls.iter().map(|u| (u.name, u.unit));
+        let (mut q, mut v) = [(); 2].map(|()| vec![0.0; coordinates.len()]).into();
+        self.model.start(&mut q, &mut v);
+        let length = coordinates.len() + controls.len();
+        let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; length], vec![f64::INFINITY; length]);
+        self.model.bounds(&mut lower, &mut upper);
+        for (k, (name, unit)) in coordinates.chain(controls).enumerate() {
+            let [low, high] = [lower[k], upper[k]].map(number);
+            let refuse = |what: &str| {
+                let what = format!("scene `{}`: {what}, for these parameters", self.scene.name);
+                Err(BadInput::new(what))
+            };
+            if lower[k] > upper[k] || lower[k].is_nan() || upper[k].is_nan() {
+                return refuse(&format!(
+                    "lower bound of `{name}` = {low} {unit}: must be at most the upper one, {high}"
+                ));
+            }
+            if let Some(&start) = q.get(k)
+                && !(lower[k]..=upper[k]).contains(&start)
+            {
+                return refuse(&format!(
+                    "start of `{name}` = {} {unit}: must be within its bounds {low}..={high}",
+                    number(start)
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// A refusal of the solvers, with the name of the scene.
@@ -56,7 +91,7 @@ impl ChosenScene {
         numbers
             .map(|(index, parameter)| {
                 let value = self.model.parameter(index);
-                format!("{} = {value} {}", parameter.name, parameter.unit)
+                format!("{} = {} {}", parameter.name, number(value), parameter.unit)
                     .trim_end()
                     .to_owned()
             })
@@ -178,6 +213,14 @@ fn choose(scene: &'static Scene, pairs: &[(&str, &str)]) -> Result<Form, BadInpu
 
 /// Reads `VALUE[UNIT]` as a number in the declared unit.
 fn quantity(name: &str, text: &str, declared: &str) -> Result<f64, BadInput> {
+    let not_finite = || {
+        BadInput::new(format!(
+            "parameter `{name}` = `{text}` is not finite; give a finite number"
+        ))
+    };
+    if text.parse::<f64>().is_ok_and(|value| !value.is_finite()) {
+        return Err(not_finite());
+    }
     let value = Quantity::parse(text)
         .and_then(|quantity| quantity.in_unit(declared))
         .map_err(|error| {
@@ -193,9 +236,7 @@ fn quantity(name: &str, text: &str, declared: &str) -> Result<f64, BadInput> {
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(BadInput::new(format!(
-            "parameter `{name}` = `{text}` is not finite; give a finite number"
-        )))
+        Err(not_finite())
     }
 }
 

@@ -1,15 +1,63 @@
 //! What a shell and its manual know about the program: completions and pages.
 
+use clap::builder::PossibleValuesParser;
+use clap_complete::Shell;
+
+use crate::Scene;
 use crate::arguments::{CompletionsArguments, ManArguments};
 use crate::failure::{BadInput, did_you_mean};
 use crate::report::Report;
+use crate::scene_file::EXTENSION;
 
-/// The script that completes commands, options and their choices.
-pub(crate) fn completions(mut parser: clap::Command, arguments: &CompletionsArguments) -> Report {
+/// The commands that take scenes.
+const SCENE_COMMANDS: [&str; 4] = ["simulate", "solve", "chart", "explain"];
+
+/// The script that completes commands, options and their choices, and the names of the scenes beside scene files.
+pub(crate) fn completions(
+    mut parser: clap::Command,
+    scenes: &[Scene],
+    arguments: &CompletionsArguments,
+) -> Report {
     let name = parser.get_name().to_owned();
+    let names: Vec<&'static str> = scenes.iter().map(|scene| scene.name).collect();
+    let commands = parser.get_subcommands().map(clap::Command::get_name);
+    // The parser keeps names for as long as the program runs.
+    let commands: Vec<&'static str> = commands.map(|name| &*name.to_owned().leak()).collect();
+    // A command line without scenes has nothing to choose from but files.
+    for command in SCENE_COMMANDS.iter().filter(|_| !names.is_empty()) {
+        let choices = PossibleValuesParser::new(names.clone());
+        parser = parser.mut_subcommand(command, |command| {
+            command.mut_args(|argument| match argument.get_id().as_str() {
+                "scene" | "scenes" => argument.value_parser(choices.clone()),
+                _ => argument,
+            })
+        });
+    }
+    parser = parser.mut_subcommand("man", |man| {
+        man.mut_arg("command", |command| {
+            command.value_parser(PossibleValuesParser::new(commands))
+        })
+    });
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut parser, name, &mut script);
-    Report::of(String::from_utf8_lossy(&script))
+    clap_complete::generate(arguments.shell, &mut parser, name.as_str(), &mut script);
+    let script = String::from_utf8_lossy(&script);
+    let names = names.join(" ");
+    // One shell offers nothing beside a list of choices, unless it is told to, and another one no such list.
+    let script = match arguments.shell {
+        Shell::Fish if !names.is_empty() => {
+            let function = format!("__fish_{}_using_subcommand", name.replace('-', "_"));
+            let lines = SCENE_COMMANDS.map(|command| {
+                format!("complete -c {name} -n \"{function} {command}\" -a \"{names}\"\n")
+            });
+            script.into_owned() + &lines.concat()
+        }
+        Shell::Zsh => script.replace(
+            &format!(":({names})'"),
+            &format!(":{{compadd {names}; _files -g \"*.{EXTENSION}\"}}'"),
+        ),
+        _ => script.into_owned(),
+    };
+    Report::of(script)
 }
 
 /// The manual page of the program, or of one of its commands.

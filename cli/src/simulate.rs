@@ -14,9 +14,9 @@ use crate::files::ResultFiles;
 use crate::method::{ChosenMethod, name_of};
 use crate::output::OutputDirectory;
 use crate::progress::Progress;
-use crate::report::Report;
+use crate::report::{Report, refuse_rows_of_nothing};
 use crate::settings::ChosenScene;
-use crate::table::{counted, headed, per_second, residual_line, seconds, table};
+use crate::table::{counted, headed, number, per_second, residual_line, seconds, table};
 use crate::task::{SimulationTask, simulation_facts};
 
 /// Most events that are printed.
@@ -26,6 +26,7 @@ pub(crate) fn run(
     scenes: &'static [Scene],
     arguments: &SimulateArguments,
 ) -> Result<Report, BadInput> {
+    refuse_rows_of_nothing(&arguments.result)?;
     let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
     let task = SimulationTask::new(chosen, arguments)?;
     let (chosen, method, horizon) = (&task.chosen, &task.method, task.problem.horizon);
@@ -54,7 +55,7 @@ pub(crate) fn run(
             simulation: &simulation,
             json: &json,
             published: &PublishedData::default(),
-            rows: arguments.result.rows,
+            rows: arguments.result.rows(),
             index: None,
             facts: simulation_facts(method, &simulation, &ending),
         };
@@ -120,7 +121,7 @@ fn tables(
     let parameters = chosen.parameters();
     let _ = writeln!(text, "parameters  {}", parameters.join(", "));
     let _ = writeln!(text, "method      {}", method.settings);
-    let _ = writeln!(text, "horizon     {horizon} s");
+    let _ = writeln!(text, "horizon     {} s", number(horizon));
     let _ = writeln!(text, "status      {}\n", ending.status);
     text += &event_table(declaration, &simulation.events);
     let trajectory = &simulation.trajectory;

@@ -17,7 +17,7 @@ use crate::method::name_of;
 use crate::output::OutputDirectory;
 use crate::progress::SolveProgress;
 use crate::quantity;
-use crate::report::Report;
+use crate::report::{Report, refuse_rows_of_nothing};
 use crate::sampling::State;
 use crate::settings::ChosenScene;
 use crate::simulate::digits;
@@ -29,6 +29,7 @@ pub(crate) fn run(
     scenes: &'static [Scene],
     arguments: &SolveArguments,
 ) -> Result<Report, BadInput> {
+    refuse_rows_of_nothing(&arguments.result)?;
     let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
     let task = OptimumTask::new(chosen, arguments)?;
     let (chosen, method) = (&task.chosen, &task.method);
@@ -55,7 +56,7 @@ pub(crate) fn run(
                 simulation,
                 json: &json,
                 published: &PublishedData::default(),
-                rows: arguments.result.rows,
+                rows: arguments.result.rows(),
                 index: None,
                 facts: optimum_facts(method, &solution, &ending),
             }

@@ -73,6 +73,16 @@ pub(crate) fn counted(number: usize, noun: &str) -> String {
     format!("{number} {noun}{ending}")
 }
 
+/// A number as it was given, with an exponent where there would be dozens of digits.
+pub(crate) fn number(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-6..1e16).contains(&size) {
+        format!("{value:e}")
+    } else {
+        value.to_string()
+    }
+}
+
 /// The unit of a time derivative.
 pub(crate) fn per_second(unit: &str) -> String {
     if unit.is_empty() {

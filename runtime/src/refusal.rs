@@ -16,8 +16,18 @@ pub(crate) fn out_of_range(
     unit: &str,
     bound: impl fmt::Display,
 ) -> InputError {
-    let number = format!("{value} {unit}");
+    let number = format!("{} {unit}", shown(value));
     InputError::new(format!("{what} = {}: must be {bound}", number.trim_end()))
+}
+
+/// A number with an exponent where there would be dozens of digits.
+fn shown(value: f64) -> String {
+    let size = value.abs();
+    if size.is_finite() && size != 0.0 && !(1e-6..1e16).contains(&size) {
+        format!("{value:e}")
+    } else {
+        value.to_string()
+    }
 }
 
 /// A vector has the wrong length.
@@ -37,4 +47,21 @@ pub(crate) fn unsupported_law(method: &str, contact: &str) -> InputError {
     InputError::unsupported(format!(
         "method {method} cannot treat the impact law of `{contact}`"
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::out_of_range;
+
+    #[test]
+    fn numbers_far_from_one_are_refused_in_few_digits() {
+        for (value, words) in [
+            (1e300, "x = 1e300 s: must be less"),
+            (-2.5e-300, "x = -2.5e-300 s: must be less"),
+            (0.25, "x = 0.25 s: must be less"),
+            (0.0, "x = 0 s: must be less"),
+        ] {
+            assert_eq!(out_of_range("x", value, "s", "less").to_string(), words);
+        }
+    }
 }

@@ -17,7 +17,8 @@ impl<'a> Quantity<'a> {
     /// beginning that is a number counts as the number.
     ///
     /// # Errors
-    /// [`UnitError::NotANumber`] if there is none; those of reading a [`Unit`] for the rest.
+    /// [`UnitError::NotANumber`] if there is none, [`UnitError::BrokenNumber`] if it goes on with something else; those of
+    /// reading a [`Unit`] for the rest, which may stand in brackets.
     pub fn parse(text: &'a str) -> Result<Self, UnitError> {
         let text = text.trim();
         let end = number_length(text);
@@ -28,6 +29,16 @@ impl<'a> Quantity<'a> {
         if unit.is_empty() {
             return Ok(Self { value, unit: None });
         }
+        if unit.starts_with(|c: char| c.is_ascii_digit() || ",_'/".contains(c)) {
+            return Err(UnitError::BrokenNumber {
+                text: text.to_owned(),
+            });
+        }
+        // As the language writes it.
+        let bracketed = unit
+            .strip_prefix('[')
+            .and_then(|unit| unit.strip_suffix(']'));
+        let unit = bracketed.unwrap_or(unit).trim();
         unit.parse::<Unit>()?;
         Ok(Self {
             value,
@@ -106,6 +117,11 @@ mod tests {
         assert_eq!(parts("-1e-3 rad"), (-1e-3, Some("rad")));
         assert_eq!(parts("7"), (7.0, None));
         assert_eq!(parts(".5"), (0.5, None));
+        assert_eq!(parts("2 [km/h]"), (2.0, Some("km/h")));
+        for broken in ["1,5", "1 000", "1_000", "1/2", "1'000 m"] {
+            let error = Quantity::parse(broken).unwrap_err().to_string();
+            assert!(error.contains("behind a point"), "{broken}: {error}");
+        }
         assert!(Quantity::parse("fast").is_err());
         assert!(Quantity::parse("").is_err());
         assert!(Quantity::parse("3 furlong").is_err());

@@ -25,6 +25,11 @@ pub enum UnitError {
         /// The whole text.
         text: String,
     },
+    /// The text begins with a number that goes on with something that is no unit, such as a decimal comma.
+    BrokenNumber {
+        /// The whole text.
+        text: String,
+    },
     /// The two units measure different things.
     Different {
         /// Unit given.
@@ -58,6 +63,11 @@ impl fmt::Display for UnitError {
                 f,
                 "`{}` does not begin with a number; write a number and an optional unit such as \
                  15km/h",
+                shown(text)
+            ),
+            Self::BrokenNumber { text } => write!(
+                f,
+                "`{}` is no number; write decimals behind a point and all digits together, such as 1500.5",
                 shown(text)
             ),
             Self::Different { from, to } => write!(

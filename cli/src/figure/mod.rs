@@ -49,6 +49,18 @@ fn layout(plots: &[Plot], title: &str, x: &str, y: &str) -> Layout {
         .with_y_label(y)
 }
 
+/// A text without its middle, if it has more than `most` characters: names begin and units end it.
+fn shortened(text: &str, most: usize) -> String {
+    let length = text.chars().count();
+    if length <= most {
+        return text.to_owned();
+    }
+    let tail = most / 3;
+    let start: String = text.chars().take(most - tail - 1).collect();
+    let end: String = text.chars().skip(length - tail).collect();
+    format!("{start}\u{2026}{end}")
+}
+
 fn svg(plots: Vec<Plot>, layout: Layout) -> String {
     styled(&render_to_svg(plots, layout))
 }

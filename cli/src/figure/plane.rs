@@ -4,7 +4,7 @@ use crate::PublishedPoint;
 use crate::drawing::GroundLine;
 use kuva::prelude::{LegendPosition, LinePlot, LineStyle, MarkerShape, Plot, ScatterPlot};
 
-use super::{COLOURS, GREY, SIZE, layout, svg};
+use super::{COLOURS, GREY, SIZE, layout, shortened, svg};
 
 /// Free space around the motion, as a share of its larger extent.
 const MARGIN: f64 = 0.06;
@@ -12,6 +12,9 @@ const MARGIN: f64 = 0.06;
 const FRAME: (f64, f64) = (280.0, 110.0);
 /// Least height of a figure [px], for the legend beside it.
 const LEAST_HEIGHT: f64 = 280.0;
+/// Most characters of a name, and of the title above a picture that may be narrow.
+const LONGEST_NAME: usize = 24;
+const LONGEST_TITLE: usize = 40;
 /// Colours of published positions, of the start and of impacts.
 const PUBLISHED: &str = COLOURS[7];
 const START: &str = COLOURS[2];
@@ -91,7 +94,7 @@ impl Motion {
             let mut line = line(&ground.points, GREY, 1.5).with_line_style(style);
             if known.is_none() {
                 named.push(ground.name);
-                line = line.with_legend(ground.name);
+                line = line.with_legend(shortened(ground.name, LONGEST_NAME));
             }
             plots.push(line.into());
         }
@@ -99,15 +102,13 @@ impl Motion {
             plots.push(line(points, GREY, 1.2).into());
         }
         for (path, colour) in self.paths.iter().zip(COLOURS.iter().cycle()) {
-            plots.push(
-                line(&path.points, colour, 2.0)
-                    .with_legend(path.name)
-                    .into(),
-            );
+            let name = shortened(path.name, LONGEST_NAME);
+            let whole = line(&path.points, colour, 2.0).with_legend(name.as_str());
+            plots.push(whole.into());
             for outline in &path.outlines {
                 plots.push(line(outline, colour, 1.2).into());
             }
-            let legend = format!("{}{}", path.name, self.lapse);
+            let legend = name + &self.lapse;
             let lapse = marks(&path.time_lapse, MarkerShape::Circle, colour, 3.5);
             plots.push(lapse.with_legend(legend).into());
         }
@@ -121,7 +122,9 @@ impl Motion {
         let [[left, right], [bottom, top]] = self.frame;
         let aspect = (top - bottom) / (right - left);
         let height = FRAME.1 + (SIZE.0 - FRAME.0) * aspect;
-        let layout = layout(&plots, &self.title, &self.axes[0], &self.axes[1])
+        let title = shortened(&self.title, LONGEST_TITLE);
+        let [across, up] = [0, 1].map(|i| shortened(&self.axes[i], LONGEST_NAME));
+        let layout = layout(&plots, &title, &across, &up)
             .with_height(height.clamp(LEAST_HEIGHT, SIZE.1))
             .with_equal_aspect()
             .with_clamp_axis()

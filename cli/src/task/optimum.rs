@@ -55,7 +55,7 @@ impl OptimumTask {
             chosen,
             problem,
             settings,
-            rows: arguments.result.rows,
+            rows: arguments.result.rows(),
         })
     }
 

@@ -36,7 +36,7 @@ impl SimulationTask {
             chosen,
             method,
             problem,
-            rows: arguments.result.rows,
+            rows: arguments.result.rows(),
         })
     }
 

@@ -1,6 +1,6 @@
 //! A declaration as the text of a file: from characters to tokens, and mistakes with their place in the text.
 
-use crate::diagnostics::Mistake;
+use crate::diagnostics::{Mistake, closest};
 use crate::words;
 use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use std::ops::Range;
@@ -98,9 +98,8 @@ fn with_header(tokens: TokenStream, stem: &str) -> TokenStream {
             header.extend(tokens.next());
         }
     }
-    let begins = |token: &TokenTree| matches!(token, TokenTree::Ident(word) if words::STATEMENTS.contains(&word.to_string().as_str()));
-    if tokens.peek().is_none_or(begins) {
-        let body: Vec<TokenTree> = tokens.collect();
+    let body: Vec<TokenTree> = tokens.collect();
+    if !is_whole(&body) {
         let span = |token: Option<&TokenTree>| token.map_or_else(Span::call_site, TokenTree::span);
         let (first, last) = (span(body.first()), span(body.last()));
         let mut group = Group::new(Delimiter::Brace, body.into_iter().collect());
@@ -112,7 +111,29 @@ fn with_header(tokens: TokenStream, stem: &str) -> TokenStream {
         ]);
         return header.into_iter().collect();
     }
-    header.into_iter().chain(tokens).collect()
+    header.into_iter().chain(body).collect()
+}
+
+/// Whether tokens are a declaration with its name and its braces: `pub Name { ... }`. Names of scenes begin with a capital
+/// letter; what else stands first is a statement, right or misspelt.
+fn is_whole(tokens: &[TokenTree]) -> bool {
+    let word = match tokens.first() {
+        Some(TokenTree::Ident(word)) => word.to_string(),
+        Some(TokenTree::Group(_)) => return true,
+        _ => return false,
+    };
+    let holds_statements = match tokens.get(1) {
+        Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace => {
+            let first = group.stream().into_iter().find_map(|token| match token {
+                TokenTree::Ident(word) => Some(word.to_string()),
+                _ => None,
+            });
+            first.is_some_and(|first| words::STATEMENTS.contains(&first.as_str()))
+        }
+        _ => false,
+    };
+    let named = word.starts_with(char::is_uppercase) && closest(&word, words::STATEMENTS).is_none();
+    holds_statements || named || matches!(word.as_str(), "pub" | "model" | "hangtime")
 }
 
 /// The name of a scene whose file is called `stem`: `ski-jump` is `SkiJump`.

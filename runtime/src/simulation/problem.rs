@@ -173,11 +173,8 @@ impl InitialValueProblem {
         let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
         model.start(&mut q, &mut v);
         let Some(horizon) = horizon.or_else(|| model.horizon()) else {
-            return Err(refusal::out_of_range(
-                "horizon",
-                f64::NAN,
-                "s",
-                "given: the scene declares none",
+            return Err(InputError::new(
+                "the scene declares no horizon, and none is given; write `horizon 5 [s]` into it, or give one",
             ));
         };
         Ok(Self {

@@ -69,16 +69,16 @@ impl<'o> Watch<'o> {
             self.progress.time = self.progress.time.max(time);
         }
         self.progress.iterations = step;
-        self.progress.seconds = self.start.elapsed().as_secs_f64();
-        if (self.observer)(&self.progress) {
+        if self.goes_on() {
             return Ok(());
         }
-        Err(SimulationStatus::Interrupted(Diagnosis {
-            time,
-            step,
-            contact: None,
-            message: "the observer asked to stop".into(),
-        }))
+        Err(interrupted(time, step))
+    }
+
+    /// Reports that a step takes long; `false` if the observer stops the run.
+    pub(super) fn goes_on(&mut self) -> bool {
+        self.progress.seconds = self.start.elapsed().as_secs_f64();
+        (self.observer)(&self.progress)
     }
 
     fn thin(&mut self, trajectory: &mut Trajectory) {
@@ -118,6 +118,16 @@ impl<'o> Watch<'o> {
             ));
         }
     }
+}
+
+/// The status of a run that its observer stopped in the `step`-th step.
+pub(super) fn interrupted(time: f64, step: usize) -> SimulationStatus {
+    SimulationStatus::Interrupted(Diagnosis {
+        time,
+        step,
+        contact: None,
+        message: "the observer asked to stop".into(),
+    })
 }
 
 #[cfg(test)]

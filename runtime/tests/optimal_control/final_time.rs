@@ -138,6 +138,46 @@ fn problem_without_an_optimum_is_called_unbounded() {
 }
 
 #[test]
+fn least_time_without_an_end_is_told_by_the_first_start_on_the_first_grid() {
+    let rocket = Rocket::default();
+    let problem = Problem::of(&rocket, 30);
+    let solve = |settings: &Settings| ocp::solve(&rocket, &problem, settings, &mut |_| true);
+    let solution = solve(&Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::Unbounded);
+    // Other starts and finer grids cannot beat it by more than its own final time.
+    assert!(solution.horizon < 1e-3);
+    assert!(solution.optima.iter().all(|optimum| optimum.starts == [0]));
+    assert_eq!(solution.controls.len(), 30);
+    // 16 starts and the grids with 10, 15 and 30 intervals took 1700 programs.
+    assert!(
+        solution.counts.programs < 150,
+        "{}",
+        solution.counts.programs
+    );
+}
+
+hangtime::model! {
+    /// A cart at rest that nothing moves, which is to be elsewhere.
+    Parked {
+        parameters { m: kg = 3 }
+        coordinates { y: m }
+        lagrangian m/2*dot(y)^2
+        finally { y == 2[m] }
+        horizon 1 [s]
+    }
+}
+
+#[test]
+fn goal_of_a_motion_without_controls_is_infeasible_by_its_distance() {
+    let parked = Parked::default();
+    let problem = Problem::of(&parked, 30);
+    let solution = ocp::solve(&parked, &problem, &Settings::default(), &mut |_| true).unwrap();
+    assert_eq!(solution.status, Status::Infeasible);
+    let worst = &solution.violations[0];
+    assert!((worst.amount - 2.0).abs() < 1e-6, "{worst:?}");
+}
+
+#[test]
 fn goal_beyond_every_final_time_is_infeasible_with_those_that_were_looked_at() {
     let cart = Walled::default();
     let solution = solve(&cart, &one_start());

@@ -85,7 +85,10 @@ impl<'a> Source<'a> {
         let word = self.word();
         match word.parse::<u32>() {
             Ok(number) => Ok(number as usize),
-            Err(_) => Err(self.error(format!("expected a count or an index, found `{word}`"))),
+            Err(_) => Err(self.error(format!(
+                "expected a count or an index, found {}",
+                shown(word)
+            ))),
         }
     }
 
@@ -97,7 +100,9 @@ impl<'a> Source<'a> {
             let word = self.word();
             match word.parse() {
                 Ok(number) => number,
-                Err(_) => return Err(self.error(format!("expected a number, found `{word}`"))),
+                Err(_) => {
+                    return Err(self.error(format!("expected a number, found {}", shown(word))));
+                }
             }
         };
         if number.is_nan() {
@@ -176,5 +181,13 @@ impl<'a> Source<'a> {
             }
             None => Err(self.error("the file ends inside a number")),
         }
+    }
+}
+
+/// What was found instead of a number.
+fn shown(word: impl AsRef<str>) -> String {
+    match word.as_ref() {
+        "" => "the end of the file; it is cut off".to_owned(),
+        word => format!("`{word}`"),
     }
 }

@@ -83,6 +83,13 @@ fn nlp_refuses_what_is_no_program_in_one_line() {
     let path = written(&scratch, "cut.nl", &file(0.0, "2 0", "3")[..120]);
     let line = refused(&["nlp", &path]);
     assert!(line.contains("cut.nl") && line.contains("line "), "{line}");
+    let whole = file(0.0, "2 0", "3");
+    let short = written(&scratch, "short.nl", whole[..whole.len() - 2].trim_end());
+    let line = refused(&["nlp", &short]);
+    assert!(
+        line.contains("line ") && line.contains("it is cut off"),
+        "{line}"
+    );
     let line = refused(&["nlp", scratch.text()]);
     assert!(line.contains("give a .nl file that can be read"), "{line}");
     let missing = scratch.0.join("missing.nl");

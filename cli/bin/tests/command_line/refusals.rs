@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::support::{Scratch, refused};
+use crate::support::{Scratch, hangtime, refused, solved};
 
 /// What the message says, and the words of the command.
 const REFUSED: &[(&str, &[&str])] = &[
@@ -20,11 +20,11 @@ const REFUSED: &[(&str, &[&str])] = &[
     ),
     ("`m` = 0 kg", &["simulate", "ski-jump", "--set", "m=0"]),
     (
-        "parameter `g` [m/s^2]",
+        "parameter `g` = `NaN` is not finite",
         &["simulate", "ski-jump", "--set", "g=NaN"],
     ),
     (
-        "parameter `g` [m/s^2]",
+        "parameter `g` = `inf` is not finite",
         &["simulate", "ski-jump", "--set", "g=inf"],
     ),
     ("finite", &["simulate", "ski-jump", "--set", "g=1e999"]),
@@ -77,7 +77,7 @@ const REFUSED: &[(&str, &[&str])] = &[
     ("from 1 to 9", &["simulate", "ski-jump", "--stages", "10"]),
     ("above 0", &["simulate", "ski-jump", "--horizon", "-1"]),
     (
-        "begin with a number",
+        "give a finite time",
         &["simulate", "ski-jump", "--horizon", "nan"],
     ),
     (
@@ -187,4 +187,129 @@ fn output_directory_that_cannot_be_written_is_refused_before_the_run() {
         "a file, not a directory"
     );
     std::fs::remove_file(&scratch.0).unwrap();
+}
+
+#[test]
+fn settings_that_would_do_nothing_are_refused_with_what_to_leave_out() {
+    let complementarity = ["--formulation", "complementarity", "--steps", "20"];
+    for (words, arguments) in [
+        (
+            "leave out one of the two",
+            &["--tolerance", "1e-8"] as &[&str],
+        ),
+        ("which locates no take-off", &["--no-exit-condition"]),
+    ] {
+        let line = refused(&[&["simulate", "ski-jump"][..], &complementarity, arguments].concat());
+        assert!(
+            line.contains("has no meaning") && line.contains(words),
+            "{line}"
+        );
+    }
+    for arguments in [
+        &["simulate", "ski-jump", "--rows", "5"] as &[&str],
+        &["solve", "pump-track", "--rows", "5"],
+        &["explain", "E07", "--set", "m=3"],
+        &["explain", "E07", "--size", "--json"],
+        &["explain", "syntax", "--size"],
+    ] {
+        let line = refused(arguments);
+        assert!(
+            line.contains("no meaning") && line.contains("leave"),
+            "{arguments:?}: {line}"
+        );
+    }
+}
+
+#[test]
+fn settings_are_checked_as_the_defaults_of_a_scene_are() {
+    let scratch = Scratch::new("settings");
+    std::fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("ball.hang");
+    let text = "parameters { m: kg = 1, high: m = 1, most: N = 5, long: s = 1 }
+        coordinates { x: m, z: m in -1..=10 }
+        controls { u: N in -most..=most }
+        lagrangian m/2*(dot(x)^2 + dot(z)^2)
+        forces { x: u }
+        minimize integral(u^2)
+        finally { x == 1[m] }
+        start { z: high }
+        horizon long";
+    std::fs::write(&file, text).unwrap();
+    let file = file.to_str().unwrap();
+    for (setting, words) in [
+        (
+            "high=20",
+            "start of `z` = 20 m: must be within its bounds -1..=10",
+        ),
+        (
+            "most=-5",
+            "lower bound of `u` = 5 N: must be at most the upper one, -5",
+        ),
+        (
+            "long=inf",
+            "`long` = `inf` is not finite; give a finite number",
+        ),
+        ("long=NaN", "`long` = `NaN` is not finite"),
+        ("long=1e400", "`long` = `1e400` is not finite"),
+        (
+            "long=1e300",
+            "horizon = 1e300 s: must be from 1e-100 to 1e100",
+        ),
+        ("long=0", "horizon = 0 s: must be above 0"),
+        (
+            "long=1,5",
+            "`1,5` is no number; write decimals behind a point",
+        ),
+        ("long=1 000", "`1 000` is no number"),
+        ("m=0", "parameter `m` = 0 kg: must be above 0"),
+        ("m=1[s]", "`s` cannot be converted to `kg`"),
+    ] {
+        for command in ["simulate", "solve"] {
+            let line = refused(&[command, file, "--set", setting]);
+            assert!(line.contains(words), "{command} {setting}: {line}");
+        }
+    }
+    for (time, words) in [
+        ("inf", "give a finite time above 0"),
+        ("nan", "give a finite time above 0"),
+        ("1e300", "horizon = 1e300 s: must be from 1e-100"),
+    ] {
+        let line = refused(&["simulate", file, "--horizon", time]);
+        assert!(line.contains(words), "{time}: {line}");
+    }
+    let shown = solved(&[
+        "simulate",
+        file,
+        "--set",
+        "m=2000[g]",
+        "--set",
+        "most=1e-300",
+    ]);
+    assert!(
+        shown.contains("m = 2 kg") && shown.contains("most = 1e-300 N"),
+        "{shown}"
+    );
+    // What the defaults say is said at their place.
+    let out = hangtime(&["explain", file, "--set", "high=-2m"]);
+    assert_eq!(out.status.code(), Some(2));
+}
+
+#[cfg(unix)]
+#[test]
+fn limit_on_a_fine_grid_returns_the_motion_that_coarser_ones_led_to() {
+    // Its first program takes seconds before it iterates.
+    let arguments = [
+        "solve",
+        "pump-track",
+        "--intervals",
+        "10000",
+        "--time-limit",
+        "1500ms",
+        "--json",
+    ];
+    let output = hangtime(&arguments);
+    assert_eq!(output.status.code(), Some(3));
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["status"], "time_limit");
+    assert!(document["iterations"]["programs"].as_u64().is_some());
 }

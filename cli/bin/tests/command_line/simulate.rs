@@ -498,6 +498,27 @@ fn completions_and_manual_pages_know_commands_and_options() {
             "{shell}"
         );
     }
+    for (shell, scenes) in [
+        ("bash", "ski-jump pump-track bouncing-ball"),
+        ("zsh", ":{compadd ski-jump pump-track"),
+        (
+            "fish",
+            "_using_subcommand simulate\" -a \"ski-jump pump-track",
+        ),
+    ] {
+        let script = solved(&["completions", shell]);
+        assert!(script.contains(scenes), "{shell}");
+        for command in ["simulate", "nlp", "profile", "reproduce", "man"] {
+            let option = solved(&[command, "--help"]);
+            let options = option
+                .split_whitespace()
+                .filter(|word| word.starts_with("--"));
+            let names = options.map(|word| word.trim_matches(|c: char| !c.is_ascii_alphanumeric()));
+            for name in names.filter(|name| name.len() > 1) {
+                assert!(script.contains(name), "{shell}: {command} {name}");
+            }
+        }
+    }
     let page = solved(&["man"]);
     assert!(
         page.contains(".TH hangtime 1") && page.contains("simulate"),

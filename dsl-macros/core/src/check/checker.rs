@@ -227,6 +227,9 @@ impl Checker<'_> {
         {
             return Ok(index);
         }
+        if self.diagnostics.is_poisoned(&name.text) {
+            return Err(Reported);
+        }
         let names: Vec<String> = self
             .coordinates
             .iter()

@@ -591,6 +591,7 @@ impl Parser<'_> {
                     }
                     _ => {
                         if let Some(statement) = closest(&text, words::STATEMENTS) {
+                            slips::expect_name_of(statement, cursor, 1, self.diagnostics);
                             return Err(self.diagnostics.syntax(
                                 cursor.place(),
                                 format!("unknown statement `{text}`; did you mean `{statement}`?"),

@@ -182,3 +182,16 @@ pub(super) fn is_argument(cursor: &Cursor) -> bool {
         _ => false,
     }
 }
+
+/// What a statement that is misspelt declares, `offset` tokens further, is known by name, so that its uses give no messages.
+pub(super) fn expect_name_of(
+    statement: &str,
+    cursor: &Cursor,
+    offset: usize,
+    diagnostics: &mut Diagnostics,
+) {
+    let names_something = ["let", "fn", "profile", "surface"].contains(&statement);
+    if let Some(TokenTree::Ident(name)) = cursor.peek_at(offset).filter(|_| names_something) {
+        diagnostics.poison(&name.to_string());
+    }
+}

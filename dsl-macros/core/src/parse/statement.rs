@@ -5,7 +5,7 @@ use super::cursor::{Cursor, unexpected};
 use super::documentation::documentation;
 use super::expression::expression;
 use super::pieces::{Bounds, block, entries, equals, name, range, target};
-use super::{control, law, picture, profile, unit};
+use super::{control, law, picture, profile, slips, unit};
 use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
@@ -131,7 +131,10 @@ fn unknown_statement(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnos
             "`{text}` is part of an impact law; write `impact name: ..., {text} ...`, with commas \
              between the parts"
         ),
-        Some(near) => format!("unknown statement `{text}`; did you mean `{near}`?"),
+        Some(near) => {
+            slips::expect_name_of(near, cursor, 0, diagnostics);
+            format!("unknown statement `{text}`; did you mean `{near}`?")
+        }
         None => format!(
             "unknown statement `{text}`; a statement begins with {}",
             list(words::STATEMENTS)

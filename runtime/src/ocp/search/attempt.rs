@@ -349,6 +349,10 @@ impl<'a, 'e> Attempts<'a, 'e> {
             cuts,
             purpose,
         } = attempt;
+        // On fine grids a program takes seconds before its first iteration.
+        if !runner.goes_on("collocation") {
+            return Err(nlp::Status::Interrupted);
+        }
         let mut program = transcribe(self.setting, sequence, guess, cuts, self.elements);
         let proves = runner.effort.proves();
         let barriers = match (&self.best, purpose) {
@@ -375,7 +379,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
         let mut status = nlp::Status::Interrupted;
         let tries = warm.into_iter().chain(again).chain(cold);
         for (index, ((barrier, iterations), gives_up, known)) in tries.enumerate() {
-            if runner.stopped() && (index > 0 || before.is_none()) {
+            if index > 0 && runner.stopped() {
                 break;
             }
             let mut settings = interior_point(runner.settings);

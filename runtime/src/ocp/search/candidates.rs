@@ -255,6 +255,9 @@ impl<'a> Search<'a, '_> {
         candidate: Candidate,
         near: bool,
     ) -> Result<(), InputError> {
+        if !runner.goes_on("collocation") {
+            return Ok(());
+        }
         let visits = self.attempts.visits();
         let sequence = candidate.sequence.signature();
         attempt_readings(runner, &mut self.attempts, candidate, near, visits)?;

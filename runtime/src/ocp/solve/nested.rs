@@ -9,9 +9,9 @@
 //! The motion that is returned is polished at last; the search goes on from those that are not.
 
 use super::one_grid::Known;
-use super::optima::{Found, is_better, is_same, rank, result, sort};
+use super::optima::{Found, ends_at_no_time, is_better, is_same, rank, result, sort};
 use super::portfolio::explore;
-use super::run::{Task, is_as_good};
+use super::run::{Task, is_as_good, on_grid};
 use super::shared_observer::SharedObserver;
 use crate::Observer;
 use crate::model::Model;
@@ -89,6 +89,9 @@ pub(super) fn solve(
         } else {
             from
         };
+        if let Some(endless) = endless(&task, &found, problem.intervals) {
+            return Ok(result(vec![endless], seen, observer.stopped()));
+        }
         let mut found = best_of(found, KEPT);
         if proves && intervals < problem.intervals {
             let task = Task { settings, ..task };
@@ -107,6 +110,16 @@ pub(super) fn solve(
         conclude(&task, &mut found, &mut seen)?;
     }
     Ok(result(found, seen, observer.stopped()))
+}
+
+/// A motion in no time, which a finer grid makes no longer, on the grid that was asked for.
+fn endless(task: &Task, found: &[Found], intervals: usize) -> Option<Found> {
+    let mut found = found.iter();
+    let endless = found.find(|found| ends_at_no_time(task.model, &found.solution))?;
+    Some(Found {
+        start: endless.start,
+        solution: on_grid(&endless.solution, intervals)?,
+    })
 }
 
 fn with_intervals(problem: &Problem, intervals: usize) -> Problem {

@@ -3,10 +3,16 @@
 use hangtime_solver::Seconds;
 use hangtime_solver::mpcc::Stationarity;
 
+use crate::model::Model;
 use crate::ocp::solution::{Counts, Optimum, Solution, Status};
 
 /// Relative difference of the objective within which two local optima count as the same.
 const SAME: f64 = 1e-6;
+
+/// Relative difference of the objective from the final time within which it is that.
+const SAME_TIME: f64 = 1e-9;
+/// Share of the longest final time that was looked at below which one is as good as none: two moves of the range end there.
+const NO_TIME: f64 = 2e-4;
 
 /// A motion, or why there is none, and the start that it goes back to.
 #[derive(Clone)]
@@ -31,10 +37,24 @@ pub(super) fn rank(solution: &Solution) -> (usize, f64) {
     (class, objective)
 }
 
-/// Whether a run came to more than another one; the later of two that came to nothing knows more.
+/// Whether a run came to more than another one; the later of two that came to nothing knows more, unless it made no motion to speak of
+/// and the other one tells what is violated.
 pub(super) fn is_better(later: &Found, earlier: &Found) -> bool {
     let (a, b) = (rank(&later.solution), rank(&earlier.solution));
-    a.0 < b.0 || a.0 == b.0 && a.1 <= b.1
+    let silent = later.solution.motion.is_none() && later.solution.violations.is_empty();
+    let knows = !silent || earlier.solution.violations.is_empty();
+    a.0 < b.0 || a.0 == b.0 && a.1 <= b.1 && knows
+}
+
+/// Whether final times without an end lead to a motion that no other one can beat by more than its own final time: that is the
+/// objective.
+pub(super) fn ends_at_no_time(model: &dyn Model, solution: &Solution) -> bool {
+    let declared = model.declaration().optimal_control;
+    let time = solution.horizon;
+    solution.status == Status::Unbounded
+        && declared.is_some_and(|declared| declared.free_time && !declared.running_cost)
+        && (solution.objective - time).abs() <= SAME_TIME * time
+        && time <= NO_TIME * solution.final_times.1
 }
 
 /// The best first.

@@ -10,7 +10,7 @@ use hangtime_solver::nlp;
 use rayon::prelude::*;
 
 use super::one_grid::Known;
-use super::optima::{Found, rank};
+use super::optima::{Found, ends_at_no_time, rank};
 use super::run::Task;
 use crate::ocp::effort::Effort;
 use crate::ocp::problem::has_free_start;
@@ -89,7 +89,10 @@ pub(super) fn explore(
         // Where initial values are free as well, those of the first batch agree on what is nearest too often.
         let seen = all.len() > BATCH || !has_free_start(task.model);
         let enough = task.settings.starts.is_none() && seen && best_was_found_again(&all);
-        if task.observer.stopped() || enough {
+        let endless = all
+            .iter()
+            .any(|found| ends_at_no_time(task.model, &found.solution));
+        if task.observer.stopped() || enough || endless {
             break;
         }
     }

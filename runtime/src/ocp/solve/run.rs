@@ -141,7 +141,7 @@ pub(super) fn is_as_good(solution: &Solution, kept: &Solution) -> bool {
 
 /// A motion on a coarser grid as one on a grid with that many intervals, where every one of these lies within one of the
 /// coarser grid. What was proved about its sequence does not hold on the finer grid.
-fn on_grid(solution: &Solution, intervals: usize) -> Option<Solution> {
+pub(super) fn on_grid(solution: &Solution, intervals: usize) -> Option<Solution> {
     let previous = solution.previous.as_ref()?;
     if !intervals.is_multiple_of(previous.intervals()) {
         return None;

@@ -7,6 +7,7 @@ use crate::fesd::active_contact::find;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
 use crate::simulation::problem::negative_bound;
+use crate::simulation::watch::interrupted;
 use crate::simulation::{Diagnosis, EventKind, SimulationStatus};
 
 /// Switches within a hundredth of the horizon before the contact mode counts as ambiguous. A ball that keeps
@@ -184,6 +185,7 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
         )
     };
     match stop {
+        Stop::Interrupted => interrupted(driver.now.state.time, driver.record.counts.elements),
         Stop::Element(ElementError::NotFinite) | Stop::Mode(ModeError::NotFinite) => {
             SimulationStatus::NotFinite(diagnosis(
                 driver,

@@ -5,6 +5,7 @@
 //! switch is known to the length of an element.
 
 use hangtime_solver::mpcc;
+use hangtime_solver::nlp::IterationInfo;
 
 use super::driver::Driver;
 use super::settings::StepFormulation;
@@ -16,6 +17,7 @@ use crate::fesd::finite_element::State;
 use crate::fesd::sharing;
 use crate::fesd::transcription::{Task, Transcription, transcribe};
 use crate::simulation::EventKind;
+use crate::simulation::watch::Watch;
 use crate::time_freezing::TimeFreezingSystem;
 
 /// Finite elements that one switch with an impact needs: before, jump, after.
@@ -68,7 +70,11 @@ fn tangential(share: Option<f64>) -> Tangential {
 }
 
 /// Advances to `end` by one complementarity problem.
-pub(super) fn solve_program(driver: &mut Driver<'_>, end: f64) -> Result<(), Stop> {
+pub(super) fn solve_program(
+    driver: &mut Driver<'_>,
+    end: f64,
+    watch: &mut Watch<'_>,
+) -> Result<(), Stop> {
     if driver.setup.settings.formulation == StepFormulation::TimeFreezing {
         // Its switches are known to the length of an element only, and this formulation promises more.
         return Err(Stop::Program(
@@ -79,11 +85,11 @@ pub(super) fn solve_program(driver: &mut Driver<'_>, end: f64) -> Result<(), Sto
     let resting: Vec<usize> = driver.now.active.iter().map(|held| held.contact).collect();
     let elastic = |i: usize| driver.setup.restitution[i] > 0.0 && !resting.contains(&i);
     if driver.setup.contacts().any(elastic) {
-        if try_program(driver, end, &resting, BOUNCE_ELEMENTS)? {
+        if try_program(driver, end, (&resting, BOUNCE_ELEMENTS), watch)? {
             return Ok(());
         }
         let everything: Vec<usize> = driver.setup.contacts().collect();
-        if try_program(driver, end, &everything, ELEMENTS)? {
+        if try_program(driver, end, (&everything, ELEMENTS), watch)? {
             return Ok(());
         }
         return Err(Stop::Program(
@@ -91,7 +97,7 @@ pub(super) fn solve_program(driver: &mut Driver<'_>, end: f64) -> Result<(), Sto
              follow each other faster than the steps, raise the rest velocity",
         ));
     }
-    if try_program(driver, end, &resting, ELEMENTS)? {
+    if try_program(driver, end, (&resting, ELEMENTS), watch)? {
         return Ok(());
     }
     Err(Stop::Program(
@@ -147,12 +153,19 @@ fn bounces_left_out(
 fn try_program(
     driver: &mut Driver<'_>,
     end: f64,
-    resting: &[usize],
-    fewest: usize,
+    (resting, fewest): (&[usize], usize),
+    watch: &mut Watch<'_>,
 ) -> Result<bool, Stop> {
     // A jump that begins to stick has one switch more.
     let fewest = fewest + usize::from(driver.setup.frictional);
-    let fewest = driver.setup.settings.elements.max(fewest);
+    let asked = driver.setup.settings.elements;
+    let chosen = driver.setup.settings.formulation == StepFormulation::Complementarity;
+    if chosen && asked < fewest {
+        driver.note(&format!(
+            "a step that is solved as a complementarity problem has {fewest} elements at least, not {asked}"
+        ));
+    }
+    let fewest = asked.max(fewest);
     for elements in fewest..fewest + ATTEMPTS {
         let system = TimeFreezingSystem::new(driver.setup.model, AUXILIARY_ACCELERATION)
             .without_bounces(resting);
@@ -171,11 +184,19 @@ fn try_program(
         settings.interior_point.maximum_iterations = MAX_ITERATIONS;
         settings.second_opinion = false;
         settings.maximum_neighbours = 0;
-        let solution = mpcc::solve(&mut program, &settings)
+        let mut stopped = false;
+        let mut observer = |_: &IterationInfo| {
+            stopped |= !watch.goes_on();
+            !stopped
+        };
+        let solution = mpcc::solve_observed(&mut program, &settings, &mut observer)
             .map_err(|_| Stop::Program("the step problem was refused"))?;
         driver.record.counts.interior_point += solution.iterations - solution.crossover_iterations;
         driver.record.counts.crossover += solution.crossover_iterations;
         driver.record.counts.fallbacks += 1;
+        if stopped {
+            return Err(Stop::Interrupted);
+        }
         // The step is a root of its equations: feasibility decides, optimality only chooses lengths.
         let residuals = solution.residuals;
         if residuals.primal.max(residuals.complementarity) > ACCEPTED {

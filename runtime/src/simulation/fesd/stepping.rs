@@ -171,10 +171,10 @@ fn advance(
         let next = driver.setup.controls.next_break(driver.now.state.time);
         let piece_end = next.map_or(end, |next| next.min(end));
         if driver.setup.settings.formulation == StepFormulation::Complementarity {
-            program::solve_program(driver, piece_end)
+            program::solve_program(driver, piece_end, watch)
                 .map_err(|stop| diagnosis::stopped(driver, number, &stop))?;
         } else {
-            attempt(driver, &mut step, piece_end)?;
+            attempt(driver, &mut step, piece_end, watch)?;
         }
     }
     driver.now.state.time = end;
@@ -192,6 +192,7 @@ fn attempt(
     driver: &mut Driver<'_>,
     step: &mut Step,
     piece_end: f64,
+    watch: &mut Watch<'_>,
 ) -> Result<(), SimulationStatus> {
     let time = driver.now.state.time;
     let share = (piece_end - time) / (step.end - step.begin);
@@ -226,7 +227,7 @@ fn attempt(
                 return Err(diagnosis::unsettled(driver, step.number));
             }
         }
-        Err(stop) => recover(driver, step, end, stop)?,
+        Err(stop) => recover(driver, step, (end, stop), watch)?,
     }
     Ok(())
 }
@@ -235,8 +236,8 @@ fn attempt(
 fn recover(
     driver: &mut Driver<'_>,
     step: &mut Step,
-    end: f64,
-    stop: Stop,
+    (end, stop): (f64, Stop),
+    watch: &mut Watch<'_>,
 ) -> Result<(), SimulationStatus> {
     let mode = matches!(stop, Stop::Mode(_));
     let not_finite = matches!(
@@ -257,7 +258,7 @@ fn recover(
     if mode || not_finite || edge(driver.setup.model).is_some() {
         return Err(diagnosis::stopped(driver, step.number, &stop));
     }
-    program::solve_program(driver, end)
+    program::solve_program(driver, end, watch)
         .map_err(|stop| diagnosis::stopped(driver, step.number, &stop))?;
     step.halvings = 0;
     Ok(())

@@ -15,6 +15,8 @@ pub(super) enum Stop {
     Unresolved,
     /// The complementarity problem of the step was not solved.
     Program(&'static str),
+    /// The observer asked to stop.
+    Interrupted,
 }
 
 impl From<ElementError> for Stop {
