@@ -292,7 +292,18 @@ pub(super) struct IterationsEntry {
 #[serde(remote = "Seconds")]
 pub(super) struct SecondsEntry {
     total: f64,
+    #[serde(serialize_with = "measured")]
     evaluate: f64,
+    #[serde(serialize_with = "measured")]
     factorize: f64,
+    #[serde(serialize_with = "measured")]
     solve: f64,
+}
+
+/// A time by kind of work, or nothing where it was not measured: simulations know their total only.
+// A reference, as serde asks for one.
+fn measured<S: Serializer>(seconds: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    Some(*seconds)
+        .filter(|seconds| *seconds > 0.0)
+        .serialize(serializer)
 }

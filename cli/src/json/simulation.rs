@@ -139,6 +139,9 @@ mod tests {
         assert_eq!(document["trajectory"]["time"].as_array().unwrap().len(), 2);
         assert_eq!(document["final"]["q"], serde_json::json!([2.0, 0.2]));
         assert!(document["residuals"]["primal"].is_null());
+        // Simulations do not measure kinds of work apart.
+        assert!(document["seconds"]["total"].is_number());
+        assert!(document["seconds"]["evaluate"].is_null());
         assert!(text.contains("1e+300") && text.contains("0.1"), "{text}");
     }
 }

@@ -47,6 +47,11 @@ impl Comparison {
         }
     }
 
+    /// The difference, unless the finer run knows of a larger error.
+    pub(super) fn apart(&self) -> Option<f64> {
+        self.steps.is_none().then_some(self.error)
+    }
+
     /// The error in words.
     pub(super) fn words(&self) -> String {
         match self.steps {

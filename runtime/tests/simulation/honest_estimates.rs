@@ -242,6 +242,23 @@ fn free_motion_by_smoothed_switches_has_the_error_of_its_tolerance() {
 }
 
 #[test]
+fn a_run_of_few_stages_that_is_accurate_is_confirmed_by_one_that_is_hardly_longer() {
+    // A hundredth of its tolerance would take more elements than a run may have.
+    let model = FastAndSmall {
+        a: 1.0,
+        w: 100.0,
+        ..FastAndSmall::default()
+    };
+    let FastAndSmall { w, a, g, v, .. } = model;
+    let found = run(&fesd(2, StepFormulation::ActiveSet), &model, None);
+    assert!(found.status.is_solved(), "{}", found.status);
+    let exact = ([a * w.cos(), v - g / 2.0], [-a * w * w.sin(), v - g]);
+    let error = error(&found, &exact.0, &exact.1);
+    let estimate = found.error_estimate.unwrap();
+    assert!(error < 10.0 * estimate && error < 1e-6, "{error:e}");
+}
+
+#[test]
 fn thin_post_is_struck_wherever_it_stands() {
     for place in [0.3, 0.5, 0.713, 1.037, 1.3, 1.71] {
         let model = Post {

@@ -18,12 +18,14 @@ use crate::simulation::watch::Watch;
 use crate::simulation::{InitialValueProblem, Simulation, SimulationStatus};
 
 /// Runs after the first one.
-const MAX_RUNS: usize = 4;
+const MAX_RUNS: usize = 5;
 /// Error estimates of the elements of a run relative to those of the one before.
 const TIGHTER: f64 = 1e-2;
+/// The same of a run that confirms one which is accurate enough, and takes few elements more.
+const WITNESS: f64 = 0.3;
 /// Longest elements of each run relative to those of the first that is returned: what an element damps or passes over, another
 /// one of its length does as well.
-const LONGEST: [f64; MAX_RUNS + 1] = [0.77, 1.0, 0.59, 0.46, 0.35];
+const LONGEST: [f64; MAX_RUNS + 1] = [0.77, 1.0, 0.59, 0.46, 0.35, 0.27];
 /// Smallest error estimate of an element that can be asked for.
 const SMALLEST: f64 = 1e-14;
 /// Tolerance of the event-driven run that confirms clusters of impacts, relative to what is promised.
@@ -51,7 +53,8 @@ pub(super) fn promised(
     if stopped(&looser) {
         return looser;
     }
-    tolerance = promise.min(0.1 * tolerance);
+    let mut ratio = (promise / tolerance).min(0.1);
+    tolerance *= ratio;
     let mut spent = Spent::default();
     spent.add(&looser);
     for runs in 1..=MAX_RUNS {
@@ -74,16 +77,30 @@ pub(super) fn promised(
             if kept || runs == MAX_RUNS {
                 return spent.charge(tighter);
             }
+            // A witness that disagrees is none: the errors are not yet what their order says.
+            let witness = ratio != WITNESS
+                && compared
+                    .apart()
+                    .is_some_and(|apart| needs_witness(apart, ratio, promise, s));
+            ratio = if witness { WITNESS } else { TIGHTER };
         } else if failed[1] && (failed[0] || runs == MAX_RUNS) {
             return spent.charge(tighter);
         } else if runs == MAX_RUNS {
             // Nothing confirms the only run that reached the horizon.
             return spent.charge(looser);
+        } else {
+            ratio = TIGHTER;
         }
         looser = tighter;
-        tolerance *= TIGHTER;
+        tolerance *= ratio;
     }
     looser
+}
+
+/// Whether a run that differs by `error` from one whose tolerance was larger by `1 / ratio` is as accurate as is promised, and
+/// only nobody has confirmed it: with `s` stages errors are proportional to the power `(2 s - 1) / (s + 1)` of the tolerance.
+fn needs_witness(error: f64, ratio: f64, promise: f64, s: f64) -> bool {
+    error * ratio.powf((2.0 * s - 1.0) / (s + 1.0)) <= 0.3 * promise
 }
 
 /// Simulates on a grid that nobody has named, and on one with twice the steps, which is returned: where they differ by
